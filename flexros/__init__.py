@@ -1,0 +1,1 @@
+"""FlexROS: modelling, control, identification and gap diagnosis of flexible robot manipulators."""

@@ -1,0 +1,1 @@
+"""Topics, node parameters and scenarios as typed, validated objects."""

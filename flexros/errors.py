@@ -1,0 +1,46 @@
+"""Errors that reach the user as one clear sentence and an exit code."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, ClassVar
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+class FlexrosError(Exception):
+    """Base of all errors that FlexROS raises on purpose; `exit_code` is what the command line returns."""
+
+    exit_code: ClassVar[int] = 1
+
+
+class InputError(FlexrosError):
+    """Bad input: the message says what was given, what is allowed, where it came from and what to do."""
+
+    exit_code: ClassVar[int] = 2
+
+
+class RunError(FlexrosError):
+    """A run broke off: the message says what happened, when, and where the log up to there lies."""
+
+    exit_code: ClassVar[int] = 3
+
+
+def unknown_name(kind: str, given: str, allowed: Iterable[str], source: str = "") -> InputError:
+    """Make the error for a name that is not known, offering the nearest and listing all.
+
+    Args:
+        kind: What is named, e.g. "robot".
+        given: The name that was given.
+        allowed: The names that would have been valid.
+        source: Where the name came from, e.g. "scenario circle_pd, key robot".
+
+    Returns:
+        The error, to be raised by the caller.
+    """
+    names = sorted(allowed)
+    nearest = get_close_matches(given, names, n=1)
+    hint = f"did you mean '{nearest[0]}'? " if nearest else ""
+    origin = f" in {source}" if source else ""
+    return InputError(f"unknown {kind} '{given}'{origin}: {hint}allowed are {', '.join(names)}")
