@@ -1,0 +1,89 @@
+"""Physical quantities in robot files: a value with unit, source and tolerance."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from flexros.config.validation import Settings
+
+
+class Quantity(Settings):
+    """One number of a robot file.
+
+    In YAML either a plain number in the SI unit of its key, or a mapping with the fields below.
+    """
+
+    value: float = Field(description="value in the SI unit of the key")
+    unit: str = Field("", description="unit; may be left out, must be the SI unit of the key when given")
+    source: str = Field("", description="where the value comes from; default: the file's defaults.source")
+    tolerance: float | None = Field(
+        None, ge=0, description="one standard deviation, relative to the value; default: the file's defaults.tolerance"
+    )
+
+
+class Vector(Settings):
+    """Three numbers of a robot file along x, y and z; in YAML a list of three or a mapping like Quantity."""
+
+    value: tuple[float, float, float] = Field(description="components along x, y, z in the SI unit of the key")
+    unit: str = Field("", description="unit; may be left out, must be the SI unit of the key when given")
+    source: str = Field("", description="where the value comes from")
+    tolerance: float | None = Field(None, ge=0, description="one standard deviation, relative to the value")
+
+
+def _from_plain(data: Any) -> Any:
+    """Accept a bare number or list where a quantity is expected."""
+    if isinstance(data, bool):
+        raise ValueError(f"is {data}, but a number is expected")
+    return data if isinstance(data, (dict, Quantity, Vector)) else {"value": data}
+
+
+class _Checked:
+    """Check of unit and sign of a quantity."""
+
+    def __init__(self, unit: str, minimum: float | None) -> None:
+        self.unit = unit
+        self.minimum = minimum
+
+    def __call__(self, quantity: Quantity) -> Quantity:
+        check_unit(quantity, self.unit)
+        if self.minimum is not None and quantity.value < self.minimum:
+            raise ValueError(f"is {quantity.value:g} {self.unit}, but must be at least {self.minimum:g} {self.unit}")
+        return quantity.model_copy(update={"unit": self.unit})
+
+
+def check_unit(quantity: Quantity | Vector, unit: str) -> None:
+    """Refuse a quantity that states another unit than the one of its key.
+
+    Args:
+        quantity: What the file gives.
+        unit: SI unit of the key.
+
+    Raises:
+        ValueError: The units differ.
+    """
+    if quantity.unit and _canonical(quantity.unit) != _canonical(unit):
+        raise ValueError(f"has unit '{quantity.unit}', but the unit here is '{unit}'; convert the value")
+
+
+def _canonical(unit: str) -> str:
+    return unit.replace("·", "").replace("*", "").replace(" ", "").replace("^", "")
+
+
+def _checked_vector(unit: str) -> Any:
+    def check(vector: Vector) -> Vector:
+        check_unit(vector, unit)
+        return vector.model_copy(update={"unit": unit})
+
+    return check
+
+
+Plain = BeforeValidator(_from_plain)
+Mass = Annotated[Quantity, Plain, AfterValidator(_Checked("kg", 0.0))]
+Inertia = Annotated[Quantity, Plain, AfterValidator(_Checked("kg m2", 0.0))]
+Seconds = Annotated[Quantity, Plain, AfterValidator(_Checked("s", 0.0))]
+Ratio = Annotated[Quantity, Plain, AfterValidator(_Checked("1", None))]
+AnyUnit = Annotated[Quantity, Plain]
+Position = Annotated[Vector, Plain, AfterValidator(_checked_vector("m"))]
+Acceleration = Annotated[Vector, Plain, AfterValidator(_checked_vector("m/s2"))]

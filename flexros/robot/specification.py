@@ -1,0 +1,213 @@
+"""The robot file: bodies, springs, dampers, motors, tool, sensors, each number with unit, source and tolerance."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import AfterValidator, Field, model_validator
+
+from flexros.config.validation import Settings
+from flexros.robot.quantity import (
+    Acceleration,
+    AnyUnit,
+    Inertia,
+    Mass,
+    Plain,
+    Position,
+    Quantity,
+    Ratio,
+    Seconds,
+    Vector,
+    check_unit,
+)
+from flexros.robot.spring import Spring
+
+Axis = Literal["rx", "ry", "rz", "tx", "ty", "tz"]
+PoseComponent = Literal["x", "y", "z", "rx", "ry", "rz"]
+
+
+def _zero(unit: str) -> Quantity:
+    return Quantity(value=0.0, unit=unit)
+
+
+def _not_negative(quantity: Quantity) -> Quantity:
+    if quantity.value < 0:
+        raise ValueError(f"is {quantity.value:g}, but must not be negative")
+    return quantity
+
+
+NotNegative = Annotated[Quantity, Plain, AfterValidator(_not_negative)]
+
+
+class Motor(Settings):
+    """Motor behind the gear of one direction, placed on the preceding body."""
+
+    inertia: Inertia = Field(default_factory=lambda: _zero("kg m2"), description="rotor inertia [kg m2, or kg]")
+    gear_ratio: Ratio = Field(default_factory=lambda: Quantity(value=1.0, unit="1"), description="motor turns per arm turn")
+    viscous_friction: NotNegative = Field(default_factory=lambda: _zero(""), description="[Nm s/rad, or N s/m]")
+    torque_limit: AnyUnit | None = Field(None, description="largest torque either way [Nm, or N]; none: unlimited")
+    encoder_noise: NotNegative | None = Field(None, description="rms [rad, or m]; default: sensors.encoder_noise")
+
+
+class Direction(Settings):
+    """One direction of motion of a body relative to the body before it."""
+
+    spring: Spring | Literal["rigid"] = Field(
+        description="spring; 'rigid': a direction without motor is taken out, a gear with motor is stiff"
+    )
+    damper: NotNegative = Field(default_factory=lambda: _zero(""), description="[Nm s/rad, or N s/m]")
+    motor: Motor | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_word(cls, data: Any) -> Any:
+        return {"spring": "rigid"} if data == "rigid" else data
+
+
+class InertiaTensor(Settings):
+    """Inertia tensor about the centre of mass [kg m2]; what is left out is zero."""
+
+    xx: Inertia = Field(default_factory=lambda: _zero("kg m2"))
+    yy: Inertia = Field(default_factory=lambda: _zero("kg m2"))
+    zz: Inertia = Field(default_factory=lambda: _zero("kg m2"))
+    xy: AnyUnit = Field(default_factory=lambda: _zero("kg m2"))
+    xz: AnyUnit = Field(default_factory=lambda: _zero("kg m2"))
+    yz: AnyUnit = Field(default_factory=lambda: _zero("kg m2"))
+
+    def matrix(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """Return the tensor as a matrix [kg m2], shape (3, 3)."""
+        xx, yy, zz = self.xx.value, self.yy.value, self.zz.value
+        xy, xz, yz = self.xy.value, self.xz.value, self.yz.value
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+class Body(Settings):
+    """Rigid body, described in its own frame, which at zero deflection is parallel to the base frame."""
+
+    label: str = ""
+    parent: str = Field("", description="the body before; may be left out, the bodies stand in the order of the chain")
+    mass: Mass = Field(default_factory=lambda: _zero("kg"))
+    center_of_mass: Position = Field(default_factory=lambda: Vector(value=(0, 0, 0)), description="[m]")
+    inertia: InertiaTensor = Field(default_factory=InertiaTensor)
+    length: Position = Field(default_factory=lambda: Vector(value=(0, 0, 0)), description="to the next body [m]")
+    viscous_friction: NotNegative = Field(
+        default_factory=lambda: _zero("Nm s/rad"), description="against the absolute rotation of the body [Nm s/rad]"
+    )
+    directions: dict[Axis, Direction] = Field(default_factory=dict, description="in the order in which they follow")
+
+    @model_validator(mode="after")
+    def _one_motor_and_units(self) -> Body:
+        geared = [axis for axis, direction in self.directions.items() if direction.motor]
+        if len(geared) > 1:
+            raise ValueError(f"directions {', '.join(geared)} have motors, but a body has at most one actuated direction")
+        for axis, direction in self.directions.items():
+            rotary = axis.startswith("r")
+            spring = direction.spring
+            if isinstance(spring, Spring) and spring.stiffness is not None:
+                check_unit(spring.stiffness, "Nm/rad" if rotary else "N/m")
+            check_unit(direction.damper, "Nm s/rad" if rotary else "N s/m")
+        return self
+
+
+class LinearTool(Settings):
+    """Tool coordinate as a linear function of the arm coordinates, for models without geometry (Moberg 2007, eq. 8)."""
+
+    component: Literal["x", "y", "z"] = "x"
+    divisor: float = Field(1.0, gt=0, description="gear ratio by which the weighted sum is divided")
+    weights: dict[str, float] = Field(description="arm coordinate -> distance [m]")
+
+
+class Tool(Settings):
+    """Tool point on the last body, or a linear tool coordinate."""
+
+    position: Position | None = Field(None, description="in the frame of the last body [m]; default: its length")
+    linear: LinearTool | None = None
+
+
+class Output(Settings):
+    """A set of controlled variables: pose components of the tool, or arm coordinates."""
+
+    pose: tuple[PoseComponent, ...] = ()
+    coordinates: tuple[str, ...] = ()
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Output:
+        if bool(self.pose) == bool(self.coordinates):
+            raise ValueError("needs either 'pose' (x, y, z, rx, ry, rz) or 'coordinates' (names like body_1.ry)")
+        return self
+
+
+class Sensors(Settings):
+    """Noise of the sensors, white, rms."""
+
+    encoder_noise: NotNegative = Field(default_factory=lambda: _zero(""), description="[rad, or m] in the coordinate")
+    tool_noise: NotNegative = Field(default_factory=lambda: Quantity(value=20e-6, unit="m"), description="tracker [m]")
+
+
+class Defaults(Settings):
+    """Source and tolerance of every number that does not state its own."""
+
+    source: str = ""
+    tolerance: float = Field(0.0, ge=0, description="one standard deviation, relative")
+
+
+class RobotSpecification(Settings):
+    """A robot file (Moberg 2007, section 3.2.4 and Paper B, section 3)."""
+
+    name: str
+    description: str = ""
+    defaults: Defaults = Field(default_factory=Defaults)
+    coordinates: Literal["arm", "motor"] = Field("arm", description="side of the gear on which all values are stated")
+    gravity: Acceleration = Field(default_factory=lambda: Vector(value=(0, 0, 0)), description="[m/s2]")
+    sample_time: Seconds = Field(default_factory=lambda: Quantity(value=5e-4, unit="s"), description="[s]")
+    delay: Seconds = Field(default_factory=lambda: _zero("s"), description="of the command at the plant input [s]")
+    inertial_coupling: bool = Field(False, description="include the coupling S(q) of the rotors (Moberg 2007, eq. 3.12)")
+    sensors: Sensors = Field(default_factory=Sensors)
+    bodies: tuple[Body, ...] = Field(min_length=1, max_length=200)
+    tool: Tool = Field(default_factory=Tool)
+    outputs: dict[str, Output]
+    controlled: str = Field(description="the output that trajectories and feedforward refer to by default")
+    home: tuple[float, ...] | None = Field(None, description="arm coordinates of the usual start pose; default: zeros")
+    unknown_parameters: tuple[str, ...] = Field((), description="parameters that an identification estimates")
+    tags: dict[str, str] = Field(default_factory=dict, description="free text, for instance which values are chosen")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> RobotSpecification:
+        for index, body in enumerate(self.bodies):
+            before = f"body_{index}" if index else "base"
+            if body.parent and body.parent != before:
+                raise ValueError(
+                    f"bodies[{index}] names parent '{body.parent}', but the chain is serial and the body before is "
+                    f"'{before}': the chain is disconnected; reorder the bodies"
+                )
+        if self.sample_time.value <= 0:
+            raise ValueError(f"sample_time is {self.sample_time.value:g} s, but must be positive")
+        if self.controlled not in self.outputs:
+            raise ValueError(f"controlled is '{self.controlled}', but outputs has only {', '.join(self.outputs)}")
+        names = arm_names(self)
+        for output_name, output in self.outputs.items():
+            self._known(output.coordinates, names, f"outputs.{output_name}.coordinates")
+        if self.tool.linear:
+            self._known(tuple(self.tool.linear.weights), names, "tool.linear.weights")
+        if self.home is not None and len(self.home) != len(names):
+            raise ValueError(f"home has {len(self.home)} numbers, but the robot has {len(names)} arm coordinates")
+        if not names:
+            raise ValueError("the robot has no direction of motion; give at least one body a direction")
+        return self
+
+    @staticmethod
+    def _known(given: tuple[str, ...], allowed: tuple[str, ...], key: str) -> None:
+        for name in given:
+            if name not in allowed:
+                raise ValueError(f"{key} names '{name}', but the arm coordinates are {', '.join(allowed)}")
+
+
+def arm_names(specification: RobotSpecification) -> tuple[str, ...]:
+    """List the arm coordinates in order, e.g. ("body_1.ry", "body_2.ry"); rigid directions without motor are none."""
+    return tuple(
+        f"body_{index + 1}.{axis}"
+        for index, body in enumerate(specification.bodies)
+        for axis, direction in body.directions.items()
+        if direction.motor or direction.spring != "rigid"
+    )
