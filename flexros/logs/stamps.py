@@ -1,0 +1,55 @@
+"""Stamps of samples: the one place that maps sample k to simulated time and back."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flexros.arrays import IntArray
+
+NANOSECONDS = 1_000_000_000
+"""Nanoseconds in a second."""
+
+START_NS = NANOSECONDS
+"""Stamp of sample 0 [ns]: simulated time starts at 1 s, because 0 means "not set" in ROS."""
+
+
+def stamp_ns(k: int, sample_time: float) -> int:
+    """Stamp of sample k: 1 s + round(k T).
+
+    Args:
+        k: Sample number, from 0.
+        sample_time: T [s].
+
+    Returns:
+        Simulated time [ns].
+    """
+    return START_NS + round(k * sample_time * 1e9)
+
+
+def stamps_ns(n: int, sample_time: float) -> IntArray:
+    """Stamps of the samples 0 to n - 1, equal to `stamp_ns` for each.
+
+    Args:
+        n: Number of samples.
+        sample_time: T [s].
+
+    Returns:
+        Simulated time [ns], shape (n,).
+    """
+    return START_NS + np.rint(np.arange(n) * sample_time * 1e9).astype(np.int64)
+
+
+def sample_number(stamp: int, sample_time: float) -> int:
+    """Number of the sample nearest to a stamp, the inverse of `stamp_ns`.
+
+    Args:
+        stamp: Simulated time [ns].
+        sample_time: T [s].
+
+    Returns:
+        k, negative before the start.
+    """
+    return round((stamp - START_NS) / (sample_time * 1e9))

@@ -1,0 +1,107 @@
+"""Time series of a log: joints, poses, and the log that holds them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.arrays import FloatArray, IntArray
+
+
+def _check_shape(owner: str, name: str, array: FloatArray | None, shape: tuple[int, int]) -> None:
+    if array is not None and (array.shape != shape or array.dtype != np.float64):
+        raise InputError(
+            f"{owner}.{name} has shape {array.shape} and type {array.dtype}, allowed is {shape} and float64; "
+            "give one row per stamp"
+        )
+
+
+def _check_stamp(owner: str, stamp: IntArray) -> None:
+    if stamp.ndim != 1 or stamp.dtype != np.int64:
+        raise InputError(
+            f"{owner}.stamp has shape {stamp.shape} and type {stamp.dtype}, allowed is (n,) and int64; "
+            "give nanoseconds as integers"
+        )
+    if np.any(stamp[1:] <= stamp[:-1]):
+        at = int(np.argmax(stamp[1:] <= stamp[:-1])) + 1
+        raise InputError(f"{owner}.stamp does not increase at row {at}; sort it and drop repeats")
+
+
+@dataclass(frozen=True, eq=False)
+class JointSeries:
+    """Joint quantities over time; each is None where it was not recorded.
+
+    Attributes:
+        stamp: Sampling instants [ns], increasing, shape (n,).
+        names: Joint names, length n_joints.
+        position: Positions [rad or m], shape (n, n_joints).
+        velocity: Velocities [rad/s or m/s], shape (n, n_joints).
+        effort: Torques or forces [Nm or N], shape (n, n_joints).
+    """
+
+    stamp: IntArray
+    names: tuple[str, ...]
+    position: FloatArray | None = None
+    velocity: FloatArray | None = None
+    effort: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        _check_stamp("JointSeries", self.stamp)
+        if len(set(self.names)) != len(self.names):
+            raise InputError(f"JointSeries.names has a name twice in {self.names}; give each joint a name of its own")
+        for name in ("position", "velocity", "effort"):
+            _check_shape("JointSeries", name, getattr(self, name), (len(self.stamp), len(self.names)))
+
+
+@dataclass(frozen=True, eq=False)
+class PoseSeries:
+    """Poses of one frame over time.
+
+    Attributes:
+        stamp: Sampling instants [ns], increasing, shape (n,).
+        frame_id: Frame in which the poses are given.
+        position: Positions [m], shape (n, 3).
+        orientation: Quaternions x, y, z, w [-], shape (n, 4).
+    """
+
+    stamp: IntArray
+    frame_id: str
+    position: FloatArray
+    orientation: FloatArray
+
+    def __post_init__(self) -> None:
+        _check_stamp("PoseSeries", self.stamp)
+        _check_shape("PoseSeries", "position", self.position, (len(self.stamp), 3))
+        _check_shape("PoseSeries", "orientation", self.orientation, (len(self.stamp), 4))
+
+
+@dataclass(frozen=True, eq=False)
+class Log:
+    """What a run left behind: the five topics of the contract, and where they came from.
+
+    Attributes:
+        joint_states: Measurement of the motors.
+        joint_commands: Torque commands, None where not recorded; the same holds for all below.
+        joint_reference: Reference that the controller used.
+        tool_pose: True or measured tool pose.
+        tool_reference: Commanded tool pose.
+        provenance: Scenario, seed, versions and model hash, as written beside the log.
+        warnings: What the reader noticed, one sentence each.
+        other_topics: Number of messages of every further topic, by name.
+    """
+
+    joint_states: JointSeries
+    joint_commands: JointSeries | None = None
+    joint_reference: JointSeries | None = None
+    tool_pose: PoseSeries | None = None
+    tool_reference: PoseSeries | None = None
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    other_topics: Mapping[str, int] = field(default_factory=dict)
