@@ -1,0 +1,142 @@
+"""What a feedback controller is, and how one is found by its name."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from abc import ABC, abstractmethod
+from functools import cache
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+import flexros.control
+from flexros.config.validation import Settings, validate
+from flexros.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import casadi
+
+    from flexros.arrays import FloatArray
+
+
+class AbstractControlLaw(Settings, ABC):
+    """A sampled feedback control law, written once as a symbolic function; its fields are the keys of a scenario.
+
+    How to add a controller: write one file in `flexros/control` with one final subclass, which is then found by its
+    name in scenarios, in the direct simulation, in batches and in the controller node alike. It provides:
+
+    1. `kind`, a class variable: the name by which scenarios choose it.
+    2. Its settings as pydantic fields with description, unit and bounds. Records are frozen, unknown keys refused.
+    3. `state_size` and, where it does not start from zeros, `initial_state`: its memory between samples.
+    4. `gain_names` and `gains`: every number that may change while running or be swept, as one vector.
+    5. `function`: the pure update `(c, r, y, g) -> (u, c_next)` as a CasADi SX function with the shapes
+       c (state_size,), r (3 M,) = [motor position, motor velocity, feedforward torque], y (M,) measured motor
+       position, g (n_gains,), u (M,) torque command. No clock, no randomness: sample time is an argument.
+    6. `bumpless_state`, if it can take over from another controller without a step in the torque.
+    """
+
+    kind: ClassVar[str]
+
+    @abstractmethod
+    def state_size(self, n_motors: int) -> int:
+        """Give the number of memory variables for `n_motors` motors."""
+
+    @abstractmethod
+    def gain_names(self, n_motors: int) -> tuple[str, ...]:
+        """Name the entries of the gain vector, in order, e.g. "motor_1.kp"."""
+
+    @abstractmethod
+    def gains(self, n_motors: int, torque_limits: FloatArray | None = None) -> FloatArray:
+        """Give the gain vector.
+
+        Args:
+            n_motors: Number of motors M.
+            torque_limits: Limits of the robot's motors [Nm], shape (M,); none where not given.
+
+        Returns:
+            Gains in the order of `gain_names`, shape (n_gains,).
+
+        Raises:
+            InputError: A setting given per motor does not have one value for each.
+        """
+
+    @abstractmethod
+    def function(self, n_motors: int, sample_time: float) -> casadi.Function:
+        """Build the update `(c, r, y, g) -> (u, c_next)`.
+
+        Args:
+            n_motors: Number of motors M.
+            sample_time: Time between two samples [s].
+        """
+
+    def initial_state(self, n_motors: int) -> FloatArray:
+        """Give the memory before the first sample, shape (state_size,)."""
+        return np.zeros(self.state_size(n_motors))
+
+    def bumpless_state(
+        self,
+        gains: FloatArray,
+        sample_time: float,
+        position: FloatArray,
+        reference: FloatArray,
+        torque: FloatArray,
+    ) -> FloatArray:
+        """Give the memory with which the next command continues `torque`, as far as the law can.
+
+        Args:
+            gains: Gain vector, shape (n_gains,).
+            sample_time: Time between two samples [s].
+            position: Measured motor position of the next sample [rad or m], shape (M,).
+            reference: Reference of the next sample, shape (3 M,).
+            torque: Torque to continue from [Nm], shape (M,).
+
+        Returns:
+            Memory, shape (state_size,).
+
+        Raises:
+            InputError: The law has no state that could hold a torque.
+        """
+        raise InputError(
+            f"controller '{self.kind}' cannot take over a torque without a step; start it from its initial state"
+        )
+
+
+@cache
+def control_laws() -> Mapping[str, type[AbstractControlLaw]]:
+    """Find all control laws in this package, by `kind`."""
+    for module in pkgutil.iter_modules(flexros.control.__path__):
+        importlib.import_module(f"flexros.control.{module.name}")
+    found: dict[str, type[AbstractControlLaw]] = {}
+    for law in AbstractControlLaw.__subclasses__():
+        if law.__module__.startswith("flexros.control."):
+            if law.kind in found:
+                raise InputError(
+                    f"two controllers are named '{law.kind}': {found[law.kind].__module__} and {law.__module__}; "
+                    "give one of them another kind"
+                )
+            found[law.kind] = law
+    return MappingProxyType(dict(sorted(found.items())))
+
+
+def control_law(settings: Mapping[str, Any], source: str = "controller") -> AbstractControlLaw:
+    """Make a control law from the mapping of a scenario.
+
+    Args:
+        settings: `kind` and the fields of that law, e.g. {"kind": "pid", "kp": 135000, "kd": 9000}.
+        source: Where the settings came from, opens the error text.
+
+    Returns:
+        The law.
+
+    Raises:
+        InputError: No such kind, or a setting is wrong.
+    """
+    laws = control_laws()
+    kind = str(settings.get("kind", ""))
+    if kind not in laws:
+        raise unknown_name("kind", kind, laws, source)
+    return validate(laws[kind], {key: value for key, value in settings.items() if key != "kind"}, source)

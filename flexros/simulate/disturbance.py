@@ -1,0 +1,205 @@
+"""Torque disturbances at motors and tool: steps, pulses, chirps and noise (Moberg 2007, Paper C, section 5.2)."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from functools import lru_cache
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from flexros.config.validation import Settings
+from flexros.errors import InputError, unknown_name
+from flexros.simulate.noise import Stream, generator
+from flexros.simulate.sample_blocks import BLOCK, SampleBlocks, zeros
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray, IntArray
+
+WRENCH = ("tool.fx", "tool.fy", "tool.fz", "tool.tx", "tool.ty", "tool.tz")
+"""Components of the wrench at the tool in the base frame: forces [N], then torques [Nm]."""
+
+
+class AbstractDisturbance(Settings, ABC):
+    """Disturbance at one place; held from each sampling instant to the next, as a torque command is.
+
+    How to add one: write a final subclass with `kind`, its fields and `values`, and put it into `Disturbance`.
+    """
+
+    at: str = Field(
+        description="motor_1, motor_2, ... (torque added to the command's [Nm, or N]) or tool.fx ... tool.tz"
+    )
+    start: float = Field(default=0.0, ge=0.0, description="start time, counted from the start of the run [s]")
+
+    @abstractmethod
+    def values(self, index: IntArray, sample_time: float, seed: int, number: int) -> FloatArray:
+        """Evaluate at sampling instants.
+
+        Args:
+            index: Sample numbers, shape (n,).
+            sample_time: Time between two samples [s].
+            seed: Seed of the run.
+            number: Place in the scenario's list, which tells random disturbances apart.
+
+        Returns:
+            Disturbance in the unit of its place, shape (n,).
+        """
+
+    def highest_frequency(self) -> float:
+        """Give the highest frequency that must stay below half the sampling rate [Hz]."""
+        return 0.0
+
+    def elapsed(self, index: IntArray, sample_time: float) -> FloatArray:
+        """Give the time since the first sample at or after `start` [s], shape (n,); negative before it."""
+        first = sample_index(self.start, sample_time)
+        return np.asarray((index - first) * sample_time, dtype=float)
+
+
+class Step(AbstractDisturbance):
+    """Constant from `start` on."""
+
+    kind: Literal["step"] = Field(description="kind of disturbance [name]")
+    amplitude: float = Field(description="height [Nm at a motor; N or Nm at the tool]")
+
+    def values(self, index: IntArray, sample_time: float, seed: int, number: int) -> FloatArray:
+        """Evaluate at sampling instants."""
+        return np.where(self.elapsed(index, sample_time) >= 0.0, self.amplitude, 0.0)
+
+
+class Pulse(AbstractDisturbance):
+    """Constant from `start` for the time `width`."""
+
+    kind: Literal["pulse"] = Field(description="kind of disturbance [name]")
+    amplitude: float = Field(description="height [Nm at a motor; N or Nm at the tool]")
+    width: float = Field(gt=0.0, description="how long it lasts, rounded up to whole samples [s]")
+
+    def values(self, index: IntArray, sample_time: float, seed: int, number: int) -> FloatArray:
+        """Evaluate at sampling instants."""
+        first = sample_index(self.start, sample_time)
+        inside = (index >= first) & (index < first + max(sample_index(self.width, sample_time), 1))
+        return np.where(inside, self.amplitude, 0.0)
+
+
+class Chirp(AbstractDisturbance):
+    """Sine whose frequency moves linearly from `from_hz` to `to_hz` during `duration`, then zero."""
+
+    kind: Literal["chirp"] = Field(description="kind of disturbance [name]")
+    amplitude: float = Field(description="amplitude [Nm at a motor; N or Nm at the tool]")
+    from_hz: float = Field(ge=0.0, description="frequency at the start [Hz]")
+    to_hz: float = Field(ge=0.0, description="frequency at the end [Hz]")
+    duration: float = Field(gt=0.0, description="how long it lasts [s]")
+
+    def values(self, index: IntArray, sample_time: float, seed: int, number: int) -> FloatArray:
+        """Evaluate at sampling instants."""
+        time = self.elapsed(index, sample_time)
+        turns = self.from_hz * time + 0.5 * (self.to_hz - self.from_hz) / self.duration * time**2
+        wave = self.amplitude * np.sin(2.0 * math.pi * turns)
+        return np.where((time >= 0.0) & (time < self.duration), wave, 0.0)
+
+    def highest_frequency(self) -> float:
+        """Give the higher one of the two ends [Hz]."""
+        return max(self.from_hz, self.to_hz)
+
+
+class Noise(AbstractDisturbance):
+    """Band-limited random noise: equal amplitudes and random phases on all lines within the band, nearly normal."""
+
+    kind: Literal["noise"] = Field(description="kind of disturbance [name]")
+    rms: float = Field(ge=0.0, description="root mean square over a period [Nm at a motor; N or Nm at the tool]")
+    low_hz: float = Field(default=0.0, ge=0.0, description="lower end of the band [Hz]")
+    high_hz: float = Field(gt=0.0, description="upper end of the band [Hz]")
+    duration: float | None = Field(default=None, gt=0.0, description="how long it lasts [s]; to the end when left out")
+    period: float = Field(default=60.0, gt=0.0, le=3600.0, description="time after which it repeats itself [s]")
+
+    @model_validator(mode="after")
+    def _band_holds_a_line(self) -> Noise:
+        if self.high_hz <= self.low_hz:
+            raise ValueError(f"high_hz is {self.high_hz:g} Hz, but must lie above low_hz = {self.low_hz:g} Hz")
+        if math.floor(self.high_hz * self.period) <= max(math.ceil(self.low_hz * self.period), 1) - 1:
+            raise ValueError(
+                f"the band from {self.low_hz:g} to {self.high_hz:g} Hz holds no line of a {self.period:g} s period; "
+                "widen it or lengthen the period"
+            )
+        return self
+
+    def values(self, index: IntArray, sample_time: float, seed: int, number: int) -> FloatArray:
+        """Evaluate at sampling instants."""
+        time = self.elapsed(index, sample_time)
+        samples = max(sample_index(self.period, sample_time), 2)
+        table = _noise_table(samples, self.low_hz * sample_time, self.high_hz * sample_time, seed, number)
+        first = sample_index(self.start, sample_time)
+        end = math.inf if self.duration is None else self.duration
+        return np.where((time >= 0.0) & (time < end), self.rms * table[(index - first) % samples], 0.0)
+
+    def highest_frequency(self) -> float:
+        """Give the upper end of the band [Hz]."""
+        return self.high_hz
+
+
+Disturbance: TypeAlias = Annotated[Step | Pulse | Chirp | Noise, Field(discriminator="kind")]
+"""Any disturbance of a scenario, told apart by its key `kind`."""
+
+
+def sample_index(time: float, sample_time: float) -> int:
+    """Give the number of the first sample at or after a time; a millionth of a sample counts as rounding."""
+    return math.ceil(time / sample_time - 1e-6)
+
+
+@lru_cache(maxsize=16)
+def _noise_table(samples: int, low: float, high: float, seed: int, number: int) -> FloatArray:
+    """Make one period of unit rms from lines between two frequencies, given as fractions of the sampling rate."""
+    first, last = max(math.ceil(low * samples - 1e-9), 1), math.floor(high * samples + 1e-9)
+    lines = np.zeros(samples // 2 + 1, dtype=complex)
+    phases = generator(seed, Stream.DISTURBANCE, number).uniform(0.0, 2.0 * math.pi, last - first + 1)
+    lines[first : last + 1] = np.exp(1j * phases)
+    table = np.asarray(np.fft.irfft(lines, samples))
+    return table / math.sqrt(float(np.mean(table**2)))
+
+
+def disturbance_signal(
+    disturbances: Sequence[AbstractDisturbance], n_motors: int, sample_time: float, seed: int
+) -> SampleBlocks:
+    """Add up disturbances by place.
+
+    Args:
+        disturbances: Disturbances of a scenario.
+        n_motors: Number of motors M.
+        sample_time: Time between two samples [s].
+        seed: Seed of the run.
+
+    Returns:
+        Signal with the columns [motor torque (M), wrench at the tool (6)].
+
+    Raises:
+        InputError: A place does not exist on this robot, or a frequency is above half the sampling rate.
+    """
+    width = n_motors + len(WRENCH)
+    if not disturbances:
+        return zeros(width)
+    columns = [_column(disturbance, number, n_motors) for number, disturbance in enumerate(disturbances)]
+    for number, disturbance in enumerate(disturbances):
+        if disturbance.highest_frequency() * sample_time >= 0.5:
+            raise InputError(
+                f"disturbances[{number}] reaches {disturbance.highest_frequency():g} Hz, allowed is less than half the "
+                f"sampling rate, {0.5 / sample_time:g} Hz; lower the frequency or the sample time"
+            )
+
+    def make_block(block: int) -> FloatArray:
+        index = np.arange(block * BLOCK, (block + 1) * BLOCK)
+        signal = np.zeros((BLOCK, width))
+        for number, (column, disturbance) in enumerate(zip(columns, disturbances, strict=True)):
+            signal[:, column] += disturbance.values(index, sample_time, seed, number)
+        return signal
+
+    return SampleBlocks(make_block, width)
+
+
+def _column(disturbance: AbstractDisturbance, number: int, n_motors: int) -> int:
+    places = (*(f"motor_{motor}" for motor in range(1, n_motors + 1)), *WRENCH)
+    if disturbance.at not in places:
+        raise unknown_name("place", disturbance.at, places, f"disturbances[{number}].at")
+    return places.index(disturbance.at)

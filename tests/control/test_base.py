@@ -1,0 +1,55 @@
+"""Finding control laws by name, and what every one of them must keep."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.control.base import AbstractControlLaw, control_law, control_laws
+from flexros.control.pid import Pid
+from flexros.errors import InputError
+
+SETTINGS = {"pid": {"kp": 3.0, "ki": 2.0, "kd": 1.0}}
+"""Settings with which the laws below are tried; a new law without an entry fails here."""
+
+
+@pytest.fixture(params=sorted(control_laws()))
+def law(request: pytest.FixtureRequest) -> AbstractControlLaw:
+    """Give each control law in turn."""
+    return control_law({"kind": request.param, **SETTINGS[request.param]})
+
+
+def test_pid_is_found_by_its_name() -> None:
+    assert control_laws()["pid"] is Pid
+
+
+@pytest.mark.parametrize("n_motors", [1, 3])
+def test_function_has_the_shapes_of_the_contract(law: AbstractControlLaw, n_motors: int) -> None:
+    update = law.function(n_motors, 1e-3)
+    sizes = [law.state_size(n_motors), 3 * n_motors, n_motors, len(law.gain_names(n_motors))]
+    assert [update.numel_in(i) for i in range(4)] == sizes
+    assert [update.numel_out(i) for i in range(2)] == [n_motors, law.state_size(n_motors)]
+    assert law.gains(n_motors).shape == (sizes[3],)
+    assert law.initial_state(n_motors).shape == (sizes[0],)
+
+
+def test_every_setting_is_described(law: AbstractControlLaw) -> None:
+    for name, field in type(law).model_fields.items():
+        assert "[" in (field.description or ""), f"{law.kind}.{name} lacks a description with its unit"
+
+
+def test_commands_stay_within_the_robot_limits(law: AbstractControlLaw) -> None:
+    update, gains = law.function(2, 1e-3), law.gains(2, np.array([5.0, np.inf]))
+    command = np.asarray(update(law.initial_state(2), [9.0, 9.0, 0, 0, 50.0, 50.0], [0.0, 0.0], gains)[0]).ravel()
+    assert command[0] == 5.0
+    assert command[1] > 5.0
+
+
+def test_unknown_kind_lists_the_known_ones() -> None:
+    with pytest.raises(InputError, match=r"unknown kind 'pidd' in controller: did you mean 'pid'\? allowed are .*pid"):
+        control_law({"kind": "pidd"})
+
+
+def test_unknown_setting_offers_the_nearest() -> None:
+    with pytest.raises(InputError, match=r"unknown key 'kpp': did you mean 'kp'\?"):
+        control_law({"kind": "pid", "kp": 1.0, "kpp": 1.0})
