@@ -39,7 +39,8 @@ def stamps_ns(n: int, sample_time: float) -> IntArray:
     Returns:
         Simulated time [ns], shape (n,).
     """
-    return START_NS + np.rint(np.arange(n) * sample_time * 1e9).astype(np.int64)
+    stamps: IntArray = START_NS + np.rint(np.arange(n) * sample_time * 1e9).astype(np.int64)
+    return stamps
 
 
 def sample_number(stamp: int, sample_time: float) -> int:

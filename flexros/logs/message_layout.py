@@ -1,0 +1,126 @@
+"""Layout of a serialised message in which only the stamp and spans of doubles change from message to message."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from flexros.logs.stamps import NANOSECONDS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from flexros.arrays import BoolArray, FloatArray, IntArray
+
+STAMP_OFFSET = 4
+"""Offset of header.stamp: the header is the first member, behind the encapsulation [byte]."""
+
+_STAMP_SIZE = 8
+
+
+class Span(NamedTuple):
+    """Consecutive doubles in a message: offset of the first [byte] and number."""
+
+    offset: int
+    size: int
+
+
+@dataclass(frozen=True)
+class MessageLayout:
+    """Where the changing numbers of a message lie, and the bytes between them.
+
+    Attributes:
+        image: A message of this layout; the numbers in it have no meaning.
+        spans: Doubles that change, in order and behind the stamp.
+        order: Byte order of the numbers, "<" or ">".
+    """
+
+    image: bytes
+    spans: tuple[Span, ...]
+    order: str = "<"
+
+    @cached_property
+    def constants(self) -> tuple[bytes, ...]:
+        """The bytes before the stamp, before each span, and after the last span."""
+        edges = [0, STAMP_OFFSET, STAMP_OFFSET + _STAMP_SIZE]
+        for span in self.spans:
+            edges += [span.offset, span.offset + 8 * span.size]
+        edges.append(len(self.image))
+        return tuple(self.image[a:b] for a, b in zip(edges[::2], edges[1::2], strict=True))
+
+    @cached_property
+    def packer(self) -> struct.Struct:
+        """Packs constant, seconds, nanoseconds, a constant and the numbers of each span, and the last constant."""
+        middle = "".join(
+            f"{len(constant)}s{span.size}d" for constant, span in zip(self.constants[1:], self.spans, strict=False)
+        )
+        return struct.Struct(f"{self.order}{len(self.constants[0])}siI{middle}{len(self.constants[-1])}s")
+
+    @cached_property
+    def record(self) -> np.dtype[np.void]:
+        """The message as a NumPy record with the fields sec, nanosec and span_0, span_1, ... where not empty."""
+        fields = [("sec", f"{self.order}i4", STAMP_OFFSET), ("nanosec", f"{self.order}u4", STAMP_OFFSET + 4)]
+        for i, span in enumerate(self.spans):
+            if span.size:
+                fields.append((f"span_{i}", f"({span.size},){self.order}f8", span.offset))
+        names, formats, offsets = zip(*fields, strict=True)
+        return np.dtype(
+            {"names": list(names), "formats": list(formats), "offsets": list(offsets), "itemsize": len(self.image)}
+        )
+
+    def matches(self, messages: NDArray[np.uint8]) -> BoolArray:
+        """Tell which messages have this layout.
+
+        Args:
+            messages: Serialised messages of equal length, shape (n, length).
+
+        Returns:
+            Whether each has the same bytes outside the stamp and the spans, shape (n,).
+        """
+        same = np.full(len(messages), messages.shape[1] == len(self.image))
+        at = 0
+        changing = (_STAMP_SIZE, *(8 * span.size for span in self.spans), 0)
+        for constant, n_changing in zip(self.constants, changing, strict=True):
+            if same.any():
+                block = messages[:, at : at + len(constant)]
+                same &= (block == np.frombuffer(constant, np.uint8)).all(axis=1)
+            at += len(constant) + n_changing
+        return same
+
+    def stamps(self, messages: NDArray[np.uint8]) -> IntArray:
+        """Stamps of messages of this layout [ns], shape (n,)."""
+        records = messages.view(self.record)[:, 0]
+        stamps: IntArray = records["sec"].astype(np.int64) * NANOSECONDS + records["nanosec"]
+        return stamps
+
+    def numbers(self, messages: NDArray[np.uint8], span: int) -> FloatArray:
+        """Numbers of one span of messages of this layout, shape (n, size)."""
+        if not self.spans[span].size:
+            return np.empty((len(messages), 0))
+        values: FloatArray = messages.view(self.record)[:, 0][f"span_{span}"].astype(np.float64)
+        return values
+
+    def serialise(self, stamp: IntArray, numbers: Sequence[FloatArray]) -> NDArray[np.uint8]:
+        """Serialise many messages at once.
+
+        Args:
+            stamp: Stamps [ns], shape (n,).
+            numbers: One array per span, shape (n, size).
+
+        Returns:
+            The messages, shape (n, length).
+        """
+        messages = np.empty((len(stamp), len(self.image)), np.uint8)
+        messages[:] = np.frombuffer(self.image, np.uint8)
+        records = messages.view(self.record)[:, 0]
+        records["sec"], records["nanosec"] = np.divmod(stamp, NANOSECONDS)
+        for i, (span, values) in enumerate(zip(self.spans, numbers, strict=True)):
+            if span.size:
+                records[f"span_{i}"] = values
+        return messages
