@@ -91,3 +91,16 @@ class Spring(Settings):
         if self.cubic is not None:
             return scale * (self.cubic.linear + self.cubic.cubic * deflection**2) * deflection
         return scale * deflection
+
+    def energy(self, deflection: ca.SX, scale: ca.SX | float) -> ca.SX:
+        """Potential energy [J] of the law, the integral of `force` from zero deflection; arguments as there."""
+        if self.piecewise_linear is not None:
+            law = self.piecewise_linear
+            value = law.slopes[0] * deflection**2 / 2
+            for knot, below, above in zip(law.knots, law.slopes, law.slopes[1:]):
+                beyond = ca.fmax(deflection - knot, 0) ** 2 + ca.fmin(deflection + knot, 0) ** 2
+                value = value + (above - below) * beyond / 2
+            return scale * value
+        if self.cubic is not None:
+            return scale * (self.cubic.linear * deflection**2 / 2 + self.cubic.cubic * deflection**4 / 4)
+        return scale * deflection**2 / 2

@@ -1,0 +1,96 @@
+"""The serial chain as a list of single joints, and how arm and motor coordinates map onto it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from flexros.robot.specification import Direction, Motor, RobotSpecification
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One direction of motion.
+
+    Attributes:
+        name: Arm coordinate, e.g. "body_1.ry".
+        axis: Number of the coordinate axis, 0 to 2.
+        rotary: Rotation (True) or translation (False).
+        body: Index of the body that it belongs to.
+        first: Whether it is the first joint of the body, where the length of the body before is passed.
+        last: Whether it is the last joint of the body, which carries the mass.
+        direction: Its entry in the robot file.
+        motor: Number of its motor (0-based), None when not actuated.
+        motor_coordinate: Position of the motor's own coordinate among the motor coordinates; None for a rigid gear
+            (the motor moves with the arm coordinate) and when not actuated.
+    """
+
+    name: str
+    axis: int
+    rotary: bool
+    body: int
+    first: bool
+    last: bool
+    direction: Direction
+    motor: int | None
+    motor_coordinate: int | None
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Serial chain of joints; bodies without a free direction are carried by the joint before them.
+
+    Attributes:
+        joints: Joints from base to tool, one per arm coordinate.
+        n_motors: Number of motors, M.
+        n_motor_coordinates: Number of motors behind a flexible gear.
+    """
+
+    joints: tuple[Joint, ...]
+    n_motors: int
+    n_motor_coordinates: int
+
+    @property
+    def geared(self) -> tuple[int, ...]:
+        """Arm coordinate of each motor, shape (M,)."""
+        return tuple(index for index, joint in enumerate(self.joints) if joint.motor is not None)
+
+    def motor(self, number: int) -> Motor:
+        """Return the entry of a motor in the robot file."""
+        motor = self.joints[self.geared[number]].direction.motor
+        assert motor is not None
+        return motor
+
+
+def build_chain(specification: RobotSpecification) -> Chain:
+    """List the joints of a robot.
+
+    Args:
+        specification: The robot file.
+
+    Returns:
+        The chain.
+    """
+    joints: list[Joint] = []
+    n_motors = n_motor_coordinates = 0
+    for body_index, body in enumerate(specification.bodies):
+        free = [(axis, d) for axis, d in body.directions.items() if d.motor or d.spring != "rigid"]
+        for position, (axis, direction) in enumerate(free):
+            flexible = direction.motor is not None and direction.spring != "rigid"
+            joints.append(
+                Joint(
+                    name=f"body_{body_index + 1}.{axis}",
+                    axis="xyz".index(axis[1]),
+                    rotary=axis[0] == "r",
+                    body=body_index,
+                    first=position == 0,
+                    last=position == len(free) - 1,
+                    direction=direction,
+                    motor=n_motors if direction.motor else None,
+                    motor_coordinate=n_motor_coordinates if flexible else None,
+                )
+            )
+            n_motors += direction.motor is not None
+            n_motor_coordinates += flexible
+    return Chain(tuple(joints), n_motors, n_motor_coordinates)

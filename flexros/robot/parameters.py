@@ -1,0 +1,172 @@
+"""The numbers of a robot as named parameters: reading, replacing, listing with unit, source and tolerance."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from flexros.errors import unknown_name
+from flexros.robot.quantity import Quantity, Vector
+from flexros.robot.spring import Spring
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from flexros.robot.specification import Body, Motor, RobotSpecification
+
+INERTIA_COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a robot model.
+
+    Attributes:
+        name: Path in the robot, e.g. "body_3.mass", "body_1.ry.stiffness", "motor_2.inertia".
+        value: Value in the SI unit.
+        unit: SI unit.
+        source: Where the value comes from.
+        tolerance: One standard deviation, relative to the value.
+        path: Keys that lead to it in the robot file.
+    """
+
+    name: str
+    value: float
+    unit: str
+    source: str
+    tolerance: float
+    path: tuple[str | int, ...]
+
+
+def list_parameters(specification: RobotSpecification) -> dict[str, Parameter]:
+    """List all numbers of a robot that enter its equations of motion.
+
+    Args:
+        specification: The robot file.
+
+    Returns:
+        Parameters by name, in the order of the chain.
+    """
+    found: dict[str, Parameter] = {}
+    for name, path, quantity, component in _quantities(specification):
+        value = quantity.value if isinstance(quantity, Quantity) else quantity.value[component]
+        found[name] = Parameter(
+            name=name,
+            value=float(value),
+            unit=quantity.unit,
+            source=quantity.source or specification.defaults.source,
+            tolerance=specification.defaults.tolerance if quantity.tolerance is None else quantity.tolerance,
+            path=path,
+        )
+    return found
+
+
+def _quantities(
+    specification: RobotSpecification,
+) -> Iterator[tuple[str, tuple[str | int, ...], Quantity | Vector, int]]:
+    motor_number = 0
+    for component, axis in enumerate("xyz"):
+        yield f"gravity.{axis}", ("gravity", component), specification.gravity, component
+    for index, body in enumerate(specification.bodies):
+        place: tuple[str | int, ...] = ("bodies", index)
+        yield from _of_body(f"body_{index + 1}", place, body)
+        for axis_name, direction in body.directions.items():
+            name = f"body_{index + 1}.{axis_name}"
+            here = (*place, "directions", axis_name)
+            rotary = axis_name.startswith("r")
+            if isinstance(direction.spring, Spring):
+                yield f"{name}.stiffness", (*here, "spring"), _stiffness(direction.spring, rotary), 0
+                damper = direction.damper.model_copy(update={"unit": "Nm s/rad" if rotary else "N s/m"})
+                yield f"{name}.damping", (*here, "damper"), damper, 0
+            if direction.motor:
+                motor_number += 1
+                yield from _of_motor(f"motor_{motor_number}", (*here, "motor"), direction.motor, rotary)
+
+
+def _stiffness(spring: Spring, rotary: bool) -> Quantity:
+    """Return the stiffness of a linear spring, or the factor (nominally 1) on a nonlinear law."""
+    if spring.stiffness is not None:
+        return spring.stiffness.model_copy(update={"unit": "Nm/rad" if rotary else "N/m"})
+    law = spring.piecewise_linear or spring.cubic
+    assert law is not None
+    return Quantity(value=1.0, unit="1", source=law.source, tolerance=law.tolerance)
+
+
+def _of_body(
+    name: str, place: tuple[str | int, ...], body: Body
+) -> Iterator[tuple[str, tuple[str | int, ...], Quantity | Vector, int]]:
+    yield f"{name}.mass", (*place, "mass"), body.mass, 0
+    for component, axis in enumerate("xyz"):
+        yield f"{name}.center_of_mass.{axis}", (*place, "center_of_mass", component), body.center_of_mass, component
+    for entry in INERTIA_COMPONENTS:
+        yield f"{name}.inertia.{entry}", (*place, "inertia", entry), getattr(body.inertia, entry), 0
+    for component, axis in enumerate("xyz"):
+        yield f"{name}.length.{axis}", (*place, "length", component), body.length, component
+    yield f"{name}.viscous_friction", (*place, "viscous_friction"), body.viscous_friction, 0
+
+
+def _of_motor(
+    name: str, place: tuple[str | int, ...], motor: Motor, rotary: bool
+) -> Iterator[tuple[str, tuple[str | int, ...], Quantity | Vector, int]]:
+    unit = {"inertia": "kg m2", "friction": "Nm s/rad"} if rotary else {"inertia": "kg", "friction": "N s/m"}
+    yield f"{name}.inertia", (*place, "inertia"), motor.inertia.model_copy(update={"unit": unit["inertia"]}), 0
+    friction = motor.viscous_friction.model_copy(update={"unit": unit["friction"]})
+    yield f"{name}.viscous_friction", (*place, "viscous_friction"), friction, 0
+
+
+def with_values(
+    data: Mapping[str, Any], specification: RobotSpecification, values: Mapping[str, float], source: str
+) -> dict[str, Any]:
+    """Replace numbers in the data of a robot file.
+
+    Args:
+        data: Robot file as dumped by `RobotSpecification.model_dump`.
+        specification: The same, validated.
+        values: New values by parameter name (SI); also "sample_time" and "delay" [s].
+        source: Who asks for the change; opens the error text.
+
+    Returns:
+        New data, to be validated again.
+
+    Raises:
+        InputError: A name is not a parameter of the robot.
+    """
+    known = list_parameters(specification)
+    changed = copy.deepcopy(dict(data))
+    for name, value in values.items():
+        if name in ("sample_time", "delay"):
+            changed[name]["value"] = value
+            continue
+        if name not in known:
+            raise unknown_name(f"parameter of robot {specification.name}", name, [*known, "sample_time", "delay"], source)
+        _set(changed, known[name], value)
+    return changed
+
+
+def _set(data: dict[str, Any], parameter: Parameter, value: float) -> None:
+    *way, last = parameter.path
+    here: Any = data
+    for step in way:
+        here = here[step]
+    if isinstance(last, int):  # a component of a vector
+        components = list(here["value"])
+        components[last] = value
+        here["value"] = tuple(components)
+        return
+    target = here[last]
+    if last == "spring" and target["stiffness"] is None:
+        _scale_law(target, value)
+    elif last == "spring":
+        target["stiffness"]["value"] = value
+    else:
+        target["value"] = value
+
+
+def _scale_law(spring: dict[str, Any], factor: float) -> None:
+    if spring["piecewise_linear"] is not None:
+        law = spring["piecewise_linear"]
+        law["slopes"] = tuple(factor * slope for slope in law["slopes"])
+    else:
+        law = spring["cubic"]
+        law["linear"], law["cubic"] = factor * law["linear"], factor * law["cubic"]

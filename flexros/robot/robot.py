@@ -1,0 +1,270 @@
+"""A robot as users hold it: its file, its numbers, its symbolic model, its kinematics and equilibrium."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.config.validation import validate
+from flexros.config.yaml_file import read_yaml
+from flexros.errors import InputError, unknown_name
+from flexros.robot import equilibrium, inverse_kinematics
+from flexros.robot.chain import Chain, build_chain
+from flexros.robot.model import SymbolicModel
+from flexros.robot.parameters import Parameter, list_parameters, with_values
+from flexros.robot.physical import check_physical
+from flexros.robot.specification import RobotSpecification, arm_names
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import ArrayLike
+
+    from flexros.arrays import FloatArray
+
+LIBRARY = Path(__file__).parent / "library"
+
+
+class Robot:
+    """One robot: N arm coordinates, M motors.
+
+    Attributes:
+        specification: The validated robot file.
+        source: File or name that it came from.
+    """
+
+    def __init__(self, specification: RobotSpecification, source: str) -> None:
+        self.specification = specification
+        self.source = source
+        self.chain: Chain = build_chain(specification)
+        check_physical(specification, self.chain, source)
+
+    @property
+    def name(self) -> str:
+        """Name of the robot."""
+        return self.specification.name
+
+    @property
+    def n_arm(self) -> int:
+        """Number of arm coordinates, N."""
+        return len(self.chain.joints)
+
+    @property
+    def n_motors(self) -> int:
+        """Number of motors, M."""
+        return self.chain.n_motors
+
+    @property
+    def n_coordinates(self) -> int:
+        """Number of coordinates q = [q_a, q_m]; a motor behind a rigid gear has none of its own."""
+        return self.n_arm + self.chain.n_motor_coordinates
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the motors in messages: motor_1, motor_2, ..."""
+        return tuple(f"motor_{number + 1}" for number in range(self.n_motors))
+
+    @property
+    def arm_names(self) -> tuple[str, ...]:
+        """Names of the arm coordinates, e.g. body_1.ry."""
+        return arm_names(self.specification)
+
+    @property
+    def sample_time(self) -> float:
+        """Sample time of the controller [s]."""
+        return self.specification.sample_time.value
+
+    @property
+    def delay(self) -> float:
+        """Delay of the command at the plant input [s]."""
+        return self.specification.delay.value
+
+    @property
+    def controlled(self) -> str:
+        """Name of the output that trajectories refer to by default."""
+        return self.specification.controlled
+
+    @property
+    def tool_noise(self) -> float:
+        """Noise of the tool tracker, rms [m]."""
+        return self.specification.sensors.tool_noise.value
+
+    @cached_property
+    def torque_limits(self) -> FloatArray:
+        """Largest motor torque either way [Nm or N], shape (M,); infinite where there is no limit."""
+        limits = [self.chain.motor(number).torque_limit for number in range(self.n_motors)]
+        return np.array([np.inf if limit is None else limit.value for limit in limits])
+
+    @cached_property
+    def encoder_noise(self) -> FloatArray:
+        """Noise of the encoders, rms [rad or m], shape (M,)."""
+        common = self.specification.sensors.encoder_noise
+        own = [self.chain.motor(number).encoder_noise for number in range(self.n_motors)]
+        return np.array([(common if noise is None else noise).value for noise in own])
+
+    @cached_property
+    def home(self) -> FloatArray:
+        """Usual start pose, arm coordinates [rad or m], shape (N,)."""
+        return np.array(self.specification.home or [0.0] * self.n_arm)
+
+    @cached_property
+    def parameters(self) -> dict[str, Parameter]:
+        """All numbers of the equations of motion by name, with unit, source and tolerance."""
+        return list_parameters(self.specification)
+
+    @cached_property
+    def model(self) -> SymbolicModel:
+        """Symbolic model with every number put in."""
+        return SymbolicModel(self.specification, self.chain)
+
+    def symbolic(self, parameters: Sequence[str] = ()) -> SymbolicModel:
+        """Build the symbolic model with some parameters left free.
+
+        Args:
+            parameters: Names of the free parameters, e.g. ("body_3.mass",); they become the argument p.
+
+        Returns:
+            The model.
+
+        Raises:
+            InputError: A name is not a parameter of the robot.
+        """
+        return SymbolicModel(self.specification, self.chain, parameters)
+
+    def with_values(self, values: Mapping[str, float], source: str = "given values") -> Robot:
+        """Return a robot with some numbers replaced.
+
+        Args:
+            values: New values (SI) by parameter name, also "sample_time" and "delay" [s].
+            source: Who asks for the change; opens the error text.
+
+        Returns:
+            The changed robot.
+
+        Raises:
+            InputError: A name is unknown or the new robot is not physical.
+        """
+        if not values:
+            return self
+        data = with_values(self.specification.model_dump(), self.specification, values, source)
+        return Robot(validate(RobotSpecification, data, source), source)
+
+    @cached_property
+    def model_hash(self) -> str:
+        """Fingerprint of everything in the robot file, for provenance; 16 hexadecimal digits."""
+        text = json.dumps(self.specification.model_dump(mode="json"), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    def forward_kinematics(self, q_a: ArrayLike, output: str | None = None) -> FloatArray:
+        """Evaluate a controlled output.
+
+        Args:
+            q_a: Arm coordinates [rad or m], shape (N,).
+            output: Name of the output; default: the controlled one.
+
+        Returns:
+            Output [m, rad], shape (n_out,).
+        """
+        value: FloatArray = np.asarray(self.model.output(output)(self.check_arm(q_a), self.model.parameter_values))
+        return value.ravel()
+
+    def tool_pose(self, q_a: ArrayLike) -> FloatArray:
+        """Return the tool pose [x y z qx qy qz qw] for arm coordinates of shape (N,), shape (7,)."""
+        value: FloatArray = np.asarray(self.model.tool_pose(self.check_arm(q_a), self.model.parameter_values))
+        return value.ravel()
+
+    def inverse_kinematics(
+        self, target: ArrayLike, near: ArrayLike | None = None, output: str | None = None
+    ) -> FloatArray:
+        """Find arm coordinates of the rigid chain for a value of an output; see `inverse_kinematics.solve`."""
+        return inverse_kinematics.solve(self, np.asarray(target, float), self.check_arm(self.home if near is None else near), output)
+
+    def equilibrium(self, q_a: ArrayLike | None = None, *, motor_position: ArrayLike | None = None) -> FloatArray:
+        """Find the state of rest under gravity, for given actuated arm coordinates or given motor positions.
+
+        Args:
+            q_a: Arm coordinates [rad or m], shape (N,); the actuated ones are held, the others deflect.
+            motor_position: Motor positions [rad or m], shape (M,), instead.
+
+        Returns:
+            State x = [q_a, q_m, 0, 0], shape (2 n_coordinates,).
+
+        Raises:
+            InputError: There is no rest within reach, for instance because springs are too soft for the gravity.
+        """
+        if motor_position is not None:
+            near = self.home if q_a is None else self.check_arm(q_a)
+            return equilibrium.at_motor_position(self, np.asarray(motor_position, float), near)
+        return equilibrium.at_arm_position(self, self.check_arm(self.home if q_a is None else q_a))
+
+    def holding_torque(self, state: FloatArray) -> FloatArray:
+        """Return the motor torque that holds an equilibrium state [Nm or N], shape (M,)."""
+        return equilibrium.holding_torque(self, state)
+
+    def check_arm(self, q_a: ArrayLike) -> FloatArray:
+        """Check arm coordinates.
+
+        Args:
+            q_a: Arm coordinates [rad or m], shape (N,).
+
+        Returns:
+            The same as an array.
+
+        Raises:
+            InputError: Wrong number of coordinates, or a number that is not finite.
+        """
+        array = np.atleast_1d(np.asarray(q_a, dtype=float))
+        if array.shape != (self.n_arm,):
+            raise InputError(
+                f"{array.size} arm coordinates were given, but robot {self.name} has {self.n_arm} "
+                f"({', '.join(self.arm_names)}); give one number for each"
+            )
+        if not np.all(np.isfinite(array)):
+            raise InputError(f"arm coordinates are {array.tolist()}, but must be finite numbers; correct them")
+        return array
+
+
+def robot_names() -> tuple[str, ...]:
+    """List the robots that are shipped."""
+    return tuple(sorted(path.stem for path in LIBRARY.glob("*.yaml")))
+
+
+def load_robot(name_or_path: str | Path) -> Robot:
+    """Load a shipped robot or a robot file.
+
+    Args:
+        name_or_path: Shipped name such as "e12", or path of a YAML file.
+
+    Returns:
+        The robot.
+
+    Raises:
+        InputError: Unknown name, unreadable or wrong file, non-physical values.
+    """
+    path = LIBRARY / f"{name_or_path}.yaml"
+    if not path.is_file():
+        path = Path(name_or_path)
+        if path.suffix not in (".yaml", ".yml"):
+            raise unknown_name("robot", str(name_or_path), robot_names(), "the shipped robots; or give a .yaml file")
+    return robot_from_data(read_yaml(path), str(path) if path.parent != LIBRARY else str(name_or_path))
+
+
+def robot_from_data(data: Mapping[str, Any], source: str) -> Robot:
+    """Build a robot from the content of a robot file.
+
+    Args:
+        data: Content of the file.
+        source: Where it came from; opens error texts.
+
+    Returns:
+        The robot.
+
+    Raises:
+        InputError: Wrong keys or non-physical values.
+    """
+    return Robot(validate(RobotSpecification, data, source), source)
