@@ -9,7 +9,10 @@ from flexros.control.base import AbstractControlLaw, control_law, control_laws
 from flexros.control.pid import Pid
 from flexros.errors import InputError
 
-SETTINGS = {"pid": {"kp": 3.0, "ki": 2.0, "kd": 1.0}}
+SETTINGS = {
+    "cascade": {"position_gain": 3.0, "speed_gain": 2.0, "integral_gain": 1.0},
+    "pid": {"kp": 3.0, "ki": 2.0, "kd": 1.0},
+}
 """Settings with which the laws below are tried; a new law without an entry fails here."""
 
 
