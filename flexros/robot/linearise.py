@@ -1,0 +1,110 @@
+"""Linear model of a robot at rest in a pose, as second-order matrices and as a python-control object."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+if TYPE_CHECKING:
+    import control
+    from numpy.typing import ArrayLike
+
+    from flexros.arrays import FloatArray
+    from flexros.robot.robot import Robot
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """M dq'' + D dq' + K dq = B du about an equilibrium, with motor positions and an output as measurements.
+
+    Attributes:
+        mass: M, shape (n, n) with n coordinates q = [q_a, q_m].
+        damping: D, shape (n, n).
+        stiffness: K, gravity load included, shape (n, n).
+        input: B, shape (n, M).
+        encoder: Motor positions = encoder @ dq, shape (M, n).
+        output: Controlled output = output @ dq, shape (n_out, n).
+        input_names: motor_1, ..., length M.
+        output_names: Names of the components of the controlled output, length n_out.
+        state: The equilibrium, shape (2 n,).
+    """
+
+    mass: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+    input: FloatArray
+    encoder: FloatArray
+    output: FloatArray
+    input_names: tuple[str, ...]
+    output_names: tuple[str, ...]
+    state: FloatArray
+
+    @property
+    def measurement_names(self) -> tuple[str, ...]:
+        """Names of all measurements: motor positions, then the components of the output."""
+        return self.input_names + self.output_names
+
+    def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return A, B, C, D of the first-order form with state [dq, dq'] and all measurements."""
+        n = len(self.mass)
+        inverse = np.linalg.inv(self.mass)
+        A = np.block([[np.zeros((n, n)), np.eye(n)], [-inverse @ self.stiffness, -inverse @ self.damping]])
+        B = np.vstack([np.zeros_like(self.input), inverse @ self.input])
+        C = np.vstack([self.encoder, self.output])
+        C = np.hstack([C, np.zeros_like(C)])
+        return A, B, C, np.zeros((len(C), B.shape[1]))
+
+    def state_space(self) -> control.StateSpace:
+        """Return the model as a python-control StateSpace from motor torques to motor positions and output."""
+        import control  # here, because it loads slowly
+
+        n = len(self.mass)
+        states = [f"q{i + 1}" for i in range(n)] + [f"v{i + 1}" for i in range(n)]
+        outputs = [name.replace(".", "_") for name in self.measurement_names]  # dots are not allowed there
+        return control.ss(*self.matrices(), inputs=list(self.input_names), outputs=outputs, states=states)
+
+
+def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None = None) -> LinearModel:
+    """Linearise a robot at rest (Moberg 2007, Paper B, section 3.2).
+
+    Args:
+        robot: The robot.
+        q_a: Arm coordinates [rad or m], shape (N,); default: the home pose.
+        output: Name of the controlled output; default: that of the robot file.
+
+    Returns:
+        The linear model.
+
+    Raises:
+        InputError: Wrong pose, unknown output, or no rest there.
+    """
+    state = robot.equilibrium(robot.home if q_a is None else q_a)
+    model, n, N = robot.model, robot.n_coordinates, robot.n_arm
+    q, v, u = ca.SX.sym("q", n), ca.SX.sym("v", n), ca.SX.sym("u", robot.n_motors)
+    p = model.parameter_values
+    force = model.force(q, v, u, np.zeros(6), p)
+    gamma = model.output(output)(q[:N], p)
+    blocks = [
+        model.mass_matrix(q, p),
+        -ca.jacobian(force, v),
+        -ca.jacobian(force, q),
+        ca.jacobian(force, u),
+        ca.jacobian(model.encoder(q), q),
+        ca.jacobian(gamma, q),
+    ]
+    evaluate = ca.Function("linearised", [q, v, u], [ca.densify(block) for block in blocks])
+    values = evaluate(state[:n], state[n:], robot.holding_torque(state))
+    return LinearModel(
+        *(np.asarray(value, dtype=float) for value in values),
+        input_names=robot.joint_names,
+        output_names=_component_names(robot, output),
+        state=state,
+    )
+
+
+def _component_names(robot: Robot, output: str | None) -> tuple[str, ...]:
+    entry = robot.specification.outputs[output or robot.controlled]
+    return entry.coordinates or tuple(entry.pose)
