@@ -1,0 +1,67 @@
+"""LLVM text to machine code for the processor it runs on, kept in memory."""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+from functools import lru_cache
+from threading import Lock
+
+import llvmlite.binding as llvm
+
+from flexros.compile.operations import LIBRARY_SYMBOLS
+
+_COMPILING = Lock()
+
+
+class MachineCode:
+    """Compiled functions; they live as long as this object, so whoever keeps an address keeps it too."""
+
+    def __init__(self, text: str, level: int = 2) -> None:
+        """Compile LLVM text.
+
+        Args:
+            text: A complete module.
+            level: Effort of the code generator, 0 to 3. No optimisation of the module itself is run: the text is
+                straight-line code without repeated expressions already.
+        """
+        with _COMPILING:
+            _prepare()
+            module = llvm.parse_assembly(text)
+            module.verify()
+            target = llvm.Target.from_default_triple()
+            cpu, features = _host()
+            machine = target.create_target_machine(cpu=cpu, features=features, opt=level, jit=True)
+            self._engine = llvm.create_mcjit_compiler(module, machine)
+            self._engine.finalize_object()
+
+    def address(self, symbol: str) -> int:
+        """Return the address of a function.
+
+        Args:
+            symbol: Its name without the @.
+
+        Raises:
+            KeyError: The module does not define it.
+        """
+        address = int(self._engine.get_function_address(symbol))
+        if address == 0:
+            raise KeyError(symbol)
+        return address
+
+
+@lru_cache(maxsize=1)
+def _host() -> tuple[str, str]:
+    return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
+@lru_cache(maxsize=1)
+def _prepare() -> None:
+    """Start LLVM for the host and make the mathematical library known to it."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    name = ctypes.util.find_library("m") or ctypes.util.find_library("msvcrt")
+    library = ctypes.CDLL(name)
+    for symbol in sorted(LIBRARY_SYMBOLS):
+        address = ctypes.cast(getattr(library, symbol), ctypes.c_void_p).value
+        llvm.add_symbol(symbol, address)

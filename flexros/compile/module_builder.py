@@ -1,0 +1,138 @@
+"""Builds one machine-code module from SX functions and hand-written drivers.
+
+A driver is LLVM text that calls the functions directly, so a march over thousands of samples never goes through Python:
+
+    builder = ModuleBuilder()
+    f = builder.add_function(residual)              # casadi.Function -> symbol, here "residual"
+    solve = add_lu_solver(builder, n=5)             # linear_solver.py: symbol of a dense LU solver
+    builder.add_text(f'''
+    define i64 @march(i64 %n, ptr noalias %x, ptr noalias %out) {{
+      ...
+      call void @{f}(ptr %x, ptr %scratch)
+      %ok = call i64 @{solve}(ptr %matrix, ptr %rhs)
+      ...
+    }}''')
+    code = builder.build()                          # MachineCode: keeps the engine alive
+    march = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(code.address("march"))
+
+Conventions. `void @f(ptr in0, ..., ptr out0, ...)`: one pointer per input and per output, doubles column-major, dense,
+no output overlapping an input. With `lanes` = L every number is L adjacent doubles (`<L x double>`), arrays are
+(elements, L). Pointers need the alignment of a double only; text of drivers therefore writes `align 8` on vector
+accesses to arrays of callers. Calls through ctypes.CFUNCTYPE release the GIL; all scratch memory is on the stack, so
+everything is reentrant. LLVM intrinsics (`@llvm.sqrt.f64`) and the mathematical library (`@atan2`) may be called
+without declaring them, as may `@llvm.memcpy.p0.p0.i64` and `@llvm.memset.p0.i64`. `IrBlock` of ir_text.py writes
+arithmetic and loops without counting value names by hand.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from flexros.compile.elementary import routine_text
+from flexros.compile.ir_text import LANE_COUNTS
+from flexros.compile.machine_code import MachineCode
+from flexros.compile.operations import LIBRARY_SYMBOLS
+from flexros.compile.sx_emitter import emit_function
+from flexros.compile.sx_graph import dense_sx_function, read_graph
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    import casadi as ca
+
+_INTRINSIC = re.compile(r"@llvm\.(sqrt|fabs|floor|ceil|copysign|fma)\.(f64|v\d+f64)\b")
+_LIBRARY_CALL = re.compile(r"call double @(\w+)\(")
+_MEMORY = {
+    "@llvm.memcpy.p0.p0.i64": "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1 immarg)",
+    "@llvm.memset.p0.i64": "declare void @llvm.memset.p0.i64(ptr, i8, i64, i1 immarg)",
+}
+_TWO_OPERANDS = frozenset({"pow", "atan2", "fmod", "remainder", "hypot", "copysign"})
+_SYMBOL = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
+
+
+class ModuleBuilder:
+    """Collects functions and drivers, then compiles them together."""
+
+    def __init__(self) -> None:
+        """Start an empty module."""
+        self._texts: dict[str, str] = {}
+        self._routines: set[tuple[str, int]] = set()
+
+    def __contains__(self, symbol: object) -> bool:
+        """Tell whether a symbol was added."""
+        return symbol in self._texts
+
+    def add_function(self, function: ca.Function, *, name: str | None = None, lanes: int = 1) -> str:
+        """Add a CasADi function.
+
+        Args:
+            function: Function of SX (MX functions are expanded), dense inputs.
+            name: Symbol to define; the function's own name when None.
+            lanes: Doubles per number, one of 1, 2, 4, 8, 16.
+
+        Returns:
+            The symbol, to be called as `void @symbol(ptr in0, ..., ptr out0, ...)`.
+
+        Raises:
+            InputError: Unknown operation, free variables, sparse inputs or an unusable number of lanes.
+        """
+        check_lanes(lanes)
+        function = dense_sx_function(function)
+        symbol = self._free_symbol(name or function.name())
+        emitted = emit_function(read_graph(function), symbol, lanes)
+        self._routines |= emitted.routines
+        self._texts[symbol] = emitted.text
+        return symbol
+
+    def add_text(self, text: str, symbol: str | None = None) -> None:
+        """Add hand-written LLVM text: drivers, constants, routines.
+
+        Args:
+            text: Definitions.
+            symbol: Name under which the text is kept, so that a routine is added once (`symbol in builder`).
+        """
+        self._texts[self._free_symbol(symbol) if symbol else f".text{len(self._texts)}"] = text
+
+    def build(self, *, level: int = 2) -> MachineCode:
+        """Compile everything.
+
+        Args:
+            level: Effort of the code generator, 0 to 3.
+        """
+        return MachineCode(self.text(), level)
+
+    def text(self) -> str:
+        """Return the module as LLVM text."""
+        body = [*(routine_text(*key) for key in sorted(self._routines)), *self._texts.values()]
+        return "\n".join([*_declarations("\n".join(body)), *body])
+
+    def _free_symbol(self, symbol: str) -> str:
+        if not _SYMBOL.fullmatch(symbol):
+            raise InputError(f"'{symbol}' cannot name a compiled function: use letters, digits, underscores and dots")
+        if symbol in self._texts:
+            raise InputError(f"the module has a function '{symbol}' already: give the second one another name")
+        return symbol
+
+
+def check_lanes(lanes: int) -> None:
+    """Refuse a number of lanes that has no vector type.
+
+    Raises:
+        InputError: `lanes` is not one of LANE_COUNTS.
+    """
+    if lanes not in LANE_COUNTS:
+        raise InputError(f"lanes = {lanes} is not possible: allowed are {', '.join(map(str, LANE_COUNTS))}")
+
+
+def _declarations(text: str) -> list[str]:
+    """Declare the intrinsics and library functions that a text calls."""
+    lines = []
+    for name, suffix in sorted(set(_INTRINSIC.findall(text))):
+        number = "double" if suffix == "f64" else f"<{suffix[1:-3]} x double>"
+        operands = {"copysign": 2, "fma": 3}.get(name, 1)
+        lines.append(f"declare {number} @llvm.{name}.{suffix}({', '.join([number] * operands)})")
+    lines += [line for symbol, line in _MEMORY.items() if symbol in text]
+    for name in sorted(set(_LIBRARY_CALL.findall(text)) & LIBRARY_SYMBOLS):
+        operands = 2 if name in _TWO_OPERANDS else 1
+        lines.append(f"declare double @{name}({', '.join(['double'] * operands)}) nounwind")
+    return lines
