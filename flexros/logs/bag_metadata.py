@@ -1,0 +1,137 @@
+"""metadata.yaml of a rosbag2 folder, version 9 (the form that ROS 2 Jazzy writes), and crash-safe small files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from io import StringIO
+from typing import TYPE_CHECKING, Any
+
+from ruamel.yaml import YAML
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from flexros.config.topics import QosProfile
+
+METADATA_FILE = "metadata.yaml"
+PROVENANCE_FILE = "provenance.json"
+VERSION = 9
+ROS_DISTRO = "jazzy"
+
+_INFINITE = {"sec": 9223372036, "nsec": 854775807}
+
+
+@dataclass(frozen=True)
+class BagTopic:
+    """A topic as the bag knows it.
+
+    Attributes:
+        name: Absolute topic name.
+        type: Message type.
+        qos: Profile that the publisher offered.
+        type_hash: Hash of the type description.
+        message_count: Number of messages in the bag.
+    """
+
+    name: str
+    type: str
+    qos: QosProfile
+    type_hash: str
+    message_count: int = 0
+
+
+@dataclass(frozen=True)
+class BagMetadata:
+    """What metadata.yaml says.
+
+    Attributes:
+        file_name: The MCAP file in the folder.
+        topics: Its topics.
+        start_ns: Earliest log time [ns].
+        end_ns: Latest log time [ns].
+    """
+
+    file_name: str
+    topics: tuple[BagTopic, ...]
+    start_ns: int = 0
+    end_ns: int = 0
+
+    def content(self) -> dict[str, Any]:
+        """The mapping below the key rosbag2_bagfile_information."""
+        duration = {"nanoseconds": self.end_ns - self.start_ns}
+        start = {"nanoseconds_since_epoch": self.start_ns}
+        count = sum(topic.message_count for topic in self.topics)
+        return {
+            "version": VERSION,
+            "storage_identifier": "mcap",
+            "duration": duration,
+            "starting_time": start,
+            "message_count": count,
+            "topics_with_message_count": [_topic_entry(topic) for topic in self.topics],
+            "compression_format": "",
+            "compression_mode": "",
+            "relative_file_paths": [self.file_name],
+            "files": [
+                {"path": self.file_name, "starting_time": start, "duration": duration, "message_count": count},
+            ],
+            "custom_data": {"provenance": PROVENANCE_FILE},
+            "ros_distro": ROS_DISTRO,
+        }
+
+    def write(self, folder: Path) -> None:
+        """Write metadata.yaml."""
+        write_whole(folder / METADATA_FILE, as_yaml({"rosbag2_bagfile_information": self.content()}))
+
+
+def _topic_entry(topic: BagTopic) -> dict[str, Any]:
+    return {
+        "topic_metadata": {
+            "name": topic.name,
+            "type": topic.type,
+            "serialization_format": "cdr",
+            "offered_qos_profiles": [offered_qos(topic.qos)],
+            "type_description_hash": topic.type_hash,
+        },
+        "message_count": topic.message_count,
+    }
+
+
+def offered_qos(profile: QosProfile) -> dict[str, Any]:
+    """A profile in the words of rosbag2; deadline, lifespan and lease are infinite."""
+    return {
+        "history": profile.history,
+        "depth": profile.depth,
+        "reliability": profile.reliability,
+        "durability": profile.durability,
+        "deadline": dict(_INFINITE),
+        "lifespan": dict(_INFINITE),
+        "liveliness": "automatic",
+        "liveliness_lease_duration": dict(_INFINITE),
+        "avoid_ros_namespace_conventions": False,
+    }
+
+
+def as_yaml(content: dict[str, Any] | list[dict[str, Any]]) -> str:
+    """YAML text in block style, keys in the order given, nothing abbreviated."""
+    yaml = YAML(typ="safe", pure=True)
+    yaml.default_flow_style = False
+    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+    yaml.representer.ignore_aliases = lambda data: True
+    stream = StringIO()
+    yaml.dump(content, stream)
+    return stream.getvalue()
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a small file so that readers see the old or the new one, never half of it.
+
+    Raises:
+        OSError: It could not be written; the old file stands.
+    """
+    temporary = path.with_name(f"{path.name}.tmp")
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        temporary.replace(path)
+    except OSError:
+        temporary.unlink(missing_ok=True)
+        raise

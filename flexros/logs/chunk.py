@@ -1,0 +1,92 @@
+"""Assembly of an MCAP chunk from many messages at once (MCAP specification, records Message and Message Index)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from flexros.arrays import IntArray
+
+MESSAGE_OPCODE = 0x05
+MESSAGE_HEADER = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<u8"),
+        ("publish_time", "<u8"),
+    ]
+)
+"""A Message record up to its payload, 31 bytes; `length` counts from behind itself."""
+
+LENGTH_FIELD_END = 9
+"""Offset behind opcode and length, from where a record's length counts [byte]."""
+
+INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
+
+
+@dataclass(frozen=True, eq=False)
+class Chunk:
+    """Messages as they stand in a chunk, before compression.
+
+    Attributes:
+        records: Message records one after the other.
+        index: By channel the log time and the offset of each message, sorted by time, type INDEX_ENTRY.
+        start_time: Earliest log time [ns].
+        end_time: Latest log time [ns].
+    """
+
+    records: bytes
+    index: Mapping[int, NDArray[np.void]]
+    start_time: int
+    end_time: int
+
+
+def assemble_chunk(
+    channel: IntArray,
+    log_time: IntArray,
+    publish_time: IntArray,
+    payloads: Sequence[bytes],
+    sequence_start: Mapping[int, int],
+) -> Chunk:
+    """Write messages behind each other.
+
+    Args:
+        channel: Channel of each message, shape (n,), n > 0.
+        log_time: Log times [ns], shape (n,).
+        publish_time: Publish times [ns], shape (n,).
+        payloads: Serialised messages, length n.
+        sequence_start: Number of messages that each channel had before; 0 where absent.
+
+    Returns:
+        The chunk.
+    """
+    n = len(payloads)
+    lengths = np.fromiter(map(len, payloads), np.int64, n)
+    headers = np.empty(n, MESSAGE_HEADER)
+    headers["opcode"] = MESSAGE_OPCODE
+    headers["length"] = lengths + (MESSAGE_HEADER.itemsize - LENGTH_FIELD_END)
+    headers["channel"] = channel
+    headers["log_time"] = log_time
+    headers["publish_time"] = publish_time
+    offsets = np.zeros(n, np.int64)
+    np.cumsum(lengths[:-1] + MESSAGE_HEADER.itemsize, out=offsets[1:])
+    index = {}
+    for number in np.unique(channel).tolist():
+        rows = np.flatnonzero(channel == number)
+        headers["sequence"][rows] = sequence_start.get(number, 0) + np.arange(len(rows))
+        entries = np.empty(len(rows), INDEX_ENTRY)
+        entries["log_time"], entries["offset"] = log_time[rows], offsets[rows]
+        index[number] = entries[np.argsort(log_time[rows], kind="stable")]
+    parts: list[bytes] = [b""] * (2 * n)
+    parts[0::2] = headers.view(f"V{MESSAGE_HEADER.itemsize}").tolist()
+    parts[1::2] = payloads
+    return Chunk(b"".join(parts), index, int(log_time.min()), int(log_time.max()))

@@ -1,0 +1,106 @@
+"""Messages whose definition in the file differs from that of ROS 2 Jazzy: decoded from the file's own schema."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from flexros.errors import InputError
+from flexros.logs import joint_state_message, pose_stamped_message
+from flexros.logs.cdr_cursor import MessageError
+from flexros.logs.joint_state_message import JointStateTemplate
+from flexros.logs.pose_stamped_message import PoseStampedTemplate
+from flexros.logs.schemas import jazzy_types, signature
+from flexros.logs.stamps import NANOSECONDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mcap.records import Schema
+
+
+def is_common(schema: Schema) -> bool:
+    """Tell whether a schema of a file serialises like the common definition of its type."""
+    text: str = schema.data.decode(errors="replace")
+    if schema.encoding != "ros2msg":
+        return False
+    common, _ = jazzy_types().generate_msgdef(schema.name, ros_version=2)
+    return signature(schema.name, text) == signature(schema.name, common)
+
+
+def translator(schema: Schema, source: str) -> Callable[[bytes], bytes]:
+    """Make a function that turns messages of a schema into messages of the common definition.
+
+    Args:
+        schema: Schema record of the file; its type is JointState or PoseStamped.
+        source: The file, for error texts.
+
+    Returns:
+        Takes a serialised message and returns one; raises MessageError where the message does not fit the schema.
+
+    Raises:
+        InputError: The schema cannot be read.
+    """
+    from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+
+    parse = {"ros2msg": get_types_from_msg, "ros2idl": get_types_from_idl}.get(schema.encoding)
+    if parse is None:
+        raise InputError(
+            f"{source}: the definition of {schema.name} is in '{schema.encoding}', allowed are ros2msg and ros2idl"
+        )
+    text = schema.data.decode(errors="replace")
+    store = get_typestore(Stores.EMPTY)
+    try:
+        store.register(
+            get_types_from_msg(text, schema.name) if schema.encoding == "ros2msg" else get_types_from_idl(text)
+        )
+        store.types[schema.name]
+    except Exception as error:  # noqa: BLE001  the parser names no base class for its errors
+        raise InputError(
+            f"{source}: the definition of {schema.name} cannot be read: {error}; record it again"
+        ) from error
+    convert = _CONVERTERS[schema.name]()
+
+    def translate(payload: bytes) -> bytes:
+        try:
+            return convert(store.deserialize_cdr(payload, schema.name))
+        except Exception as error:  # noqa: BLE001  a damaged message can fail anywhere in generated code
+            raise MessageError(f"it does not fit its definition ({type(error).__name__}: {error})") from error
+
+    return translate
+
+
+def _joint_state() -> Callable[[Any], bytes]:
+    templates: dict[tuple[object, ...], JointStateTemplate] = {}
+
+    def convert(message: Any) -> bytes:
+        values = [[float(v) for v in getattr(message, field, ())] for field in joint_state_message.FIELDS]
+        key = (message.header.frame_id, tuple(message.name), *(bool(v) for v in values))
+        if key not in templates:
+            position, velocity, effort = (bool(v) for v in values)
+            templates[key] = JointStateTemplate(
+                message.name, position=position, velocity=velocity, effort=effort, frame_id=message.header.frame_id
+            )
+        return templates[key].fill(_stamp(message), *values)
+
+    return convert
+
+
+def _pose_stamped() -> Callable[[Any], bytes]:
+    templates: dict[str, PoseStampedTemplate] = {}
+
+    def convert(message: Any) -> bytes:
+        frame_id = message.header.frame_id
+        if frame_id not in templates:
+            templates[frame_id] = PoseStampedTemplate(frame_id)
+        p, o = message.pose.position, message.pose.orientation
+        return templates[frame_id].fill(_stamp(message), (p.x, p.y, p.z), (o.x, o.y, o.z, o.w))
+
+    return convert
+
+
+def _stamp(message: Any) -> int:
+    stamp = message.header.stamp
+    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
+
+
+_CONVERTERS = {joint_state_message.TYPE: _joint_state, pose_stamped_message.TYPE: _pose_stamped}

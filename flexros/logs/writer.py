@@ -1,0 +1,332 @@
+"""The recorder's way to a log: serialised messages into a rosbag2 folder with MCAP storage."""
+
+from __future__ import annotations
+
+import json
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.errors import InputError, RunError, unknown_name
+from flexros.logs.bag_metadata import PROVENANCE_FILE, BagMetadata, BagTopic, as_yaml, offered_qos, write_whole
+from flexros.logs.chunk import assemble_chunk
+from flexros.logs.mcap_file import McapFile
+from flexros.logs.schemas import message_schema
+from flexros.logs.stamps import NANOSECONDS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+    from concurrent.futures import Future
+    from pathlib import Path
+    from types import TracebackType
+
+    from typing_extensions import Self
+
+    from flexros.arrays import IntArray
+    from flexros.config.topics import Topic
+
+MAX_CHUNK_DURATION = NANOSECONDS // 2
+"""Longest time between the first and the last message of a chunk [ns]: what a killed recorder may lose."""
+
+MAX_CHUNK_SIZE = 1 << 20
+"""Size at which a chunk ends [byte]; chosen like common recorders, so that players need little memory."""
+
+_LATEST_TIME = 2**63 - 1
+_MAX_WAITING_CHUNKS = 4
+
+
+class LogWriter:
+    """Writes messages into a new rosbag2 folder.
+
+    Messages gather in memory; a chunk of them is compressed and written by a thread of its own, so that `write` costs
+    little and never waits for the disk (unless that falls behind by several chunks). At any time every chunk that was
+    written is readable, and metadata.yaml names the topics. Use it from one thread.
+
+    Args:
+        folder: Folder to create.
+        topics: Topics to begin with; their channels are numbered from 1 in this order.
+        provenance: Scenario, seed, versions, model hash: written as JSON beside the log.
+        namespace: Put before relative topic names.
+        chunk_duration: Longest time between the messages of a chunk [ns]; shorter chunks spread the work more evenly.
+        share_folders: `share` folders of ROS 2 installations to take message definitions from.
+
+    Raises:
+        InputError: The folder exists already or cannot be created.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        topics: Iterable[Topic],
+        provenance: Mapping[str, Any],
+        *,
+        namespace: str = "",
+        chunk_duration: int = MAX_CHUNK_DURATION,
+        share_folders: Sequence[Path] = (),
+    ) -> None:
+        if not 0 < chunk_duration <= MAX_CHUNK_DURATION:
+            raise InputError(f"chunk_duration is {chunk_duration} ns, allowed is 1 to {MAX_CHUNK_DURATION} ns")
+        provenance_text = _as_json(provenance)
+        self.folder = folder
+        self._share_folders = tuple(share_folders)
+        self._namespace = namespace.strip("/")
+        self._chunk_duration = chunk_duration
+        self._slack = chunk_duration // 10  # messages of different topics may be this much out of order
+        self._topics: list[BagTopic] = []
+        self._failure: RunError | None = None
+        self._closed = False
+        self._file = self._create(provenance_text)
+        self._waiting: deque[Future[None]] = deque()
+        self._thread = ThreadPoolExecutor(1, "log_writer")
+        self._gather()
+        try:
+            for topic in topics:
+                self.add_topic(topic)
+        except BaseException:
+            self._thread.shutdown()
+            self._file.close()
+            raise
+
+    def _create(self, provenance_text: str) -> McapFile:
+        try:
+            self.folder.mkdir(parents=True)
+        except FileExistsError as error:
+            raise InputError(f"the log folder {self.folder} exists already; name another one, or remove it") from error
+        except OSError as error:
+            raise InputError(
+                f"cannot create the log folder {self.folder}: {error.strerror}; name a folder that can be written"
+            ) from error
+        try:
+            file = McapFile(self.folder / self.file_name)
+            write_whole(self.folder / PROVENANCE_FILE, provenance_text)
+        except OSError as error:
+            raise InputError(
+                f"cannot write into the log folder {self.folder}: {error.strerror}; name a folder with free space"
+            ) from error
+        return file
+
+    def _gather(self) -> None:
+        """Begin a new list of messages."""
+        self._messages: list[tuple[int, int, int, bytes]] = []
+        self._append = self._messages.append
+        self._n_bytes = 0
+        self._from_time, self._to_time = 1, 0  # empty window: the next message sets it
+
+    @property
+    def file_name(self) -> str:
+        """Name of the MCAP file in the folder, as rosbag2 names it."""
+        return f"{self.folder.name}_0.mcap"
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of messages that are safe in the file, by absolute topic name."""
+        counts = dict(self._file.counts)
+        return {topic.name: counts.get(number, 0) for number, topic in enumerate(self._topics, 1)}
+
+    def add_topic(self, topic: Topic) -> int:
+        """Take a further topic into the log.
+
+        Args:
+            topic: The topic; a relative name is put into the namespace.
+
+        Returns:
+            Its number, the `topic_id` of `write`.
+
+        Raises:
+            InputError: Its type is not known.
+            RunError: The disk refuses it.
+        """
+        schema = message_schema(topic.type, self._share_folders)
+        name = (
+            topic.name if topic.name.startswith("/") else "/".join(("", *filter(None, (self._namespace, topic.name))))
+        )
+        entry = BagTopic(name, topic.type, topic.qos, schema.type_hash)
+        channel_metadata = {
+            "offered_qos_profiles": as_yaml([offered_qos(topic.qos)]),
+            "topic_type_hash": schema.type_hash,
+        }
+        self.flush()
+        try:
+            number = self._file.add_channel(name, topic.type, schema.text, channel_metadata)
+            self._topics.append(entry)
+            self._write_metadata()
+        except OSError as error:
+            self._fail(error)
+        return number
+
+    def topic_id(self, name: str) -> int:
+        """Number of a topic by its absolute or relative name."""
+        for number, topic in enumerate(self._topics, 1):
+            if topic.name in (name, f"/{name}", f"/{self._namespace}/{name}"):
+                return number
+        raise unknown_name("topic", name, (topic.name for topic in self._topics), f"the log {self.folder}")
+
+    def write(self, topic_id: int, log_time_ns: int, publish_time_ns: int, payload: bytes) -> None:
+        """Take one message.
+
+        Args:
+            topic_id: Number of its topic.
+            log_time_ns: Log time, the stamp in lock-step [ns].
+            publish_time_ns: Publish time [ns].
+            payload: Serialised message.
+
+        Raises:
+            RunError: An earlier chunk could not be written; the log up to there is closed and readable.
+        """
+        self._n_bytes += len(payload)
+        if not self._from_time <= log_time_ns <= self._to_time or self._n_bytes > MAX_CHUNK_SIZE:
+            self._next_chunk(log_time_ns, len(payload))
+        self._append((topic_id, log_time_ns, publish_time_ns, payload))
+
+    def _next_chunk(self, log_time: int, n_bytes: int) -> None:
+        if self._failure:
+            raise self._failure
+        if self._closed:
+            raise ValueError(f"the log {self.folder} is closed")
+        if not 0 <= log_time <= _LATEST_TIME:
+            raise ValueError(f"a log time is {log_time} ns, allowed is 0 to {_LATEST_TIME} ns")
+        self._submit()
+        self._n_bytes = n_bytes
+        self._from_time = max(0, log_time - self._slack)
+        self._to_time = min(_LATEST_TIME, self._from_time + self._chunk_duration)
+
+    def write_many(self, topic_id: IntArray, log_time: IntArray, payloads: Sequence[bytes]) -> None:
+        """Write messages as one chunk; log times are publish times.
+
+        Args:
+            topic_id: Number of the topic of each message, shape (n,).
+            log_time: Log times in order, at most 0.5 s in all [ns], shape (n,).
+            payloads: Serialised messages, length n.
+
+        Raises:
+            RunError: An earlier chunk could not be written; the log up to there is closed and readable.
+        """
+        if not len(payloads):
+            return
+        if np.ptp(log_time) > MAX_CHUNK_DURATION:
+            raise ValueError(f"the messages of a chunk span {np.ptp(log_time)} ns, allowed is {MAX_CHUNK_DURATION} ns")
+        self._submit()
+        if self._failure:
+            raise self._failure
+        self._hand_over(topic_id, log_time, log_time, payloads)
+
+    def _submit(self) -> None:
+        """Hand the gathered messages to the thread."""
+        messages = self._messages
+        self._gather()
+        if messages:
+            topic_id, log_time, publish_time, payloads = zip(*messages, strict=True)
+            times = np.array((topic_id, log_time, publish_time), np.int64)
+            self._hand_over(times[0], times[1], times[2], payloads)
+
+    def _hand_over(self, topic_id: IntArray, log_time: IntArray, publish: IntArray, payloads: Sequence[bytes]) -> None:
+        if topic_id.min() < 1 or topic_id.max() > len(self._topics) or log_time.min() < 0 or publish.min() < 0:
+            raise ValueError(f"a message has a topic number outside 1 to {len(self._topics)} or a negative time")
+        self._waiting.append(self._thread.submit(self._write_chunk, topic_id, log_time, publish, payloads))
+        self._collect(_MAX_WAITING_CHUNKS)
+
+    def _write_chunk(
+        self, topic_id: IntArray, log_time: IntArray, publish: IntArray, payloads: Sequence[bytes]
+    ) -> None:
+        self._file.append(assemble_chunk(topic_id, log_time, publish, payloads, self._file.counts))
+
+    def _collect(self, n_left: int) -> None:
+        """Wait until at most `n_left` chunks wait, and look whether the finished ones went well."""
+        while self._waiting and (len(self._waiting) > n_left or self._waiting[0].done()):
+            error = self._waiting.popleft().exception()
+            if isinstance(error, OSError):
+                self._fail(error)
+            if error is not None:
+                raise error
+
+    def flush(self) -> None:
+        """Write all messages taken so far; afterwards they survive the end of the process.
+
+        Raises:
+            RunError: They could not be written.
+        """
+        if self._failure:
+            raise self._failure
+        self._submit()
+        self._collect(0)
+
+    def _bag_metadata(self) -> BagMetadata:
+        counts = self._file.counts
+        topics = tuple(
+            BagTopic(t.name, t.type, t.qos, t.type_hash, counts.get(number, 0))
+            for number, t in enumerate(self._topics, 1)
+        )
+        return BagMetadata(self.file_name, topics, *self._file.time_range)
+
+    def _write_metadata(self) -> None:
+        self._bag_metadata().write(self.folder)
+
+    def _finish(self) -> None:
+        self._file.finish("rosbag2", {"serialized_metadata": as_yaml(self._bag_metadata().content())})
+        self._write_metadata()
+
+    def _fail(self, error: OSError) -> None:
+        """Close the log at its last complete chunk that leaves room for the summary, and raise."""
+        self._thread.shutdown(cancel_futures=True)
+        self._waiting.clear()
+        self._closed = True
+        try:
+            self._finish()
+        except OSError:
+            self._finish_in_less_space()
+        self._file.close()
+        count, last = sum(self._file.counts.values()), self._file.time_range[1] / NANOSECONDS
+        self._failure = RunError(
+            f"cannot write the log {self.folder}: {error.strerror}; its {count} messages up to {last:.3f} s "
+            f"are readable; make space and run again"
+        )
+        self._gather()
+        raise self._failure from error
+
+    def _finish_in_less_space(self) -> None:
+        self._file.drop_last_chunk()
+        try:
+            self._finish()
+        except OSError:  # then the file stays without summary: readers scan it, the first error is reported
+            return
+
+    def close(self, provenance: Mapping[str, Any] | None = None) -> None:
+        """Write what is left, the summary and metadata.yaml. Closing twice does nothing.
+
+        Args:
+            provenance: Replaces the provenance given at the start, e.g. with counts of the finished run.
+
+        Raises:
+            RunError: The disk refuses; the log up to there is readable.
+        """
+        if self._closed:
+            return
+        self.flush()
+        self._closed = True
+        self._thread.shutdown()
+        try:
+            self._finish()
+            if provenance is not None:
+                write_whole(self.folder / PROVENANCE_FILE, _as_json(provenance))
+        except OSError as error:
+            self._fail(error)
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _as_json(provenance: Mapping[str, Any]) -> str:
+    try:
+        return json.dumps(dict(provenance), indent=2, sort_keys=True, allow_nan=False) + "\n"
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"the provenance cannot be written as JSON: {error}; give text, finite numbers, lists, mappings"
+        ) from error
