@@ -1,0 +1,158 @@
+"""Cornering deviations after ISO 9283:1998, 8.5: rounding CR and overshoot CO at the corners of a path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.analysis.path_geometry import path_through
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.analysis.cycles import Cycle
+    from flexros.arrays import FloatArray
+
+_SHARPEST_BEND = np.radians(20.0)
+"""A path that turns by more than this within two samples has a corner there."""
+_SMOOTH_BEND = np.radians(2.0)
+"""Both legs of a corner turn by less than this per sample; a curve of few samples does not."""
+_REVERSAL = np.radians(170.0)
+"""A path that turns by more than this goes back on itself; the standard has no corner there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Corner:
+    """A corner of the commanded path.
+
+    Attributes:
+        point: Where the two legs meet [m], shape (3,).
+        position: Distance along the path [m].
+        before: Unit direction of the leg before it, shape (3,).
+        after: Unit direction of the leg after it, shape (3,).
+    """
+
+    point: FloatArray
+    position: float
+    before: FloatArray
+    after: FloatArray
+
+    @property
+    def angle(self) -> float:
+        """Angle by which the path turns [rad]."""
+        return float(np.arccos(np.clip(self.before @ self.after, -1.0, 1.0)))
+
+
+@dataclass(frozen=True, eq=False)
+class CornerDeviation:
+    """What became of one corner over all cycles.
+
+    Attributes:
+        corner: The corner.
+        rounding: CR, the largest over the cycles of the smallest distance from the corner to the attained path [m].
+        overshoot: CO, the largest distance from the second leg on its outer side [m]; 0 where there is none.
+    """
+
+    corner: Corner
+    rounding: float
+    overshoot: float
+
+    def as_dict(self) -> dict[str, object]:
+        """Return the figures as plain numbers with their units in the keys."""
+        return {
+            "point_m": self.corner.point.tolist(),
+            "angle_rad": self.corner.angle,
+            "CR_m": self.rounding,
+            "CO_m": self.overshoot,
+        }
+
+
+def find_corners(points: FloatArray) -> tuple[Corner, ...]:
+    """Find the sharp corners of a sampled path; the corner itself need not be a sample.
+
+    A zone programmed to be rounded is no corner of the commanded path and is not found.
+
+    Args:
+        points: Commanded positions [m], shape (n, 3).
+
+    Returns:
+        The corners in order of travel.
+    """
+    path = path_through(points)
+    if len(path.vertices) < 6:
+        return ()
+    step = np.diff(path.vertices, axis=0)
+    direction = step / np.linalg.norm(step, axis=1, keepdims=True)
+    bend = np.arccos(np.clip(np.sum(direction[1:] * direction[:-1], axis=1), -1.0, 1.0))
+    corners: list[Corner] = []
+    k = 1
+    while k < len(bend) - 2:
+        if bend[k] + bend[k + 1] <= _SHARPEST_BEND:
+            k += 1
+            continue
+        # The corner is vertex k + 1 or lies between it and the next one; the legs are straight on either side.
+        between = bend[k] > _SMOOTH_BEND and bend[k + 1] > _SMOOTH_BEND
+        first = k if bend[k] > _SMOOTH_BEND else k + 1
+        last = first + 2 if between else first + 1
+        straight = bend[first - 1] < _SMOOTH_BEND and (last >= len(bend) or bend[last] < _SMOOTH_BEND)
+        before, after = direction[first], direction[last]
+        if straight and float(before @ after) > np.cos(_REVERSAL):
+            corners.append(_corner(path.vertices, path.arc_length, first, last, before, after))
+        k = last + 1
+    return tuple(corners)
+
+
+def _corner(
+    vertices: FloatArray, arc_length: FloatArray, first: int, last: int, before: FloatArray, after: FloatArray
+) -> Corner:
+    """Intersect the leg that ends at vertex first + 1 with the one that starts at vertex `last`."""
+    gap = vertices[last] - vertices[first + 1]
+    lengths, *_ = np.linalg.lstsq(np.column_stack([before, after]), gap, rcond=None)
+    position = float(arc_length[first + 1] + lengths[0])
+    return Corner(vertices[first + 1] + lengths[0] * before, position, before, after)
+
+
+def corner_deviations(cycles: Sequence[Cycle], corners: Sequence[Corner] | None = None) -> tuple[CornerDeviation, ...]:
+    """Evaluate rounding and overshoot at each corner, the worst of all cycles.
+
+    CR = max_j min_k |Z_jk - c|;  CO = largest distance of Z from the line of the second leg, counted on the side the
+    first leg points to (ISO 9283:1998, 8.5). Near a corner means: while the commanded path is nearer to it than to its
+    neighbours.
+
+    Args:
+        cycles: Passes of the same commanded path, at least one.
+        corners: Programmed corners; None to find those of the commanded path.
+
+    Returns:
+        One result per corner, in order of travel.
+    """
+    found = find_corners(cycles[0].commanded) if corners is None else tuple(corners)
+    if not found:
+        return ()
+    places = np.array([corner.position for corner in found])
+    edges = np.concatenate([[-np.inf], 0.5 * (places[1:] + places[:-1]), [np.inf]])
+    results = []
+    for corner, low, high in zip(found, edges[:-1], edges[1:], strict=True):
+        rounding, overshoot = 0.0, 0.0
+        for cycle in cycles:
+            travelled = cycle.arc_length()
+            offset = cycle.attained[(travelled >= low) & (travelled <= high)] - corner.point
+            rounding = max(rounding, _distance_to_polyline(offset))
+            overshoot = max(overshoot, _overshoot(offset, corner))
+        results.append(CornerDeviation(corner, rounding, overshoot))
+    return tuple(results)
+
+
+def _distance_to_polyline(offset: FloatArray) -> float:
+    """Return the distance from the origin to the polyline through the given points [m]."""
+    path = path_through(offset)
+    return float(path.project(np.zeros((1, 3))).distance[0])
+
+
+def _overshoot(offset: FloatArray, corner: Corner) -> float:
+    outward = corner.before - (corner.before @ corner.after) * corner.after
+    outside = offset @ outward > 0.0
+    across = offset - np.outer(offset @ corner.after, corner.after)
+    return float(np.max(np.linalg.norm(across[outside], axis=1), initial=0.0))

@@ -1,0 +1,167 @@
+"""The figures of one or several runs as rows with name, unit and one column per run: for terminal and report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from rich.table import Table
+
+    from flexros.analysis.corners import CornerDeviation
+    from flexros.analysis.loop_timing import LoopTiming
+    from flexros.analysis.path_error import PathError
+    from flexros.analysis.path_performance import PathPerformance
+    from flexros.analysis.run_analysis import Analysis
+    from flexros.analysis.tracking import MotorTracking
+
+_Figure: TypeAlias = "tuple[str, str, str, float]"
+"""Group, name, unit and value of one figure of one run."""
+
+
+@dataclass(frozen=True)
+class FigureRow:
+    """One figure of all runs.
+
+    Attributes:
+        group: What it belongs to, e.g. "Path".
+        name: Its name.
+        unit: Its unit, "" where it has none.
+        values: Its value in each run as text, "-" where the log does not tell.
+    """
+
+    group: str
+    name: str
+    unit: str
+    values: tuple[str, ...]
+
+
+def figure_rows(analyses: Sequence[Analysis]) -> tuple[FigureRow, ...]:
+    """Collect the figures of all runs; a figure that no run has is left out.
+
+    Args:
+        analyses: The runs.
+
+    Returns:
+        Rows grouped as path, each motor, timing.
+    """
+    columns = [{(group, name, unit): value for group, name, unit, value in _figures(one)} for one in analyses]
+    keys = list(dict.fromkeys(key for column in columns for key in column))
+    groups = list(dict.fromkeys(group for group, _, _ in keys))
+    keys.sort(key=lambda key: groups.index(key[0]))
+    return tuple(FigureRow(*key, tuple(number(column.get(key)) for column in columns)) for key in keys)
+
+
+def terminal_table(analyses: Sequence[Analysis]) -> Table:
+    """Return the figures of one or several runs as a table for the terminal.
+
+    Args:
+        analyses: The runs, one column each.
+
+    Returns:
+        The table.
+    """
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for heading in ("", "figure", "unit"):
+        table.add_column(heading, no_wrap=True)
+    for analysis in analyses:
+        table.add_column(analysis.label, justify="right")
+    group = ""
+    for row in figure_rows(analyses):
+        table.add_row(row.group if row.group != group else "", row.name, row.unit, *row.values)
+        group = row.group
+    return table
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """Write a number with so many significant digits; whole numbers as such, "-" for none."""
+    if value is None or not np.isfinite(value):
+        return "-"
+    if value == round(value) and abs(value) < 1e15:
+        return str(round(value))
+    if abs(value) >= 1e6 or abs(value) < 1e-4:
+        return f"{value:.{digits - 1}e}"
+    places = max(digits - 1 - int(np.floor(np.log10(abs(value)))), 0)
+    return f"{value:.{places}f}"
+
+
+def _figures(analysis: Analysis) -> Iterator[_Figure]:
+    if analysis.path is not None:
+        yield from _path(analysis.path)
+    if analysis.performance is not None:
+        yield from _performance(analysis.performance)
+    yield from _corners(analysis.corners)
+    for motor in analysis.motors:
+        yield from _motor(motor)
+    yield from _timing(analysis.timing)
+
+
+def _path(path: PathError) -> Iterator[_Figure]:
+    yield "Path", "path error, max", "mm", 1e3 * path.path.maximum
+    yield "Path", "path error, rms", "mm", 1e3 * path.path.rms
+    yield "Path", "path error, 95 %", "mm", 1e3 * path.path.percentile_95
+    yield "Path", "max at time", "s", path.path.time_of_maximum
+    if path.path.position_of_maximum is not None:
+        yield "Path", "max at path position", "mm", 1e3 * path.path.position_of_maximum
+    yield "Path", "time-synchronised error, max", "mm", 1e3 * path.synchronised.maximum
+    yield "Path", "time-synchronised error, rms", "mm", 1e3 * path.synchronised.rms
+    if path.orientation is not None:
+        yield "Path", "orientation error, max", "mrad", 1e3 * path.orientation.maximum
+
+
+def _performance(performance: PathPerformance) -> Iterator[_Figure]:
+    yield "ISO 9283", "cycles", "", float(performance.cycles)
+    yield "ISO 9283", "path accuracy AT_p", "mm", 1e3 * performance.position_accuracy
+    if performance.position_repeatability is not None:
+        yield "ISO 9283", "path repeatability RT_p", "mm", 1e3 * performance.position_repeatability
+    for place, axis in enumerate("abc"):
+        if performance.orientation_accuracy is not None:
+            yield "ISO 9283", f"path accuracy AT_{axis}", "mrad", 1e3 * float(performance.orientation_accuracy[place])
+        if performance.orientation_repeatability is not None:
+            turn = float(performance.orientation_repeatability[place])
+            yield "ISO 9283", f"path repeatability RT_{axis}", "mrad", 1e3 * turn
+    if performance.velocity is not None:
+        yield "ISO 9283", "path velocity accuracy AV", "%", 1e2 * performance.velocity.accuracy
+        if performance.velocity.repeatability is not None:
+            yield "ISO 9283", "path velocity repeatability RV", "%", 1e2 * performance.velocity.repeatability
+
+
+def _corners(corners: Sequence[CornerDeviation]) -> Iterator[_Figure]:
+    if corners:
+        yield "ISO 9283", "corners", "", float(len(corners))
+        yield "ISO 9283", "corner rounding CR, max", "mm", 1e3 * max(corner.rounding for corner in corners)
+        yield "ISO 9283", "corner overshoot CO, max", "mm", 1e3 * max(corner.overshoot for corner in corners)
+
+
+def _motor(motor: MotorTracking) -> Iterator[_Figure]:
+    small, torque = ("mm", "N") if motor.linear else ("mrad", "Nm")
+    if motor.tracking is not None:
+        yield motor.joint, "tracking error, max", small, 1e3 * motor.tracking.maximum
+        yield motor.joint, "tracking error, rms", small, 1e3 * motor.tracking.rms
+    if motor.torque_max is not None:
+        yield motor.joint, "commanded torque, max", torque, motor.torque_max
+    if motor.feedback_rms is not None:
+        yield motor.joint, "feedback torque, rms", torque, motor.feedback_rms
+    if motor.feedback_share is not None:
+        yield motor.joint, "feedback share of torque", "%", 1e2 * motor.feedback_share
+    if motor.saturated_share is not None:
+        yield motor.joint, "time at torque limit", "%", 1e2 * motor.saturated_share
+
+
+def _timing(timing: LoopTiming) -> Iterator[_Figure]:
+    for name in ("joint_states", "joint_commands"):
+        topic = timing.topic(name)
+        if topic is not None:
+            yield "Timing", f"{name}, samples", "", float(topic.count)
+            yield "Timing", f"{name}, period", "ms", 1e3 * topic.period
+            yield "Timing", f"{name}, jitter std", "us", 1e6 * topic.jitter_std
+            yield "Timing", f"{name}, jitter 99 %", "us", 1e6 * topic.jitter_p99
+            yield "Timing", f"{name}, jitter max", "us", 1e6 * topic.jitter_max
+    yield "Timing", "missing samples, all topics", "", float(sum(topic.missed for topic in timing.topics))
+    yield "Timing", "states without command", "", float(timing.unanswered)

@@ -1,0 +1,195 @@
+"""Timing of the control loop by the stamps of a log: period, jitter, misses, order, and which stamps match."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.analysis.elapsed_time import elapsed_seconds, start_stamp
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.logs.time_series import JointSeries, Log, PoseSeries
+
+_GAP = 1.5
+"""A step of more than this many periods has lost at least one sample."""
+_ROUND_OFF = 1
+"""Steps of stamps on an exact grid differ by this much from rounding to whole nanoseconds [ns]."""
+_NAMED_GAPS = 20
+"""So many gaps are named one by one; all are counted."""
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Samples missing between two consecutive stamps.
+
+    Attributes:
+        time: Time of the last sample before the gap, from the start of the log [s].
+        missing: Number of samples that should lie in it.
+    """
+
+    time: float
+    missing: int
+
+
+@dataclass(frozen=True, eq=False)
+class TopicTiming:
+    """Timing of one topic.
+
+    Attributes:
+        topic: Name of the topic.
+        count: Number of messages.
+        start: Time of the first stamp, from the start of the log [s].
+        period: Median of the steps between stamps [s]; nan with fewer than two different stamps.
+        mean_period: Mean of the steps that are no gaps [s].
+        jitter_std: Standard deviation of the steps that are no gaps [s].
+        jitter_p99: 99th percentile of |step - period| over these steps [s].
+        jitter_max: Largest |step - period| over these steps [s].
+        missed: Number of samples missing in gaps.
+        gaps: The first gaps, at most 20.
+        duplicates: Number of messages whose stamp was there before.
+        out_of_order: Number of messages whose stamp is older than that of the one before.
+        exact: Whether the stamps lie on an exact grid: no step differs from the period by more than rounding.
+        steps: Steps between consecutive different stamps, in order of stamps [s], shape (n - 1,).
+        step_time: Time of the end of each step, from the start of the log [s], shape (n - 1,).
+    """
+
+    topic: str
+    count: int
+    start: float
+    period: float
+    mean_period: float
+    jitter_std: float
+    jitter_p99: float
+    jitter_max: float
+    missed: int
+    gaps: tuple[Gap, ...]
+    duplicates: int
+    out_of_order: int
+    exact: bool
+    steps: FloatArray
+    step_time: FloatArray
+
+    def as_dict(self) -> dict[str, object]:
+        """Return the figures as plain numbers with their units in the keys."""
+        return {
+            "count": self.count,
+            "start_s": self.start,
+            "period_s": self.period,
+            "mean_period_s": self.mean_period,
+            "jitter_std_s": self.jitter_std,
+            "jitter_p99_s": self.jitter_p99,
+            "jitter_max_s": self.jitter_max,
+            "missed": self.missed,
+            "gaps": [{"time_s": gap.time, "missing": gap.missing} for gap in self.gaps],
+            "duplicates": self.duplicates,
+            "out_of_order": self.out_of_order,
+            "exact": self.exact,
+        }
+
+
+@dataclass(frozen=True)
+class LoopTiming:
+    """Timing of all topics of a log and of the loop they form.
+
+    Attributes:
+        topics: Timing of each topic present, joint_states first.
+        answered: Share of joint_states with a joint_commands message of the same stamp; 1 in lock-step.
+        unanswered: Number of joint_states without one.
+        unasked: Number of joint_commands without a joint_states message of the same stamp.
+    """
+
+    topics: tuple[TopicTiming, ...]
+    answered: float
+    unanswered: int
+    unasked: int
+
+    @property
+    def exact(self) -> bool:
+        """Whether every topic lies on an exact grid and every state has its command: a lock-step log without loss."""
+        return all(topic.exact for topic in self.topics) and self.unanswered == 0 and self.unasked == 0
+
+    def topic(self, name: str) -> TopicTiming | None:
+        """Return the timing of one topic, or None where the log does not have it."""
+        return next((topic for topic in self.topics if topic.topic == name), None)
+
+    def as_dict(self) -> dict[str, object]:
+        """Return the figures as plain numbers with their units in the keys."""
+        return {
+            "exact": self.exact,
+            "answered_share": self.answered,
+            "states_without_command": self.unanswered,
+            "commands_without_state": self.unasked,
+            "topics": {topic.topic: topic.as_dict() for topic in self.topics},
+        }
+
+
+def loop_timing(log: Log) -> LoopTiming:
+    """Evaluate the stamps of a log, from lock-step (exact grid) or real time alike.
+
+    Args:
+        log: The log; topics it lacks are left out.
+
+    Returns:
+        The timing of each topic and the match of commands with states.
+    """
+    series: dict[str, JointSeries | PoseSeries | None] = {
+        "joint_states": log.joint_states,
+        "joint_commands": log.joint_commands,
+        "joint_reference": log.joint_reference,
+        "tool_pose": log.tool_pose,
+        "tool_reference": log.tool_reference,
+    }
+    present = {name: values.stamp for name, values in series.items() if values is not None and len(values.stamp) > 0}
+    start = start_stamp(log)
+    states = present.get("joint_states", np.empty(0, dtype=np.int64))
+    commands = present.get("joint_commands", np.empty(0, dtype=np.int64))
+    # A log that ends between a measurement and its command has not lost that command.
+    asked = states[states <= commands.max()] if len(commands) else states
+    matched = int(np.count_nonzero(np.isin(asked, commands)))
+    return LoopTiming(
+        topics=tuple(topic_timing(name, stamp, start) for name, stamp in present.items()),
+        answered=matched / len(asked) if len(asked) else 0.0,
+        unanswered=len(asked) - matched,
+        unasked=int(np.count_nonzero(~np.isin(commands, states))),
+    )
+
+
+def topic_timing(topic: str, stamp: IntArray, start: int) -> TopicTiming:
+    """Evaluate the stamps of one topic.
+
+    Args:
+        topic: Name of the topic.
+        stamp: Stamps in the order of the log [ns], shape (n,), n >= 1.
+        start: Stamp that counts as time 0 [ns].
+
+    Returns:
+        Period, jitter, misses, duplicates and order.
+    """
+    different = np.unique(stamp)
+    step = np.diff(different)
+    period = float(np.median(step)) if len(step) else float("nan")
+    missing = np.where(step > _GAP * period, np.rint(step / period) - 1.0, 0.0) if len(step) else np.empty(0)
+    whole = step[missing == 0.0]
+    jitter = np.abs(whole - period)
+    worst = np.flatnonzero(missing)[:_NAMED_GAPS]
+    gaps = tuple(Gap(float((different[k] - start) * 1e-9), int(missing[k])) for k in worst)
+    return TopicTiming(
+        topic=topic,
+        count=len(stamp),
+        start=float((int(stamp[0]) - start) * 1e-9),
+        period=period * 1e-9,
+        mean_period=float(np.mean(whole)) * 1e-9 if len(whole) else float("nan"),
+        jitter_std=float(np.std(whole)) * 1e-9 if len(whole) else 0.0,
+        jitter_p99=float(np.percentile(jitter, 99.0)) * 1e-9 if len(whole) else 0.0,
+        jitter_max=float(np.max(jitter, initial=0.0)) * 1e-9,
+        missed=int(np.sum(missing)),
+        gaps=gaps,
+        duplicates=len(stamp) - len(different),
+        out_of_order=int(np.count_nonzero(np.diff(stamp) < 0)),
+        exact=bool(np.all(np.abs(step - period) <= _ROUND_OFF)) and len(stamp) == len(different),
+        steps=elapsed_seconds(step, 0),
+        step_time=elapsed_seconds(different[1:], start),
+    )

@@ -1,0 +1,179 @@
+"""Error of the tool along its commanded path in one run: distance to the path, and difference at the same time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.spatial.transform import Rotation, Slerp
+
+from flexros.analysis.cycles import Cycle
+from flexros.analysis.elapsed_time import elapsed_seconds
+from flexros.analysis.error_statistics import ErrorStatistics, error_statistics
+from flexros.analysis.path_geometry import circle_behind, path_through
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.logs.time_series import PoseSeries
+
+AXES = ("x", "y", "z")
+
+
+@dataclass(frozen=True, eq=False)
+class PathError:
+    """Tool error of one run; all series are at the stamps of tool_pose that lie within tool_reference.
+
+    Attributes:
+        shape: The commanded path in words, e.g. "circle of radius 25 mm".
+        run: Commanded and attained pose over time, times from the start of the log [s]; components not in `axes` are 0.
+        axes: The position components that count, e.g. ("x", "z").
+        length: Length of the commanded path [m].
+        nearest: Point of the commanded path nearest to the attained one [m], shape (n, 3).
+        position: Distance of that point along the path [m], shape (n,).
+        distance: Distance to the path [m], shape (n,): radial deviation | |Z - c| - r | where the path is a circle.
+        time_difference: Distance to the commanded position of the same time, |Z(t) - Zd(t)| [m], shape (n,).
+        angle: Angle to the commanded orientation of the same time [rad], shape (n,); None where none is commanded.
+        path: Figures of `distance` [m].
+        synchronised: Figures of `time_difference` [m].
+        orientation: Figures of `angle` [rad]; None where no orientation is commanded.
+        chord_error: How far the path may leave the chords between its samples [m]; 0 for a circle, known exactly.
+    """
+
+    shape: str
+    run: Cycle
+    axes: tuple[str, ...]
+    length: float
+    nearest: FloatArray
+    position: FloatArray
+    distance: FloatArray
+    time_difference: FloatArray
+    angle: FloatArray | None
+    path: ErrorStatistics
+    synchronised: ErrorStatistics
+    orientation: ErrorStatistics | None
+    chord_error: float
+
+    def as_dict(self) -> dict[str, object]:
+        """Return the figures as plain numbers; metres and radians."""
+        return {
+            "shape": self.shape,
+            "axes": list(self.axes),
+            "length_m": self.length,
+            "path_error_m": self.path.as_dict(),
+            "time_synchronised_error_m": self.synchronised.as_dict(),
+            "orientation_error_rad": None if self.orientation is None else self.orientation.as_dict(),
+            "chord_error_m": self.chord_error,
+        }
+
+
+def path_error(
+    pose: PoseSeries, reference: PoseSeries, *, start: int | None = None, axes: tuple[str, ...] | None = None
+) -> PathError:
+    """Compare the attained tool pose with the commanded one.
+
+    The commanded path is the polyline through the reference samples; where all of them lie on a full circle, the circle
+    itself. A reference of another rate is interpolated linearly in time for the time-synchronised error.
+
+    Args:
+        pose: Attained poses, in order of stamps.
+        reference: Commanded poses, in order of stamps.
+        start: Stamp that counts as time 0 [ns]; None for the first stamp of `pose`.
+        axes: Position components that count; None for those that move in the pose or the reference.
+
+    Returns:
+        Error series and figures.
+
+    Raises:
+        InputError: The two series share no time or hold numbers that are not finite, or `axes` is not of x, y, z.
+    """
+    run = _common_run(pose, reference, int(pose.stamp[0]) if start is None else start)
+    used = _moving_axes(run) if axes is None else axes
+    if not used or not set(used) <= set(AXES):
+        raise InputError(f"axes {', '.join(used) or 'none'} were given for the path error: use one or more of x, y, z")
+    keep = np.array([axis in used for axis in AXES], dtype=np.float64)
+    run = Cycle(
+        run.time, run.commanded * keep, run.attained * keep, run.commanded_orientation, run.attained_orientation
+    )
+    path = path_through(np.asarray(reference.position, dtype=np.float64) * keep)
+    circle = circle_behind(path)
+    projection = path.project(run.attained) if circle is None else circle.project(run.attained)
+    difference = np.linalg.norm(run.attained - run.commanded, axis=1)
+    angle = _angle(run)
+    return PathError(
+        shape=f"path of {path.length:.4g} m" if circle is None else f"circle of radius {1e3 * circle.radius:.6g} mm",
+        run=run,
+        axes=tuple(used),
+        length=path.length,
+        nearest=projection.nearest,
+        position=projection.position,
+        distance=projection.distance,
+        time_difference=difference,
+        angle=angle,
+        path=error_statistics(projection.distance, run.time, projection.position),
+        synchronised=error_statistics(difference, run.time, projection.position),
+        orientation=None if angle is None else error_statistics(angle, run.time, projection.position),
+        chord_error=path.chord_error() if circle is None else 0.0,
+    )
+
+
+def _common_run(pose: PoseSeries, reference: PoseSeries, start: int) -> Cycle:
+    """Bring both series to the stamps of the pose that the reference covers."""
+    first, last = int(reference.stamp[0]), int(reference.stamp[-1])
+    inside = (pose.stamp >= first) & (pose.stamp <= last)
+    if not np.any(inside):
+        raise InputError(
+            f"tool_pose covers {pose.stamp[0] * 1e-9:.3f} to {pose.stamp[-1] * 1e-9:.3f} s and tool_reference "
+            f"{first * 1e-9:.3f} to {last * 1e-9:.3f} s: they must share a time; check the clocks of the recording"
+        )
+    stamp = pose.stamp[inside]
+    # Relative to the first stamp, because a double does not hold nanoseconds since 1970.
+    at, known = elapsed_seconds(stamp, first), elapsed_seconds(reference.stamp, first)
+    attained = np.asarray(pose.position, dtype=np.float64)[inside]
+    commanded = np.column_stack([np.interp(at, known, reference.position[:, i]) for i in range(3)])
+    for name, values in (("tool_pose", attained), ("tool_reference", commanded)):
+        if not np.all(np.isfinite(values)):
+            row = int(np.flatnonzero(~np.all(np.isfinite(values), axis=1))[0])
+            raise InputError(
+                f"{name} holds a position that is not finite near {(stamp[row] - start) * 1e-9:.4f} s after the start: "
+                "every position must be a number [m]; cut the log or repair the recording"
+            )
+    commanded_turn, attained_turn = _orientations(pose, reference, inside.nonzero()[0], at, known)
+    return Cycle(elapsed_seconds(stamp, start), commanded, attained, commanded_turn, attained_turn)
+
+
+def _orientations(
+    pose: PoseSeries, reference: PoseSeries, rows: IntArray, at: FloatArray, known: FloatArray
+) -> tuple[FloatArray | None, FloatArray | None]:
+    """Bring both orientations to the same stamps; a reference that stays at identity commands none."""
+    quaternion = np.asarray(reference.orientation, dtype=np.float64)
+    vector_part = np.abs(quaternion[:, :3])
+    if not np.all(np.isfinite(quaternion)) or float(np.max(vector_part)) < 1e-9 or len(known) < 2:
+        return None, None
+    attained = np.asarray(pose.orientation, dtype=np.float64)[rows]
+    if not np.all(np.isfinite(attained)) or np.any(np.linalg.norm(attained, axis=1) < 0.5):
+        return None, None
+    commanded = Slerp(known, Rotation.from_quat(quaternion))(at).as_quat()
+    # Both in the same half of the quaternion sphere as their neighbours, so that rows can be interpolated.
+    return _continuous(commanded), _continuous(attained)
+
+
+def _continuous(quaternion: FloatArray) -> FloatArray:
+    flips = np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0.0
+    sign = np.concatenate([[1.0], np.cumprod(np.where(flips, -1.0, 1.0))])
+    return np.asarray(quaternion * sign[:, None], dtype=np.float64)
+
+
+def _moving_axes(run: Cycle) -> tuple[str, ...]:
+    span = np.maximum(np.ptp(run.commanded, axis=0), np.ptp(run.attained, axis=0))
+    offset = np.max(np.abs(run.attained - run.commanded), axis=0)
+    moving = tuple(axis for axis, size in zip(AXES, np.maximum(span, offset), strict=True) if size > 1e-12)
+    return moving or AXES
+
+
+def _angle(run: Cycle) -> FloatArray | None:
+    if run.commanded_orientation is None or run.attained_orientation is None:
+        return None
+    goal, actual = Rotation.from_quat(run.commanded_orientation), Rotation.from_quat(run.attained_orientation)
+    return np.asarray((actual * goal.inv()).magnitude(), dtype=np.float64)

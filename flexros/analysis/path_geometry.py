@@ -1,0 +1,200 @@
+"""Geometry of a commanded path that is known by samples: exact distance to its polyline, and the circle behind it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray, IntArray
+
+_SAME_POINT = 1e-7
+"""Samples closer than this [m] to the one before are the same vertex (the path rests there)."""
+_FIRST_CANDIDATES = 8
+"""Segments looked at first for each point; more are taken until the nearest one is proved."""
+
+
+@dataclass(frozen=True, eq=False)
+class Projection:
+    """Nearest points of the commanded path.
+
+    Attributes:
+        distance: Distance to the path [m], shape (n,).
+        nearest: Nearest point of the path [m], shape (n, 3).
+        position: Distance along the path from its start to the nearest point [m], shape (n,).
+    """
+
+    distance: FloatArray
+    nearest: FloatArray
+    position: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class CommandedPath:
+    """Polyline through the samples of a commanded path.
+
+    Attributes:
+        vertices: Corners of the polyline [m], shape (n, 3), n >= 1, consecutive ones distinct.
+        arc_length: Distance along the polyline to each vertex [m], shape (n,).
+    """
+
+    vertices: FloatArray
+    arc_length: FloatArray
+
+    @property
+    def length(self) -> float:
+        """Length of the path [m]."""
+        return float(self.arc_length[-1])
+
+    @property
+    def extent(self) -> float:
+        """Diagonal of the box around the path [m]."""
+        return float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
+
+    def project(self, points: FloatArray) -> Projection:
+        """Find the nearest point of the path, on the segments and not only at the vertices, for each given point.
+
+        Args:
+            points: Attained positions [m], shape (n, 3).
+
+        Returns:
+            Distance, nearest point and position along the path. The nearest segment is proved: no other can be nearer.
+        """
+        if len(self.vertices) == 1:
+            distance = np.linalg.norm(points - self.vertices[0], axis=1)
+            nearest = np.repeat(self.vertices, len(points), axis=0)
+            return Projection(distance, nearest, np.zeros(len(points)))
+        return _project(self, points)
+
+    def chord_error(self) -> float:
+        """Return how far the sampled path may leave its chords [m]: largest chord times turning angle over eight."""
+        if len(self.vertices) < 3:
+            return 0.0
+        step = np.diff(self.vertices, axis=0)
+        length = np.linalg.norm(step, axis=1)
+        direction = step / length[:, None]
+        turning = np.arccos(np.clip(np.sum(direction[1:] * direction[:-1], axis=1), -1.0, 1.0))
+        smooth = turning < np.radians(20.0)
+        sag = np.minimum(length[1:], length[:-1]) * turning / 8.0
+        return float(np.max(sag[smooth], initial=0.0))
+
+
+def path_through(points: FloatArray) -> CommandedPath:
+    """Build the polyline through samples of a commanded path, dropping the samples where it rests.
+
+    Args:
+        points: Commanded positions in order of time [m], shape (n, 3), n >= 1.
+
+    Returns:
+        The path.
+    """
+    kept = [0]
+    step = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    if np.all(step >= _SAME_POINT):
+        vertices = np.array(points, dtype=np.float64)
+    else:
+        for index in range(1, len(points)):
+            if np.linalg.norm(points[index] - points[kept[-1]]) >= _SAME_POINT:
+                kept.append(index)
+        vertices = np.array(points[kept], dtype=np.float64)
+    lengths = np.linalg.norm(np.diff(vertices, axis=0), axis=1)
+    return CommandedPath(vertices, np.concatenate([[0.0], np.cumsum(lengths)]))
+
+
+def _project(path: CommandedPath, points: FloatArray) -> Projection:
+    starts, steps = path.vertices[:-1], np.diff(path.vertices, axis=0)
+    half = 0.5 * float(np.max(np.linalg.norm(steps, axis=1)))
+    tree = cKDTree(starts + 0.5 * steps)
+    n = len(points)
+    distance = np.empty(n)
+    segment = np.empty(n, dtype=np.int64)
+    fraction = np.empty(n)
+    open_points: IntArray = np.arange(n)
+    k = min(_FIRST_CANDIDATES, len(starts))
+    while len(open_points):
+        far, candidates = tree.query(points[open_points], k=k)
+        far, candidates = far.reshape(-1, k), candidates.reshape(-1, k)
+        offset = points[open_points][:, None, :] - starts[candidates]
+        along = np.clip(np.sum(offset * steps[candidates], axis=2) / np.sum(steps[candidates] ** 2, axis=2), 0.0, 1.0)
+        gap = np.linalg.norm(offset - along[..., None] * steps[candidates], axis=2)
+        best = np.argmin(gap, axis=1)
+        row = np.arange(len(open_points))
+        distance[open_points], segment[open_points] = gap[row, best], candidates[row, best]
+        fraction[open_points] = along[row, best]
+        # A segment not looked at has its middle beyond the farthest candidate, so it is at least far - half away.
+        proved = (far[:, -1] - half >= gap[row, best]) | (k == len(starts))
+        open_points = open_points[~proved]
+        k = min(4 * k, len(starts))
+    nearest = starts[segment] + fraction[:, None] * steps[segment]
+    position = path.arc_length[segment] + fraction * np.diff(path.arc_length)[segment]
+    return Projection(distance, nearest, position)
+
+
+@dataclass(frozen=True, eq=False)
+class Circle:
+    """A full circle in space.
+
+    Attributes:
+        centre: Centre [m], shape (3,).
+        radius: Radius [m].
+        normal: Unit vector across its plane, in the sense of travel, shape (3,).
+        start: Unit vector from the centre to the start of the path, shape (3,).
+    """
+
+    centre: FloatArray
+    radius: float
+    normal: FloatArray
+    start: FloatArray
+
+    def project(self, points: FloatArray) -> Projection:
+        """Find the nearest point of the circle; in its plane the distance is the radial deviation | |Z - c| - r |.
+
+        Args:
+            points: Attained positions [m], shape (n, 3), none on the axis of the circle.
+
+        Returns:
+            Distance, nearest point, and position along the circle from its start, 0 to 2 pi r.
+        """
+        offset = points - self.centre
+        flat = offset - np.outer(offset @ self.normal, self.normal)
+        direction = flat / np.linalg.norm(flat, axis=1, keepdims=True)
+        nearest = self.centre + self.radius * direction
+        angle = np.arctan2(direction @ np.cross(self.normal, self.start), direction @ self.start)
+        distance = np.linalg.norm(points - nearest, axis=1)
+        return Projection(distance, nearest, self.radius * np.mod(angle, 2.0 * np.pi))
+
+
+def circle_behind(path: CommandedPath, tolerance: float = 1e-6) -> Circle | None:
+    """Find the full circle on which all vertices of a path lie, if there is one.
+
+    Least squares in the plane of the path: |p|^2 = 2 c.p + (r^2 - |c|^2) (Kasa 1976).
+
+    Args:
+        path: The commanded path.
+        tolerance: Largest distance of a vertex from the circle [m].
+
+    Returns:
+        The circle, or None where the path is none or goes round less than once.
+    """
+    if len(path.vertices) < 8:
+        return None
+    middle = path.vertices.mean(axis=0)
+    _, _, frame = np.linalg.svd(path.vertices - middle, full_matrices=False)
+    flat = (path.vertices - middle) @ frame[:2].T
+    system = np.column_stack([2.0 * flat, np.ones(len(flat))])
+    solution, *_ = np.linalg.lstsq(system, np.sum(flat**2, axis=1), rcond=None)
+    radius = float(np.sqrt(max(solution[2] + solution[0] ** 2 + solution[1] ** 2, 0.0)))
+    if radius <= tolerance or radius > path.extent:
+        return None
+    centre = middle + solution[:2] @ frame[:2]
+    start = path.vertices[0] - centre
+    travel = np.unwrap(np.arctan2(flat[:, 1] - solution[1], flat[:, 0] - solution[0]))
+    normal = np.sign(travel[-1] - travel[0]) * np.cross(frame[0], frame[1])
+    circle = Circle(centre, radius, normal, start / np.linalg.norm(start))
+    once_round = abs(travel[-1] - travel[0]) > np.radians(350.0)
+    if not once_round or float(np.max(circle.project(path.vertices).distance)) > tolerance:
+        return None
+    return circle

@@ -1,0 +1,55 @@
+"""Section: where the runs came from, and what limits the figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable
+from flexros.analysis.report.decimate import SCREEN_POINTS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from flexros.analysis.run_analysis import Analysis
+
+_LONGEST = 300
+"""Longer texts are cut in the table."""
+
+
+class ProvenanceSection(AbstractSection):
+    """Scenario, robot, seed, versions, model hash; warnings; how pictures are drawn."""
+
+    title: ClassVar[str] = "Provenance and limits"
+
+    def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
+        """Return the warnings, the table of origins and the note on pictures."""
+        blocks: list[Block] = []
+        for analysis in analyses:
+            blocks += [Paragraph(f"{analysis.label}: {warning}.", "warning") for warning in analysis.warnings]
+        columns = [dict(_flat(analysis.provenance)) for analysis in analyses]
+        keys = list(dict.fromkeys(key for column in columns for key in column))
+        if keys:
+            rows = tuple((key, *(column.get(key, "-") for column in columns)) for key in keys)
+            header = ("", *(analysis.label for analysis in analyses))
+            blocks.append(TextTable(header, rows, "Where the runs came from.", left=len(header)))
+        else:
+            blocks.append(Paragraph("The logs say nothing about where they came from.", "warning"))
+        blocks.append(
+            Paragraph(
+                f"Pictures draw at most {SCREEN_POINTS} points per curve; longer series are reduced to the smallest "
+                "and largest value of equal pieces, so that peaks stay. All figures are computed from every sample.",
+                "note",
+            )
+        )
+        return tuple(blocks)
+
+
+def _flat(value: object, name: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the entries of a nested mapping as name.key and text."""
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _flat(inner, f"{name}.{key}" if name else str(key))
+    else:
+        text = ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+        yield name, text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."

@@ -1,0 +1,113 @@
+"""Section: the verdict in a sentence, the figures that matter most, and the table of all figures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.analysis.figures_table import figure_rows, number
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable, Tiles
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.analysis.run_analysis import Analysis
+
+
+class SummarySection(AbstractSection):
+    """Verdict, main figures, table of all figures."""
+
+    title: ClassVar[str] = ""
+
+    def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
+        """Return the verdict, tiles for a single run, and the table."""
+        blocks: list[Block] = [Paragraph(verdict(analyses), "lead")]
+        if len(analyses) == 1:
+            blocks.append(Tiles(_tiles(analyses[0])))
+        blocks.append(_table(analyses))
+        return tuple(blocks)
+
+
+def verdict(analyses: Sequence[Analysis]) -> str:
+    """Say in a sentence or two how the runs went, with figures."""
+    if len(analyses) == 1:
+        return _one_run(analyses[0])
+    known = [(one.path.path.maximum, one.label) for one in analyses if one.path is not None]
+    if not known:
+        unknown = f"{len(analyses)} runs, none with the tool and its reference: only the motor side can be told"
+        return f"{unknown}. {_timing(analyses)}"
+    (best, best_label), (worst, worst_label) = min(known), max(known)
+    return (
+        f"Of {len(known)} runs, {best_label} stayed closest to its path, within {_mm(best)} mm; "
+        f"{worst_label} left it farthest, by {_mm(worst)} mm. {_timing(analyses)}"
+    )
+
+
+def _one_run(analysis: Analysis) -> str:
+    followed = _followed(analysis)
+    if analysis.path is None:
+        tool = "The tool was not recorded with its reference, so only the motor side can be told"
+        return f"{tool}{f': {followed}' if followed else ''}. {_timing([analysis])}"
+    tool = (
+        f"The tool stayed within {_mm(analysis.path.path.maximum)} mm of its commanded {analysis.path.shape} "
+        f"(rms {_mm(analysis.path.path.rms)} mm)"
+    )
+    return f"{tool}{f'; {followed}' if followed else ''}. {_timing([analysis])}"
+
+
+def _followed(analysis: Analysis) -> str:
+    tracked = [motor for motor in analysis.motors if motor.tracking is not None]
+    if not tracked:
+        return ""
+    worst = max(tracked, key=lambda motor: motor.tracking.maximum if motor.tracking else 0.0)
+    size = worst.tracking.maximum if worst.tracking else 0.0
+    text = f"the motors followed within {number(1e3 * size, 3)} {'mm' if worst.linear else 'mrad'}"
+    shares = [motor.feedback_share for motor in tracked if motor.feedback_share is not None]
+    return f"{text}, with at most {number(1e2 * max(shares), 2)} % of the torque from feedback" if shares else text
+
+
+def _timing(analyses: Sequence[Analysis]) -> str:
+    if all(one.timing.exact for one in analyses):
+        return "No sample is missing and every stamp is exact."
+    missed = sum(topic.missed for one in analyses for topic in one.timing.topics)
+    unanswered = sum(one.timing.unanswered for one in analyses)
+    if missed == 0 and unanswered == 0:
+        return "No sample is missing."
+    return f"{missed} samples are missing and {unanswered} measurements have no command of the same stamp."
+
+
+def _mm(metres: float) -> str:
+    return number(1e3 * metres, 3)
+
+
+def _tiles(analysis: Analysis) -> tuple[tuple[str, str, str, str], ...]:
+    tiles = []
+    if analysis.path is not None:
+        path, synchronised = analysis.path.path, analysis.path.synchronised
+        tiles.append(
+            ("Path error, max", _mm(path.maximum), "mm", f"rms {_mm(path.rms)} mm, at {path.time_of_maximum:.3f} s")
+        )
+        below = f"rms {_mm(synchronised.rms)} mm"
+        tiles.append(("Time-synchronised error, max", _mm(synchronised.maximum), "mm", below))
+    tracked = [motor.tracking for motor in analysis.motors if motor.tracking is not None]
+    if tracked:
+        worst = max(tracked, key=lambda one: one.maximum)
+        unit = "mm" if analysis.motors[0].linear else "mrad"
+        below = f"rms {number(1e3 * worst.rms, 3)} {unit}"
+        tiles.append(("Motor tracking error, max", number(1e3 * worst.maximum, 3), unit, below))
+    states = analysis.timing.topic("joint_states")
+    if states is not None:
+        below = "exact" if states.exact else f"jitter std {number(1e6 * states.jitter_std, 3)} us"
+        tiles.append(("Loop period, mean", number(1e3 * states.mean_period), "ms", below))
+    return tuple(tiles)
+
+
+def _table(analyses: Sequence[Analysis]) -> TextTable:
+    rows: list[tuple[str, ...]] = []
+    group = ""
+    for row in figure_rows(analyses):
+        if row.group != group:
+            group = row.group
+            rows.append((group,))
+        rows.append((row.name, row.unit, *row.values))
+    header = ("Figure", "Unit", *(one.label for one in analyses))
+    return TextTable(header, tuple(rows), "All figures; they are computed from every sample.", left=2)

@@ -1,0 +1,116 @@
+"""Section: timing of the nodes, as the stamps tell it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+import plotly.graph_objects as go
+
+from flexros.analysis.figures_table import number
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.analysis.report.theme import compact, curve, run_colour, stacked
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.analysis.loop_timing import TopicTiming
+    from flexros.analysis.run_analysis import Analysis
+
+_BINS = 120
+
+
+class TimingSection(AbstractSection):
+    """Periods, jitter and missing samples of every topic."""
+
+    title: ClassVar[str] = "Node timing"
+
+    def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
+        """Return what the stamps say, the table of topics, and the periods of the runs that are not exact."""
+        blocks: list[Block] = [Paragraph(_sentence(analysis)) for analysis in analyses]
+        blocks.append(_table(analyses))
+        loose = [
+            (f"{one.label} {topic.topic}" if len(analyses) > 1 else topic.topic, topic)
+            for one in analyses
+            for topic in one.timing.topics
+            if topic.topic in ("joint_states", "joint_commands") and not topic.exact and len(topic.steps)
+        ]
+        if loose:
+            blocks.append(_picture(loose))
+        return tuple(blocks)
+
+
+def _sentence(analysis: Analysis) -> str:
+    timing = analysis.timing
+    if timing.exact:
+        return (
+            f"{analysis.label}: all stamps lie on an exact grid and every measurement has the command of its stamp. "
+            "In lock-step, where the plant waits for the command, that is so by construction and says nothing about speed."
+        )
+    gaps = [f"{topic.topic} {gap.missing} after {gap.time:.4f} s" for topic in timing.topics for gap in topic.gaps]
+    text = (
+        f"{analysis.label}: {number(1e2 * timing.answered, 5)} % of the measurements have a command of the same stamp"
+    )
+    if not gaps:
+        return f"{text}; no sample is missing."
+    named = ", ".join(gaps[:6]) + (", and more" if len(gaps) > 6 else "")
+    return f"{text}; samples are missing: {named}."
+
+
+def _table(analyses: Sequence[Analysis]) -> TextTable:
+    rows: list[tuple[str, ...]] = []
+    for analysis in analyses:
+        if len(analyses) > 1:
+            rows.append((analysis.label,))
+        rows += [_topic_row(topic) for topic in analysis.timing.topics]
+    header = (
+        "Topic",
+        "messages",
+        "first at [s]",
+        "mean period [ms]",
+        "jitter std [us]",
+        "jitter 99 % [us]",
+        "jitter max [us]",
+        "missing",
+    )
+    return TextTable(header, tuple(rows), "Timing of each topic by its stamps; jitter is without the gaps.")
+
+
+def _topic_row(topic: TopicTiming) -> tuple[str, ...]:
+    return (
+        topic.topic,
+        str(topic.count),
+        number(topic.start),
+        number(1e3 * topic.mean_period, 5),
+        number(1e6 * topic.jitter_std),
+        number(1e6 * topic.jitter_p99),
+        number(1e6 * topic.jitter_max),
+        str(topic.missed),
+    )
+
+
+def _picture(topics: Sequence[tuple[str, TopicTiming]]) -> Picture:
+    figure = stacked(["Period from sample to sample", "How often each period occurs"], shared_x=False)
+    for index, (label, topic) in enumerate(topics):
+        colour = run_colour(index)
+        hover = "%{x:.4f} s: %{y:.4f} ms"
+        figure.add_trace(curve(topic.step_time, 1e3 * topic.steps, label, colour, hover=hover, width=1.0), row=1, col=1)
+        whole = 1e3 * topic.steps[topic.steps < 1.5 * topic.period]
+        count, edges = np.histogram(whole, bins=_BINS)
+        bars = go.Bar(
+            x=compact(0.5 * (edges[1:] + edges[:-1])),
+            y=count,
+            name=label,
+            marker={"color": colour, "opacity": 0.65},
+            hovertemplate="%{x:.4f} ms: %{y} times<extra></extra>",
+            showlegend=False,
+            legendgroup=label,
+        )
+        figure.add_trace(bars, row=2, col=1)
+    figure.update_layout(barmode="overlay", bargap=0)
+    figure.update_xaxes(title_text="time since start [s]", row=1)
+    figure.update_xaxes(title_text="period [ms]", row=2)
+    figure.update_yaxes(title_text="period [ms]", row=1)
+    figure.update_yaxes(title_text="number of samples", type="log", row=2)
+    caption = "Periods of the loop by the stamps of its topics; gaps are left out of the histogram."
+    return Picture(figure, caption)

@@ -1,0 +1,81 @@
+"""Section: torques against feedforward."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.analysis.figures_table import number
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture
+from flexros.analysis.report.theme import INK, REFERENCE, curve, run_colour, stacked
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import plotly.graph_objects as go
+
+    from flexros.analysis.run_analysis import Analysis
+    from flexros.analysis.tracking import MotorTracking
+
+
+class TorqueSection(AbstractSection):
+    """Commanded torque and feedforward of each motor, and the difference, which is the work of the feedback."""
+
+    title: ClassVar[str] = "Torques against feedforward"
+
+    def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
+        """Return a sentence per run and the picture; none where no commands were recorded."""
+        motors = {m.joint: m.linear for one in analyses for m in one.motors if m.torque is not None}
+        if not motors:
+            return ()
+        titles = [
+            text for joint in motors for text in (f"{joint}: command, and feedforward dotted", f"{joint}: feedback")
+        ]
+        figure = stacked(titles, columns=2, height=200)
+        for index, analysis in enumerate(analyses):
+            for motor in analysis.motors:
+                if motor.joint in motors:
+                    _draw(figure, list(motors).index(motor.joint) + 1, motor, analysis.label, index, len(analyses))
+        for row, linear in enumerate(motors.values(), start=1):
+            figure.update_yaxes(title_text="force [N]" if linear else "torque [Nm]", row=row, col=1)
+        figure.update_xaxes(title_text="time since start [s]", row=len(motors))
+        caption = "Commanded torque of each motor with the feedforward (dotted), and what the feedback added to it."
+        sentences = [Paragraph(text) for text in map(_sentence, analyses) if text]
+        return (*sentences, Picture(figure, caption))
+
+
+def _draw(figure: go.Figure, row: int, motor: MotorTracking, label: str, index: int, runs: int) -> None:
+    if motor.torque is None or motor.torque_time is None:
+        return
+    unit = "N" if motor.linear else "Nm"
+    hover = f"%{{x:.4f}} s: %{{y:.5g}} {unit}"
+    colour = run_colour(index)
+    line = curve(motor.torque_time, motor.torque, label, colour, hover=hover, legend=row == 1)
+    figure.add_trace(line, row=row, col=1)
+    if motor.feedforward is None or motor.feedback is None:
+        return
+    dotted = curve(
+        motor.torque_time,
+        motor.feedforward,
+        "feedforward" if runs == 1 else f"{label}, feedforward",
+        INK if runs == 1 else REFERENCE,
+        hover=hover,
+        dash="dot",
+        legend=row == 1 and runs == 1,
+        group=label,
+    )
+    figure.add_trace(dotted, row=row, col=1)
+    added = curve(motor.torque_time, motor.feedback, label, colour, hover=hover, legend=False)
+    figure.add_trace(added, row=row, col=2)
+
+
+def _sentence(analysis: Analysis) -> str:
+    shares = [
+        f"{number(1e2 * motor.feedback_share, 3)} % at {motor.joint}"
+        for motor in analysis.motors
+        if motor.feedback_share is not None
+    ]
+    if not shares:
+        return f"{analysis.label}: the log holds no feedforward torque, so all torque is shown as one."
+    text = f"{analysis.label}: the feedback made {', '.join(shares)} of the torque (rms over rms)"
+    limited = [motor.joint for motor in analysis.motors if motor.saturated_share]
+    return f"{text}; the torque limit was reached at {', '.join(limited)}." if limited else f"{text}."

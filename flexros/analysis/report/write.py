@@ -1,0 +1,92 @@
+"""Write a report: one HTML file that opens offline, of one run or of several side by side."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flexros.analysis.report.comparison import ComparisonSection, OverlaySection
+from flexros.analysis.report.error_over_time import ErrorSection
+from flexros.analysis.report.page import Chapter, page_html
+from flexros.analysis.report.path import PathSection
+from flexros.analysis.report.provenance import ProvenanceSection
+from flexros.analysis.report.summary import SummarySection
+from flexros.analysis.report.timing import TimingSection
+from flexros.analysis.report.torques import TorqueSection
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.analysis.comparison import Comparison
+    from flexros.analysis.report.base import AbstractSection
+    from flexros.analysis.run_analysis import Analysis
+
+RUN_SECTIONS: tuple[AbstractSection, ...] = (
+    SummarySection(),
+    PathSection(),
+    ErrorSection(),
+    TorqueSection(),
+    TimingSection(),
+    ProvenanceSection(),
+)
+"""Sections of the report of runs, in order of appearance."""
+
+
+def write_report(analyses: Sequence[Analysis], file: Path, *, title: str | None = None) -> None:
+    """Write the report of one run, or of several side by side.
+
+    Args:
+        analyses: The runs, at least one.
+        file: The HTML file; one that exists is replaced once the new one is complete.
+        title: Heading; None for the labels of the runs.
+
+    Raises:
+        InputError: No run was given, or the file cannot be written.
+    """
+    if not analyses:
+        raise InputError("no run was given for the report: give at least one log")
+    chapters = [Chapter(section.title, section.blocks(analyses)) for section in RUN_SECTIONS]
+    heading = title or ", ".join(analysis.label for analysis in analyses)
+    _write(page_html(heading, _subtitle(analyses), chapters), Path(file))
+
+
+def write_comparison(comparison: Comparison, file: Path, *, title: str = "Comparison of methods") -> None:
+    """Write the report of methods and cases beside quoted figures.
+
+    Args:
+        comparison: The runs by method and case, and the figures quoted beside them.
+        file: The HTML file; one that exists is replaced once the new one is complete.
+        title: Heading.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    analyses = [run.analysis for run in comparison.runs]
+    chapters = [
+        Chapter(ComparisonSection.title, ComparisonSection(comparison).blocks(analyses)),
+        Chapter(OverlaySection.title, OverlaySection(comparison).blocks(analyses)),
+        *(Chapter(section.title, section.blocks(analyses)) for section in (TimingSection(), ProvenanceSection())),
+    ]
+    _write(page_html(title, _subtitle(analyses), chapters), Path(file))
+
+
+def _subtitle(analyses: Sequence[Analysis]) -> str:
+    longest = max(analysis.duration for analysis in analyses)
+    samples = sum(topic.count for one in analyses for topic in one.timing.topics if topic.topic == "joint_states")
+    runs = "One run" if len(analyses) == 1 else f"{len(analyses)} runs"
+    return f"{runs}, {'' if len(analyses) == 1 else 'up to '}{longest:.4g} s, {samples} samples"
+
+
+def _write(text: str, file: Path) -> None:
+    """Write under another name first, so that a broken-off run leaves no half report."""
+    part = file.with_name(f".{file.name}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(file)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise InputError(
+            f"the report cannot be written to '{file}' ({error.strerror or error}): "
+            "its folder must exist and be writable; give another file with --report"
+        ) from error

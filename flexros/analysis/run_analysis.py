@@ -1,0 +1,149 @@
+"""One run analysed: path error, path performance, corners, tracking and timing together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from flexros.analysis.corners import CornerDeviation, corner_deviations
+from flexros.analysis.cycles import split_cycles
+from flexros.analysis.elapsed_time import start_stamp
+from flexros.analysis.loop_timing import LoopTiming, loop_timing
+from flexros.analysis.path_error import AXES, PathError, path_error
+from flexros.analysis.path_performance import STANDARD_CYCLES, PathPerformance, path_performance
+from flexros.analysis.tracking import Drive, MotorTracking, motor_tracking
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rich.table import Table
+
+    from flexros.logs.time_series import Log
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """What the log of one run tells.
+
+    Attributes:
+        label: Name of the run in tables and pictures.
+        duration: Time from the first to the last joint_states stamp [s].
+        path: Error of the tool along its path; None where tool_pose or tool_reference is missing.
+        performance: Path accuracy and repeatability (ISO 9283); None without `path` or where the path does not move.
+        corners: Deviations at the corners of the path, in order of travel.
+        motors: Tracking and torque of each motor.
+        timing: Timing of the topics.
+        provenance: Where the log came from.
+        warnings: What limits these results, one sentence each; those of the log first.
+    """
+
+    label: str
+    duration: float
+    path: PathError | None
+    performance: PathPerformance | None
+    corners: tuple[CornerDeviation, ...]
+    motors: tuple[MotorTracking, ...]
+    timing: LoopTiming
+    provenance: Mapping[str, Any]
+    warnings: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, object]:
+        """Return all figures as plain numbers, lists and strings, ready for JSON; units stand in the keys."""
+        return {
+            "label": self.label,
+            "duration_s": self.duration,
+            "path": None if self.path is None else self.path.as_dict(),
+            "performance": None if self.performance is None else self.performance.as_dict(),
+            "corners": [corner.as_dict() for corner in self.corners],
+            "motors": {motor.joint: motor.as_dict() for motor in self.motors},
+            "timing": self.timing.as_dict(),
+            "provenance": dict(self.provenance),
+            "warnings": list(self.warnings),
+        }
+
+    def table(self) -> Table:
+        """Return the figures as a table for the terminal."""
+        from flexros.analysis.figures_table import terminal_table
+
+        return terminal_table([self])
+
+
+def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -> Analysis:
+    """Analyse the log of one run.
+
+    Args:
+        log: The log.
+        robot: The robot of the run, for its torque limits and controlled axes; None where not known.
+        label: Name of the run in tables and pictures; None for the scenario in the provenance.
+
+    Returns:
+        The analysis. What the log does not hold is None there and named in the warnings.
+
+    Raises:
+        InputError: The log contradicts itself or the robot.
+    """
+    start = start_stamp(log)
+    warnings = list(log.warnings)
+    path, performance, corners = _tool(log, start, None if robot is None else _controlled_axes(robot), warnings)
+    drives = None if robot is None else _drives(robot)
+    motors = motor_tracking(log, start, drives)
+    if not any(motor.tracking is not None for motor in motors):
+        warnings.append("the log has no joint_reference with positions, so motor tracking cannot be told")
+    if not any(motor.feedforward is not None for motor in motors):
+        warnings.append("the log has no feedforward torque, so the share of the feedback cannot be told")
+    stamp = log.joint_states.stamp
+    return Analysis(
+        label=str(log.provenance.get("scenario", "run")) if label is None else label,
+        duration=float((stamp[-1] - stamp[0]) * 1e-9) if len(stamp) else 0.0,
+        path=path,
+        performance=performance,
+        corners=corners,
+        motors=motors,
+        timing=loop_timing(log),
+        provenance=log.provenance,
+        warnings=tuple(warnings),
+    )
+
+
+def _controlled_axes(robot: Robot) -> tuple[str, ...] | None:
+    """Return the position components that the robot controls; None where it does not control the tool pose."""
+    pose = robot.spec.outputs[robot.controlled].pose
+    return tuple(component for component in pose if component in AXES) or None
+
+
+def _drives(robot: Robot) -> tuple[Drive, ...]:
+    """Return limit and kind of each motor, in the order of the chain."""
+    moved = [axis for body in robot.spec.bodies for axis, direction in body.directions.items() if direction.motor]
+    return tuple(
+        Drive(float(limit), linear=axis.startswith("t")) for limit, axis in zip(robot.torque_limits, moved, strict=True)
+    )
+
+
+def _tool(
+    log: Log, start: int, axes: tuple[str, ...] | None, warnings: list[str]
+) -> tuple[PathError | None, PathPerformance | None, tuple[CornerDeviation, ...]]:
+    """Evaluate what the tool topics tell; what they do not is added to the warnings."""
+    pose, reference = log.tool_pose, log.tool_reference
+    absent = [
+        name
+        for name, series in (("tool_pose", pose), ("tool_reference", reference))
+        if series is None or len(series.stamp) == 0
+    ]
+    if pose is None or reference is None or absent:
+        warnings.append(f"the log has no {' and no '.join(absent)}, so only the motor side of the error can be told")
+        return None, None, ()
+    error = path_error(pose, reference, start=start, axes=axes)
+    if error.chord_error > 0.05 * error.path.maximum:
+        warnings.append(
+            f"the commanded path may leave the chords between its samples by {1e3 * error.chord_error:.2g} mm, "
+            "which counts as path error; record tool_reference at a higher rate"
+        )
+    if error.length == 0.0:
+        warnings.append("the commanded tool position never moves, so path accuracy cannot be told")
+        return error, None, ()
+    cycles = split_cycles(error.run)
+    performance = path_performance(cycles)
+    if 1 < performance.cycles < STANDARD_CYCLES:
+        warnings.append(f"repeatability is from {performance.cycles} cycles; ISO 9283 asks for {STANDARD_CYCLES}")
+    return error, performance, corner_deviations(cycles)

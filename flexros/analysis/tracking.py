@@ -1,0 +1,186 @@
+"""What the feedback had to do: tracking error of the motors, torque against feedforward, saturation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.analysis.elapsed_time import elapsed_seconds
+from flexros.analysis.error_statistics import ErrorStatistics, error_statistics
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.logs.time_series import JointSeries, Log
+
+_AT_LIMIT = 1e-9
+"""A torque within this relative distance of its limit is limited."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotorTracking:
+    """Tracking and torque of one motor; what the log does not hold is None.
+
+    Attributes:
+        joint: Name of the joint.
+        linear: Whether the motor moves in metres and newtons; radians and newton metres otherwise.
+        time: Time of the position samples, from the start of the log [s], shape (n,).
+        error: Reference minus measured position [rad, or m for a linear motor], shape (n,).
+        tracking: Figures of `error`.
+        torque_time: Time of the torque samples, from the start of the log [s], shape (k,).
+        torque: Commanded torque [Nm, or N], shape (k,).
+        feedforward: Feedforward torque at the same stamps [Nm, or N], shape (k,).
+        feedback: `torque` minus `feedforward`: what the feedback added [Nm, or N], shape (k,).
+        torque_max: Largest absolute commanded torque [Nm, or N].
+        feedback_rms: Rms of `feedback` [Nm, or N].
+        feedback_share: Rms of `feedback` over rms of `torque`: 0 where the feedforward does it all, 1 where there is
+            none; above 1 where the two work against each other.
+        torque_limit: Torque limit of the robot [Nm, or N]; inf where it has none, None where the robot is not known.
+        saturated_share: Share of the torque samples at the limit.
+    """
+
+    joint: str
+    linear: bool
+    time: FloatArray | None
+    error: FloatArray | None
+    tracking: ErrorStatistics | None
+    torque_time: FloatArray | None
+    torque: FloatArray | None
+    feedforward: FloatArray | None
+    feedback: FloatArray | None
+    torque_max: float | None
+    feedback_rms: float | None
+    feedback_share: float | None
+    torque_limit: float | None
+    saturated_share: float | None
+
+    def as_dict(self) -> dict[str, object]:
+        """Return the figures as plain numbers: rad and Nm; m and N for a linear motor."""
+        return {
+            "tracking_error": None if self.tracking is None else self.tracking.as_dict(),
+            "torque_max": self.torque_max,
+            "feedback_rms": self.feedback_rms,
+            "feedback_share": self.feedback_share,
+            "torque_limit": self.torque_limit if self.torque_limit is None or np.isfinite(self.torque_limit) else None,
+            "saturated_share": self.saturated_share,
+        }
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What the robot file says about a motor.
+
+    Attributes:
+        torque_limit: Largest absolute torque [Nm, or N]; inf where none.
+        linear: Whether it moves in metres.
+    """
+
+    torque_limit: float
+    linear: bool = False
+
+
+def motor_tracking(log: Log, start: int, drives: Sequence[Drive] | None = None) -> tuple[MotorTracking, ...]:
+    """Evaluate tracking and torques of every motor of a log.
+
+    A reference of another rate is interpolated linearly to the stamps of the measurement and of the command.
+
+    Args:
+        log: The log.
+        start: Stamp that counts as time 0 [ns].
+        drives: The motors of the robot, in the order of the joints; None where not known.
+
+    Returns:
+        One result per joint of joint_states, in its order.
+
+    Raises:
+        InputError: The robot has another number of motors than the log.
+    """
+    names = log.joint_states.names
+    known: dict[str, Drive] = {}
+    if drives is not None:
+        if len(drives) != len(names):
+            raise InputError(
+                f"the robot has {len(drives)} motors and the log has {len(names)} joints ({', '.join(names)}): "
+                "they must be the same; give the robot that made the log"
+            )
+        known = dict(zip(names, drives, strict=True))
+    return tuple(_motor(log, joint, start, known.get(joint)) for joint in names)
+
+
+def _motor(log: Log, joint: str, start: int, drive: Drive | None) -> MotorTracking:
+    position = _signal(log.joint_states, joint, "position")
+    goal = _signal(log.joint_reference, joint, "position")
+    command = _signal(log.joint_commands, joint, "effort")
+    ahead = _signal(log.joint_reference, joint, "effort")
+    time, error = None, None
+    if position is not None and goal is not None:
+        stamp, measured, wanted = _paired(position, goal)
+        if len(stamp):
+            time, error = elapsed_seconds(stamp, start), wanted - measured
+    torque_time, torque, feedforward, feedback = None, None, None, None
+    if command is not None:
+        stamp, torque = command
+        if ahead is not None:
+            stamp, torque, feedforward = _paired(command, ahead)
+            feedback = torque - feedforward
+        torque_time = elapsed_seconds(stamp, start)
+    known = torque is not None and len(torque) > 0
+    limit = None if drive is None else drive.torque_limit
+    return MotorTracking(
+        joint=joint,
+        linear=drive is not None and drive.linear,
+        time=time,
+        error=error,
+        tracking=None if error is None or time is None else error_statistics(error, time),
+        torque_time=torque_time,
+        torque=torque,
+        feedforward=feedforward,
+        feedback=feedback,
+        torque_max=float(np.max(np.abs(torque))) if torque is not None and known else None,
+        feedback_rms=None if feedback is None or not known else _rms(feedback),
+        feedback_share=None if feedback is None or torque is None or not known else _share(feedback, torque),
+        torque_limit=limit,
+        saturated_share=(
+            float(np.mean(np.abs(torque) >= limit * (1.0 - _AT_LIMIT)))
+            if torque is not None and known and limit is not None
+            else None
+        ),
+    )
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _share(feedback: FloatArray, torque: FloatArray) -> float | None:
+    total = _rms(torque)
+    return _rms(feedback) / total if total > 0.0 else None
+
+
+def _signal(series: JointSeries | None, joint: str, kind: str) -> tuple[IntArray, FloatArray] | None:
+    """Return the finite samples of one joint, in order of stamps; None where the log has none."""
+    if series is None or joint not in series.names:
+        return None
+    table: FloatArray | None = getattr(series, kind)
+    if table is None:
+        return None
+    values = table[:, list(series.names).index(joint)]
+    stamp, first = np.unique(series.stamp, return_index=True)
+    finite = np.isfinite(values[first])
+    return (stamp[finite], values[first][finite]) if np.any(finite) else None
+
+
+def _paired(
+    main: tuple[IntArray, FloatArray], other: tuple[IntArray, FloatArray]
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return the stamps of `main` that `other` covers, and both signals there."""
+    stamp, values = main
+    known, given = other
+    inside = (stamp >= known[0]) & (stamp <= known[-1])
+    origin = int(known[0])
+    at = np.interp((stamp[inside] - origin).astype(np.float64), (known - origin).astype(np.float64), given)
+    return stamp[inside], values[inside], at
