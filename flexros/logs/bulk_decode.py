@@ -1,7 +1,7 @@
 """Decoding of all messages of a topic into columns, many at once.
 
-Messages of one sender nearly always share one layout: the same length and the same bytes outside the stamp and the numbers.
-Such messages are decoded as one NumPy array; a new layout is learnt from the first message that has it.
+Messages of one sender nearly always share one layout: the same length and the same bytes outside the stamp and the
+numbers. Such messages are decoded as one NumPy array; a new layout is learnt from the first message that has it.
 """
 
 from __future__ import annotations

@@ -24,7 +24,10 @@ def is_common(schema: Schema) -> bool:
     if schema.encoding != "ros2msg":
         return False
     common, _ = jazzy_types().generate_msgdef(schema.name, ros_version=2)
-    return signature(schema.name, text) == signature(schema.name, common)
+    try:
+        return signature(schema.name, text) == signature(schema.name, common)
+    except InputError:
+        return False  # the translator names what is wrong with it
 
 
 def translator(schema: Schema, source: str) -> Callable[[bytes], bytes]:
@@ -54,7 +57,7 @@ def translator(schema: Schema, source: str) -> Callable[[bytes], bytes]:
             get_types_from_msg(text, schema.name) if schema.encoding == "ros2msg" else get_types_from_idl(text)
         )
         store.types[schema.name]
-    except Exception as error:  # noqa: BLE001  the parser names no base class for its errors
+    except Exception as error:  # the parser names no base class for its errors
         raise InputError(
             f"{source}: the definition of {schema.name} cannot be read: {error}; record it again"
         ) from error
@@ -63,7 +66,7 @@ def translator(schema: Schema, source: str) -> Callable[[bytes], bytes]:
     def translate(payload: bytes) -> bytes:
         try:
             return convert(store.deserialize_cdr(payload, schema.name))
-        except Exception as error:  # noqa: BLE001  a damaged message can fail anywhere in generated code
+        except Exception as error:  # a damaged message can fail anywhere in generated code
             raise MessageError(f"it does not fit its definition ({type(error).__name__}: {error})") from error
 
     return translate

@@ -18,8 +18,8 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
 from flexros.errors import InputError
-from flexros.logs.chunk_expansion import DamagedChunkError, expand_chunk
 from flexros.logs.chunk import LENGTH_FIELD_END, MESSAGE_HEADER, MESSAGE_OPCODE
+from flexros.logs.chunk_expansion import DamagedChunkError, expand_chunk
 from flexros.logs.mcap_file import MAGIC
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from flexros.logs.time_series import JointSeries, PoseSeries
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Sequence
 
-    from flexros.arrays import FloatArray, IntArray
+    from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.logs.bulk_decode import Segment, TopicDecoder, TopicLayout
     from flexros.logs.pose_stamped_message import PoseStampedLayout
 
@@ -80,8 +80,9 @@ def _rows(
     return _Rows(stamp, tuple(merged))
 
 
-def _same(a: FloatArray, b: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    return (a == b) | (np.isnan(a) & np.isnan(b))
+def _same(a: FloatArray, b: FloatArray) -> BoolArray:
+    same: BoolArray = (a == b) | (np.isnan(a) & np.isnan(b))
+    return same
 
 
 def _report(topic: str, name: str, values: FloatArray | None, warnings: list[str]) -> None:

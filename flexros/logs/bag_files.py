@@ -1,0 +1,101 @@
+"""Which MCAP files belong to a log, and what lies beside them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from flexros.config.yaml_file import read_yaml
+from flexros.errors import InputError
+from flexros.logs.bag_metadata import METADATA_FILE, PROVENANCE_FILE
+
+
+@dataclass(frozen=True)
+class BagFiles:
+    """A log on disk.
+
+    Attributes:
+        files: Its MCAP files in order.
+        provenance: Content of the side-car, empty if there is none.
+        warnings: What is missing or damaged beside the files.
+    """
+
+    files: tuple[Path, ...]
+    provenance: dict[str, Any]
+    warnings: tuple[str, ...]
+
+
+def find_bag_files(path: Path) -> BagFiles:
+    """Find the files of a log.
+
+    Args:
+        path: A rosbag2 folder or a single .mcap file.
+
+    Returns:
+        What was found.
+
+    Raises:
+        InputError: There is nothing to read, or it is stored in another way than MCAP.
+    """
+    warnings: list[str] = []
+    if path.is_file():
+        if path.suffix != ".mcap":
+            raise InputError(
+                f"{path} is a '{path.suffix}' file, allowed is a rosbag2 folder or an .mcap file; convert it"
+            )
+        return BagFiles((path,), _read_provenance(path.parent, warnings), tuple(warnings))
+    if not path.is_dir():
+        raise InputError(f"there is no log at {path}; give a rosbag2 folder or an .mcap file")
+    files = _listed(path, warnings) or sorted(path.glob("*.mcap"))
+    if not files:
+        present = ", ".join(sorted(p.name for p in path.iterdir())[:10]) or "nothing"
+        raise InputError(
+            f"the folder {path} has no .mcap file (it holds {present}); record with MCAP storage, or convert with "
+            "'ros2 bag convert'"
+        )
+    return BagFiles(tuple(files), _read_provenance(path, warnings), tuple(warnings))
+
+
+def _listed(folder: Path, warnings: list[str]) -> list[Path]:
+    """Files that metadata.yaml lists; empty if it cannot tell."""
+    if not (folder / METADATA_FILE).is_file():
+        warnings.append(f"{folder} has no {METADATA_FILE}; all its .mcap files were read")
+        return []
+    try:
+        content = read_yaml(folder / METADATA_FILE)
+        information = content["rosbag2_bagfile_information"]
+        names = [PurePosixPath(str(name)).name for name in information["relative_file_paths"]]
+        storage, mode = str(information.get("storage_identifier")), str(information.get("compression_mode") or "")
+    except (InputError, KeyError, TypeError, AttributeError) as error:
+        warnings.append(f"{folder / METADATA_FILE} cannot be used ({error}); all .mcap files beside it were read")
+        return []
+    if storage != "mcap":
+        raise InputError(
+            f"the log {folder} has the storage '{storage}', allowed is mcap; convert it with 'ros2 bag convert'"
+        )
+    if mode.lower() not in ("", "none"):
+        raise InputError(
+            f"the log {folder} has the compression mode '{mode}', allowed is compression inside MCAP chunks; "
+            "convert it with 'ros2 bag convert'"
+        )
+    missing = [name for name in names if not (folder / name).is_file()]
+    if missing:
+        warnings.append(f"{folder} lacks {', '.join(missing)}, listed in {METADATA_FILE}; the other files were read")
+    return [folder / name for name in names if name not in missing]
+
+
+def _read_provenance(folder: Path, warnings: list[str]) -> dict[str, Any]:
+    path = folder / PROVENANCE_FILE
+    if not path.is_file():
+        return {}
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        warnings.append(f"{path} cannot be read ({error}); the log counts as one without provenance")
+        return {}
+    if not isinstance(content, dict):
+        warnings.append(f"{path} holds a {type(content).__name__}, allowed is a mapping; it was ignored")
+        return {}
+    return content

@@ -1,0 +1,177 @@
+"""Reading a log from any recorder: rosbag2 folders and .mcap files that hold the topics of the contract."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.config.topics import load_topics
+from flexros.errors import InputError
+from flexros.logs import joint_state_message, pose_stamped_message
+from flexros.logs.bag_files import find_bag_files
+from flexros.logs.bulk_decode import TopicDecoder
+from flexros.logs.foreign_definition import is_common, translator
+from flexros.logs.joint_state_message import read_joint_state_layout
+from flexros.logs.mcap_scan import McapScan
+from flexros.logs.pose_stamped_message import read_pose_stamped_layout
+from flexros.logs.series_assembly import joint_series, pose_series
+from flexros.logs.time_series import Log
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mcap.records import Channel, Schema
+
+    from flexros.config.topics import Topic
+
+_LAYOUT_READERS = {
+    joint_state_message.TYPE: read_joint_state_layout,
+    pose_stamped_message.TYPE: read_pose_stamped_layout,
+}
+_ASSEMBLIES = {joint_state_message.TYPE: joint_series, pose_stamped_message.TYPE: pose_series}
+
+
+def _contract_topics() -> dict[str, Topic]:
+    """Topics that become time series of a Log, by name."""
+    return {name: topic for name, topic in load_topics().items() if name in Log.__dataclass_fields__}
+
+
+def read_log(path: Path | str, namespace: str | None = None) -> Log:
+    """Read a log.
+
+    Messages may come in any order, with other topics beside them, from several files and in any chunk compression; they
+    are decoded by the definitions in the file. A file that was cut off is read up to its last complete chunk.
+    Everything that was left out or repaired stands in the warnings of the log.
+
+    Args:
+        path: A rosbag2 folder or an .mcap file.
+        namespace: Namespace of the topics, e.g. "robot1" or "" for none; None if the file has only one.
+
+    Returns:
+        The log.
+
+    Raises:
+        InputError: There is no such log, it lacks a required topic, or several namespaces have it.
+    """
+    bag = find_bag_files(Path(path))
+    contract = _contract_topics()
+    content = _BagContent(contract)
+    for file in bag.files:
+        content.read(McapScan(file))
+    prefix = content.choose_namespace(path, namespace)
+    warnings = [*bag.warnings, *content.warnings]
+    series: dict[str, Any] = {}
+    used = set()
+    for name, topic in contract.items():
+        full_name = f"{prefix}/{name}"
+        decoder = content.decoders.get(full_name)
+        if decoder is not None:
+            used.add(full_name)
+            series[name] = _ASSEMBLIES[topic.type](full_name, decoder, warnings)  # type: ignore[operator]
+        elif full_name in content.refused:
+            warnings.append(content.refused[full_name])
+        if topic.required and series.get(name) is None:
+            raise content.lacking(path, full_name, topic, warnings)
+    others = {name: count for name, count in sorted(content.counts.items()) if name not in used}
+    return Log(**series, provenance=bag.provenance, warnings=tuple(warnings), other_topics=others)
+
+
+@dataclass
+class _BagContent:
+    """Everything read from the files of a log.
+
+    Attributes:
+        contract: Topics of the contract, by name.
+        decoders: Messages of topics that may belong to the contract, by absolute name.
+        counts: Number of messages of every topic, by absolute name.
+        types: Message type of every topic.
+        refused: Why a topic with a name of the contract was not decoded.
+        warnings: Damage in the files.
+    """
+
+    contract: dict[str, Topic]
+    decoders: dict[str, TopicDecoder[Any]] = field(default_factory=dict)
+    counts: Counter[str] = field(default_factory=Counter)
+    types: dict[str, str] = field(default_factory=dict)
+    refused: dict[str, str] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+
+    def read(self, scan: McapScan) -> None:
+        """Take all messages of a file."""
+        translators: dict[int, Callable[[bytes], bytes] | None] = {}
+        n_unknown = 0
+        for block in scan.blocks():
+            for number in np.unique(block.headers["channel"]).tolist():
+                rows = np.flatnonzero(block.headers["channel"] == number)
+                channel = scan.channels.get(number)
+                if channel is None:
+                    n_unknown += len(rows)
+                    continue
+                name = "/" + channel.topic.strip("/")
+                self.counts[name] += len(rows)
+                if (schema := self._accept(name, channel, scan)) is not None:
+                    if schema.id not in translators:
+                        translators[schema.id] = self._translator(schema, scan)
+                    self.decoders[name].add(block, rows, translators[schema.id])
+        for channel in scan.channels.values():
+            self.counts.setdefault("/" + channel.topic.strip("/"), 0)
+        self.warnings.extend(scan.warnings)
+        if n_unknown:
+            self.warnings.append(
+                f"{scan.path}: {n_unknown} messages name a channel that is not defined, they were left out"
+            )
+
+    def _translator(self, schema: Schema, scan: McapScan) -> Callable[[bytes], bytes] | None:
+        if not schema.data.strip():
+            self.warnings.append(
+                f"{scan.path}: {schema.name} has no definition in the file, that of ROS 2 Jazzy is used"
+            )
+            return None
+        return None if is_common(schema) else translator(schema, str(scan.path))
+
+    def _accept(self, name: str, channel: Channel, scan: McapScan) -> Schema | None:
+        """Schema of a topic that belongs to the contract; None for others and for unusable ones."""
+        topic = self.contract.get(name.rsplit("/", 1)[1])
+        schema = scan.schemas.get(channel.schema_id)
+        self.types[name] = schema.name if schema else "unknown type"
+        if topic is None:
+            return None
+        if schema is None or schema.name != topic.type:
+            self.refused[name] = f"{name} has the type {self.types[name]}, allowed is {topic.type}; it was left out"
+            return None
+        if channel.message_encoding != "cdr":
+            self.refused[name] = f"{name} is encoded as '{channel.message_encoding}', allowed is cdr; it was left out"
+            return None
+        if name not in self.decoders:
+            self.decoders[name] = TopicDecoder(_LAYOUT_READERS[topic.type])
+        return schema
+
+    def choose_namespace(self, path: Path | str, namespace: str | None) -> str:
+        """Prefix of the topic names: "" or "/robot1".
+
+        Raises:
+            InputError: Several namespaces have the required topics.
+        """
+        if namespace is not None:
+            return f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+        required = next(name for name, topic in self.contract.items() if topic.required)
+        prefixes = sorted(name.rsplit("/", 1)[0] for name in self.decoders if name.rsplit("/", 1)[1] == required)
+        if len(prefixes) > 1:
+            present = ", ".join(f"'{prefix.strip('/')}'" for prefix in prefixes)
+            raise InputError(
+                f"{path} has the topic {required} in the namespaces {present}; choose one with the argument namespace"
+            )
+        return prefixes[0] if prefixes else ""
+
+    def lacking(self, path: Path | str, name: str, topic: Topic, warnings: list[str]) -> InputError:
+        """The error for a required topic that is missing."""
+        present = ", ".join(f"{n} ({self.types.get(n, 'unknown type')}, {c})" for n, c in sorted(self.counts.items()))
+        hints = f"; {'; '.join(warnings)}" if warnings else ""
+        return InputError(
+            f"{path} has no readable messages of {name} ({topic.type}); it holds {present or 'no topics at all'}"
+            f"{hints}; record that topic, or map your own topics to it"
+        )
