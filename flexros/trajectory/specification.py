@@ -1,0 +1,155 @@
+"""The key `trajectory` of a scenario, and the trajectory it stands for."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import Field
+
+from flexros.config.validation import Settings, validate
+from flexros.errors import InputError
+from flexros.trajectory.limits import LIMIT_NAMES, Limits, check_limits
+from flexros.trajectory.path import point, text
+from flexros.trajectory.path_specification import JointMovesSpecification, PathSpecification
+from flexros.trajectory.time_law_specification import TimeLawSpecification
+from flexros.trajectory.trajectory import JOINTS, Move, Trajectory
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from numpy.typing import ArrayLike
+
+LONGEST = 3600.0
+"""Longest trajectory [s]; a longer one is taken for a mistake in a limit (chosen)."""
+
+
+class TotalLimits(Settings):
+    """Limits of the whole motion, corners and centripetal parts included; they are checked, not planned for."""
+
+    speed: float | None = Field(default=None, gt=0.0, description="largest speed [m/s], or of any joint [rad/s, m/s]")
+    acceleration: float | None = Field(
+        default=None, gt=0.0, description="largest acceleration [m/s^2], or of any joint [rad/s^2, m/s^2]"
+    )
+    jerk: float | None = Field(
+        default=None, gt=0.0, description="largest jerk [m/s^3], or of any joint [rad/s^3, m/s^3]"
+    )
+    snap: float | None = Field(
+        default=None, gt=0.0, description="largest derivative of the jerk [m/s^4], or of any joint [rad/s^4, m/s^4]"
+    )
+
+    @property
+    def limits(self) -> Limits:
+        """The limits that were given, infinite where none."""
+        given = {name: getattr(self, name) for name in LIMIT_NAMES}
+        return Limits(**{name: value for name, value in given.items() if value is not None})
+
+
+class TrajectorySpecification(Settings):
+    """A desired motion from the robot's start pose: path, time law, rests and repetitions."""
+
+    path: PathSpecification = Field(description="geometry: type line, circle, arc, lines or joint_moves, with its keys")
+    time_law: TimeLawSpecification = Field(
+        description="motion along the path: type quintic, ninth_degree or bang_bang_snap, with its keys"
+    )
+    hold_before: float = Field(default=0.0, ge=0.0, description="rest at the start [s]")
+    hold_after: float = Field(default=0.0, ge=0.0, description="rest at the end [s]")
+    repeat: int = Field(default=1, ge=1, le=1000, description="number of cycles [1]; needs a path back to the start")
+    dwell: float = Field(default=0.0, ge=0.0, description="rest at every stop between moves and between cycles [s]")
+    return_to_start: bool = Field(default=False, description="go back the same way in the same manner")
+    total_limits: TotalLimits | None = Field(
+        default=None, description="limits of the whole motion to check (the time law's hold along the path)"
+    )
+
+    @property
+    def joints(self) -> bool:
+        """Whether the path lies in joint space, so that the start must be joint positions."""
+        return isinstance(self.path, JointMovesSpecification)
+
+
+def read_trajectory(data: Mapping[str, Any], source: str) -> TrajectorySpecification:
+    """Validate what a user wrote under the key `trajectory`.
+
+    Args:
+        data: Plain data from YAML.
+        source: Where it came from, e.g. "scenario.yaml, key trajectory".
+
+    Returns:
+        The specification.
+
+    Raises:
+        InputError: Unknown, missing or wrong keys.
+    """
+    return validate(TrajectorySpecification, data, source)
+
+
+def build_trajectory(
+    specification: TrajectorySpecification,
+    start: ArrayLike,
+    *,
+    output: str = "tool",
+    n_position: int | None = None,
+    source: str = "trajectory",
+) -> Trajectory:
+    """Make the trajectory of a specification.
+
+    Args:
+        specification: What the user wrote.
+        start: Where the motion begins: tool coordinates [m, then rad], or joint positions [rad or m] if
+            `specification.joints`, shape (n_out,). With six tool coordinates the last are roll, pitch, yaw.
+        output: Name of the robot's output whose coordinates these are; joint moves are labelled "joints".
+        n_position: Number of leading coordinates that are positions; default: all, at most 3.
+        source: Where the specification came from; opens error texts.
+
+    Returns:
+        The trajectory.
+
+    Raises:
+        InputError: Impossible geometry, limits that cannot be met, a repetition of an open path, or a motion of more
+            than an hour.
+    """
+    with _telling(f"{source}.path"):
+        origin = point(start, "start of the trajectory").copy()
+        positions = min(3, origin.size) if n_position is None else n_position
+        paths = specification.path.paths(origin, positions)
+    with _telling(f"{source}.time_law"):
+        cycle = [Move(path, specification.time_law.law(path, specification.joints)) for path in paths]
+    if specification.return_to_start:
+        cycle += [Move(move.path, move.law.mirrored()) for move in reversed(cycle)]
+    with _telling(source):
+        trajectory = Trajectory(_repeated(specification, cycle), JOINTS if specification.joints else output)
+        if trajectory.duration > LONGEST:
+            raise InputError(
+                f"the trajectory lasts {trajectory.duration:.4g} s, allowed are at most {LONGEST:g} s; raise the "
+                "limits of the time law or shorten duration, holds or repeat"
+            )
+        if specification.total_limits is not None:
+            check_limits(trajectory, specification.total_limits.limits)
+    return trajectory
+
+
+def _repeated(specification: TrajectorySpecification, cycle: list[Move]) -> tuple[Move, ...]:
+    """Put cycles one after the other, with the rests before, between and after."""
+    begin = cycle[0].path.point_at(cycle[0].law.start)
+    end = cycle[-1].path.point_at(cycle[-1].law.end)
+    if specification.repeat > 1 and not np.allclose(begin, end, rtol=1e-9, atol=1e-9):
+        raise InputError(
+            f"the trajectory has repeat {specification.repeat} but its path begins at {text(begin)} and ends at "
+            f"{text(end)}, allowed is to repeat a path that ends where it begins; set return_to_start: true or "
+            "repeat: 1"
+        )
+    later = [Move(move.path, move.law.held(before=specification.dwell)) for move in cycle]
+    moves = [Move(cycle[0].path, cycle[0].law.held(before=specification.hold_before)), *later[1:]]
+    moves += later * (specification.repeat - 1)
+    moves[-1] = Move(moves[-1].path, moves[-1].law.held(after=specification.hold_after))
+    return tuple(moves)
+
+
+@contextmanager
+def _telling(source: str) -> Iterator[None]:
+    """Put the source before the text of an error."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from error
