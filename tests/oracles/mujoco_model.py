@@ -30,12 +30,12 @@ def mujoco_model(robot: Robot, sample_time: float) -> mujoco.MjModel:
         for axis, direction in body.directions.items():
             if direction.motor is None:
                 continue
-            name, arm = f"motor_{len(motors) + 1}", f"body_{number}.{axis}"
+            name, arm, motor = f"motor_{len(motors) + 1}", f"body_{number}.{axis}", direction.motor
             kind = "hinge" if axis.startswith("r") else "slide"
             motors.append(
                 f'<body name="{name}"><inertial pos="0 0 0" mass="{ROTOR_MASS}" diaginertia="{ROTOR_MASS} {ROTOR_MASS} '
                 f'{ROTOR_MASS}"/><joint name="{name}" type="{kind}" axis="0 0 1" '
-                f'armature="{direction.motor.inertia.value}" damping="{direction.motor.viscous_friction.value}"/></body>'
+                f'armature="{motor.inertia.value}" damping="{motor.viscous_friction.value}"/></body>'
             )
             tendons.append(
                 f'<fixed stiffness="{direction.spring.stiffness.value}" damping="{direction.damper.value}" '

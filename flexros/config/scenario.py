@@ -1,0 +1,198 @@
+"""A scenario: everything that determines one run, as one typed, validated and frozen object."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+from pydantic import AfterValidator, BeforeValidator, Field, PlainSerializer, model_validator
+
+from flexros.config.validation import Settings, validate
+from flexros.config.yaml_file import read_yaml
+from flexros.control.base import AbstractControlLaw, control_law
+from flexros.errors import InputError, unknown_name
+from flexros.feedforward.specification import FeedforwardSpecification
+from flexros.simulate.disturbance import Disturbance
+from flexros.trajectory import TrajectorySpecification
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+_FOLDER = Path(__file__).parent / "scenarios"
+
+
+def _control_law(given: Any) -> Any:
+    """Let the registry of controllers choose the class; its error becomes part of the scenario's."""
+    if isinstance(given, AbstractControlLaw):
+        return given
+    if not isinstance(given, dict):
+        raise ValueError(f"is {given!r}, but must be a mapping with the key kind and the settings of that controller")
+    try:
+        return control_law(given, "controller")
+    except InputError as error:
+        raise ValueError(str(error)) from error
+
+
+def _as_mapping(law: AbstractControlLaw) -> dict[str, Any]:
+    return {"kind": law.kind, **law.model_dump(mode="json")}
+
+
+ControlLaw: TypeAlias = Annotated[AbstractControlLaw, BeforeValidator(_control_law), PlainSerializer(_as_mapping)]
+
+
+def _finite(values: dict[str, float]) -> dict[str, float]:
+    for name, value in values.items():
+        if not math.isfinite(value):
+            raise ValueError(f"{name} is {value}, but must be a finite number")
+    return values
+
+
+Values: TypeAlias = Annotated[dict[str, float], AfterValidator(_finite)]
+
+
+class ModelSettings(Settings):
+    """How a robot deviates from its file."""
+
+    values: Values = Field(
+        default_factory=dict,
+        description="numbers of the robot file to replace, e.g. {body_3.mass: 190}, each in the unit of the file",
+    )
+
+
+class Scenario(Settings):
+    """Everything that determines one run.
+
+    The nominal robot is what the feedforward knows; the plant is the nominal robot with its own deviations on top.
+    """
+
+    name: str = Field(default="", description="name of the run; the file's name when left out")
+    description: str = Field(
+        default="", description="what the scenario shows, and which numbers are published or chosen"
+    )
+    robot: str = Field(description="shipped robot, or path of a robot file, relative to the scenario's folder")
+    model: ModelSettings = Field(
+        default_factory=ModelSettings, description="deviations of the nominal robot from its file, also in the plant"
+    )
+    plant: ModelSettings = Field(
+        default_factory=ModelSettings, description="deviations of the simulated robot from the nominal one"
+    )
+    sample_time: float | None = Field(
+        default=None, gt=0.0, le=1.0, description="time between two samples [s]; the robot's when left out"
+    )
+    substeps: int = Field(default=1, ge=1, le=1000, description="integration steps of the plant in a sample [1]")
+    start: tuple[float, ...] | None = Field(
+        default=None, description="arm coordinates at the start [rad or m]; the robot's home when left out"
+    )
+    trajectory: TrajectorySpecification | None = Field(
+        default=None, description="path and time law of the controlled output; the start is held when left out"
+    )
+    feedforward: FeedforwardSpecification = Field(
+        default_factory=FeedforwardSpecification, description="method that computes motor references and torques"
+    )
+    controller: ControlLaw = Field(description="kind and settings of the feedback controller")
+    disturbances: tuple[Disturbance, ...] = Field(
+        default=(), description="torques that the plant adds at motors and tool"
+    )
+    noise: bool = Field(default=True, description="whether the sensors have the noise that the robot file states")
+    seed: int = Field(default=1, ge=0, lt=2**63, description="seed of sensor noise and random disturbances [1]")
+    duration: float | None = Field(
+        default=None, gt=0.0, description="length of the run [s]; that of the trajectory with its rests when left out"
+    )
+
+    @model_validator(mode="after")
+    def _has_an_end(self) -> Scenario:
+        if self.trajectory is None and self.duration is None:
+            raise ValueError("the scenario has neither trajectory nor duration; add duration in s")
+        return self
+
+    def settings(self) -> dict[str, Any]:
+        """Give the scenario as plain data, with what was left out left out; a scenario again by `Scenario(**...)`."""
+        return self.model_dump(mode="json", exclude_unset=True)
+
+    def with_values(self, values: Mapping[str, Any], source: str = "") -> Scenario:
+        """Copy with some keys changed.
+
+        Args:
+            values: Dotted key -> new value, e.g. {"sample_time": 0.001, "plant.values.body_3.mass": 190,
+                "disturbances.0.amplitude": 5}.
+            source: Where the values came from, for errors; default: the scenario's name.
+
+        Returns:
+            The changed scenario.
+
+        Raises:
+            InputError: A key does not exist or a value is not allowed.
+        """
+        origin = source or f"scenario {self.name}"
+        settings = self.settings()
+        for key, value in values.items():
+            _set(settings, key.split("."), value, f"{origin}, key {key}")
+        return validate(Scenario, settings, origin)
+
+    def digest(self) -> str:
+        """Give the SHA-256 of everything that determines the run, as sorted JSON; name and description do not."""
+        settings = self.model_dump(mode="json", exclude={"name", "description"})
+        return hashlib.sha256(json.dumps(settings, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
+
+
+def scenario_names() -> tuple[str, ...]:
+    """List the shipped scenarios."""
+    return tuple(sorted(path.stem for path in _FOLDER.glob("*.yaml")))
+
+
+def load_scenario(name_or_path: str | Path) -> Scenario:
+    """Load a scenario.
+
+    Args:
+        name_or_path: A shipped name, or the path of a YAML file.
+
+    Returns:
+        The scenario; a relative path of its robot is taken from the scenario's folder.
+
+    Raises:
+        InputError: No such scenario, broken YAML, unknown key or value not allowed; names file and key.
+    """
+    path = _path(name_or_path)
+    settings = {"name": path.stem, **read_yaml(path)}
+    robot = settings.get("robot")
+    if isinstance(robot, str) and robot.endswith((".yaml", ".yml")) and (path.parent / robot).is_file():
+        settings["robot"] = str(path.parent / robot)
+    return validate(Scenario, settings, str(path))
+
+
+def _path(name_or_path: str | Path) -> Path:
+    text = str(name_or_path)
+    if text in scenario_names():
+        return _FOLDER / f"{text}.yaml"
+    if isinstance(name_or_path, Path) or text.endswith((".yaml", ".yml")) or "/" in text:
+        return Path(name_or_path)
+    raise unknown_name("scenario", text, scenario_names(), "the shipped scenarios (a file is given as NAME.yaml)")
+
+
+def _set(container: Any, keys: list[str], value: Any, source: str) -> None:
+    """Write a value into nested plain data; below `values` the rest of the key is one name with dots."""
+    key, rest = keys[0], keys[1:]
+    if isinstance(container, list):
+        if not key.isdigit() or int(key) >= len(container):
+            allowed = f"0 to {len(container) - 1}" if container else "none, the list is empty"
+            raise InputError(
+                f"{source}: there is no entry {key}, allowed are {allowed}; write the entry into the scenario"
+            )
+        if rest:
+            _set(container[int(key)], rest, value, source)
+        else:
+            container[int(key)] = value
+    elif not isinstance(container, dict):
+        raise InputError(f"{source}: '{key}' lies within {container!r}, which has no keys; give a key that exists")
+    elif not rest:
+        container[key] = value
+    elif key == "values":
+        container.setdefault(key, {})[".".join(rest)] = value
+    else:
+        if container.get(key) is None:
+            container[key] = [] if rest[0].isdigit() else {}
+        _set(container[key], rest, value, source)
