@@ -45,9 +45,7 @@ def cross(a: ca.SX, b: ca.SX) -> ca.SX:
 def skew(a: ca.SX) -> ca.SX:
     """Return the matrix of the vector product, SX (3, 3)."""
     zero = ca.SX(0)
-    return ca.vertcat(
-        ca.horzcat(zero, -a[2], a[1]), ca.horzcat(a[2], zero, -a[0]), ca.horzcat(-a[1], a[0], zero)
-    )
+    return ca.vertcat(ca.horzcat(zero, -a[2], a[1]), ca.horzcat(a[2], zero, -a[0]), ca.horzcat(-a[1], a[0], zero))
 
 
 def motion(chain: Chain, geometry: Geometry, q: ca.SX, v: ca.SX) -> Motion:

@@ -109,10 +109,11 @@ def _solve(robot: Robot, start: FloatArray, held: list[int], place: str) -> Floa
         value[free] += step * min(1.0, 0.2 / max(np.max(np.abs(step)), 1e-300))
         if np.max(np.abs(step)) < 1e-13 * (1.0 + np.max(np.abs(value))):
             break
-    else:
-        if rows:
+    if rows:
+        left, slope = (np.asarray(part, dtype=float) for part in evaluate(value))
+        if np.max(np.abs(left)) > 1e-9 * (1.0 + np.max(np.abs(slope))):
             raise InputError(
-                f"robot {robot.name} finds no rest at {place}: its springs do not balance gravity there; "
-                "check stiffness, masses and the pose"
+                f"robot {robot.name} finds no rest at {place}: its springs do not balance gravity there "
+                f"(a force of {np.max(np.abs(left)):.3g} N or Nm is left); check stiffness, masses and the pose"
             )
     return np.concatenate([value, v])

@@ -86,8 +86,8 @@ def two_link_elbow(l1: float, l2: float, point: FloatArray, configuration: int) 
     distance = float(np.hypot(point[0], point[1]))
     if not abs(l1 - l2) <= distance <= l1 + l2 or distance == 0:
         raise InputError(
-            f"the point {np.round(point, 6).tolist()} is {distance:.6g} m away, but the two links of {l1:g} m and {l2:g} m "
-            f"reach from {abs(l1 - l2):g} m to {l1 + l2:g} m; move the point"
+            f"the point {np.round(point, 6).tolist()} is {distance:.6g} m away, but the two links of {l1:g} m "
+            f"and {l2:g} m reach from {abs(l1 - l2):g} m to {l1 + l2:g} m; move the point"
         )
     s2 = (l1**2 + l2**2 - distance**2) / (2 * l1 * l2)
     q2 = np.arctan2(s2, configuration * np.sqrt(max(0.0, 1 - s2**2)))

@@ -53,9 +53,7 @@ class Geometry:
     tool: ca.SX
 
 
-def build_geometry(
-    specification: RobotSpecification, chain: Chain, value: Callable[[str], Value]
-) -> Geometry:
+def build_geometry(specification: RobotSpecification, chain: Chain, value: Callable[[str], Value]) -> Geometry:
     """Place bodies and lengths on the joint frames; a body without free direction rides on the joint before it.
 
     Args:
@@ -80,7 +78,9 @@ def build_geometry(
             reach = ca.SX.zeros(3)
         if current >= 0:
             center = reach + _vector(name, "center_of_mass", value)
-            carried[current].append(Mass(value(f"{name}.mass"), center, _tensor(name, value), value(f"{name}.viscous_friction")))
+            carried[current].append(
+                Mass(value(f"{name}.mass"), center, _tensor(name, value), value(f"{name}.viscous_friction"))
+            )
         tip = reach + _vector(name, "length", value)
         if body_index == len(specification.bodies) - 1 and specification.tool.position is not None:
             tool = reach + ca.SX(ca.DM(specification.tool.position.value))

@@ -97,8 +97,14 @@ def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None 
     ]
     evaluate = ca.Function("linearised", [q, v, u], [ca.densify(block) for block in blocks])
     values = evaluate(state[:n], state[n:], robot.holding_torque(state))
+    mass, damping, stiffness, torque, encoder, slope = (np.asarray(value, dtype=float) for value in values)
     return LinearModel(
-        *(np.asarray(value, dtype=float) for value in values),
+        mass=mass,
+        damping=damping,
+        stiffness=stiffness,
+        input=torque,
+        encoder=encoder,
+        output=slope,
         input_names=robot.joint_names,
         output_names=_component_names(robot, output),
         state=state,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -10,36 +9,18 @@ import casadi as ca
 import numpy as np
 
 from flexros.errors import unknown_name
-from flexros.robot import dynamics, kinematics
+from flexros.robot import dynamics, inertial_coupling, kinematics
 from flexros.robot.parameters import list_parameters
 from flexros.robot.spring import Spring
+from flexros.robot.transmission import Transmission, build_transmission
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.robot.chain import Chain, Joint
+    from flexros.robot.chain import Chain
     from flexros.robot.kinematics import Geometry, Value
     from flexros.robot.specification import RobotSpecification
-
-
-@dataclass(frozen=True)
-class Transmission:
-    """Forces of springs, dampers and motor friction, and the motor positions.
-
-    Attributes:
-        arm: Force of springs and dampers on the arm coordinates [Nm or N], SX (N, 1).
-        motor: Force on the motors' own coordinates without the commanded torque, SX (number of motor coordinates, 1).
-        armature: Inertia of rigidly geared motors on the arm coordinates, N entries.
-        drive: Matrix from motor torque to arm coordinates (rigid gears), SX (N, M).
-        encoder: Motor positions, SX (M, 1).
-    """
-
-    arm: ca.SX
-    motor: ca.SX
-    armature: list[ca.SX]
-    drive: ca.SX
-    encoder: ca.SX
 
 
 class SymbolicModel:
@@ -94,40 +75,13 @@ class SymbolicModel:
 
     @cached_property
     def _transmission(self) -> Transmission:
-        arm = [ca.SX(0)] * self.n_arm
-        motor: list[ca.SX] = []
-        armature = [ca.SX(0)] * self.n_arm
-        drive = ca.SX.zeros(self.n_arm, self.n_motors)
-        encoder: list[ca.SX] = []
-        for index, joint in enumerate(self.chain.joints):
-            q, v = self._q[index], self._v[index]
-            if joint.motor is None:
-                arm[index] = -self._spring_damper(joint, q, v)
-                continue
-            name = f"motor_{joint.motor + 1}"
-            friction = self._values[f"{name}.viscous_friction"]
-            if joint.motor_coordinate is None:
-                arm[index] = -friction * v
-                armature[index] = ca.SX(self._values[f"{name}.inertia"])
-                drive[index, joint.motor] = 1
-                encoder.append(q)
-                continue
-            own = self.n_arm + joint.motor_coordinate
-            torque = self._spring_damper(joint, self._q[own] - q, self._v[own] - v)
-            arm[index] = torque
-            motor.append(-torque - friction * self._v[own])
-            encoder.append(self._q[own])
-        return Transmission(ca.vertcat(*arm), ca.vertcat(*motor), armature, drive, ca.vertcat(*encoder))
-
-    def _spring_damper(self, joint: Joint, deflection: ca.SX, rate: ca.SX) -> ca.SX:
-        spring = joint.direction.spring
-        assert isinstance(spring, Spring)
-        stiffness, damping = self._values[f"{joint.name}.stiffness"], self._values[f"{joint.name}.damping"]
-        return spring.force(deflection, stiffness) + damping * rate
+        return build_transmission(self.chain, self._values, self._q, self._v)
 
     @cached_property
     def _flexible_motors(self) -> list[int]:
-        return [joint.motor for joint in self.chain.joints if joint.motor is not None and joint.motor_coordinate is not None]
+        return [
+            joint.motor for joint in self.chain.joints if joint.motor is not None and joint.motor_coordinate is not None
+        ]
 
     @cached_property
     def _motor_inertia(self) -> ca.SX:
@@ -135,30 +89,21 @@ class SymbolicModel:
 
     @cached_property
     def _coupling(self) -> ca.SX:
-        """Coupled inertia S(q_a) between arm and rotors (Moberg 2007, eq. 3.12; Tomei 1991), SX (N, motor coordinates).
-
-        The rotor of motor i turns at gear ratio times its coordinate about the joint axis fixed in the body before;
-        with its inertia J_m on the arm side this adds J_m / ratio * (axis . omega) * v_m to the kinetic energy.
-        """
-        S = ca.SX.zeros(self.n_arm, len(self._flexible_motors))
         moving = dynamics.motion(self.chain, self._geometry, self._qa, self._va)
-        for index, joint in enumerate(self.chain.joints):
-            if joint.motor is None or joint.motor_coordinate is None or index == 0 or not joint.rotary:
-                continue
-            ratio = 1.0
-            if self.specification.coordinates == "arm":
-                ratio = self.chain.motor(joint.motor).gear_ratio.value
-            speed = moving.angular[index - 1][joint.axis]
-            momentum = self._values[f"motor_{joint.motor + 1}.inertia"] / ratio * speed
-            S[:, joint.motor_coordinate] = ca.jacobian(momentum, self._va).T
-        return S
+        return inertial_coupling.matrix(self.specification, self.chain, self._values, moving, self._va)
 
     @cached_property
     def _mass_matrix(self) -> ca.SX:
-        M_a = dynamics.inertia_matrix(self.chain, self._geometry, self._qa) + ca.diag(ca.vertcat(*self._transmission.armature))
+        M_a = dynamics.inertia_matrix(self.chain, self._geometry, self._qa) + ca.diag(
+            ca.vertcat(*self._transmission.armature)
+        )
         if not self._flexible_motors:
             return M_a
-        S = self._coupling if self.specification.inertial_coupling else ca.SX.zeros(self.n_arm, len(self._flexible_motors))
+        S = (
+            self._coupling
+            if self.specification.inertial_coupling
+            else ca.SX.zeros(self.n_arm, len(self._flexible_motors))
+        )
         return ca.vertcat(ca.horzcat(M_a, S), ca.horzcat(S.T, ca.diag(self._motor_inertia)))
 
     @cached_property
@@ -170,30 +115,26 @@ class SymbolicModel:
         motor = self._transmission.motor + self._flexible_torque
         force = ca.vertcat(arm, motor)
         if self.specification.inertial_coupling and self._flexible_motors:
-            force = force - self._coupling_force()
+            force = force - inertial_coupling.velocity_force(self._coupling, self._qa, self._va, self._v[self.n_arm :])
         return force
 
     @property
     def _flexible_torque(self) -> ca.SX:
         return ca.vertcat(*[self._u[number] for number in self._flexible_motors])
 
-    def _coupling_force(self) -> ca.SX:
-        """Velocity terms c_1, c_2 of equation 3.12 from the coupled energy T = v_a^T S(q_a) v_m by Lagrange."""
-        v_m = self._v[self.n_arm :]
-        momentum_a, momentum_m = self._coupling @ v_m, self._coupling.T @ self._va
-        energy = ca.dot(self._va, momentum_a)
-        arm = ca.jtimes(momentum_a, self._qa, self._va) - ca.gradient(energy, self._qa)
-        return ca.vertcat(arm, ca.jtimes(momentum_m, self._qa, self._va))
-
     @cached_property
     def _acceleration(self) -> ca.SX:
         if self.specification.inertial_coupling:
-            return solve_symmetric(self._mass_matrix, self._force)
+            return inertial_coupling.solve_symmetric(self._mass_matrix, self._force)
         tau = self._transmission.arm + self._transmission.drive @ self._u
         arm = dynamics.forward_dynamics(
             self.chain, self._geometry, self._gravity, self._transmission.armature, self._qa, self._va, tau, self._w
         )
-        motor = (self._transmission.motor + self._flexible_torque) / self._motor_inertia if self._flexible_motors else ca.SX(0, 1)
+        motor = (
+            (self._transmission.motor + self._flexible_torque) / self._motor_inertia
+            if self._flexible_motors
+            else ca.SX(0, 1)
+        )
         return ca.vertcat(arm, motor)
 
     @cached_property
@@ -341,29 +282,3 @@ class SymbolicModel:
                     deflection = self._q[self.n_arm + joint.motor_coordinate] - deflection
                 potential = potential + spring.energy(deflection, self._values[f"{joint.name}.stiffness"])
         return potential
-
-
-def solve_symmetric(A: ca.SX, b: ca.SX) -> ca.SX:
-    """Solve A x = b by an unrolled L D L^T factorisation without pivoting.
-
-    Args:
-        A: Symmetric positive definite matrix, SX (n, n).
-        b: Right-hand side, SX (n, 1).
-
-    Returns:
-        Solution, SX (n, 1).
-    """
-    n = A.shape[0]
-    L = [[ca.SX(0)] * n for _ in range(n)]
-    D = [ca.SX(0)] * n
-    for j in range(n):
-        D[j] = A[j, j] - sum((L[j][k] ** 2 * D[k] for k in range(j)), start=ca.SX(0))
-        for i in range(j + 1, n):
-            L[i][j] = (A[i, j] - sum((L[i][k] * L[j][k] * D[k] for k in range(j)), start=ca.SX(0))) / D[j]
-    y = [ca.SX(0)] * n
-    for i in range(n):
-        y[i] = b[i] - sum((L[i][k] * y[k] for k in range(i)), start=ca.SX(0))
-    x = [ca.SX(0)] * n
-    for i in reversed(range(n)):
-        x[i] = y[i] / D[i] - sum((L[k][i] * x[k] for k in range(i + 1, n)), start=ca.SX(0))
-    return ca.vertcat(*x)

@@ -139,7 +139,9 @@ def with_values(
             changed[name]["value"] = value
             continue
         if name not in known:
-            raise unknown_name(f"parameter of robot {specification.name}", name, [*known, "sample_time", "delay"], source)
+            raise unknown_name(
+                f"parameter of robot {specification.name}", name, [*known, "sample_time", "delay"], source
+            )
         _set(changed, known[name], value)
     return changed
 

@@ -28,14 +28,14 @@ def check_physical(specification: RobotSpecification, chain: Chain, source: str)
     """
     axes = {joint.axis for joint in chain.joints if joint.rotary}
     for index, body in enumerate(specification.bodies):
-        if len(axes) > 1 or specification.inertial_coupling and len(axes) != 1:
+        if len(axes) > 1:
             _check_tensor(body, f"{source}: body_{index + 1}")
     for joint in chain.joints:
         motor = joint.direction.motor
         if motor and joint.motor_coordinate is not None and motor.inertia.value <= 0:
             raise InputError(
-                f"{source}: the motor of {joint.name} has inertia {motor.inertia.value:g}, but a motor behind a flexible "
-                "gear needs a positive inertia; give motor.inertia, or declare the spring 'rigid'"
+                f"{source}: the motor of {joint.name} has inertia {motor.inertia.value:g}, but a motor behind a "
+                "flexible gear needs a positive inertia; give motor.inertia, or declare the spring 'rigid'"
             )
     last = chain.joints[-1]
     carried = specification.bodies[last.body :]
@@ -56,6 +56,7 @@ def _check_tensor(body: Body, place: str) -> None:
         )
     if moments[2] > moments[0] + moments[1] + 1e-9 * scale:
         raise InputError(
-            f"{place}: the principal moments of inertia {moments[0]:.6g}, {moments[1]:.6g}, {moments[2]:.6g} kg m2 violate "
-            "the triangle inequality (the largest exceeds the sum of the others), no rigid body has them; correct inertia"
+            f"{place}: the principal moments of inertia {moments[0]:.6g}, {moments[1]:.6g}, {moments[2]:.6g} kg m2 "
+            "violate the triangle inequality (the largest exceeds the sum of the others), no rigid body has them; "
+            "correct inertia"
         )

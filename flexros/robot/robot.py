@@ -182,7 +182,9 @@ class Robot:
         self, target: ArrayLike, near: ArrayLike | None = None, output: str | None = None
     ) -> FloatArray:
         """Find arm coordinates of the rigid chain for a value of an output; see `inverse_kinematics.solve`."""
-        return inverse_kinematics.solve(self, np.asarray(target, float), self.check_arm(self.home if near is None else near), output)
+        return inverse_kinematics.solve(
+            self, np.asarray(target, float), self.check_arm(self.home if near is None else near), output
+        )
 
     def equilibrium(self, q_a: ArrayLike | None = None, *, motor_position: ArrayLike | None = None) -> FloatArray:
         """Find the state of rest under gravity, for given actuated arm coordinates or given motor positions.

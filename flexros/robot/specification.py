@@ -44,7 +44,9 @@ class Motor(Settings):
     """Motor behind the gear of one direction, placed on the preceding body."""
 
     inertia: Inertia = Field(default_factory=lambda: _zero("kg m2"), description="rotor inertia [kg m2, or kg]")
-    gear_ratio: Ratio = Field(default_factory=lambda: Quantity(value=1.0, unit="1"), description="motor turns per arm turn")
+    gear_ratio: Ratio = Field(
+        default_factory=lambda: Quantity(value=1.0, unit="1"), description="motor turns per arm turn"
+    )
     viscous_friction: NotNegative = Field(default_factory=lambda: _zero(""), description="[Nm s/rad, or N s/m]")
     torque_limit: AnyUnit | None = Field(None, description="largest torque either way [Nm, or N]; none: unlimited")
     encoder_noise: NotNegative | None = Field(None, description="rms [rad, or m]; default: sensors.encoder_noise")
@@ -100,7 +102,9 @@ class Body(Settings):
     def _one_motor_and_units(self) -> Body:
         geared = [axis for axis, direction in self.directions.items() if direction.motor]
         if len(geared) > 1:
-            raise ValueError(f"directions {', '.join(geared)} have motors, but a body has at most one actuated direction")
+            raise ValueError(
+                f"directions {', '.join(geared)} have motors, but a body has at most one actuated direction"
+            )
         for axis, direction in self.directions.items():
             rotary = axis.startswith("r")
             spring = direction.spring
@@ -162,7 +166,9 @@ class RobotSpecification(Settings):
     gravity: Acceleration = Field(default_factory=lambda: Vector(value=(0, 0, 0)), description="[m/s2]")
     sample_time: Seconds = Field(default_factory=lambda: Quantity(value=5e-4, unit="s"), description="[s]")
     delay: Seconds = Field(default_factory=lambda: _zero("s"), description="of the command at the plant input [s]")
-    inertial_coupling: bool = Field(False, description="include the coupling S(q) of the rotors (Moberg 2007, eq. 3.12)")
+    inertial_coupling: bool = Field(
+        False, description="include the coupling S(q) of the rotors (Moberg 2007, eq. 3.12)"
+    )
     sensors: Sensors = Field(default_factory=Sensors)
     bodies: tuple[Body, ...] = Field(min_length=1, max_length=200)
     tool: Tool = Field(default_factory=Tool)

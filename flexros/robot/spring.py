@@ -59,9 +59,7 @@ class Spring(Settings):
     def _one_law(self) -> Spring:
         laws = [self.stiffness, self.piecewise_linear, self.cubic]
         if sum(law is not None for law in laws) != 1:
-            raise ValueError(
-                "needs exactly one law: a number, or one of the keys stiffness, piecewise_linear, cubic"
-            )
+            raise ValueError("needs exactly one law: a number, or one of the keys stiffness, piecewise_linear, cubic")
         if self.stiffness is not None and self.stiffness.value < 0:
             raise ValueError(f"is {self.stiffness.value:g}, but a stiffness must not be negative")
         return self

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.linalg
 
+from flexros.robot.linearise import LinearModel, linear_model
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from flexros.arrays import ComplexArray, FloatArray
-    from flexros.robot.linearise import LinearModel
     from flexros.robot.robot import Robot
 
 RANK_TOLERANCE = 1e-9
@@ -89,8 +90,6 @@ def zero_dynamics(robot: Robot, q_a: ArrayLike | None = None, output: str | None
     Raises:
         InputError: Wrong pose, unknown output, or no rest there.
     """
-    from flexros.robot.linearise import linear_model
-
     linear = linear_model(robot, q_a, output)
     N = robot.n_arm
     gear_torque = np.eye(N)[:, list(robot.chain.geared)]
@@ -196,6 +195,7 @@ def _reduce(
     return A, B.reshape(len(A), m), C, D
 
 
-def _sorted(values: ComplexArray) -> ComplexArray:
+def _sorted(eigenvalues: ArrayLike) -> ComplexArray:
+    values = np.asarray(eigenvalues, dtype=complex)
     order = np.lexsort((values.imag, values.real, np.round(np.abs(values), 9)))
-    return np.asarray(values[order], dtype=complex)
+    return values[order]
