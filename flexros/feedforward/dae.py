@@ -1,0 +1,107 @@
+"""Feedforward by the DAE of Moberg (2007), Paper B: inverse dynamics of the complete model."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.errors import RunError
+from flexros.feedforward.base import AbstractFeedforward
+from flexros.feedforward.compiled_march import CompiledMarch
+from flexros.feedforward.consistent_start import consistent_start
+from flexros.feedforward.dae_equations import DaeEquations, build_equations
+from flexros.feedforward.interpreted_march import InterpretedMarch
+from flexros.feedforward.march import MAX_ITERATIONS, March, newton_tolerance
+from flexros.feedforward.minimum_phase import require_minimum_phase
+from flexros.feedforward.motion import Motion
+from flexros.feedforward.step_functions import StepFunctions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flexros.arrays import FloatArray
+    from flexros.feedforward.problem import FeedforwardProblem
+    from flexros.feedforward.specification import FeedforwardSpecification
+    from flexros.robot import Robot
+
+
+class DaeFeedforward(AbstractFeedforward):
+    """Equations 8a to 8d marched by a backward difference formula; the torque follows from equation 2b.
+
+    Order 1 is backward Euler as published. Order 2 is the two-step formula, with the torque averaged over the time in
+    which it is held: both are needed, as either alone leaves an error of first order in the sample time (see
+    docs/decisions). The constraint Z = Gamma(q_a) itself is solved at every step, so nothing drifts off.
+    """
+
+    name: ClassVar[str] = "dae"
+
+    def compensates_hold(self, specification: FeedforwardSpecification) -> bool:
+        """Tell whether the mean torque of the hold interval is the default: for order 2."""
+        return specification.order > 1
+
+    def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
+        """March through the samples; see `AbstractFeedforward.motions`."""
+        robot, settings = problem.robot, problem.specification
+        require_minimum_phase(problem)
+        equations, gamma, march = dae_march(
+            robot, problem.output, settings.order, problem.sample_time, settings.compiled
+        )
+        start = consistent_start(robot, equations, problem.desired[0], problem.rigid_start)
+        tolerance = newton_tolerance(equations, gamma, start)
+        state = march.layout.at_rest(start)
+        for first in range(0, problem.n_samples, chunk):
+            outputs = problem.desired[first : first + chunk]
+            result = march.advance(state, outputs, tolerance)
+            if result.failed < len(outputs):
+                raise RunError(_failure(problem, first + result.failed))
+            state = result.state
+            yield Motion(result.z[:, : robot.n_arm], result.motor_position, result.motor_velocity, result.torque)
+
+
+@lru_cache(maxsize=16)
+def dae_march(
+    robot: Robot, output: str, order: int, sample_time: float, compiled: bool
+) -> tuple[DaeEquations, float, March]:
+    """Make the march of a robot, or return the one made before.
+
+    Args:
+        robot: The robot.
+        output: Name of the controlled output.
+        order: Order of the backward difference formula, 1 or 2.
+        sample_time: Step size [s].
+        compiled: Machine code, or the CasADi virtual machine.
+
+    Returns:
+        Equations of a step, leading coefficient gamma [1/s], and the march.
+    """
+    equations = build_equations(robot.model, output)
+    functions = StepFunctions.of(equations, order, sample_time)
+    march: March = CompiledMarch(equations, functions) if compiled else InterpretedMarch(equations, functions)
+    return equations, functions.gamma, march
+
+
+def output_drift(robot: Robot, output: str, arm_position: FloatArray, desired: FloatArray) -> float:
+    """Largest violation of the output equation, max |Gamma(q_a) - Z|.
+
+    Args:
+        robot: The robot.
+        output: Name of the controlled output.
+        arm_position: Arm coordinates [rad or m], shape (n, N).
+        desired: Desired output [m or rad], shape (n, n_out).
+
+    Returns:
+        The violation [m or rad].
+    """
+    values = np.array(robot.model.output(output)(arm_position.T, robot.model.parameter_values)).T
+    return float(np.max(np.abs(values - desired)))
+
+
+def _failure(problem: FeedforwardProblem, sample: int) -> str:
+    return (
+        f"the dae feedforward of robot {problem.robot.name} found no solution at "
+        f"{problem.trajectory.place(float(problem.time[sample]))}: Newton's iteration did not converge within "
+        f"{MAX_ITERATIONS} iterations, because the path leaves the workspace, passes a singularity or is not smooth "
+        "enough there; move or smooth the path"
+    )

@@ -1,0 +1,88 @@
+"""Gear stiffness of a flexible-joint model that stands for all springs of the arm."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.arrays import FloatArray
+    from flexros.robot import Robot
+
+
+def equivalent_compliance(robot: Robot, state: FloatArray, output: str | None = None) -> FloatArray:
+    """Compliance of each gear that accounts for the springs of the directions without motor.
+
+    A force F at the controlled output bends all springs, K dq_a = Gamma_a^T F, and moves the output by
+    Gamma_a K^-1 Gamma_a^T F. With elastic directions rigid, the same output is moved by the gears through
+    J = Gamma_a restricted to the actuated directions. Seen in gear coordinates the static compliance is
+
+        C = J^-1 Gamma_a K^-1 Gamma_a^T J^-T,
+
+    that is 1/k of each gear plus the part of the other springs that moves the output as this gear does. The
+    flexible-joint model can only hold its diagonal, which is exact where C is diagonal. For E12 at its start C is diagonal
+    with 1/k_1 and 1/k_2 + (0.2 / 1.2)^2 / k_3: body 3 deflects the tool exactly along the motion of gear 2.
+    The thesis only says "computed to include k_3 in the best possible way"; this reading is chosen.
+
+    Args:
+        robot: The robot.
+        state: Equilibrium at which the springs are linearised, shape (2 n_coordinates,).
+        output: Name of the controlled output; default: the one that the robot's file names.
+
+    Returns:
+        Diagonal of C [rad/Nm or m/N], zero where a stiff gear has no compliance to add, shape (M,).
+
+    Raises:
+        InputError: The output cannot be moved by the gears there, or a spring has no stiffness.
+    """
+    model, n = robot.model, robot.n_arm
+    q, rest = ca.SX.sym("q", robot.n_coordinates), ca.SX.zeros(robot.n_coordinates)
+    springs = -model.transmission_force(q[:n], rest[:n], q[n:], rest[n:], model.parameter_values)
+    stiffness = ca.jacobian(springs, q)[:, :n]
+    slope = ca.jacobian(model.output(output)(q[:n], model.parameter_values), q)[:, :n]
+    evaluate = ca.Function("springs", [q], [ca.densify(stiffness), ca.densify(slope)])
+    K, slopes = (np.array(part) for part in evaluate(state[: robot.n_coordinates]))
+    joints = robot.chain.joints
+    elastic = [i for i, joint in enumerate(joints) if joint.motor is None or joint.motor_coordinate is not None]
+    soft = [joints[i].name for i in elastic if not K[i, i] > 0.0]
+    if soft:
+        raise InputError(
+            f"direction {soft[0]} of robot {robot.name} has no stiffness at the start, so there is no equivalent gear "
+            "stiffness; give feedforward.stiffness for every motor, or choose another method"
+        )
+    reflected = np.linalg.pinv(slopes[:, list(robot.chain.geared)]) @ slopes[:, elastic]
+    return np.asarray(np.sum(reflected**2 / np.diag(K)[elastic], axis=1))
+
+
+def gear_compliance(robot: Robot, state: FloatArray, output: str, given: Mapping[str, float]) -> FloatArray:
+    """Compliance of each gear: as given by the user, else the equivalent one.
+
+    Args:
+        robot: The robot.
+        state: Equilibrium at the start, shape (2 n_coordinates,).
+        output: Name of the controlled output.
+        given: Stiffness by motor name [Nm/rad or N/m].
+
+    Returns:
+        Compliance [rad/Nm or m/N], shape (M,); zero for stiff gears.
+
+    Raises:
+        InputError: A name is not a motor, or there is no equivalent stiffness.
+    """
+    for name in given:
+        if name not in robot.joint_names:
+            raise unknown_name("motor", name, robot.joint_names, "feedforward.stiffness")
+    missing = [name for name in robot.joint_names if name not in given]
+    compliance = equivalent_compliance(robot, state, output) if missing else np.zeros(robot.n_motors)
+    for number, name in enumerate(robot.joint_names):
+        if name in given:
+            compliance[number] = 1.0 / given[name]
+        if robot.chain.joints[robot.chain.geared[number]].motor_coordinate is None:
+            compliance[number] = 0.0
+    return compliance

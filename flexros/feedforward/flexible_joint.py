@@ -1,0 +1,31 @@
+"""Feedforward of the flexible-joint robot by flatness; directions without motor are taken as rigid."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.feedforward.base import AbstractFeedforward
+from flexros.feedforward.equivalent_stiffness import gear_compliance
+from flexros.feedforward.motion import Motion
+from flexros.feedforward.rigid_arm import RigidArm
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flexros.feedforward.problem import FeedforwardProblem
+
+
+class FlexibleJointFeedforward(AbstractFeedforward):
+    """Equations 5.4 and 5.5 of Moberg (2007): undamped linear gears, whose stiffness includes the other springs."""
+
+    name: ClassVar[str] = "flexible_joint"
+
+    def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
+        """Compute the motion at once and hand it out in chunks; see `AbstractFeedforward.motions`."""
+        robot = problem.robot
+        arm = RigidArm(robot)
+        gears = problem.gear_motion(4)
+        start = robot.equilibrium(problem.rigid_start)
+        compliance = gear_compliance(robot, start, problem.output, problem.specification.stiffness)
+        motion = Motion(arm.arm_position(gears[0]), *arm.inverse_dynamics(gears, compliance))
+        yield from motion.chunks(chunk)

@@ -1,0 +1,56 @@
+"""Friction of the motors as a torque to be added by the feedforward."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.feedforward.specification import FrictionCompensation
+
+NAMES = ("viscous", "coulomb", "stribeck", "stribeck_velocity", "smoothing_velocity")
+
+
+def friction_torque(friction: FrictionCompensation, velocity: FloatArray) -> FloatArray:
+    """Evaluate viscous, Coulomb and Stribeck friction at the reference speed.
+
+    tau_f = viscous v + (coulomb + stribeck exp(-(v / v_s)^2)) tanh(v / v_0), after Moberg (2007), section 3.2.6, with
+    the sign smoothed (chosen): a reference that rests exactly would otherwise switch the torque on round-off. Friction
+    acts between motor and gear, so the compensation adds to the motor torque and leaves the solution of the DAE as
+    it is (Paper B, section 7).
+
+    Args:
+        friction: Coefficients.
+        velocity: Motor speeds [rad/s or m/s], shape (n, M).
+
+    Returns:
+        Torque [Nm or N], shape (n, M).
+
+    Raises:
+        InputError: A coefficient has neither one value nor one per motor.
+    """
+    n_motors = velocity.shape[1]
+    values = {name: _per_motor(name, getattr(friction, name), n_motors) for name in NAMES}
+    v, c = ca.SX.sym("v"), ca.SX.sym("c", len(NAMES))
+    viscous, coulomb, stribeck, v_s, v_0 = (c[i] for i in range(len(NAMES)))
+    torque = viscous * v + (coulomb + stribeck * ca.exp(-((v / v_s) ** 2))) * ca.tanh(v / v_0)
+    law = ca.Function("friction", [v, c], [torque])
+    columns = np.stack([values[name] for name in NAMES])
+    return np.column_stack(
+        [np.array(law(velocity[:, [i]].T, np.tile(columns[:, [i]], len(velocity)))).ravel() for i in range(n_motors)]
+    )
+
+
+def _per_motor(name: str, value: float | tuple[float, ...], n_motors: int) -> FloatArray:
+    array = np.atleast_1d(np.asarray(value, dtype=np.float64))
+    if len(array) not in (1, n_motors):
+        raise InputError(
+            f"feedforward.friction.{name} has {len(array)} values, but the robot has {n_motors} motors; give one value, "
+            "or one per motor"
+        )
+    return np.broadcast_to(array, (n_motors,)).copy()

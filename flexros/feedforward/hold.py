@@ -1,0 +1,56 @@
+"""The torque that stands in for a continuous one while commands are held and delayed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+
+
+def samples_ahead(sample_time: float, delay: float) -> int:
+    """Number of samples beyond the present one that `held_torque` looks at.
+
+    Args:
+        sample_time: Time for which a command is held [s].
+        delay: Time until it acts [s].
+
+    Returns:
+        Number of samples.
+    """
+    whole, rest = _split(sample_time, delay)
+    return whole + (2 if rest > 0.0 else 1)
+
+
+def held_torque(torque: FloatArray, sample_time: float, delay: float) -> FloatArray:
+    """Average the torque over the interval in which the command acts.
+
+    A command of t_k acts from t_k + delay to t_k + delay + T. Holding u(t_k) therefore lags the wanted torque by
+    T / 2 + delay, an error of first order in T. Holding the mean over the interval gives the right momentum at its end
+    and leaves an error of second order. The torque is taken as linear between its samples.
+
+    Args:
+        torque: Torque at the sampling instants [Nm or N], shape (n + samples_ahead, M).
+        sample_time: Time for which a command is held [s].
+        delay: Time until it acts [s].
+
+    Returns:
+        Torque to command, shape (n, M).
+    """
+    whole, rest = _split(sample_time, delay)
+    weights = np.array([0.5 * (1.0 - rest) ** 2, 0.5 + rest - rest**2, 0.5 * rest**2])
+    n = len(torque) - samples_ahead(sample_time, delay)
+    mean = weights[0] * torque[whole : whole + n] + weights[1] * torque[whole + 1 : whole + 1 + n]
+    if rest > 0.0:
+        mean = mean + weights[2] * torque[whole + 2 : whole + 2 + n]
+    return np.asarray(mean)
+
+
+def _split(sample_time: float, delay: float) -> tuple[int, float]:
+    """Delay as whole samples and the rest as a fraction of one."""
+    samples = delay / sample_time
+    whole = int(np.floor(samples + 1e-9))
+    rest = samples - whole
+    return whole, rest if rest > 1e-9 else 0.0

@@ -1,0 +1,59 @@
+"""The check that the inverse of the robot is bounded before the DAE is marched."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.robot.zeros import zero_dynamics
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.feedforward.problem import FeedforwardProblem
+    from flexros.robot.zeros import ZeroDynamics
+
+
+def require_minimum_phase(problem: FeedforwardProblem) -> None:
+    """Check the zero dynamics at poses spread over the path, the start among them.
+
+    Marching gives the causal inverse, which grows without bound along an unstable zero (Moberg 2007, Paper B, section
+    3.2). The check is that of the linearised model at rest in each pose; necessary, but no proof for fast motion.
+
+    Args:
+        problem: Robot, trajectory and settings.
+
+    Raises:
+        InputError: Not minimum phase at one of the poses; the message names output, pose and zero.
+    """
+    end = int(np.searchsorted(problem.time, problem.trajectory.duration))
+    last = min(end, problem.n_samples - 1)
+    places = np.unique(np.linspace(0, last, problem.specification.zero_dynamics_poses).astype(int))
+    near = problem.rigid_start
+    for place in places:
+        near = problem.robot.inverse_kinematics(problem.desired[place], near=near, output=problem.output)
+        verdict = zero_dynamics(problem.robot, near, problem.output)
+        if not verdict.minimum_phase:
+            raise InputError(_sentence(problem, verdict, near, float(problem.time[place])))
+
+
+def _sentence(problem: FeedforwardProblem, verdict: ZeroDynamics, pose: FloatArray, time: float) -> str:
+    where = (
+        f"robot {problem.robot.name} with output '{verdict.output}' at t = {time:.4g} s, pose "
+        f"{np.round(pose, 4).tolist()} (arm coordinates, {', '.join(problem.robot.arm_names)})"
+    )
+    advice = "choose another output of the robot, another pose, or method flexible_joint or rigid"
+    if not verdict.solvable:
+        return f"{where} cannot be inverted: the motors do not move all components of the output there; {advice}"
+    zero = verdict.unstable[np.argmax(verdict.unstable.real)]
+    return (
+        f"{where} is non-minimum phase: its zero dynamics have the unstable zero {_complex(zero)} 1/s, so the causal "
+        f"inverse that the dae method marches grows without bound; {advice}"
+    )
+
+
+def _complex(number: complex) -> str:
+    if abs(number.imag) < 1e-9 * abs(number):
+        return f"{number.real:.4g}"
+    return f"{number.real:.4g} +- {abs(number.imag):.4g}i"

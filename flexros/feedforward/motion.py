@@ -1,0 +1,87 @@
+"""Results of feedforward: the motion of the model, and the reference made from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from flexros.arrays import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Motion and torque of the model at the sampling instants, before friction and hold are accounted for.
+
+    Attributes:
+        arm_position: Arm coordinates q_a [rad or m], shape (n, N).
+        motor_position: Encoder positions [rad or m], shape (n, M).
+        motor_velocity: Encoder velocities [rad/s or m/s], shape (n, M).
+        torque: Motor torque at the instant [Nm or N], shape (n, M).
+    """
+
+    arm_position: FloatArray
+    motor_position: FloatArray
+    motor_velocity: FloatArray
+    torque: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.torque)
+
+    def chunks(self, size: int) -> Iterator[Motion]:
+        """Yield successive parts of at most `size` samples."""
+        for first in range(0, len(self), size):
+            yield self.rows(first, first + size)
+
+    def rows(self, first: int, stop: int) -> Motion:
+        """Return the samples first, ..., stop - 1."""
+        return Motion(*(getattr(self, field.name)[first:stop] for field in fields(self)))
+
+    def joined(self, after: Motion) -> Motion:
+        """Return this motion with another one behind it."""
+        return Motion(*(np.concatenate([getattr(self, f.name), getattr(after, f.name)]) for f in fields(self)))
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """References and feedforward torque of every sample; one row per sampling instant.
+
+    Attributes:
+        time: Sampling instants, counted from the start of the motion [s], shape (n,).
+        motor_position: Encoder position that the feedback is to hold [rad or m], shape (n, M).
+        motor_velocity: Its rate [rad/s or m/s], shape (n, M).
+        torque: Motor torque to add to the feedback, held from its instant to the next [Nm or N], shape (n, M).
+        output: Controlled output as commanded [m or rad], shape (n, n_out).
+        tool_pose: Pose that the tool takes if the model is right: x, y, z [m] and quaternion x, y, z, w, shape (n, 7).
+    """
+
+    time: FloatArray
+    motor_position: FloatArray
+    motor_velocity: FloatArray
+    torque: FloatArray
+    output: FloatArray
+    tool_pose: FloatArray
+
+    def __post_init__(self) -> None:
+        lengths = {field.name: len(getattr(self, field.name)) for field in fields(self)}
+        if len(set(lengths.values())) != 1:
+            raise ValueError(f"all parts of a reference need one row per sample, but have {lengths}")
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @staticmethod
+    def concatenate(chunks: Sequence[Reference]) -> Reference:
+        """Join successive chunks.
+
+        Args:
+            chunks: References that follow each other in time, at least one.
+
+        Returns:
+            One reference with all rows.
+        """
+        return Reference(*(np.concatenate([getattr(chunk, f.name) for chunk in chunks]) for f in fields(Reference)))

@@ -1,0 +1,30 @@
+"""No feedforward torque: the feedback alone follows the position of the rigid arm."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.feedforward.base import AbstractFeedforward
+from flexros.feedforward.motion import Motion
+from flexros.feedforward.rigid_arm import RigidArm
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flexros.feedforward.problem import FeedforwardProblem
+
+
+class NoFeedforward(AbstractFeedforward):
+    """Motor positions by the inverse kinematics of the rigid arm, torque zero."""
+
+    name: ClassVar[str] = "none"
+
+    def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
+        """Compute the motion at once and hand it out in chunks; see `AbstractFeedforward.motions`."""
+        arm = RigidArm(problem.robot)
+        gears = problem.gear_motion(2)
+        position, velocity, torque = arm.inverse_dynamics(gears)
+        motion = Motion(arm.arm_position(gears[0]), position, velocity, np.zeros_like(torque))
+        yield from motion.chunks(chunk)

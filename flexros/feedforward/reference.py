@@ -1,0 +1,123 @@
+"""The one way to a reference: method, friction, hold and tool pose put together, at once or in chunks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.feedforward.base import feedforward_method
+from flexros.feedforward.friction import friction_torque
+from flexros.feedforward.hold import held_torque, samples_ahead
+from flexros.feedforward.motion import Motion, Reference
+from flexros.feedforward.problem import FeedforwardProblem
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flexros.arrays import FloatArray
+    from flexros.feedforward.specification import FeedforwardSpecification
+    from flexros.robot import Robot
+    from flexros.trajectory.trajectory import Trajectory
+
+
+def compute_reference(
+    robot: Robot,
+    trajectory: Trajectory,
+    specification: FeedforwardSpecification,
+    sample_time: float,
+    duration: float,
+    near: FloatArray | None = None,
+) -> Reference:
+    """Compute references and feedforward torques of all samples.
+
+    Args:
+        robot: The model that the feedforward believes in.
+        trajectory: Desired motion; after its end the last point is held.
+        specification: Method and its settings.
+        sample_time: Sample time T of the feedback [s].
+        duration: Time to cover [s]; the samples are 0, T, 2 T, ... up to and including `duration`.
+        near: Arm coordinates near which the start pose is sought [rad or m], shape (N,); default: the home pose.
+
+    Returns:
+        The reference, floor(duration / T) + 1 samples.
+
+    Raises:
+        InputError: Settings, trajectory and robot do not go together.
+        RunError: The method broke down on the way.
+    """
+    chunks = reference_chunks(robot, trajectory, specification, sample_time, duration, near=near)
+    return Reference.concatenate(list(chunks))
+
+
+def reference_chunks(
+    robot: Robot,
+    trajectory: Trajectory,
+    specification: FeedforwardSpecification,
+    sample_time: float,
+    duration: float,
+    chunk: int = 4096,
+    near: FloatArray | None = None,
+) -> Iterator[Reference]:
+    """Compute references chunk by chunk, for streaming; joined they equal `compute_reference` bit for bit.
+
+    Args:
+        robot: The model that the feedforward believes in.
+        trajectory: Desired motion; after its end the last point is held.
+        specification: Method and its settings.
+        sample_time: Sample time T of the feedback [s].
+        duration: Time to cover [s].
+        chunk: Largest number of samples per chunk.
+        near: Arm coordinates near which the start pose is sought [rad or m], shape (N,); default: the home pose.
+
+    Yields:
+        Successive parts of the reference.
+
+    Raises:
+        InputError: Settings, trajectory and robot do not go together.
+        RunError: The method broke down on the way.
+    """
+    if not sample_time > 0.0:
+        raise InputError(f"the sample time of the feedforward is {sample_time:g} s, but must be positive; correct it")
+    if not duration >= 0.0:
+        raise InputError(f"the duration of the feedforward is {duration:g} s, but must not be negative; correct it")
+    if chunk < 1:
+        raise InputError(f"the chunk of the feedforward is {chunk} samples, but must be at least 1; correct it")
+    n_samples = int(np.floor(duration / sample_time + 1e-6)) + 1
+    method = feedforward_method(specification.method)
+    hold = specification.hold_compensation
+    hold = method.compensates_hold(specification) if hold is None else hold
+    ahead = samples_ahead(sample_time, robot.delay) if hold else 0
+    problem = FeedforwardProblem(robot, trajectory, specification, sample_time, n_samples + ahead, near)
+    done = 0
+    for motion, torque in _with_torque_ahead(method.motions(problem, chunk), specification, ahead):
+        rows = slice(done, done + len(motion))
+        yield Reference(
+            time=problem.time[rows],
+            motor_position=motion.motor_position,
+            motor_velocity=motion.motor_velocity,
+            torque=held_torque(torque, sample_time, robot.delay) if hold else torque,
+            output=problem.desired[rows],
+            tool_pose=np.array(robot.model.tool_pose(motion.arm_position.T, robot.model.parameter_values)).T,
+        )
+        done += len(motion)
+
+
+def _with_torque_ahead(
+    motions: Iterator[Motion], specification: FeedforwardSpecification, ahead: int
+) -> Iterator[tuple[Motion, FloatArray]]:
+    """Give each part of the motion with the torque (friction included) of `ahead` samples beyond it."""
+    waiting: tuple[Motion, FloatArray] | None = None
+    for motion in motions:
+        torque = motion.torque
+        if specification.friction is not None:
+            torque = torque + friction_torque(specification.friction, motion.motor_velocity)
+        if waiting is not None:
+            motion, torque = waiting[0].joined(motion), np.concatenate([waiting[1], torque])
+        ready = len(motion) - ahead
+        if ready <= 0:
+            waiting = (motion, torque)
+            continue
+        yield motion.rows(0, ready), torque
+        waiting = (motion.rows(ready, len(motion)), torque[ready:])

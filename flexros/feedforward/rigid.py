@@ -1,0 +1,27 @@
+"""Feedforward of the rigid robot: computed torque of arm and motors, all springs taken as rigid."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.feedforward.base import AbstractFeedforward
+from flexros.feedforward.motion import Motion
+from flexros.feedforward.rigid_arm import RigidArm
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flexros.feedforward.problem import FeedforwardProblem
+
+
+class RigidFeedforward(AbstractFeedforward):
+    """Inverse dynamics u = (M + M_m) theta'' + n(theta, theta') of the rigid robot (Moberg 2007, section 5.2.1)."""
+
+    name: ClassVar[str] = "rigid"
+
+    def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
+        """Compute the motion at once and hand it out in chunks; see `AbstractFeedforward.motions`."""
+        arm = RigidArm(problem.robot)
+        gears = problem.gear_motion(2)
+        motion = Motion(arm.arm_position(gears[0]), *arm.inverse_dynamics(gears))
+        yield from motion.chunks(chunk)

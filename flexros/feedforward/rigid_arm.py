@@ -1,0 +1,94 @@
+"""The arm with its elastic directions rigid: torques of a motion of the gears, with exact derivatives."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.feedforward.dae_equations import arm_residual, motor_torque
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.robot import Robot
+
+MAX_DERIVATIVES = 4
+
+
+class RigidArm:
+    """Rigid arm of a robot, in the coordinates of its gears theta, shape (M,).
+
+    Args:
+        robot: The robot.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._theta = [ca.SX.sym(f"theta_{k}", robot.n_motors) for k in range(MAX_DERIVATIVES + 1)]
+
+    def _derivative(self, expression: ca.SX) -> ca.SX:
+        """Time derivative by directional derivatives along the derivatives of theta."""
+        pairs = zip(self._theta, self._theta[1:])
+        return sum((ca.jtimes(expression, low, high) for low, high in pairs), start=ca.SX.zeros(expression.shape[0]))
+
+    def _arm(self, theta: ca.SX) -> ca.SX:
+        """Arm coordinates (or rates) with all elastic directions at zero."""
+        arm = ca.SX.zeros(self._robot.n_arm)
+        for number, place in enumerate(self._robot.chain.geared):
+            arm[place] = theta[number]
+        return arm
+
+    def _coordinates(self, theta: ca.SX, motor: ca.SX) -> ca.SX:
+        """All coordinates [q_a, q_m] from gear coordinates and motor coordinates."""
+        return ca.vertcat(self._arm(theta), *[motor[number] for number in self.flexible])
+
+    @property
+    def flexible(self) -> list[int]:
+        """Numbers of the motors behind flexible gears."""
+        joints = self._robot.chain.joints
+        geared = enumerate(self._robot.chain.geared)
+        return [number for number, place in geared if joints[place].motor_coordinate is not None]
+
+    def arm_position(self, theta: FloatArray) -> FloatArray:
+        """Arm coordinates, shape (n, N), from gear coordinates, shape (n, M)."""
+        arm = np.zeros((len(theta), self._robot.n_arm))
+        arm[:, list(self._robot.chain.geared)] = theta
+        return arm
+
+    def inverse_dynamics(self, motion: FloatArray, compliance: FloatArray | None = None) -> tuple[FloatArray, ...]:
+        """Motor motion and torque for a motion of the gears, rigid or through a compliance.
+
+        With M(theta) theta'' + n(theta, theta') = tau and the gears' compliance C = K^-1,
+
+            q_m = theta + C tau,     u = tau + M_m q_m''     (Moberg 2007, eq. 5.4 and 5.5),
+
+        where tau'' follows exactly by directional derivatives of the symbolic tau. A motor's own viscous friction, where
+        the model has it, is added. Without compliance the gears are rigid.
+
+        Args:
+            motion: theta and its derivatives, shape (5, n, M), or (3, n, M) without compliance.
+            compliance: C of each gear [rad/Nm or m/N], zero for stiff gears, shape (M,).
+
+        Returns:
+            Encoder position, encoder velocity and torque, each of shape (n, M).
+        """
+        model, theta = self._robot.model, self._theta
+        rest = [self._coordinates(part, part) for part in theta[:3]]
+        tau = arm_residual(model, rest[0], rest[1], rest[2], ca.SX.zeros(self._robot.n_motors))
+        tau = tau[list(self._robot.chain.geared)]
+        motor = list(theta[:3])
+        if compliance is not None:
+            rates = [tau]
+            for _ in range(2):
+                rates.append(self._derivative(rates[-1]))
+            motor = [gear + ca.DM(compliance) * rate for gear, rate in zip(theta, rates)]
+        drive = motor_torque(
+            model, rest[0], self._coordinates(motor[1], motor[1]), self._coordinates(theta[2], motor[2])
+        )
+        for place, number in enumerate(self.flexible):
+            tau[number] += drive[place]
+        encoders = [model.encoder(self._coordinates(gear, part)) for gear, part in zip(theta, motor[:2])]
+        used = theta[: len(motion)]
+        evaluate = ca.Function("inverse_dynamics", used, [ca.densify(part) for part in (*encoders, tau)], {"cse": True})
+        return tuple(np.array(part).T.copy() for part in evaluate(*[part.T for part in motion]))

@@ -1,0 +1,61 @@
+"""Settings of the feedforward, as a scenario or a node parameter file gives them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field, model_validator
+
+from flexros.config.validation import Settings
+
+NotNegative: TypeAlias = Annotated[float, Field(ge=0.0)]
+Positive: TypeAlias = Annotated[float, Field(gt=0.0)]
+
+
+class FrictionCompensation(Settings):
+    """Friction of the motors that the feedforward torque makes up for; one value, or one per motor."""
+
+    viscous: NotNegative | tuple[NotNegative, ...] = Field(0.0, description="[Nm s/rad, or N s/m]")
+    coulomb: NotNegative | tuple[NotNegative, ...] = Field(0.0, description="level [Nm, or N]")
+    stribeck: NotNegative | tuple[NotNegative, ...] = Field(0.0, description="extra level near standstill [Nm, or N]")
+    stribeck_velocity: Positive | tuple[Positive, ...] = Field(
+        0.1, description="motor speed at which the extra level has fallen to 1/e [rad/s, or m/s]"
+    )
+    smoothing_velocity: Positive | tuple[Positive, ...] = Field(
+        0.01, description="motor speed at which the smoothed sign reaches tanh(1) = 0.76 [rad/s, or m/s]"
+    )
+
+
+class FeedforwardSpecification(Settings):
+    """How motor references and torques are computed from the desired output."""
+
+    method: Literal["none", "rigid", "flexible_joint", "dae"] = Field(
+        "dae", description="none (feedback alone), rigid, flexible_joint (Moberg 2007, eq. 5.5) or dae (Paper B)"
+    )
+    order: Literal[1, 2] = Field(
+        2, description="order of the DAE method: 1 = backward Euler as published, 2 = second order; dae only"
+    )
+    output: str | None = Field(None, description="controlled output of the robot; default: the one that its file names")
+    friction: FrictionCompensation | None = Field(None, description="friction added to the motor torque; default: none")
+    stiffness: dict[str, Positive] = Field(
+        default_factory=dict,
+        description="gear stiffness by motor name [Nm/rad, or N/m] instead of the equivalent one; flexible_joint only",
+    )
+    hold_compensation: bool | None = Field(
+        None,
+        description="torque as the mean over the time in which it acts, delay included, instead of its value at the "
+        "instant; default: only for dae of order 2",
+    )
+    zero_dynamics_poses: Annotated[int, Field(ge=1)] = Field(
+        5, description="number of poses along the path at which the zero dynamics are checked before marching; dae only"
+    )
+    compiled: bool = Field(True, description="march in machine code; false: in the CasADi virtual machine; dae only")
+
+    @model_validator(mode="after")
+    def _settings_in_use(self) -> FeedforwardSpecification:
+        if self.stiffness and self.method != "flexible_joint":
+            raise ValueError(
+                f"stiffness is given for method '{self.method}', but only flexible_joint uses it; remove it or change "
+                "the method"
+            )
+        return self
