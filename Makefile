@@ -1,0 +1,40 @@
+# `make demo` and `make test` need python3 (3.10 to 3.13, with venv) and make; all else is installed into .venv.
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: help demo test lint bench clean python environment
+
+help:
+	@echo "make demo    install into .venv and run the circle test over ROS 2 topics"
+	@echo "make test    all tests"
+	@echo "make lint    style, format and types"
+	@echo "make bench   speed beside a peer measured in the same run"
+	@echo "make clean   remove .venv and all that is made"
+
+demo: environment
+	@$(BIN)/flexros demo
+
+test: EXTRAS = test
+test: environment
+	@$(BIN)/python -m pytest $(PYTEST_OPTIONS)
+
+lint: EXTRAS = dev
+lint: environment
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+
+bench: EXTRAS = test
+bench: environment
+	@$(BIN)/flexros bench
+
+environment: python
+	@$(PYTHON) environment.py $(EXTRAS)
+
+python:
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' || { \
+	echo "FlexROS needs Python 3.10 to 3.13, '$(PYTHON)' is $$($(PYTHON) --version 2>&1 || echo missing); give another one: make PYTHON=python3.12 ..." >&2; exit 2; }
+
+clean:
+	@rm -rf .venv build install log dist flexros.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	@find . -name __pycache__ -type d -prune -exec rm -rf {} +

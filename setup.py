@@ -1,0 +1,61 @@
+"""Packaging of FlexROS for pip and colcon alike; docs/decisions/0001-packaging.md says why it has this form."""
+
+import os
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+SHARE = Path("share") / "flexros"
+NODES = ("plant", "controller", "feedforward", "recorder")
+ROS_WHEELS = [
+    "ros-jazzy-rclpy==7.1.6",
+    "ros-jazzy-common-interfaces==5.3.6",
+    "ros-jazzy-rmw-fastrtps-cpp==8.4.3",
+]
+TEST = ["pytest>=8", "hypothesis>=6.100", "pin>=2.7", "mujoco>=3.1", "setuptools>=70.1"]
+
+console_scripts = ["flexros = flexros.cli:main"]
+data_files = [
+    ("share/ament_index/resource_index/packages", ["resource/flexros"]),
+    (str(SHARE), ["package.xml"]),
+    (str(SHARE / "msgs_config"), sorted(str(path) for path in Path("msgs_config").glob("*.yaml"))),
+    (str(SHARE / "launch"), sorted(str(path) for path in Path("nodes/launch").glob("*.launch.py"))),
+]
+if "COLCON" in os.environ:  # `ros2 run` looks in lib/flexros, where colcon puts scripts; pip would put them on the PATH
+    console_scripts += [f"{name} = flexros_nodes.{name}:main" for name in NODES]
+    data_files += [("bin", ["resource/bin/flexros"])]
+
+setup(
+    name="flexros",
+    version="0.1.0",
+    description="Modelling, control, identification and gap diagnosis of flexible robot manipulators on ROS 2",
+    author="FlexROS developers",
+    python_requires=">=3.10,<3.14",
+    packages=find_packages(include=["flexros", "flexros.*", "flexros_nodes", "flexros_nodes.*"]),
+    package_data={"flexros": ["py.typed", "**/*.yaml", "**/*.html", "**/*.css", "**/*.js"]},
+    data_files=data_files,
+    zip_safe=False,
+    install_requires=[
+        "numpy>=1.26",
+        "scipy>=1.11",
+        "casadi>=3.6.7",
+        "llvmlite>=0.44",
+        "pydantic>=2.6",
+        "ruamel.yaml>=0.18",
+        "typer>=0.12",
+        "rich>=13.8",
+        "plotly>=5.20",
+        "control>=0.10.1",
+        "mcap>=1.1",
+        "mcap-ros2-support>=0.5",
+        "rosbags>=0.10",
+        "zstandard>=0.22",
+        "lz4>=4.3",
+    ],
+    extras_require={
+        "ros": ROS_WHEELS,
+        "test": TEST,
+        "dev": [*TEST, "ruff>=0.12", "mypy>=1.15", "colcon-common-extensions>=0.3"],
+    },
+    entry_points={"console_scripts": console_scripts},
+)

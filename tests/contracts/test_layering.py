@@ -1,0 +1,49 @@
+"""One direction: nodes -> flexros, never back."""
+
+from __future__ import annotations
+
+import ast
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+CHECKOUT = Path(__file__).parents[2]
+MODULES = sorted((CHECKOUT / "flexros").rglob("*.py"))
+ROS = ("rclpy", "rosidl_runtime_py", "rosidl_parser", "launch", "launch_ros", "rosbag2_py", "ament_index_python")
+
+IMPORT_ALL_WITHOUT_ROS = """
+import importlib, importlib.abc, json, pkgutil, sys
+class Blocker(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        room = name.split(".")[0]
+        if room in %r or room.endswith("_msgs") or room.endswith("_interfaces") or room == "flexros_nodes":
+            raise ImportError(f"{name} is blocked")
+sys.meta_path.insert(0, Blocker())
+import flexros
+names = ["flexros"] + [m.name for m in pkgutil.walk_packages(flexros.__path__, "flexros.") if not m.name.endswith("__main__")]
+for name in names:
+    importlib.import_module(name)
+print(json.dumps(names))
+"""
+
+
+def test_flexros_imports_without_ros() -> None:
+    program = IMPORT_ALL_WITHOUT_ROS % (ROS,)
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=CHECKOUT, check=False)
+    assert run.returncode == 0, run.stderr
+    assert len(json.loads(run.stdout.splitlines()[-1])) > 10
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(CHECKOUT)))
+def test_module_imports_neither_ros_nor_nodes(path: Path) -> None:
+    rooms = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            rooms |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            rooms.add(node.module.split(".")[0])
+    forbidden = {room for room in rooms if room in {*ROS, "flexros_nodes", "nodes"} or room.endswith("_msgs")}
+    assert not forbidden
