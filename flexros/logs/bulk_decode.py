@@ -112,8 +112,7 @@ class TopicDecoder(Generic[L]):
         for layout in self._layouts:
             if not len(left):
                 return
-            if len(layout.message.image) == messages.shape[1]:
-                left = self._take(layout, messages, left, order, log_time)
+            left = self._take(layout, messages, left, order, log_time)
         while len(left):
             try:
                 layout = self._read_layout(messages[left[0]].tobytes())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -88,11 +88,10 @@ def read_joint_state_layout(payload: bytes | memoryview) -> JointStateLayout:
     frame_id = cursor.string("header.frame_id")
     names = cursor.strings("name")
     spans = tuple(Span(*cursor.doubles(field)) for field in FIELDS)
-    cursor.finish()
     for field, span in zip(FIELDS, spans, strict=True):
         if span.size not in (0, len(names)):
             raise MessageError(f"a JointState has {len(names)} names but {span.size} values in {field}")
-    return JointStateLayout(MessageLayout(bytes(payload), spans, cursor.order), names, frame_id)
+    return JointStateLayout(MessageLayout(bytes(payload[: cursor.position]), spans, cursor.order), names, frame_id)
 
 
 class JointStateTemplate:
@@ -143,7 +142,7 @@ class JointStateTemplate:
             ValueError: A field has another length than the template.
         """
         sec, nanosec = divmod(stamp_ns, NANOSECONDS)
-        start, before_position, before_velocity, before_effort, end = self._constants
+        start, before_position, before_velocity, before_effort = self._constants
         if isinstance(position, np.ndarray):  # unpacking an array element by element is four times slower
             position = position.tolist()
         if isinstance(velocity, np.ndarray):
@@ -152,7 +151,7 @@ class JointStateTemplate:
             effort = effort.tolist()
         try:
             return self._pack(
-                start, sec, nanosec, before_position, *position, before_velocity, *velocity, before_effort, *effort, end
+                start, sec, nanosec, before_position, *position, before_velocity, *velocity, before_effort, *effort
             )
         except struct.error as error:
             raise ValueError(
@@ -184,7 +183,7 @@ class JointStateView:
         n = len(layout.names)
         order = tuple(layout.names.index(name) for name in self.names)
         self._order = None if order == tuple(range(n)) else order
-        self._unpack, self._size = layout.message.packer.unpack, layout.message.packer.size
+        self._unpack, self._size = layout.message.packer.unpack_from, layout.message.packer.size
         self._constants = layout.message.constants
         # places of constants and of numbers in the tuple that unpack gives
         self._slices = []
@@ -194,26 +193,24 @@ class JointStateView:
             self._places.append(at)
             self._slices.append(slice(at + 1, at + 1 + span.size) if span.size else None)
             at += 1 + span.size
-        self._places.append(at)
 
-    def _pick(self, values: tuple[float, ...], place: slice | None) -> tuple[float, ...] | None:
+    def _pick(self, values: tuple[Any, ...], place: slice | None) -> tuple[float, ...] | None:
         if place is None:
             return None
         span = values[place]
         return span if self._order is None else tuple([span[i] for i in self._order])
 
-    def _fields(self, payload: bytes | memoryview) -> tuple[float, ...] | None:
-        if len(payload) != self._size:
+    def _fields(self, payload: bytes | memoryview) -> tuple[Any, ...] | None:
+        if len(payload) < self._size:
             return None
         values = self._unpack(payload)
-        start, position, velocity, effort, end = self._places
+        start, position, velocity, effort = self._places
         known = self._constants
         if (
             values[position] == known[1]
             and values[velocity] == known[2]
             and values[effort] == known[3]
             and values[start] == known[0]
-            and values[end] == known[4]
         ):
             return values
         return None
@@ -236,7 +233,7 @@ class JointStateView:
             values = self._unpack(payload)
         position, velocity, effort = self._slices
         return JointStateSample(
-            values[1] * NANOSECONDS + values[2],  # type: ignore[arg-type]
+            values[1] * NANOSECONDS + values[2],
             self._pick(values, position),
             self._pick(values, velocity),
             self._pick(values, effort),

@@ -193,7 +193,6 @@ def read_joint_trajectory(payload: bytes | memoryview) -> JointTrajectoryChunk:
     first = _point_layout((cursor.position - 4) % 8, sizes, cursor.order, cursor.widest)
     others = _point_layout(first.next_offset, sizes, cursor.order, cursor.widest)
     parts = (_records(cursor, 1, first, sizes), _records(cursor, n_points - 1, others, sizes))
-    cursor.finish()
 
     time = np.concatenate([part["sec"].astype(np.int64) * NANOSECONDS + part["nanosec"] for part in parts])
 

@@ -36,7 +36,7 @@ class MessageLayout:
     """Where the changing numbers of a message lie, and the bytes between them.
 
     Attributes:
-        image: A message of this layout; the numbers in it have no meaning.
+        image: A message of this layout up to its last member; the numbers in it have no meaning.
         spans: Doubles that change, in order and behind the stamp.
         order: Byte order of the numbers, "<" or ">".
     """
@@ -47,20 +47,17 @@ class MessageLayout:
 
     @cached_property
     def constants(self) -> tuple[bytes, ...]:
-        """The bytes before the stamp, before each span, and after the last span."""
+        """The bytes before the stamp and before each span."""
         edges = [0, STAMP_OFFSET, STAMP_OFFSET + _STAMP_SIZE]
         for span in self.spans:
             edges += [span.offset, span.offset + 8 * span.size]
-        edges.append(len(self.image))
-        return tuple(self.image[a:b] for a, b in zip(edges[::2], edges[1::2], strict=True))
+        return tuple(self.image[a:b] for a, b in zip(edges[::2], edges[1::2], strict=False))
 
     @cached_property
     def packer(self) -> struct.Struct:
-        """Packs constant, seconds, nanoseconds, a constant and the numbers of each span, and the last constant."""
-        middle = "".join(
-            f"{len(constant)}s{span.size}d" for constant, span in zip(self.constants[1:], self.spans, strict=False)
-        )
-        return struct.Struct(f"{self.order}{len(self.constants[0])}siI{middle}{len(self.constants[-1])}s")
+        """Packs a constant, seconds, nanoseconds, then a constant and the numbers of each span."""
+        spans = "".join(f"{len(c)}s{span.size}d" for c, span in zip(self.constants[1:], self.spans, strict=True))
+        return struct.Struct(f"{self.order}{len(self.constants[0])}siI{spans}")
 
     @cached_property
     def record(self) -> np.dtype[np.void]:
@@ -78,14 +75,14 @@ class MessageLayout:
         """Tell which messages have this layout.
 
         Args:
-            messages: Serialised messages of equal length, shape (n, length).
+            messages: Serialised messages of equal length, shape (n, length); bytes behind the last member are ignored.
 
         Returns:
             Whether each has the same bytes outside the stamp and the spans, shape (n,).
         """
-        same = np.full(len(messages), messages.shape[1] == len(self.image))
+        same = np.full(len(messages), messages.shape[1] >= len(self.image))
         at = 0
-        changing = (_STAMP_SIZE, *(8 * span.size for span in self.spans), 0)
+        changing = (_STAMP_SIZE, *(8 * span.size for span in self.spans))
         for constant, n_changing in zip(self.constants, changing, strict=True):
             if same.any():
                 block = messages[:, at : at + len(constant)]
@@ -93,9 +90,12 @@ class MessageLayout:
             at += len(constant) + n_changing
         return same
 
+    def _records(self, messages: NDArray[np.uint8]) -> NDArray[np.void]:
+        return np.ascontiguousarray(messages[:, : len(self.image)]).view(self.record)[:, 0]
+
     def stamps(self, messages: NDArray[np.uint8]) -> IntArray:
         """Stamps of messages of this layout [ns], shape (n,)."""
-        records = messages.view(self.record)[:, 0]
+        records = self._records(messages)
         stamps: IntArray = records["sec"].astype(np.int64) * NANOSECONDS + records["nanosec"]
         return stamps
 
@@ -103,7 +103,7 @@ class MessageLayout:
         """Numbers of one span of messages of this layout, shape (n, size)."""
         if not self.spans[span].size:
             return np.empty((len(messages), 0))
-        values: FloatArray = messages.view(self.record)[:, 0][f"span_{span}"].astype(np.float64)
+        values: FloatArray = self._records(messages)[f"span_{span}"].astype(np.float64)
         return values
 
     def serialise(self, stamp: IntArray, numbers: Sequence[FloatArray]) -> NDArray[np.uint8]:

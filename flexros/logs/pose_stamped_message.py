@@ -75,8 +75,7 @@ def read_pose_stamped_layout(payload: bytes | memoryview) -> PoseStampedLayout:
     frame_id = cursor.string("header.frame_id")
     cursor.align(8)
     span = Span(cursor.skip(8 * _N_POSE, "pose"), _N_POSE)
-    cursor.finish()
-    return PoseStampedLayout(MessageLayout(bytes(payload), (span,), cursor.order), frame_id)
+    return PoseStampedLayout(MessageLayout(bytes(payload[: cursor.position]), (span,), cursor.order), frame_id)
 
 
 class PoseStampedTemplate:
@@ -106,13 +105,13 @@ class PoseStampedTemplate:
             ValueError: There are not seven numbers.
         """
         sec, nanosec = divmod(stamp_ns, NANOSECONDS)
-        start, before_pose, end = self._constants
+        start, before_pose = self._constants
         if isinstance(position, np.ndarray):
             position = position.tolist()
         if isinstance(orientation, np.ndarray):
             orientation = orientation.tolist()
         try:
-            return self._pack(start, sec, nanosec, before_pose, *position, *orientation, end)
+            return self._pack(start, sec, nanosec, before_pose, *position, *orientation)
         except struct.error as error:
             raise ValueError(
                 f"a PoseStamped cannot hold the stamp {stamp_ns}, position {position}, "
@@ -141,12 +140,12 @@ class PoseStampedView:
         values = self._values(payload)
         if values is None:
             self._layout = read_pose_stamped_layout(payload)
-            values = self._layout.message.packer.unpack(payload)
+            values = self._layout.message.packer.unpack_from(payload)
         return PoseSample(values[1] * NANOSECONDS + values[2], self._layout.frame_id, values[4:7], values[7:11])
 
     def _values(self, payload: bytes | memoryview) -> tuple[int, ...] | None:
         layout = self._layout.message
-        if len(payload) != len(layout.image):
+        if len(payload) < len(layout.image):
             return None
-        values = layout.packer.unpack(payload)
-        return values if (values[0], values[3], values[11]) == layout.constants else None
+        values = layout.packer.unpack_from(payload)
+        return values if (values[0], values[3]) == layout.constants else None
