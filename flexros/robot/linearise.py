@@ -112,5 +112,5 @@ def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None 
 
 
 def _component_names(robot: Robot, output: str | None) -> tuple[str, ...]:
-    entry = robot.specification.outputs[output or robot.controlled]
+    entry = robot.spec.outputs[output or robot.controlled]
     return entry.coordinates or tuple(entry.pose)

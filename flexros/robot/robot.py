@@ -18,7 +18,7 @@ from flexros.robot.chain import Chain, build_chain
 from flexros.robot.model import SymbolicModel
 from flexros.robot.parameters import Parameter, list_parameters, with_values
 from flexros.robot.physical import check_physical
-from flexros.robot.specification import RobotSpecification, arm_names
+from flexros.robot.spec import RobotSpecification, arm_names
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -34,12 +34,12 @@ class Robot:
     """One robot: N arm coordinates, M motors.
 
     Attributes:
-        specification: The validated robot file.
+        spec: The validated robot file.
         source: File or name that it came from.
     """
 
     def __init__(self, specification: RobotSpecification, source: str) -> None:
-        self.specification = specification
+        self.spec = specification
         self.source = source
         self.chain: Chain = build_chain(specification)
         check_physical(specification, self.chain, source)
@@ -47,7 +47,7 @@ class Robot:
     @property
     def name(self) -> str:
         """Name of the robot."""
-        return self.specification.name
+        return self.spec.name
 
     @property
     def n_arm(self) -> int:
@@ -72,27 +72,27 @@ class Robot:
     @property
     def arm_names(self) -> tuple[str, ...]:
         """Names of the arm coordinates, e.g. body_1.ry."""
-        return arm_names(self.specification)
+        return arm_names(self.spec)
 
     @property
     def sample_time(self) -> float:
         """Sample time of the controller [s]."""
-        return self.specification.sample_time.value
+        return self.spec.sample_time.value
 
     @property
     def delay(self) -> float:
         """Delay of the command at the plant input [s]."""
-        return self.specification.delay.value
+        return self.spec.delay.value
 
     @property
     def controlled(self) -> str:
         """Name of the output that trajectories refer to by default."""
-        return self.specification.controlled
+        return self.spec.controlled
 
     @property
     def tool_noise(self) -> float:
         """Noise of the tool tracker, rms [m]."""
-        return self.specification.sensors.tool_noise.value
+        return self.spec.sensors.tool_noise.value
 
     @cached_property
     def torque_limits(self) -> FloatArray:
@@ -103,24 +103,24 @@ class Robot:
     @cached_property
     def encoder_noise(self) -> FloatArray:
         """Noise of the encoders, rms [rad or m], shape (M,)."""
-        common = self.specification.sensors.encoder_noise
+        common = self.spec.sensors.encoder_noise
         own = [self.chain.motor(number).encoder_noise for number in range(self.n_motors)]
         return np.array([(common if noise is None else noise).value for noise in own])
 
     @cached_property
     def home(self) -> FloatArray:
         """Usual start pose, arm coordinates [rad or m], shape (N,)."""
-        return np.array(self.specification.home or [0.0] * self.n_arm)
+        return np.array(self.spec.home or [0.0] * self.n_arm)
 
     @cached_property
     def parameters(self) -> dict[str, Parameter]:
         """All numbers of the equations of motion by name, with unit, source and tolerance."""
-        return list_parameters(self.specification)
+        return list_parameters(self.spec)
 
     @cached_property
     def model(self) -> SymbolicModel:
         """Symbolic model with every number put in."""
-        return SymbolicModel(self.specification, self.chain)
+        return SymbolicModel(self.spec, self.chain)
 
     def symbolic(self, parameters: Sequence[str] = ()) -> SymbolicModel:
         """Build the symbolic model with some parameters left free.
@@ -134,7 +134,7 @@ class Robot:
         Raises:
             InputError: A name is not a parameter of the robot.
         """
-        return SymbolicModel(self.specification, self.chain, parameters)
+        return SymbolicModel(self.spec, self.chain, parameters)
 
     def with_values(self, values: Mapping[str, float], source: str = "given values") -> Robot:
         """Return a robot with some numbers replaced.
@@ -151,13 +151,13 @@ class Robot:
         """
         if not values:
             return self
-        data = with_values(self.specification.model_dump(), self.specification, values, source)
+        data = with_values(self.spec.model_dump(), self.spec, values, source)
         return Robot(validate(RobotSpecification, data, source), source)
 
     @cached_property
     def model_hash(self) -> str:
         """Fingerprint of everything in the robot file, for provenance; 16 hexadecimal digits."""
-        text = json.dumps(self.specification.model_dump(mode="json"), sort_keys=True)
+        text = json.dumps(self.spec.model_dump(mode="json"), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def forward_kinematics(self, q_a: ArrayLike, output: str | None = None) -> FloatArray:

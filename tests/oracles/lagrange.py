@@ -25,9 +25,9 @@ def arm_energies(robot: Robot, q: ca.SX, v: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return kinetic and gravity energy of the bodies, from positions and rotations in the base frame alone."""
     position, rotation = ca.SX.zeros(3), ca.SX.eye(3)
     kinetic, potential = ca.SX(0), ca.SX(0)
-    gravity = ca.DM(robot.specification.gravity.value)
+    gravity = ca.DM(robot.spec.gravity.value)
     names = list(robot.arm_names)
-    for index, body in enumerate(robot.specification.bodies):
+    for index, body in enumerate(robot.spec.bodies):
         for axis in body.directions:
             name = f"body_{index + 1}.{axis}"
             if name not in names:

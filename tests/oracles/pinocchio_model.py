@@ -23,9 +23,9 @@ JOINTS = {
 def build(robot: Robot) -> pin.Model:
     """Build the chain; frame "tool" is the tool point of robots without a linear tool coordinate."""
     model = pin.Model()
-    model.gravity = pin.Motion(np.array(robot.specification.gravity.value), np.zeros(3))
+    model.gravity = pin.Motion(np.array(robot.spec.gravity.value), np.zeros(3))
     parent, placement = 0, pin.SE3.Identity()
-    for index, body in enumerate(robot.specification.bodies):
+    for index, body in enumerate(robot.spec.bodies):
         for axis in body.directions:
             name = f"body_{index + 1}.{axis}"
             if name in robot.arm_names:

@@ -54,7 +54,7 @@ def test_inverse_dynamics_agrees_with_pinocchio(robot: Robot) -> None:
 
 def _body_friction(robot: Robot, q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Torque against the absolute rotation of the bodies; only planar shipped robots have it."""
-    coefficients = np.array([body.viscous_friction.value for body in robot.specification.bodies])
+    coefficients = np.array([body.viscous_friction.value for body in robot.spec.bodies])
     if not coefficients.any():
         return np.zeros(robot.n_arm)
     return np.cumsum((coefficients * np.cumsum(v))[::-1])[::-1]
@@ -75,8 +75,8 @@ def test_inertia_matrix_agrees_with_pinocchio(robot: Robot) -> None:
 def test_tool_pose_agrees_with_pinocchio(robot: Robot) -> None:
     import pinocchio as pin
 
-    if robot.specification.tool.linear is not None:
-        assert robot.specification.tool.linear.component == "x"
+    if robot.spec.tool.linear is not None:
+        assert robot.spec.tool.linear.component == "x"
         return  # a linear tool coordinate has no geometry; checked in test_one_axis
     model = pinocchio_model.build(robot)
     data = model.createData()

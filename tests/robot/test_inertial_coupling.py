@@ -46,7 +46,7 @@ def test_coupled_motion_obeys_lagrange(robot: Robot) -> None:
     momentum = ca.gradient(energy, vs)
     change = ca.jtimes(momentum, qs, vs) + ca.jtimes(momentum, vs, ca.DM(a)) - ca.gradient(energy, qs)
     coupled = np.asarray(ca.Function("c", [qs, vs], [change])(q, v)).ravel()
-    data = robot.specification.model_copy(update={"inertial_coupling": False})
+    data = robot.spec.model_copy(update={"inertial_coupling": False})
     plain = Robot(data, "plain").model
     force = np.asarray(plain.force(q, v, u, w, [])).ravel() - np.asarray(plain.mass_matrix(q, [])) @ a
     np.testing.assert_allclose(coupled, force, atol=1e-8 * np.abs(force).max() + 1e-9)

@@ -157,7 +157,7 @@ def test_every_parameter_can_be_replaced() -> None:
 
 def test_scaling_a_nonlinear_spring() -> None:
     robot = load_robot("four_mass").with_values({"body_1.rz.stiffness": 2.0})
-    spring = robot.specification.bodies[0].directions["rz"].spring
+    spring = robot.spec.bodies[0].directions["rz"].spring
     assert spring.piecewise_linear.slopes[0] == pytest.approx(33.4)
 
 

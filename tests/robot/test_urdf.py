@@ -21,9 +21,11 @@ URDF = """<robot name="little">
     <inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <link name="camera"/>
   <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/>
-    <origin xyz="0 0 0.5" rpy="0 0 0"/><axis xyz="0 0 1"/><limit effort="150" velocity="3" lower="-3" upper="3"/></joint>
+    <origin xyz="0 0 0.5" rpy="0 0 0"/><axis xyz="0 0 1"/>
+    <limit effort="150" velocity="3" lower="-3" upper="3"/></joint>
   <joint name="elbow" type="revolute"><parent link="upper"/><child link="fore"/>
-    <origin xyz="0 0 0.6" rpy="0 1.5707963267948966 0"/><axis xyz="0 1 0"/><limit effort="0" velocity="3" lower="-3" upper="3"/></joint>
+    <origin xyz="0 0 0.6" rpy="0 1.5707963267948966 0"/><axis xyz="0 1 0"/>
+    <limit effort="0" velocity="3" lower="-3" upper="3"/></joint>
   <joint name="flange" type="fixed"><parent link="fore"/><child link="hand"/><origin xyz="0.4 0 0"/></joint>
   <joint name="eye" type="fixed"><parent link="upper"/><child link="camera"/></joint>
 </robot>
