@@ -1,0 +1,173 @@
+"""A scenario made ready to run: robots, reference, controller, start."""
+
+from __future__ import annotations
+
+import platform
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.control.controller import Controller
+from flexros.errors import InputError
+from flexros.feedforward.reference import compute_reference
+from flexros.robot import load_robot
+from flexros.trajectory import JOINTS, JointMove, Move, TimeLaw, Trajectory, build_trajectory
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.config.scenario import Scenario
+    from flexros.feedforward.motion import Reference
+    from flexros.robot import Robot
+
+MOST_SAMPLES = 20_000_000
+"""Longest run [samples]; a longer one is taken for a mistake in duration or sample time (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """All that a run needs, made from its scenario; everything costly is made when first asked for.
+
+    Attributes:
+        scenario: What was asked for.
+        nominal: The robot as the feedforward knows it.
+        plant: The robot that is simulated.
+        sample_time: Time between two samples [s].
+        trajectory: Desired motion; a rest where the scenario has none.
+        n_samples: Number of samples, the first at 0 and the last at or just before the end.
+    """
+
+    scenario: Scenario
+    nominal: Robot
+    plant: Robot
+    sample_time: float
+    trajectory: Trajectory
+    n_samples: int
+
+    @classmethod
+    def prepare(cls, scenario: Scenario) -> Experiment:
+        """Load the robots and plan the motion.
+
+        Args:
+            scenario: What to run.
+
+        Returns:
+            The experiment.
+
+        Raises:
+            InputError: Robot, values, start or trajectory are not possible; the sentence names scenario and key.
+        """
+        source = f"scenario {scenario.name}"
+        nominal = load_robot(scenario.robot).with_values(scenario.model.values, f"{source}, key model.values")
+        plant = nominal.with_values(scenario.plant.values, f"{source}, key plant.values")
+        sample_time = nominal.sample_time if scenario.sample_time is None else scenario.sample_time
+        trajectory = _trajectory(scenario, nominal, source)
+        duration = trajectory.duration if scenario.duration is None else scenario.duration
+        n_samples = int(np.floor(duration / sample_time + 1e-6)) + 1
+        if n_samples > MOST_SAMPLES:
+            raise InputError(
+                f"{source}: {duration:g} s at a sample time of {sample_time:g} s are {n_samples} samples, allowed are "
+                f"{MOST_SAMPLES}; shorten the duration or raise the sample time"
+            )
+        return cls(scenario, nominal, plant, sample_time, trajectory, n_samples)
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample [s]."""
+        return (self.n_samples - 1) * self.sample_time
+
+    @cached_property
+    def start(self) -> FloatArray:
+        """Arm coordinates near which the motion starts [rad or m], shape (N,)."""
+        return self.nominal.home if self.scenario.start is None else np.array(self.scenario.start, dtype=float)
+
+    @cached_property
+    def reference(self) -> Reference:
+        """References and feedforward torques of all samples."""
+        return compute_reference(
+            self.nominal, self.trajectory, self.scenario.feedforward, self.sample_time, self.duration, self.start
+        )
+
+    @cached_property
+    def reference_signal(self) -> FloatArray:
+        """What the controller gets: motor positions, velocities, feedforward torques, shape (n, 3 M)."""
+        reference = self.reference
+        return np.hstack([reference.motor_position, reference.motor_velocity, reference.torque])
+
+    @cached_property
+    def start_state(self) -> FloatArray:
+        """State of the plant before the first sample: at rest with the motors on their first reference."""
+        first = compute_reference(
+            self.nominal, self.trajectory, self.scenario.feedforward, self.sample_time, 0.0, self.start
+        )
+        return self.plant.equilibrium(self.start, motor_position=first.motor_position[0])
+
+    @cached_property
+    def start_torque(self) -> FloatArray:
+        """Motor torque that holds the plant at its start [Nm or N], shape (M,); what a delayed command stands for."""
+        return self.plant.holding_torque(self.start_state)
+
+    @cached_property
+    def gains(self) -> FloatArray:
+        """Gains of the controller within the limits of the nominal robot, shape (n_gains,)."""
+        return self.scenario.controller.gains(self.nominal.n_motors, self.nominal.torque_limits)
+
+    def controller(self) -> Controller:
+        """Make a controller in its state before the first sample."""
+        robot = self.nominal
+        return Controller(self.scenario.controller, robot.n_motors, self.sample_time, robot.torque_limits)
+
+    def provenance(self) -> dict[str, Any]:
+        """Describe the run for the log's side-car: scenario, hashes, versions."""
+        return {
+            "scenario": self.scenario.model_dump(mode="json"),
+            "scenario_hash": self.scenario.digest(),
+            "seed": self.scenario.seed,
+            "sample_time": self.sample_time,
+            "n_samples": self.n_samples,
+            "model_hash": self.nominal.model_hash,
+            "plant_hash": self.plant.model_hash,
+            "versions": {"python": platform.python_version(), **{name: _version(name) for name in _VERSIONED}},
+        }
+
+
+_VERSIONED = ("flexros", "casadi", "llvmlite", "numpy", "scipy")
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def _trajectory(scenario: Scenario, robot: Robot, source: str) -> Trajectory:
+    """Plan the scenario's motion from its start pose."""
+    near = robot.home
+    if scenario.start is not None:
+        try:
+            near = robot.check_arm(scenario.start)
+        except InputError as error:
+            raise InputError(f"{source}, key start: {error}") from error
+    gears = near[list(robot.chain.geared)]
+    if scenario.trajectory is None:
+        return _rest(gears)
+    if scenario.trajectory.joints:
+        return build_trajectory(scenario.trajectory, gears, source=f"{source}, key trajectory")
+    output = scenario.feedforward.output or robot.controlled
+    pose = robot.specification.outputs[output].pose if output in robot.specification.outputs else ()
+    return build_trajectory(
+        scenario.trajectory,
+        robot.forward_kinematics(near, output),
+        output=output,
+        n_position=len([component for component in pose if component in ("x", "y", "z")]) or None,
+        source=f"{source}, key trajectory",
+    )
+
+
+def _rest(gears: FloatArray) -> Trajectory:
+    """Make the trajectory that stays where it is."""
+    law = TimeLaw(np.array([0.0, 1.0]), np.zeros(1), np.zeros((1, 1)), 0.0, 0.0, bounded_derivatives=5, name="rest")
+    return Trajectory((Move(JointMove(gears, gears + 1.0), law),), JOINTS)

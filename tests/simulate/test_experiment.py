@@ -1,0 +1,103 @@
+"""Scenarios made ready to run."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from flexros.config.scenario import Scenario, load_scenario
+from flexros.errors import InputError
+from flexros.simulate.experiment import Experiment
+
+
+def scenario(**settings: object) -> Scenario:
+    given = {"name": "mine", "robot": "e12", "duration": 0.1, "controller": {"kind": "pid", "kp": 1e5}}
+    return Scenario.model_validate({**given, "feedforward": {"method": "none"}, **settings})
+
+
+def test_circle_has_the_samples_of_its_trajectory() -> None:
+    experiment = Experiment.prepare(load_scenario("circle_pd"))
+    assert experiment.sample_time == 5e-4
+    assert experiment.n_samples == 762  # 0.380826 s, the last sample at 0.3805 s
+    assert experiment.reference_signal.shape == (762, 6)
+    np.testing.assert_allclose(experiment.reference.output[0], [2.146403786951, -0.354624247994], atol=1e-11)
+
+
+def test_without_trajectory_the_start_is_held() -> None:
+    experiment = Experiment.prepare(scenario(start=[0.1, 0.4, 0.0]))
+    assert experiment.n_samples == 201
+    assert np.array_equal(experiment.reference.motor_position, np.tile([0.1, 0.4], (201, 1)))
+    np.testing.assert_allclose(experiment.start_state, [0.1, 0.4, 0, 0.1, 0.4, 0, 0, 0, 0, 0], atol=1e-12)
+
+
+def test_duration_may_be_longer_than_the_trajectory() -> None:
+    experiment = Experiment.prepare(load_scenario("circle_pd").with_values({"duration": 0.5}))
+    assert experiment.n_samples == 1001
+    reference = experiment.reference.motor_position
+    np.testing.assert_allclose(reference[-1], reference[0], atol=1e-12)
+
+
+def test_values_of_model_reach_both_robots_and_those_of_plant_only_one() -> None:
+    experiment = Experiment.prepare(
+        scenario(model={"values": {"body_1.mass": 110}}, plant={"values": {"body_3.mass": 190}})
+    )
+    masses = [
+        [robot.parameters[f"body_{n}.mass"].value for n in (1, 3)] for robot in (experiment.nominal, experiment.plant)
+    ]
+    assert masses == [[110.0, 200.0], [110.0, 190.0]]
+
+
+def test_start_is_at_rest_under_gravity_on_the_first_reference() -> None:
+    experiment = Experiment.prepare(load_scenario("elbow_moves"))
+    model, x = experiment.plant.model, experiment.start_state
+    rate = np.asarray(model.derivative(x, experiment.start_torque, np.zeros(6), model.parameter_values)).ravel()
+    np.testing.assert_allclose(rate, 0.0, atol=1e-9)
+    np.testing.assert_allclose(x[2:4], experiment.reference.motor_position[0], atol=1e-12)
+
+
+def test_heavier_plant_starts_deflected_but_with_the_same_motor_positions() -> None:
+    nominal = Experiment.prepare(load_scenario("elbow_moves"))
+    heavy = Experiment.prepare(load_scenario("elbow_moves").with_values({"plant.values.body_2.mass": 60}))
+    np.testing.assert_allclose(heavy.start_state[2:4], nominal.start_state[2:4], atol=1e-12)
+    assert np.all(np.abs(heavy.start_state[:2] - nominal.start_state[:2]) > 1e-4)
+
+
+def test_provenance_is_plain_data_with_hashes_and_versions() -> None:
+    provenance = Experiment.prepare(load_scenario("circle_dae")).provenance()
+    again = json.loads(json.dumps(provenance, allow_nan=False))
+    assert again["scenario"]["controller"]["kp"] == 135000.0
+    assert again["scenario_hash"] == load_scenario("circle_dae").digest()
+    assert again["model_hash"] == again["plant_hash"]
+    assert set(again["versions"]) == {"python", "flexros", "casadi", "llvmlite", "numpy", "scipy"}
+
+
+def test_plant_hash_tells_a_changed_plant() -> None:
+    provenance = Experiment.prepare(scenario(plant={"values": {"body_3.mass": 190}})).provenance()
+    assert provenance["model_hash"] != provenance["plant_hash"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"robot": "e13"}, r"unknown robot 'e13'.*did you mean 'e12'\?"),
+        (
+            {"plant": {"values": {"body_9.mass": 1}}},
+            r"'body_9\.mass' in scenario mine, key plant\.values: did you mean",
+        ),
+        ({"plant": {"values": {"body_3.mass": -1}}}, r"scenario mine, key plant\.values.*-1"),
+        ({"start": [0.1]}, r"scenario mine, key start: 1 arm coordinates were given, but robot e12 has 3"),
+        ({"duration": 1e6}, r"scenario mine: 1e\+06 s .* are 2000000001 samples, allowed are 20000000; shorten"),
+    ],
+)
+def test_what_is_impossible_is_said_in_one_sentence(settings: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        Experiment.prepare(scenario(**settings))
+    assert "\n" not in str(caught.value)
+
+
+def test_circle_out_of_reach_names_the_place() -> None:
+    far = load_scenario("circle_pd").with_values({"trajectory.path.centre_from_start": [0.05, 0]})
+    with pytest.raises(InputError, match=r"out of reach.* t = 0\.\d+ s, .* % of move 1"):
+        _ = Experiment.prepare(far).reference
