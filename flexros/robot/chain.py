@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from flexros.robot.spec import Direction, Motor, RobotSpecification
+    from flexros.robot.specification import Direction, Motor, RobotSpecification
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from flexros.robot.chain import Chain
     from flexros.robot.dynamics import Motion
     from flexros.robot.kinematics import Value
-    from flexros.robot.spec import RobotSpecification
+    from flexros.robot.specification import RobotSpecification
 
 
 def matrix(

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.robot.chain import Chain
-    from flexros.robot.spec import Output, RobotSpecification
+    from flexros.robot.specification import Output, RobotSpecification
 
 Value = ca.SX | float
 """A parameter of the model: a number, or a symbol where it is free."""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.robot.chain import Chain
     from flexros.robot.kinematics import Geometry, Value
-    from flexros.robot.spec import RobotSpecification
+    from flexros.robot.specification import RobotSpecification
 
 
 class SymbolicModel:

@@ -13,7 +13,7 @@ from flexros.robot.spring import Spring
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from flexros.robot.spec import Body, Motor, RobotSpecification
+    from flexros.robot.specification import Body, Motor, RobotSpecification
 
 INERTIA_COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 

@@ -10,7 +10,7 @@ from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from flexros.robot.chain import Chain
-    from flexros.robot.spec import Body, RobotSpecification
+    from flexros.robot.specification import Body, RobotSpecification
 
 
 def check_physical(specification: RobotSpecification, chain: Chain, source: str) -> None:

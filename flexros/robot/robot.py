@@ -18,7 +18,7 @@ from flexros.robot.chain import Chain, build_chain
 from flexros.robot.model import SymbolicModel
 from flexros.robot.parameters import Parameter, list_parameters, with_values
 from flexros.robot.physical import check_physical
-from flexros.robot.spec import RobotSpecification, arm_names
+from flexros.robot.specification import RobotSpecification, arm_names
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -23,7 +23,7 @@ def mujoco_model(robot: Robot, sample_time: float) -> mujoco.MjModel:
     Coordinates are those of the robot, [q_a, q_m]; controls are the motor torques. Springs must be linear, gears
     flexible, and friction of bodies against the world absent.
     """
-    spec = robot.specification
+    spec = robot.spec
     bodies, tendons, motors, actuators = [], [], [], []
     for number, body in enumerate(spec.bodies, start=1):
         bodies.append(_body(body, number, spec.bodies[number - 2] if number > 1 else None))
