@@ -6,7 +6,7 @@ from flexros.analysis.comparison import QuotedFigure
 
 PD, FLEXIBLE_JOINT, DAE, DAE_SECOND_ORDER = "PD alone", "flexible-joint", "DAE, as published", "DAE, second order"
 """Names of the methods."""
-NOMINAL, LOAD, SLOW = "nominal", "load +-10 kg", "1 ms"
+NOMINAL, LOAD, SLOW = "nominal", "load ±10 kg", "1 ms"
 """Names of the cases; of the two loads the worse counts."""
 
 QUOTED_FIGURES = (

@@ -36,7 +36,7 @@ class MethodRun:
 
     Attributes:
         method: Name of the method, e.g. "DAE".
-        case: Name of the case, e.g. "load +-10 kg".
+        case: Name of the case, e.g. "load ±10 kg".
         analysis: The run, analysed.
     """
 

@@ -159,9 +159,9 @@ def _timing(timing: LoopTiming) -> Iterator[_Figure]:
         topic = timing.topic(name)
         if topic is not None:
             yield "Timing", f"{name}, samples", "", float(topic.count)
-            yield "Timing", f"{name}, period", "ms", 1e3 * topic.period
-            yield "Timing", f"{name}, jitter std", "us", 1e6 * topic.jitter_std
-            yield "Timing", f"{name}, jitter 99 %", "us", 1e6 * topic.jitter_p99
-            yield "Timing", f"{name}, jitter max", "us", 1e6 * topic.jitter_max
+            yield "Timing", f"{name}, mean period", "ms", 1e3 * topic.mean_period
+            yield "Timing", f"{name}, jitter std", "µs", 1e6 * topic.jitter_std
+            yield "Timing", f"{name}, jitter 99 %", "µs", 1e6 * topic.jitter_p99
+            yield "Timing", f"{name}, jitter max", "µs", 1e6 * topic.jitter_max
     yield "Timing", "missing samples, all topics", "", float(sum(topic.missed for topic in timing.topics))
     yield "Timing", "states without command", "", float(timing.unanswered)

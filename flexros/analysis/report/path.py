@@ -89,8 +89,10 @@ def path_picture(analyses: Sequence[Analysis], title: str = "") -> Picture:
                 else _line(points, label, run_colour(index), "solid", label)
             )
     _axes(figure, axes)
+    if len(axes) == 2:
+        _leave_room([path for _, _, path in shown], axes, factor, figure)
     caption = (
-        "Path of the tool. The distance from the commanded path (dotted) is magnified {factor} times; "
+        "Path of the tool. The distance from the commanded path (dotted) is drawn at {factor} times its size; "
         "a circle marks the largest error of each run."
     )
     if len(shown[0][2].axes) > len(axes) > 1:
@@ -160,6 +162,13 @@ def _axes(figure: go.Figure, axes: tuple[str, ...]) -> None:
         return
     figure.update_xaxes(title_text=f"{axes[0]} [mm]", constrain="domain")
     figure.update_yaxes(title_text=f"{axes[1]} [mm]", scaleanchor="x", scaleratio=1, constrain="domain")
+
+
+def _leave_room(paths: Sequence[PathError], axes: tuple[str, ...], factor: int, figure: go.Figure) -> None:
+    """Widen the picture sideways by the drawn error, so that no line touches its frame."""
+    side = np.concatenate([1e3 * path.run.commanded[:, AXES.index(axes[0])] for path in paths])
+    room = 1.3e3 * factor * max(path.path.maximum for path in paths) + 0.02 * float(np.ptp(side))
+    figure.update_xaxes(autorangeoptions={"include": [float(side.min()) - room, float(side.max()) + room]})
 
 
 def _performance(analyses: Sequence[Analysis]) -> Picture:

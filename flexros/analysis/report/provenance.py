@@ -27,14 +27,7 @@ class ProvenanceSection(AbstractSection):
         blocks: list[Block] = []
         for analysis in analyses:
             blocks += [Paragraph(f"{analysis.label}: {warning}.", "warning") for warning in analysis.warnings]
-        columns = [dict(_flat(analysis.provenance)) for analysis in analyses]
-        keys = list(dict.fromkeys(key for column in columns for key in column))
-        if keys:
-            rows = tuple((key, *(column.get(key, "-") for column in columns)) for key in keys)
-            header = ("", *(analysis.label for analysis in analyses))
-            blocks.append(TextTable(header, rows, "Where the runs came from.", left=len(header)))
-        else:
-            blocks.append(Paragraph("The logs say nothing about where they came from.", "warning"))
+        blocks += _origin(analyses)
         blocks.append(
             Paragraph(
                 f"Pictures draw at most {SCREEN_POINTS} points per curve; longer series are reduced to the smallest "
@@ -43,6 +36,27 @@ class ProvenanceSection(AbstractSection):
             )
         )
         return tuple(blocks)
+
+
+def _origin(analyses: Sequence[Analysis]) -> list[Block]:
+    """Return what all runs share as one table, and what differs as another with a row per run."""
+    runs = [dict(_flat(analysis.provenance)) for analysis in analyses]
+    keys = list(dict.fromkeys(key for run in runs for key in run))
+    if not keys:
+        return [Paragraph("The logs say nothing about where they came from.", "warning")]
+    differing = [key for key in keys if len({run.get(key, "-") for run in runs}) > 1]
+    common = tuple((key, runs[0][key]) for key in keys if key not in differing)
+    tables: list[Block] = []
+    if common:
+        caption = "Where the run came from." if len(runs) == 1 else "What all runs have in common."
+        tables.append(TextTable(("Entry", "Value"), common, caption, left=2))
+    if differing:
+        rows = tuple(
+            (one.label, *(run.get(key, "-") for key in differing)) for one, run in zip(analyses, runs, strict=True)
+        )
+        header = ("Run", *differing)
+        tables.append(TextTable(header, rows, "In what the runs differ.", left=len(header)))
+    return tables
 
 
 def _flat(value: object, name: str = "") -> Iterator[tuple[str, str]]:

@@ -42,6 +42,7 @@ noscript p {{ border: 1px solid #b35900; padding: 10px 14px; }}
   main {{ max-width: none; padding: 0; }}
   h2 {{ break-after: avoid; margin-top: 28px; }}
   figure, .tile, tr {{ break-inside: avoid; }}
+  .tiles {{ grid-template-columns: repeat(4, 1fr); }}
   .magnifier, .modebar {{ display: none !important; }}
 }}
 """
@@ -49,7 +50,8 @@ noscript p {{ border: 1px solid #b35900; padding: 10px 14px; }}
 SCRIPT = """
 "use strict";
 const data = JSON.parse(document.getElementById("pictures").textContent);
-const options = {responsive: true, displaylogo: false, modeBarButtonsToRemove: ["lasso2d", "select2d"]};
+const tools = ["zoom2d", "pan2d", "resetScale2d", "toImage"];
+const options = {responsive: true, displaylogo: false, modeBarButtons: [tools]};
 for (const picture of data) {
   const place = document.getElementById(picture.id);
   Plotly.newPlot(place, picture.figure.data, picture.figure.layout, options);

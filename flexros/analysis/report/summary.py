@@ -1,10 +1,10 @@
-"""Section: the verdict in a sentence, the figures that matter most, and the table of all figures."""
+"""Section: the verdict in a sentence, and the figures that matter most."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.figures_table import figure_rows, number
+from flexros.analysis.figures_table import number
 from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable, Tiles
 
 if TYPE_CHECKING:
@@ -14,17 +14,14 @@ if TYPE_CHECKING:
 
 
 class SummarySection(AbstractSection):
-    """Verdict, main figures, table of all figures."""
+    """Verdict; tiles for a single run, a row per run for several."""
 
     title: ClassVar[str] = ""
 
     def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
-        """Return the verdict, tiles for a single run, and the table."""
-        blocks: list[Block] = [Paragraph(verdict(analyses), "lead")]
-        if len(analyses) == 1:
-            blocks.append(Tiles(_tiles(analyses[0])))
-        blocks.append(_table(analyses))
-        return tuple(blocks)
+        """Return the verdict and the main figures."""
+        main = Tiles(_tiles(analyses[0])) if len(analyses) == 1 else _table(analyses)
+        return (Paragraph(verdict(analyses), "lead"), main)
 
 
 def verdict(analyses: Sequence[Analysis]) -> str:
@@ -96,18 +93,32 @@ def _tiles(analysis: Analysis) -> tuple[tuple[str, str, str, str], ...]:
         tiles.append(("Motor tracking error, max", number(1e3 * worst.maximum, 3), unit, below))
     states = analysis.timing.topic("joint_states")
     if states is not None:
-        below = "exact" if states.exact else f"jitter std {number(1e6 * states.jitter_std, 3)} us"
+        below = "exact" if states.exact else f"jitter std {number(1e6 * states.jitter_std, 3)} µs"
         tiles.append(("Loop period, mean", number(1e3 * states.mean_period), "ms", below))
     return tuple(tiles)
 
 
 def _table(analyses: Sequence[Analysis]) -> TextTable:
-    rows: list[tuple[str, ...]] = []
-    group = ""
-    for row in figure_rows(analyses):
-        if row.group != group:
-            group = row.group
-            rows.append((group,))
-        rows.append((row.name, row.unit, *row.values))
-    header = ("Figure", "Unit", *(one.label for one in analyses))
-    return TextTable(header, tuple(rows), "All figures; they are computed from every sample.", left=2)
+    header = (
+        "Run",
+        "path error, max [mm]",
+        "rms [mm]",
+        "time-synchronised, max [mm]",
+        "feedback share, max [%]",
+        "missing",
+    )
+    rows = []
+    for analysis in analyses:
+        path = analysis.path
+        shares = [motor.feedback_share for motor in analysis.motors if motor.feedback_share is not None]
+        rows.append(
+            (
+                analysis.label,
+                "-" if path is None else _mm(path.path.maximum),
+                "-" if path is None else _mm(path.path.rms),
+                "-" if path is None else _mm(path.synchronised.maximum),
+                number(1e2 * max(shares), 3) if shares else "-",
+                str(sum(topic.missed for topic in analysis.timing.topics)),
+            )
+        )
+    return TextTable(header, tuple(rows), "The runs side by side; all figures stand in a table further down.")

@@ -25,12 +25,18 @@ _RUNS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#5e3
 """Colours of runs, to be told apart also by the colour-blind (Okabe and Ito 2008, extended)."""
 
 
+_TOP, _BOTTOM = 84, 52
+"""Margins [px]: the tool bar, the legend and the title of the first panel; labels of the last axis."""
+
+
 def run_colour(index: int) -> str:
     """Return the colour of the run with this index, from 0."""
     return _RUNS[index % len(_RUNS)]
 
 
-def stacked(titles: Sequence[str], columns: int = 1, height: int = 230, shared_x: bool = True) -> go.Figure:
+def stacked(
+    titles: Sequence[str], columns: int = 1, height: int = 230, shared_x: bool = True, gap: int = 56
+) -> go.Figure:
     """Make an empty picture of panels in rows, top to bottom, in the style of the report.
 
     Args:
@@ -38,28 +44,29 @@ def stacked(titles: Sequence[str], columns: int = 1, height: int = 230, shared_x
         columns: Number of panels side by side.
         height: Height of one row [px].
         shared_x: Whether zooming along x in one panel zooms the others.
+        gap: Room between rows, for the title of a panel and the labels of the axis above it [px].
 
     Returns:
         The picture.
     """
     rows = len(titles) // columns
-    total = 92 + height * rows
+    total = _TOP + _BOTTOM + height * rows
     figure = make_subplots(
         rows=rows,
         cols=columns,
         shared_xaxes="all" if shared_x else False,
-        vertical_spacing=0.0 if rows == 1 else min(56 / total, 0.9 / (rows - 1)),
+        vertical_spacing=0.0 if rows == 1 else min(gap / total, 0.9 / (rows - 1)),
         horizontal_spacing=0.09,
         subplot_titles=list(titles),
     )
     figure.update_layout(
         template=go.layout.Template(),
         height=total,
-        margin={"l": 72, "r": 16, "t": 64, "b": 52},
+        margin={"l": 72, "r": 16, "t": _TOP, "b": _BOTTOM},
         font={"family": FONT, "size": 13, "color": INK},
         paper_bgcolor="#ffffff",
         plot_bgcolor="#ffffff",
-        legend={"orientation": "h", "x": 0, "xanchor": "left", "y": 1, "yref": "container", "yanchor": "top"},
+        legend={"orientation": "h", "x": 0, "xanchor": "left", "y": 1 + 26 / (height * rows), "yanchor": "bottom"},
         hoverlabel={"font": {"family": FONT, "size": 12}},
         hovermode="closest",
     )

@@ -27,26 +27,38 @@ class TimingSection(AbstractSection):
 
     def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
         """Return what the stamps say, the table of topics, and the periods of the runs that are not exact."""
-        blocks: list[Block] = [Paragraph(_sentence(analysis)) for analysis in analyses]
+        exact = [analysis.label for analysis in analyses if analysis.timing.exact]
+        blocks: list[Block] = [Paragraph(_exact(exact, len(analyses)))] if exact else []
+        blocks += [Paragraph(_sentence(analysis)) for analysis in analyses if not analysis.timing.exact]
         blocks.append(_table(analyses))
         loose = [
             (f"{one.label} {topic.topic}" if len(analyses) > 1 else topic.topic, topic)
             for one in analyses
-            for topic in one.timing.topics
-            if topic.topic in ("joint_states", "joint_commands") and not topic.exact and len(topic.steps)
+            for topic in _loop_topics(one)
         ]
         if loose:
             blocks.append(_picture(loose))
         return tuple(blocks)
 
 
+def _loop_topics(analysis: Analysis) -> list[TopicTiming]:
+    """Return measurement and command where they are not exact; the command only where it differs."""
+    states, commands = analysis.timing.topic("joint_states"), analysis.timing.topic("joint_commands")
+    loose = [topic for topic in (states, commands) if topic is not None and not topic.exact and len(topic.steps)]
+    return loose[:1] if len(loose) == 2 and np.array_equal(loose[0].steps, loose[1].steps) else loose
+
+
+def _exact(labels: Sequence[str], runs: int) -> str:
+    who = "" if runs == 1 else "In all runs " if len(labels) == runs else f"In {', '.join(labels)} "
+    return (
+        f"{who}{'all' if who else 'All'} stamps lie on an exact grid and every measurement has the command of its own "
+        "stamp. In lock-step, where the plant waits for the command, the timing is exact by construction; "
+        "this says nothing of the speed at which the nodes ran."
+    )
+
+
 def _sentence(analysis: Analysis) -> str:
     timing = analysis.timing
-    if timing.exact:
-        return (
-            f"{analysis.label}: all stamps lie on an exact grid and every measurement has the command of its stamp. "
-            "In lock-step, where the plant waits for the command, that is so by construction and says nothing about speed."
-        )
     gaps = [f"{topic.topic} {gap.missing} after {gap.time:.4f} s" for topic in timing.topics for gap in topic.gaps]
     text = (
         f"{analysis.label}: {number(1e2 * timing.answered, 5)} % of the measurements have a command of the same stamp"
@@ -62,23 +74,27 @@ def _table(analyses: Sequence[Analysis]) -> TextTable:
     for analysis in analyses:
         if len(analyses) > 1:
             rows.append((analysis.label,))
-        rows += [_topic_row(topic) for topic in analysis.timing.topics]
+        figures = [(topic.topic, _topic_row(topic)) for topic in analysis.timing.topics]
+        for figure in dict.fromkeys(row for _, row in figures):
+            rows.append((", ".join(name for name, row in figures if row == figure), *figure))
     header = (
-        "Topic",
+        "Topics",
         "messages",
         "first at [s]",
         "mean period [ms]",
-        "jitter std [us]",
-        "jitter 99 % [us]",
-        "jitter max [us]",
+        "jitter std [µs]",
+        "jitter 99 % [µs]",
+        "jitter max [µs]",
         "missing",
     )
-    return TextTable(header, tuple(rows), "Timing of each topic by its stamps; jitter is without the gaps.")
+    caption = (
+        "Timing of the topics by their stamps; topics with the same figures share a row, jitter is without the gaps."
+    )
+    return TextTable(header, tuple(rows), caption)
 
 
 def _topic_row(topic: TopicTiming) -> tuple[str, ...]:
     return (
-        topic.topic,
         str(topic.count),
         number(topic.start),
         number(1e3 * topic.mean_period, 5),
@@ -90,7 +106,7 @@ def _topic_row(topic: TopicTiming) -> tuple[str, ...]:
 
 
 def _picture(topics: Sequence[tuple[str, TopicTiming]]) -> Picture:
-    figure = stacked(["Period from sample to sample", "How often each period occurs"], shared_x=False)
+    figure = stacked(["Period from sample to sample", "How often each period occurs"], shared_x=False, gap=92)
     for index, (label, topic) in enumerate(topics):
         colour = run_colour(index)
         hover = "%{x:.4f} s: %{y:.4f} ms"

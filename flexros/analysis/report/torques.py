@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import INK, REFERENCE, curve, run_colour, stacked
 
 if TYPE_CHECKING:
@@ -39,8 +39,7 @@ class TorqueSection(AbstractSection):
             figure.update_yaxes(title_text="force [N]" if linear else "torque [Nm]", row=row, col=1)
         figure.update_xaxes(title_text="time since start [s]", row=len(motors))
         caption = "Commanded torque of each motor with the feedforward (dotted), and what the feedback added to it."
-        sentences = [Paragraph(text) for text in map(_sentence, analyses) if text]
-        return (*sentences, Picture(figure, caption))
+        return (_shares(analyses, tuple(motors)), Picture(figure, caption))
 
 
 def _draw(figure: go.Figure, row: int, motor: MotorTracking, label: str, index: int, runs: int) -> None:
@@ -61,11 +60,24 @@ def _draw(figure: go.Figure, row: int, motor: MotorTracking, label: str, index: 
         hover=hover,
         dash="dot",
         legend=row == 1 and runs == 1,
-        group=label,
+        group=label if runs > 1 else "feedforward",
     )
     figure.add_trace(dotted, row=row, col=1)
     added = curve(motor.torque_time, motor.feedback, label, colour, hover=hover, legend=False)
     figure.add_trace(added, row=row, col=2)
+
+
+def _shares(analyses: Sequence[Analysis], joints: tuple[str, ...]) -> Block:
+    """Return a sentence for one run, a table for several."""
+    if len(analyses) == 1:
+        return Paragraph(_sentence(analyses[0]))
+    rows = []
+    for analysis in analyses:
+        share = {motor.joint: motor.feedback_share for motor in analysis.motors}
+        sizes = (share.get(joint) for joint in joints)
+        rows.append((analysis.label, *(number(None if size is None else 1e2 * size, 3) for size in sizes)))
+    header = ("Run", *(f"{joint} [%]" for joint in joints))
+    return TextTable(header, tuple(rows), "Share of the feedback in the torque, rms over rms.")
 
 
 def _sentence(analysis: Analysis) -> str:
@@ -75,7 +87,7 @@ def _sentence(analysis: Analysis) -> str:
         if motor.feedback_share is not None
     ]
     if not shares:
-        return f"{analysis.label}: the log holds no feedforward torque, so all torque is shown as one."
-    text = f"{analysis.label}: the feedback made {', '.join(shares)} of the torque (rms over rms)"
+        return "The log holds no feedforward torque, so the share of the feedback cannot be told."
+    text = f"Share of the feedback in the torque (rms over rms): {', '.join(shares)}"
     limited = [motor.joint for motor in analysis.motors if motor.saturated_share]
     return f"{text}; the torque limit was reached at {', '.join(limited)}." if limited else f"{text}."

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexros.analysis.report.comparison import ComparisonSection, OverlaySection
 from flexros.analysis.report.error_over_time import ErrorSection
+from flexros.analysis.report.figures import FiguresSection
 from flexros.analysis.report.page import Chapter, page_html
 from flexros.analysis.report.path import PathSection
 from flexros.analysis.report.provenance import ProvenanceSection
@@ -28,6 +29,7 @@ RUN_SECTIONS: tuple[AbstractSection, ...] = (
     ErrorSection(),
     TorqueSection(),
     TimingSection(),
+    FiguresSection(),
     ProvenanceSection(),
 )
 """Sections of the report of runs, in order of appearance."""
@@ -60,13 +62,21 @@ def write_comparison(comparison: Comparison, file: Path, *, title: str = "Compar
         title: Heading.
 
     Raises:
-        InputError: The file cannot be written.
+        InputError: There is no run, or the file cannot be written.
     """
+    if not comparison.runs:
+        raise InputError("no run was given for the comparison: give at least one method and case")
     analyses = [run.analysis for run in comparison.runs]
+    first_case = [run.analysis for run in comparison.runs if run.case == comparison.runs[0].case]
+    torques = TorqueSection()
     chapters = [
         Chapter(ComparisonSection.title, ComparisonSection(comparison).blocks(analyses)),
         Chapter(OverlaySection.title, OverlaySection(comparison).blocks(analyses)),
-        *(Chapter(section.title, section.blocks(analyses)) for section in (TimingSection(), ProvenanceSection())),
+        Chapter(torques.title, torques.blocks(first_case)),
+        *(
+            Chapter(section.title, section.blocks(analyses))
+            for section in (TimingSection(), FiguresSection(), ProvenanceSection())
+        ),
     ]
     _write(page_html(title, _subtitle(analyses), chapters), Path(file))
 

@@ -1,0 +1,40 @@
+"""Section: the table of all figures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.analysis.figures_table import figure_rows
+from flexros.analysis.report.base import AbstractSection, Block, TextTable
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.analysis.run_analysis import Analysis
+
+
+_COLUMNS = 4
+"""Runs per table."""
+
+
+class FiguresSection(AbstractSection):
+    """Every figure of every run, the same rows as in the terminal."""
+
+    title: ClassVar[str] = "All figures"
+
+    def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
+        """Return the table, in parts of a few runs each so that it fits a page."""
+        parts = [analyses[first : first + _COLUMNS] for first in range(0, len(analyses), _COLUMNS)]
+        return tuple(map(_table, parts))
+
+
+def _table(analyses: Sequence[Analysis]) -> TextTable:
+    rows: list[tuple[str, ...]] = []
+    group = ""
+    for row in figure_rows(analyses):
+        if row.group != group:
+            group = row.group
+            rows.append((group,))
+        rows.append((row.name, row.unit, *row.values))
+    header = ("Figure", "Unit", *(one.label for one in analyses))
+    return TextTable(header, tuple(rows), "All figures; they are computed from every sample.", left=2)
