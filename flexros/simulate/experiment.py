@@ -157,7 +157,7 @@ def _trajectory(scenario: Scenario, robot: Robot, source: str) -> Trajectory:
     if scenario.trajectory.joints:
         return build_trajectory(scenario.trajectory, gears, source=f"{source}, key trajectory")
     output = scenario.feedforward.output or robot.controlled
-    pose = robot.specification.outputs[output].pose if output in robot.specification.outputs else ()
+    pose = robot.spec.outputs[output].pose if output in robot.spec.outputs else ()
     return build_trajectory(
         scenario.trajectory,
         robot.forward_kinematics(near, output),

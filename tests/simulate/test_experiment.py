@@ -84,7 +84,7 @@ def test_plant_hash_tells_a_changed_plant() -> None:
         ({"robot": "e13"}, r"unknown robot 'e13'.*did you mean 'e12'\?"),
         (
             {"plant": {"values": {"body_9.mass": 1}}},
-            r"'body_9\.mass' in scenario mine, key plant\.values: did you mean",
+            r"'body_9\.mass' in scenario mine, key plant\.values: ",
         ),
         ({"plant": {"values": {"body_3.mass": -1}}}, r"scenario mine, key plant\.values.*-1"),
         ({"start": [0.1]}, r"scenario mine, key start: 1 arm coordinates were given, but robot e12 has 3"),
