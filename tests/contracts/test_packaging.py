@@ -7,7 +7,6 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from importlib.metadata import version
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -95,7 +94,7 @@ def test_installed_wheel_finds_all_its_data(wheel: Path, tmp_path: Path) -> None
     assert run.returncode == 0, run.stderr
 
 
-def test_versions_agree() -> None:
+def test_versions_agree(wheel: Path) -> None:
     package = ElementTree.parse(CHECKOUT / "package.xml").findtext("version")
-    assert package == version("flexros")
+    assert package == wheel.name.split("-")[1]
     assert f"## {package}" in (CHECKOUT / "CHANGELOG.md").read_text(encoding="utf-8")
