@@ -13,11 +13,11 @@ from flexros.compile.sx_graph import dense_sx_function
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     import casadi as ca
 
-    from flexros.arrays import FloatArray
+    from flexros.arrays import FloatArray, IntArray
     from flexros.compile.machine_code import MachineCode
 
 
@@ -106,8 +106,9 @@ class CompiledFunction:
                     f"{self.name}: array '{names[k]}' has shape {array.shape} and type {array.dtype}, needed is a "
                     f"contiguous{'' if k < self.n_in else ', writeable'} float64 array of shape {shape}"
                 )
-        pointers = np.array([a.ctypes.data for a in arrays], dtype=np.uint64)
-        return _BoundCall(self._call_with_gil, pointers, (self, arrays))
+        bound = bind_packed(self._call_with_gil, arrays)
+        bound.owners += (self,)
+        return bound
 
     def _input(self, k: int, value: FloatArray) -> FloatArray:
         array = np.asarray(value, dtype=np.float64, order="F" if self.lanes == 1 else "C")
@@ -118,13 +119,23 @@ class CompiledFunction:
         return array
 
 
-class _BoundCall(partial):  # type: ignore[type-arg]
-    """A call with its pointers; keeps what they point to alive."""
+def bind_packed(call: Callable[[int], object], arrays: Sequence[FloatArray | IntArray]) -> _BoundCall:
+    """Fix the pointers of a function that takes them as one array; the result keeps the arrays alive.
 
-    def __new__(cls, call: Callable[[int], None], pointers: object, owners: object) -> _BoundCall:
-        bound = super().__new__(cls, call, ctypes.c_void_p(pointers.ctypes.data))
-        bound.owners = (pointers, owners)
-        return bound
+    Args:
+        call: Entry made by `packed_entry`, as a ctypes function.
+        arrays: The arrays in order of the pointers.
+    """
+    pointers = np.array([a.ctypes.data for a in arrays], dtype=np.uint64)
+    bound = _BoundCall(call, ctypes.c_void_p(pointers.ctypes.data))
+    bound.owners = (pointers, tuple(arrays))
+    return bound
+
+
+class _BoundCall(partial):  # type: ignore[type-arg]
+    """A call with its pointers, and what they point into."""
+
+    owners: tuple[object, ...]
 
 
 def compile_function(function: ca.Function, *, lanes: int = 1) -> CompiledFunction:

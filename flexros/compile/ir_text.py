@@ -87,6 +87,15 @@ class IrBlock:
         self._prefix = prefix
         self._count = 0
         self._lines: list[str] = []
+        self._views: dict[int, IrBlock] = {lanes: self}
+
+    def of_lanes(self, lanes: int) -> IrBlock:
+        """Return a writer of numbers of another number of lanes into the same block."""
+        if lanes not in self._views:
+            view = IrBlock(lanes, f"{self._prefix}.v{lanes}.")
+            view._lines, view._views = self._lines, self._views
+            self._views[lanes] = view
+        return self._views[lanes]
 
     def text(self) -> str:
         """Return the lines written so far."""
@@ -135,6 +144,21 @@ class IrBlock:
         """Write a call of an LLVM intrinsic on numbers, e.g. `intrinsic("sqrt", x)`."""
         symbol = f"@llvm.{name}.{vector_suffix(self.lanes)}"
         return self.value(f"call {self.type} {symbol}({', '.join(f'{self.type} {a}' for a in arguments)})")
+
+    def splat(self, number: str) -> str:
+        """Write the repetition of a double in all lanes."""
+        return self._splat(number, "double", self.type)
+
+    def splat_integer(self, number: str) -> str:
+        """Write the repetition of an i64 in all lanes."""
+        return self._splat(number, "i64", self.integer)
+
+    def _splat(self, scalar: str, scalar_type: str, vector_type: str) -> str:
+        if self.lanes == 1:
+            return scalar
+        one = self.value(f"insertelement {vector_type} undef, {scalar_type} {scalar}, i32 0")
+        zeros = f"<{self.lanes} x i32> zeroinitializer"
+        return self.value(f"shufflevector {vector_type} {one}, {vector_type} undef, {zeros}")
 
     def bits(self, a: str) -> str:
         """Write the reading of a number as 64 integer bits."""
@@ -201,6 +225,20 @@ class IrBlock:
         yield
         self.emit(f"br label %{label}.end")
         self.emit(f"{label}.end:")
+
+    def leave_when(self, condition: str, instruction: str) -> None:
+        """Leave the function where an i1 value is true.
+
+        Args:
+            condition: The value.
+            instruction: How, e.g. "ret i64 1".
+        """
+        label = f"{self._prefix}{self._count}.leave"
+        self._count += 1
+        self.emit(f"br i1 {condition}, label %{label}.now, label %{label}.not")
+        self.emit(f"{label}.now:")
+        self.emit(instruction)
+        self.emit(f"{label}.not:")
 
     def _new_name(self) -> str:
         name = f"%{self._prefix}{self._count}"

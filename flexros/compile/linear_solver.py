@@ -27,7 +27,7 @@ class LuRoutines:
     """Symbols of the routines for one size; all matrices are n x n doubles, right-hand sides (n, columns) column-major.
 
     Attributes:
-        factor: `i64 @factor(ptr matrix, ptr work)`: fills the workspace; 0, or k + 1 when pivot k is zero or not finite.
+        factor: `i64 @factor(ptr matrix, ptr work)`: fills the workspace; 0, or k + 1 where pivot k is 0 or not finite.
         solve: `void @solve(ptr work, ptr rhs, i64 columns)`: replaces the right-hand sides by the solutions.
         factor_solve: `i64 @factor_solve(ptr matrix, ptr rhs)`: both for one right-hand side; the status of `factor`.
         work_size: Length of the workspace [doubles]; 64-byte alignment is best, 8 is enough.
@@ -103,11 +103,6 @@ def _store(block: IrBlock, numbers: str, base: str, row: str | int) -> None:
     block.emit(f"store {_NUMBERS} {numbers}, ptr {block.pointer(base, row, 'double')}, align 8")
 
 
-def _splat(block: IrBlock, number: str) -> str:
-    one = block.value(f"insertelement {_NUMBERS} undef, double {number}, i32 0")
-    return block.value(f"shufflevector {_NUMBERS} {one}, {_NUMBERS} undef, <{WIDTH} x i32> zeroinitializer")
-
-
 def _subtract_multiple(block: IrBlock, target: str, row: str, factor: str, column: str) -> None:
     """target[row:row+WIDTH] -= factor * column, all vectors."""
     product = block.value(f"fmul {_NUMBERS} {factor}, {column}")
@@ -166,7 +161,7 @@ def _factor_text(symbol: str, layout: _Layout, row_major: bool) -> str:
 
 def _split_column(block: IrBlock, column: str, lower: str, k: str, inverse: str, layout: _Layout) -> None:
     """Move the multipliers below row k to L and clear them, and the diagonal, in U."""
-    factor = _splat(block, inverse)
+    factor = block.of_lanes(WIDTH).splat(inverse)
     lanes = ", ".join(f"i64 {lane}" for lane in range(WIDTH))
     row_k = block.value(f"insertelement <{WIDTH} x i64> undef, i64 {k}, i32 0")
     mask = f"<{WIDTH} x i32> zeroinitializer"
@@ -200,7 +195,7 @@ def _eliminate(block: IrBlock, lower: str, k: str, row: str, layout: _Layout) ->
                 block.store(block.load(column, k), column, row)
                 block.store(pivot_element, column, k)
                 columns.append(column)
-                factors.append(_splat(block, pivot_element))
+                factors.append(block.of_lanes(WIDTH).splat(pivot_element))
             with block.loop(start, layout.stride, WIDTH) as i:
                 numbers = _load(block, lower, i.index)
                 for column, factor in zip(columns, factors, strict=True):
@@ -223,7 +218,7 @@ def _solve_text(symbol: str, layout: _Layout) -> str:
             number = block.load(x, row)
             block.store(block.load(x, k.index), x, row)
             block.store(number, x, k.index)
-            factor, lower = _splat(block, number), _column(block, k.index, layout, 0)
+            factor, lower = block.of_lanes(WIDTH).splat(number), _column(block, k.index, layout, 0)
             first = block.value(f"and i64 {block.value(f'add nsw i64 {k.index}, 1')}, {-WIDTH}")
             with block.loop(first, layout.stride, WIDTH) as i:
                 _subtract_multiple(block, x, i.index, factor, _load(block, lower, i.index))
@@ -231,7 +226,7 @@ def _solve_text(symbol: str, layout: _Layout) -> str:
             k_index = block.value(f"sub nsw i64 {n - 1}, {back.index}")
             number = block.mul(block.load(x, k_index), block.load(diagonal, k_index))
             block.store(number, rhs, k_index)
-            factor, upper = _splat(block, number), _column(block, k_index, layout, layout.upper)
+            factor, upper = block.of_lanes(WIDTH).splat(number), _column(block, k_index, layout, layout.upper)
             with block.loop(0, k_index, WIDTH) as i:
                 _subtract_multiple(block, x, i.index, factor, _load(block, upper, i.index))
     block.emit("ret void")
@@ -273,9 +268,9 @@ def _unrolled_text(routines: LuRoutines, n: int, row_major: bool) -> str:
         failed = block.value(f"select i1 {usable}, i64 0, i64 {k + 1}")
         fresh = block.value(f"icmp eq i64 {status}, 0")
         status = block.value(f"select i1 {fresh}, i64 {failed}, i64 {status}")
-        rows[k] = block.value(f"fmul {_NUMBERS} {rows[k]}, {_splat(block, inverse)}")
+        rows[k] = block.value(f"fmul {_NUMBERS} {rows[k]}, {block.of_lanes(WIDTH).splat(inverse)}")
         for i in range(k + 1, n):
-            factor = _splat(block, block.value(f"extractelement {_NUMBERS} {rows[i]}, i32 {k}"))
+            factor = block.of_lanes(WIDTH).splat(block.value(f"extractelement {_NUMBERS} {rows[i]}, i32 {k}"))
             product = block.value(f"fmul {_NUMBERS} {factor}, {rows[k]}")
             rows[i] = block.value(f"fsub {_NUMBERS} {rows[i]}, {product}")
     _back_substitute(block, rows, n)

@@ -5,13 +5,18 @@ from __future__ import annotations
 import ctypes
 import ctypes.util
 from functools import lru_cache
+from importlib.util import find_spec
 from threading import Lock
 
-import llvmlite.binding as llvm
-
 from flexros.compile.operations import LIBRARY_SYMBOLS
+from flexros.errors import InputError
 
 _COMPILING = Lock()
+
+
+def can_compile() -> bool:
+    """Tell whether llvmlite is installed."""
+    return find_spec("llvmlite") is not None
 
 
 class MachineCode:
@@ -24,7 +29,17 @@ class MachineCode:
             text: A complete module.
             level: Effort of the code generator, 0 to 3. No optimisation of the module itself is run: the text is
                 straight-line code without repeated expressions already.
+
+        Raises:
+            InputError: llvmlite is not installed.
         """
+        if not can_compile():
+            raise InputError(
+                "machine code needs the package llvmlite, which is not installed: "
+                "install it with 'pip install llvmlite', or evaluate with the CasADi virtual machine"
+            )
+        import llvmlite.binding as llvm
+
         with _COMPILING:
             _prepare()
             module = llvm.parse_assembly(text)
@@ -52,12 +67,16 @@ class MachineCode:
 
 @lru_cache(maxsize=1)
 def _host() -> tuple[str, str]:
+    import llvmlite.binding as llvm
+
     return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
 
 
 @lru_cache(maxsize=1)
 def _prepare() -> None:
     """Start LLVM for the host and make the mathematical library known to it."""
+    import llvmlite.binding as llvm
+
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     name = ctypes.util.find_library("m") or ctypes.util.find_library("msvcrt")

@@ -44,6 +44,7 @@ _INTRINSIC = re.compile(r"@llvm\.(sqrt|fabs|floor|ceil|copysign|fma)\.(f64|v\d+f
 _LIBRARY_CALL = re.compile(r"call double @(\w+)\(")
 _MEMORY = {
     "@llvm.memcpy.p0.p0.i64": "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1 immarg)",
+    "@llvm.memmove.p0.p0.i64": "declare void @llvm.memmove.p0.p0.i64(ptr, ptr, i64, i1 immarg)",
     "@llvm.memset.p0.i64": "declare void @llvm.memset.p0.i64(ptr, i8, i64, i1 immarg)",
 }
 _TWO_OPERANDS = frozenset({"pow", "atan2", "fmod", "remainder", "hypot", "copysign"})
