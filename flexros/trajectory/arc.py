@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.trajectory.path import MAX_DERIVATIVES, AbstractPath, point, text
+from flexros.trajectory.time_law import positive
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -44,8 +45,7 @@ class Arc(AbstractPath):
     parameter_unit = "rad"
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.radius) and self.radius > 0.0):
-            raise InputError(f"the radius is {self.radius:g} m, allowed is a finite radius above 0; correct the radius")
+        positive(self.radius, "radius", "m")
         if not (np.isfinite(self.angle) and self.angle != 0.0):
             raise InputError(
                 f"the angle of the arc is {self.angle:g} rad, allowed is a finite angle other than 0; "
@@ -181,7 +181,7 @@ def circle(start: FloatArray, radius: float, start_angle: float = 0.0, turns: fl
     u, v = np.zeros(first.size), np.zeros(first.size)
     one, two = PLANES[plane] if first.size == 3 else (0, 1)
     u[one] = v[two] = 1.0
-    spoke = radius * (np.cos(start_angle) * u + np.sin(start_angle) * v)
+    spoke = positive(radius, "radius", "m") * (np.cos(start_angle) * u + np.sin(start_angle) * v)
     return Arc(first - spoke, float(radius), u, v, float(start_angle), 2.0 * np.pi * float(turns))
 
 

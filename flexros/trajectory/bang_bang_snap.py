@@ -76,7 +76,7 @@ def snap_profile(distance: float, limits: Limits) -> SnapProfile:
     z = max(x + y, min(_outer(x + y, c_way / (x * y)), c_speed / (x * y)))
     z = _snapped(z, x + y)
     w = _snapped(max(x + y + z, c_way / (x * y * z)), x + y + z)
-    return SnapProfile(way / (x * y * z * w), x, y - x, z - x - y, w - x - y - z)
+    return SnapProfile(way / (x * y * z * w), x, y - x, z - (x + y), w - (x + y + z))
 
 
 def bang_bang_snap(distance: float, limits: Limits) -> TimeLaw:
