@@ -88,19 +88,18 @@ def find_corners(points: FloatArray) -> tuple[Corner, ...]:
     bend = np.arccos(np.clip(np.sum(direction[1:] * direction[:-1], axis=1), -1.0, 1.0))
     corners: list[Corner] = []
     k = 1
-    while k < len(bend) - 2:
-        if bend[k] + bend[k + 1] <= _SHARPEST_BEND:
+    while k < len(bend):
+        if bend[k] <= _SMOOTH_BEND:
             k += 1
             continue
-        # The corner is vertex k + 1 or lies between it and the next one; the legs are straight on either side.
-        between = bend[k] > _SMOOTH_BEND and bend[k + 1] > _SMOOTH_BEND
-        first = k if bend[k] > _SMOOTH_BEND else k + 1
-        last = first + 2 if between else first + 1
+        # The corner is vertex k + 1, or lies between it and the next one if the path turns at both.
+        first, last = k, k + 2 if k + 1 < len(bend) and bend[k + 1] > _SMOOTH_BEND else k + 1
         straight = bend[first - 1] < _SMOOTH_BEND and (last >= len(bend) or bend[last] < _SMOOTH_BEND)
         before, after = direction[first], direction[last]
-        if straight and float(before @ after) > np.cos(_REVERSAL):
+        sharp = float(np.sum(bend[first:last])) > _SHARPEST_BEND and float(before @ after) > np.cos(_REVERSAL)
+        if straight and sharp:
             corners.append(_corner(path.vertices, path.arc_length, first, last, before, after))
-        k = last + 1
+        k = last
     return tuple(corners)
 
 
