@@ -29,7 +29,7 @@ class AbstractFeedforward(ABC):
     1. `name`, a class variable: the word by which specifications choose it.
     2. `motions`, a generator of the motion in chunks. All chunks joined must not depend on the chunk size, bit for
        bit, because the feedforward node streams what the direct simulation computes at once.
-    3. `compensates_hold`, where its torque is by default to be the mean over the interval in which it is held (see
+    3. `compensates_hold`, if its torque is not by default to be the mean over the interval in which it is held (see
        `flexros.feedforward.hold`).
 
     Friction, hold and tool pose are added by `compute_reference` and are no part of a method.
@@ -40,7 +40,7 @@ class AbstractFeedforward(ABC):
     def compensates_hold(self, specification: FeedforwardSpecification) -> bool:
         """Tell whether the mean torque of the hold interval is the default of this method."""
         del specification
-        return False
+        return True
 
     @abstractmethod
     def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
@@ -64,7 +64,7 @@ def feedforward_methods() -> Mapping[str, AbstractFeedforward]:
     """Find all methods in this package, by name."""
     for module in pkgutil.iter_modules(flexros.feedforward.__path__):
         importlib.import_module(f"flexros.feedforward.{module.name}")
-    found = {method.name: method() for method in AbstractFeedforward.__subclasses__()}  # type: ignore[abstract]
+    found = {method.name: method() for method in AbstractFeedforward.__subclasses__()}
     return MappingProxyType(dict(sorted(found.items())))
 
 

@@ -39,11 +39,13 @@ class CompiledMarch:
         lu = add_lu_solver(builder, equations.n_unknowns)
         self.layout = MarchLayout(equations.n_unknowns, equations.n_coordinates, lu.work_size)
         self._n_motors = equations.n_motors
-        for part in (functions.predict, functions.residual, functions.newton_matrix, functions.correct, functions.finish):
+        for part in (functions.predict, functions.residual, functions.newton_matrix):
+            builder.add_function(part)
+        for part in (functions.correct, functions.finish):
             builder.add_function(part)
         builder.add_text(_driver(self.layout, self._n_motors, lu))
         self._code = builder.build()
-        prototype = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 8)
+        prototype = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6)
         self._march = prototype(self._code.address("march"))
 
     def advance(self, state: FloatArray, outputs: FloatArray, tolerance: FloatArray) -> MarchResult:
@@ -51,23 +53,22 @@ class CompiledMarch:
         n, state = len(outputs), np.array(state, dtype=np.float64)
         outputs = np.ascontiguousarray(outputs, dtype=np.float64)
         tolerance = np.ascontiguousarray(tolerance, dtype=np.float64)
-        z, rows = np.zeros((n, self.layout.n_unknowns)), np.zeros((3, n, self._n_motors))
+        z, motors = np.zeros((n, self.layout.n_unknowns)), np.zeros((n, 5, self._n_motors))
         iterations = np.zeros(n, dtype=np.int64)
-        arrays = (state, outputs, tolerance, z, rows[0], rows[1], rows[2], iterations)
+        arrays = (state, outputs, tolerance, z, motors, iterations)
         failed = self._march(n, *(array.ctypes.data for array in arrays))
-        return MarchResult(state, z, rows[0], rows[1], rows[2], iterations, int(failed))
+        return MarchResult(state, z, motors, iterations, int(failed))
 
 
 def _driver(layout: MarchLayout, n_motors: int, lu: LuRoutines) -> str:
-    """Text of `i64 @march(n, state, outputs, tolerance, z, torque, position, velocity, iterations)`.
+    """Text of `i64 @march(n, state, outputs, tolerance, z, motors, iterations)`.
 
-    It returns the number of samples done. Newton's iteration renews the factors, corrects x (two buffers take turns) and
-    ends as `InterpretedMarch` does.
+    It returns the number of samples done. Newton's iteration renews the factors, corrects x (two buffers take turns)
+    and ends as `InterpretedMarch` does.
     """
     nz, nq = layout.n_unknowns, layout.n_coordinates
     return f"""
-define i64 @march(i64 %n, ptr %state, ptr %outputs, ptr %tolerance, ptr %z, ptr %torque, ptr %position, ptr %velocity,
-                  ptr %iterations) nounwind {{
+define i64 @march(i64 %n, ptr %state, ptr %outputs, ptr %tolerance, ptr %z, ptr %motors, ptr %iterations) nounwind {{
 entry:
   %prediction = alloca double, i64 {nz + 2 * nq}, align 64
   %x_a = alloca double, i64 {nz}, align 64
@@ -134,11 +135,10 @@ again:
 accept:
   %z_row = mul nsw i64 %k, {nz}
   %z_at = getelementptr double, ptr %z, i64 %z_row
-  %torque_at = getelementptr double, ptr %torque, i64 %row
-  %position_at = getelementptr double, ptr %position, i64 %row
-  %velocity_at = getelementptr double, ptr %velocity, i64 %row
+  %motors_row = mul nsw i64 %k, {5 * n_motors}
+  %motors_at = getelementptr double, ptr %motors, i64 %motors_row
   call void @finish(ptr %x_new, ptr %prediction, ptr %state, ptr %rates, ptr %after, ptr %after_rates, ptr %z_at,
-                    ptr %torque_at, ptr %position_at, ptr %velocity_at)
+                    ptr %motors_at)
   call void @llvm.memcpy.p0.p0.i64(ptr %state, ptr %after, i64 {8 * layout.factors}, i1 false)
   %taken_at = getelementptr i64, ptr %iterations, i64 %k
   store i64 %iteration, ptr %taken_at, align 8

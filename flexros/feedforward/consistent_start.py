@@ -54,19 +54,20 @@ def consistent_start(robot: Robot, equations: DaeEquations, output: FloatArray, 
         size = float(np.max(np.abs(coordinates)))
         z = z - step * min(1.0, LARGEST_STEP / max(size, LARGEST_STEP))
         if size <= TOLERANCE * (1.0 + float(np.max(np.abs(z[: equations.n_coordinates])))):
-            return z
+            return np.asarray(z)
         if not np.isfinite(size):
             break
     if np.isfinite(z).all() and size < 1e3 * TOLERANCE * (1.0 + float(np.max(np.abs(z)))):
-        return z
+        return np.asarray(z)
     raise InputError(
-        f"robot {robot.name} has no equilibrium with its tool at the start of the path, {np.round(output, 6).tolist()}: "
-        "its springs do not balance gravity there or the pose is singular; move the start of the path"
+        f"robot {robot.name} has no equilibrium with its output at the start of the path, "
+        f"{np.round(output, 6).tolist()}: its springs do not balance gravity there or the pose is singular; move the "
+        "start of the path"
     )
 
 
 def _stiffness_scale(equations: DaeEquations, z: FloatArray) -> float:
-    """Largest entry of the stiffness [Nm/rad or N/m], by which the arm's equations are made comparable with the output."""
+    """Largest stiffness [Nm/rad or N/m], which makes the arm's equations comparable with that of the output."""
     rest, zero = np.zeros(equations.n_coordinates), np.zeros(equations.n_unknowns)
     matrix = np.array(equations.newton_matrix(zero, z, rest, rest, 0.0, 1.0))
     return float(np.max(np.abs(matrix[: equations.n_arm]))) or 1.0

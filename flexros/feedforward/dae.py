@@ -38,12 +38,13 @@ class DaeFeedforward(AbstractFeedforward):
     name: ClassVar[str] = "dae"
 
     def compensates_hold(self, specification: FeedforwardSpecification) -> bool:
-        """Tell whether the mean torque of the hold interval is the default: for order 2."""
+        """Tell whether the mean torque of the hold interval is the default: not as published."""
         return specification.order > 1
 
     def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
         """March through the samples; see `AbstractFeedforward.motions`."""
         robot, settings = problem.robot, problem.specification
+        problem.require_square(problem.output)
         require_minimum_phase(problem)
         equations, gamma, march = dae_march(
             robot, problem.output, settings.order, problem.sample_time, settings.compiled
@@ -57,7 +58,8 @@ class DaeFeedforward(AbstractFeedforward):
             if result.failed < len(outputs):
                 raise RunError(_failure(problem, first + result.failed))
             state = result.state
-            yield Motion(result.z[:, : robot.n_arm], result.motor_position, result.motor_velocity, result.torque)
+            torque, load, momentum, position, velocity = result.motors.transpose(1, 0, 2)
+            yield Motion(result.z[:, : robot.n_arm], position, velocity, torque, load, momentum)
 
 
 @lru_cache(maxsize=16)

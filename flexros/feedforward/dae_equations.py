@@ -35,8 +35,8 @@ class DaeEquations:
         residual: (x, z_0, v_0, a_0, gamma, weight, Z) -> residual (N + M,): the arm's equation (8a) times `weight`,
             then Gamma(q_a) - Z (8d).
         newton_matrix: (x, z_0, v_0, a_0, gamma, weight) -> derivative of the residual by x, (N + M, N + M).
-        motion: (x, z_0, v_0, a_0, gamma) -> v, motor torque u by equation (2b) and the same differences, encoder
-            position and velocity.
+        motion: (x, z_0, v_0, a_0, gamma) -> v; motor torque u by equation (2b) and the same differences; load (u
+            without the acceleration of the motor's own inertia); momentum of that inertia; encoder position and rate.
     """
 
     n_arm: int
@@ -122,12 +122,14 @@ def build_equations(model: SymbolicModel, output: str | None = None, exact: bool
     arm = arm_residual(model, q, v, a, u)
     residual = ca.vertcat(weight * arm, output_value - Z)
     matrix = ca.jacobian(residual, x) if exact else _mass_based_matrix(model, x, q, gamma, weight, output_value)
-    torque = ca.SX.zeros(model.n_motors)
-    from_motor = motor_torque(model, q, v, a)
+    torque, momentum, load = ca.SX.zeros(model.n_motors), ca.SX.zeros(model.n_motors), ca.SX.zeros(model.n_motors)
+    from_motor, inertia = motor_torque(model, q, v, a), model.motor_inertia(model.parameter_values)
     for place, number in enumerate(flexible):
         torque[number] = from_motor[place]
+        load[number] = from_motor[place] - inertia[place] * a[n + place]
+        momentum[number] = inertia[place] * v[n + place]
     for place, number in enumerate(stiff):
-        torque[number] = z[nq + place]
+        torque[number] = load[number] = z[nq + place]
     coordinates = ca.SX.sym("q", nq)
     encoder = model.encoder(q)
     speed = ca.jacobian(model.encoder(coordinates), coordinates) @ v
@@ -139,13 +141,11 @@ def build_equations(model: SymbolicModel, output: str | None = None, exact: bool
         exact=exact,
         residual=_function("residual", [x, z_0, v_0, a_0, gamma, weight, Z], [residual]),
         newton_matrix=_function("newton_matrix", [x, z_0, v_0, a_0, gamma, weight], [matrix]),
-        motion=_function("motion", [x, z_0, v_0, a_0, gamma], [v, torque, encoder, speed]),
+        motion=_function("motion", [x, z_0, v_0, a_0, gamma], [v, torque, load, momentum, encoder, speed]),
     )
 
 
-def _mass_based_matrix(
-    model: SymbolicModel, x: ca.SX, q: ca.SX, gamma: ca.SX, weight: ca.SX, output: ca.SX
-) -> ca.SX:
+def _mass_based_matrix(model: SymbolicModel, x: ca.SX, q: ca.SX, gamma: ca.SX, weight: ca.SX, output: ca.SX) -> ca.SX:
     """M gamma^2 + D gamma + K with exact output rows: leaves out how M, c and g change with position and speed."""
     n, nq, p = model.n_arm, model.n_coordinates, model.parameter_values
     place, rate = ca.SX.sym("q", nq), ca.SX.sym("v", nq)

@@ -26,8 +26,8 @@ def equivalent_compliance(robot: Robot, state: FloatArray, output: str | None = 
         C = J^-1 Gamma_a K^-1 Gamma_a^T J^-T,
 
     that is 1/k of each gear plus the part of the other springs that moves the output as this gear does. The
-    flexible-joint model can only hold its diagonal, which is exact where C is diagonal. For E12 at its start C is diagonal
-    with 1/k_1 and 1/k_2 + (0.2 / 1.2)^2 / k_3: body 3 deflects the tool exactly along the motion of gear 2.
+    flexible-joint model can only hold its diagonal, which is exact where C is diagonal. For E12 at its start C is
+    diagonal with 1/k_1 and 1/k_2 + (0.2 / 1.2)^2 / k_3: body 3 deflects the tool exactly along the motion of gear 2.
     The thesis only says "computed to include k_3 in the best possible way"; this reading is chosen.
 
     Args:
@@ -56,8 +56,11 @@ def equivalent_compliance(robot: Robot, state: FloatArray, output: str | None = 
             f"direction {soft[0]} of robot {robot.name} has no stiffness at the start, so there is no equivalent gear "
             "stiffness; give feedforward.stiffness for every motor, or choose another method"
         )
-    reflected = np.linalg.pinv(slopes[:, list(robot.chain.geared)]) @ slopes[:, elastic]
-    return np.asarray(np.sum(reflected**2 / np.diag(K)[elastic], axis=1))
+    geared = list(robot.chain.geared)
+    own = np.array([1.0 / K[i, i] if i in elastic else 0.0 for i in geared])
+    others = [i for i in elastic if i not in geared]
+    reflected = np.linalg.pinv(slopes[:, geared]) @ slopes[:, others]
+    return np.asarray(own + np.sum(reflected**2 / np.diag(K)[others], axis=1))
 
 
 def gear_compliance(robot: Robot, state: FloatArray, output: str, given: Mapping[str, float]) -> FloatArray:

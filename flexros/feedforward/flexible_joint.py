@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 from flexros.feedforward.base import AbstractFeedforward
 from flexros.feedforward.equivalent_stiffness import gear_compliance
-from flexros.feedforward.motion import Motion
 from flexros.feedforward.rigid_arm import RigidArm
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from flexros.feedforward.motion import Motion
     from flexros.feedforward.problem import FeedforwardProblem
 
 
@@ -27,5 +27,4 @@ class FlexibleJointFeedforward(AbstractFeedforward):
         gears = problem.gear_motion(4)
         start = robot.equilibrium(problem.rigid_start)
         compliance = gear_compliance(robot, start, problem.output, problem.specification.stiffness)
-        motion = Motion(arm.arm_position(gears[0]), *arm.inverse_dynamics(gears, compliance))
-        yield from motion.chunks(chunk)
+        yield from arm.inverse_dynamics(gears, compliance).chunks(chunk)

@@ -38,19 +38,20 @@ def friction_torque(friction: FrictionCompensation, velocity: FloatArray) -> Flo
     values = {name: _per_motor(name, getattr(friction, name), n_motors) for name in NAMES}
     v, c = ca.SX.sym("v"), ca.SX.sym("c", len(NAMES))
     viscous, coulomb, stribeck, v_s, v_0 = (c[i] for i in range(len(NAMES)))
-    torque = viscous * v + (coulomb + stribeck * ca.exp(-((v / v_s) ** 2))) * ca.tanh(v / v_0)
-    law = ca.Function("friction", [v, c], [torque])
+    value = viscous * v + (coulomb + stribeck * ca.exp(-((v / v_s) ** 2))) * ca.tanh(v / v_0)
+    law = ca.Function("friction", [v, c], [value])
     columns = np.stack([values[name] for name in NAMES])
-    return np.column_stack(
-        [np.array(law(velocity[:, [i]].T, np.tile(columns[:, [i]], len(velocity)))).ravel() for i in range(n_motors)]
-    )
+    torque = np.empty_like(velocity)
+    for i in range(n_motors):
+        torque[:, i] = np.array(law(velocity[:, [i]].T, np.tile(columns[:, [i]], len(velocity)))).ravel()
+    return torque
 
 
 def _per_motor(name: str, value: float | tuple[float, ...], n_motors: int) -> FloatArray:
     array = np.atleast_1d(np.asarray(value, dtype=np.float64))
     if len(array) not in (1, n_motors):
         raise InputError(
-            f"feedforward.friction.{name} has {len(array)} values, but the robot has {n_motors} motors; give one value, "
+            f"feedforward.friction.{name} has {len(array)} values, but the robot has {n_motors} motors; give one value "
             "or one per motor"
         )
-    return np.broadcast_to(array, (n_motors,)).copy()
+    return np.asarray(np.broadcast_to(array, (n_motors,)).copy())

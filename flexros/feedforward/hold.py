@@ -24,28 +24,33 @@ def samples_ahead(sample_time: float, delay: float) -> int:
     return whole + (2 if rest > 0.0 else 1)
 
 
-def held_torque(torque: FloatArray, sample_time: float, delay: float) -> FloatArray:
+def held_torque(load: FloatArray, momentum: FloatArray, sample_time: float, delay: float) -> FloatArray:
     """Average the torque over the interval in which the command acts.
 
     A command of t_k acts from t_k + delay to t_k + delay + T. Holding u(t_k) therefore lags the wanted torque by
     T / 2 + delay, an error of first order in T. Holding the mean over the interval gives the right momentum at its end
-    and leaves an error of second order. The torque is taken as linear between its samples.
+    and leaves an error of second order. The torque is u = load + d(momentum)/dt: the mean of the second part follows
+    exactly from the momentum at both ends, also where the acceleration jumps; load and momentum are taken as
+    linear between their samples.
 
     Args:
-        torque: Torque at the sampling instants [Nm or N], shape (n + samples_ahead, M).
-        sample_time: Time for which a command is held [s].
+        load: Torque through the gear at the sampling instants [Nm or N], shape (n + samples_ahead, M).
+        momentum: Momentum of the motor's own inertia [Nms or Ns], same shape.
+        sample_time: Time T for which a command is held [s].
         delay: Time until it acts [s].
 
     Returns:
         Torque to command, shape (n, M).
     """
     whole, rest = _split(sample_time, delay)
-    weights = np.array([0.5 * (1.0 - rest) ** 2, 0.5 + rest - rest**2, 0.5 * rest**2])
-    n = len(torque) - samples_ahead(sample_time, delay)
-    mean = weights[0] * torque[whole : whole + n] + weights[1] * torque[whole + 1 : whole + 1 + n]
-    if rest > 0.0:
-        mean = mean + weights[2] * torque[whole + 2 : whole + 2 + n]
-    return np.asarray(mean)
+    n = len(load) - samples_ahead(sample_time, delay)
+    means = (0.5 * (1.0 - rest) ** 2, 0.5 + rest - rest**2, 0.5 * rest**2)
+    slopes = ((rest - 1.0) / sample_time, (1.0 - 2.0 * rest) / sample_time, rest / sample_time)
+    torque = np.zeros((n, load.shape[1]))
+    for offset in range(3 if rest > 0.0 else 2):
+        rows = slice(whole + offset, whole + offset + n)
+        torque += means[offset] * load[rows] + slopes[offset] * momentum[rows]
+    return torque
 
 
 def _split(sample_time: float, delay: float) -> tuple[int, float]:

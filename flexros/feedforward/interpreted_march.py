@@ -40,21 +40,21 @@ class InterpretedMarch:
         """March over samples; see `flexros.feedforward.march.March.advance`."""
         layout, f = self.layout, self._functions
         n, state = len(outputs), state.copy()
-        z, rows = np.zeros((n, layout.n_unknowns)), np.zeros((3, n, self._n_motors))
+        z, motors = np.zeros((n, layout.n_unknowns)), np.zeros((n, 5, self._n_motors))
         iterations = np.zeros(n, dtype=np.int64)
         failed = n
         for k, output in enumerate(outputs):
             differences, rates = state[: layout.rates], state[layout.rates : layout.factors]
-            prediction, x = f.predict(differences, rates)
+            prediction, x = (np.array(part).ravel() for part in f.predict(differences, rates))
             x, iterations[k] = self._solve(state, x, prediction, output, tolerance)
             if iterations[k] > MAX_ITERATIONS:
                 failed = k
                 break
             results = [np.array(part).ravel() for part in f.finish(x, prediction, differences, rates)]
             state[: layout.rates], state[layout.rates : layout.factors], z[k] = results[:3]
-            rows[:, k] = results[3:]
+            motors[k] = results[3].reshape(5, self._n_motors)
             state[layout.stale] = float(iterations[k] > STALE_ITERATIONS)
-        return MarchResult(state, z, rows[0], rows[1], rows[2], iterations, failed)
+        return MarchResult(state, z, motors, iterations, failed)
 
     def _solve(
         self, state: FloatArray, x: FloatArray, prediction: FloatArray, output: FloatArray, tolerance: FloatArray
@@ -75,9 +75,9 @@ class InterpretedMarch:
             factors, pivots = kept[: n * n].reshape(n, n), kept[n * n :].astype(np.int32)
             residual = np.array(f.residual(x, prediction, output)).ravel()
             correction = lu_solve((factors, pivots), residual, check_finite=False)
-            x, part = f.correct(x, correction, tolerance)
-            size = float(part)
+            x, part = (np.array(part).ravel() for part in f.correct(x, correction, tolerance))
+            size = float(part[0])
             if size <= 1.0 or (fresh and 0.5 * before < size < FLOOR_FACTOR):
-                return np.array(x).ravel(), iteration
+                return x, iteration
             before = size
-        return np.array(x).ravel(), MAX_ITERATIONS + 1
+        return x, MAX_ITERATIONS + 1

@@ -87,9 +87,8 @@ class MarchResult:
     Attributes:
         state: State to go on from, shape (MarchLayout.size,).
         z: Solutions, shape (n, n_unknowns).
-        torque: Motor torques u at the samples [Nm or N], shape (n, M).
-        motor_position: Encoder positions [rad or m], shape (n, M).
-        motor_velocity: Their rates, shape (n, M).
+        motors: Motor torque [Nm or N], load [Nm or N], momentum [Nms or Ns], encoder position [rad or m] and its
+            rate at the samples, shape (n, 5, M); see `flexros.feedforward.motion.Motion`.
         iterations: Newton iterations of each sample, shape (n,).
         failed: Number of the first sample at which Newton's iteration did not converge, from which on all rows are
             void; n if there is none.
@@ -97,9 +96,7 @@ class MarchResult:
 
     state: FloatArray
     z: FloatArray
-    torque: FloatArray
-    motor_position: FloatArray
-    motor_velocity: FloatArray
+    motors: FloatArray
     iterations: IntArray
     failed: int
 

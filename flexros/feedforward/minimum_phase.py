@@ -30,12 +30,11 @@ def require_minimum_phase(problem: FeedforwardProblem) -> None:
     end = int(np.searchsorted(problem.time, problem.trajectory.duration))
     last = min(end, problem.n_samples - 1)
     places = np.unique(np.linspace(0, last, problem.specification.zero_dynamics_poses).astype(int))
-    near = problem.rigid_start
-    for place in places:
-        near = problem.robot.inverse_kinematics(problem.desired[place], near=near, output=problem.output)
-        verdict = zero_dynamics(problem.robot, near, problem.output)
+    times = problem.time[places]
+    for pose, time in zip(problem.arm_position(problem.gear_motion(0, times)[0]), times, strict=True):
+        verdict = zero_dynamics(problem.robot, pose, problem.output)
         if not verdict.minimum_phase:
-            raise InputError(_sentence(problem, verdict, near, float(problem.time[place])))
+            raise InputError(_sentence(problem, verdict, pose, float(time)))
 
 
 def _sentence(problem: FeedforwardProblem, verdict: ZeroDynamics, pose: FloatArray, time: float) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,15 +22,29 @@ class Motion:
         motor_position: Encoder positions [rad or m], shape (n, M).
         motor_velocity: Encoder velocities [rad/s or m/s], shape (n, M).
         torque: Motor torque at the instant [Nm or N], shape (n, M).
+        load: The part of it that does not accelerate the motor's own inertia [Nm or N], shape (n, M).
+        momentum: Momentum of the motor's own inertia [Nms or Ns], zero behind stiff gears, shape (n, M). The torque is
+            load plus rate of change of the momentum.
     """
 
     arm_position: FloatArray
     motor_position: FloatArray
     motor_velocity: FloatArray
     torque: FloatArray
+    load: FloatArray
+    momentum: FloatArray
 
     def __len__(self) -> int:
         return len(self.torque)
+
+    def without_torque(self) -> Motion:
+        """Return the same motion with all torques zero."""
+        zero = np.zeros_like(self.torque)
+        return replace(self, torque=zero, load=zero, momentum=zero)
+
+    def with_friction(self, friction: FloatArray) -> Motion:
+        """Return the same motion with a friction torque [Nm or N], shape (n, M), added."""
+        return replace(self, torque=self.torque + friction, load=self.load + friction)
 
     def chunks(self, size: int) -> Iterator[Motion]:
         """Yield successive parts of at most `size` samples."""

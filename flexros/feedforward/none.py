@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-
 from flexros.feedforward.base import AbstractFeedforward
-from flexros.feedforward.motion import Motion
 from flexros.feedforward.rigid_arm import RigidArm
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from flexros.feedforward.motion import Motion
     from flexros.feedforward.problem import FeedforwardProblem
 
 
@@ -25,6 +23,4 @@ class NoFeedforward(AbstractFeedforward):
         """Compute the motion at once and hand it out in chunks; see `AbstractFeedforward.motions`."""
         arm = RigidArm(problem.robot)
         gears = problem.gear_motion(2)
-        position, velocity, torque = arm.inverse_dynamics(gears)
-        motion = Motion(arm.arm_position(gears[0]), position, velocity, np.zeros_like(torque))
-        yield from motion.chunks(chunk)
+        yield from arm.inverse_dynamics(gears).without_torque().chunks(chunk)

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.trajectory.joint_derivatives import joint_derivatives, output_derivatives
+from flexros.trajectory.joint_derivatives import OutputDerivatives, joint_derivatives
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -44,59 +44,41 @@ class FeedforwardProblem:
 
     @cached_property
     def output(self) -> str:
-        """Name of the controlled output."""
-        asked, given = self.specification.output, None if self.trajectory.joints else self.trajectory.output
-        if asked and given and asked != given:
-            raise InputError(
-                f"feedforward.output is '{asked}', but the trajectory is given for output '{given}'; make them the same "
-                "or leave feedforward.output out"
-            )
-        name = asked or given or self.robot.controlled
-        n_out = self.robot.model.output(name).size1_out(0)
-        if n_out != self.robot.n_motors:
-            raise InputError(
-                f"output '{name}' of robot {self.robot.name} has {n_out} components, but feedforward needs as many as "
-                f"there are motors, {self.robot.n_motors}; choose another output of the robot"
-            )
-        return name
+        """Name of the controlled output: as asked for, else that of the trajectory, else that of the robot's file."""
+        given = None if self.trajectory.joints else self.trajectory.output
+        return self.specification.output or given or self.robot.controlled
 
     @cached_property
     def time(self) -> FloatArray:
         """Sampling instants [s], shape (n,)."""
-        return np.arange(self.n_samples) * self.sample_time
-
-    @cached_property
-    def rigid_kinematics(self) -> ca.Function:
-        """Controlled output as a function of the gear coordinates theta (M,), elastic directions at zero."""
-        theta = ca.SX.sym("theta", self.robot.n_motors)
-        arm = ca.SX.zeros(self.robot.n_arm)
-        for number, place in enumerate(self.robot.chain.geared):
-            arm[place] = theta[number]
-        model = self.robot.model
-        return ca.Function("gamma", [theta], [model.output(self.output)(arm, model.parameter_values)])
+        return np.arange(self.n_samples, dtype=np.float64) * self.sample_time
 
     @cached_property
     def desired(self) -> FloatArray:
-        """Desired output [m or rad], shape (n, n_out); that of the rigid arm where the trajectory moves joints.
+        """Desired output [m or rad], shape (n, n_out); that of the rigid arm where the trajectory is for another one.
 
         Raises:
             InputError: The trajectory does not start at rest.
         """
-        motion = output_derivatives(self.trajectory, self.rigid_kinematics, self.time, 2)
+        if self.output == self.trajectory.output and not self.trajectory.joints:
+            motion = self.trajectory.evaluate(self.time, 2)
+        else:
+            motion = OutputDerivatives.of(self._rigid_kinematics(self.output)).along(self.gear_motion(2))
         for order, word in ((1, "speed"), (2, "acceleration")):
             initial, largest = np.abs(motion[order, 0]).max(), np.abs(motion[order]).max()
             if initial > REST_TOLERANCE * max(largest, 1.0):
                 raise InputError(
-                    f"the trajectory starts with a {word} of {initial:g} (largest component), but feedforward starts from "
-                    "rest; let it begin with zero speed and acceleration"
+                    f"the trajectory starts with a {word} of {initial:g} (largest component), but feedforward starts "
+                    "from rest; let it begin with zero speed and acceleration"
                 )
         return np.asarray(motion[0])
 
-    def gear_motion(self, derivatives: int) -> FloatArray:
+    def gear_motion(self, derivatives: int, time: FloatArray | None = None) -> FloatArray:
         """Give the motion of the gears of the rigid arm.
 
         Args:
             derivatives: Highest time derivative, 0 to 4.
+            time: Times [s], shape (n,); default: the sampling instants.
 
         Returns:
             Gear coordinates and derivatives [rad or m, per s^k], shape (derivatives + 1, n, M).
@@ -104,10 +86,52 @@ class FeedforwardProblem:
         Raises:
             InputError: Out of reach or singular; the message names the place.
         """
+        time = self.time if time is None else time
+        if self.trajectory.joints:
+            motion = self.trajectory.evaluate(time, derivatives)
+            if motion.shape[2] != self.robot.n_motors:
+                raise InputError(
+                    f"the trajectory moves {motion.shape[2]} joints, but robot {self.robot.name} has "
+                    f"{self.robot.n_motors} motors; give every point one value per motor"
+                )
+            return motion
+        self.require_square(self.trajectory.output)
         near = (self.robot.home if self.near is None else self.near)[list(self.robot.chain.geared)]
-        return joint_derivatives(self.trajectory, self.rigid_kinematics, near, self.time, derivatives)
+        kinematics = self._rigid_kinematics(self.trajectory.output)
+        return np.asarray(joint_derivatives(self.trajectory, kinematics, near, time, derivatives))
+
+    def arm_position(self, gears: FloatArray) -> FloatArray:
+        """Arm coordinates [rad or m], shape (n, N), from gear coordinates, shape (n, M); elastic directions at zero."""
+        arm = np.zeros((len(gears), self.robot.n_arm))
+        arm[:, list(self.robot.chain.geared)] = gears
+        return arm
 
     @cached_property
     def rigid_start(self) -> FloatArray:
         """Arm coordinates of the rigid arm at the start [rad or m], shape (N,)."""
-        return self.robot.inverse_kinematics(self.desired[0], near=self.near, output=self.output)
+        return np.asarray(self.arm_position(self.gear_motion(0, np.zeros(1))[0])[0])
+
+    def require_square(self, output: str) -> None:
+        """Demand that an output has as many components as there are motors.
+
+        Args:
+            output: Name of the output.
+
+        Raises:
+            InputError: The numbers differ, or there is no such output.
+        """
+        n_out = self.robot.model.output(output).size1_out(0)
+        if n_out != self.robot.n_motors:
+            raise InputError(
+                f"output '{output}' of robot {self.robot.name} has {n_out} components, but its motors can control "
+                f"{self.robot.n_motors}, one each; choose another output of the robot"
+            )
+
+    def _rigid_kinematics(self, output: str) -> ca.Function:
+        """Output as a function of the gear coordinates theta (M,), elastic directions at zero."""
+        theta = ca.SX.sym("theta", self.robot.n_motors)
+        arm = ca.SX.zeros(self.robot.n_arm)
+        for number, place in enumerate(self.robot.chain.geared):
+            arm[place] = theta[number]
+        model = self.robot.model
+        return ca.Function("gamma", [theta], [model.output(output)(arm, model.parameter_values)])

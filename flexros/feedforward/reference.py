@@ -10,13 +10,14 @@ from flexros.errors import InputError
 from flexros.feedforward.base import feedforward_method
 from flexros.feedforward.friction import friction_torque
 from flexros.feedforward.hold import held_torque, samples_ahead
-from flexros.feedforward.motion import Motion, Reference
+from flexros.feedforward.motion import Reference
 from flexros.feedforward.problem import FeedforwardProblem
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from flexros.arrays import FloatArray
+    from flexros.feedforward.motion import Motion
     from flexros.feedforward.specification import FeedforwardSpecification
     from flexros.robot import Robot
     from flexros.trajectory.trajectory import Trajectory
@@ -91,33 +92,31 @@ def reference_chunks(
     ahead = samples_ahead(sample_time, robot.delay) if hold else 0
     problem = FeedforwardProblem(robot, trajectory, specification, sample_time, n_samples + ahead, near)
     done = 0
-    for motion, torque in _with_torque_ahead(method.motions(problem, chunk), specification, ahead):
-        rows = slice(done, done + len(motion))
+    for motion, n in _with_samples_ahead(method.motions(problem, chunk), specification, ahead):
+        now, rows = motion.rows(0, n), slice(done, done + n)
         yield Reference(
             time=problem.time[rows],
-            motor_position=motion.motor_position,
-            motor_velocity=motion.motor_velocity,
-            torque=held_torque(torque, sample_time, robot.delay) if hold else torque,
+            motor_position=now.motor_position,
+            motor_velocity=now.motor_velocity,
+            torque=held_torque(motion.load, motion.momentum, sample_time, robot.delay) if hold else now.torque,
             output=problem.desired[rows],
-            tool_pose=np.array(robot.model.tool_pose(motion.arm_position.T, robot.model.parameter_values)).T,
+            tool_pose=np.array(robot.model.tool_pose(now.arm_position.T, robot.model.parameter_values)).T,
         )
-        done += len(motion)
+        done += n
 
 
-def _with_torque_ahead(
+def _with_samples_ahead(
     motions: Iterator[Motion], specification: FeedforwardSpecification, ahead: int
-) -> Iterator[tuple[Motion, FloatArray]]:
-    """Give each part of the motion with the torque (friction included) of `ahead` samples beyond it."""
-    waiting: tuple[Motion, FloatArray] | None = None
-    for motion in motions:
-        torque = motion.torque
+) -> Iterator[tuple[Motion, int]]:
+    """Complete the torque; give each part of the motion with `ahead` samples beyond it, and its length without them."""
+    waiting: Motion | None = None
+    for part in motions:
+        motion = part if specification.torque else part.without_torque()
         if specification.friction is not None:
-            torque = torque + friction_torque(specification.friction, motion.motor_velocity)
+            motion = motion.with_friction(friction_torque(specification.friction, motion.motor_velocity))
         if waiting is not None:
-            motion, torque = waiting[0].joined(motion), np.concatenate([waiting[1], torque])
-        ready = len(motion) - ahead
-        if ready <= 0:
-            waiting = (motion, torque)
-            continue
-        yield motion.rows(0, ready), torque
-        waiting = (motion.rows(ready, len(motion)), torque[ready:])
+            motion = waiting.joined(motion)
+        ready = max(0, len(motion) - ahead)
+        if ready:
+            yield motion, ready
+        waiting = motion.rows(ready, len(motion))

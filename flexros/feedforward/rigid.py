@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.feedforward.base import AbstractFeedforward
-from flexros.feedforward.motion import Motion
 from flexros.feedforward.rigid_arm import RigidArm
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from flexros.feedforward.motion import Motion
     from flexros.feedforward.problem import FeedforwardProblem
 
 
@@ -23,5 +23,4 @@ class RigidFeedforward(AbstractFeedforward):
         """Compute the motion at once and hand it out in chunks; see `AbstractFeedforward.motions`."""
         arm = RigidArm(problem.robot)
         gears = problem.gear_motion(2)
-        motion = Motion(arm.arm_position(gears[0]), *arm.inverse_dynamics(gears))
-        yield from motion.chunks(chunk)
+        yield from arm.inverse_dynamics(gears).chunks(chunk)

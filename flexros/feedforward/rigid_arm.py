@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 
 from flexros.feedforward.dae_equations import arm_residual, motor_torque
+from flexros.feedforward.motion import Motion
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -50,33 +51,27 @@ class RigidArm:
         geared = enumerate(self._robot.chain.geared)
         return [number for number, place in geared if joints[place].motor_coordinate is not None]
 
-    def arm_position(self, theta: FloatArray) -> FloatArray:
-        """Arm coordinates, shape (n, N), from gear coordinates, shape (n, M)."""
-        arm = np.zeros((len(theta), self._robot.n_arm))
-        arm[:, list(self._robot.chain.geared)] = theta
-        return arm
-
-    def inverse_dynamics(self, motion: FloatArray, compliance: FloatArray | None = None) -> tuple[FloatArray, ...]:
+    def inverse_dynamics(self, motion: FloatArray, compliance: FloatArray | None = None) -> Motion:
         """Motor motion and torque for a motion of the gears, rigid or through a compliance.
 
         With M(theta) theta'' + n(theta, theta') = tau and the gears' compliance C = K^-1,
 
             q_m = theta + C tau,     u = tau + M_m q_m''     (Moberg 2007, eq. 5.4 and 5.5),
 
-        where tau'' follows exactly by directional derivatives of the symbolic tau. A motor's own viscous friction, where
-        the model has it, is added. Without compliance the gears are rigid.
+        where tau'' follows exactly by directional derivatives of the symbolic tau. A motor's own viscous friction,
+        where the model has it, is added. Without compliance the gears are rigid.
 
         Args:
             motion: theta and its derivatives, shape (5, n, M), or (3, n, M) without compliance.
             compliance: C of each gear [rad/Nm or m/N], zero for stiff gears, shape (M,).
 
         Returns:
-            Encoder position, encoder velocity and torque, each of shape (n, M).
+            The motion.
         """
-        model, theta = self._robot.model, self._theta
+        robot, model, theta = self._robot, self._robot.model, self._theta
         rest = [self._coordinates(part, part) for part in theta[:3]]
-        tau = arm_residual(model, rest[0], rest[1], rest[2], ca.SX.zeros(self._robot.n_motors))
-        tau = tau[list(self._robot.chain.geared)]
+        tau = arm_residual(model, rest[0], rest[1], rest[2], ca.SX.zeros(robot.n_motors))
+        tau = tau[list(robot.chain.geared)]
         motor = list(theta[:3])
         if compliance is not None:
             rates = [tau]
@@ -86,9 +81,15 @@ class RigidArm:
         drive = motor_torque(
             model, rest[0], self._coordinates(motor[1], motor[1]), self._coordinates(theta[2], motor[2])
         )
+        inertia = model.motor_inertia(model.parameter_values)
+        torque, load, momentum = ca.SX(tau), ca.SX(tau), ca.SX.zeros(robot.n_motors)
         for place, number in enumerate(self.flexible):
-            tau[number] += drive[place]
+            torque[number] += drive[place]
+            load[number] = torque[number] - inertia[place] * motor[2][number]
+            momentum[number] = inertia[place] * motor[1][number]
         encoders = [model.encoder(self._coordinates(gear, part)) for gear, part in zip(theta, motor[:2])]
-        used = theta[: len(motion)]
-        evaluate = ca.Function("inverse_dynamics", used, [ca.densify(part) for part in (*encoders, tau)], {"cse": True})
-        return tuple(np.array(part).T.copy() for part in evaluate(*[part.T for part in motion]))
+        results = [self._arm(theta[0]), *encoders, torque, load, momentum]
+        evaluate = ca.Function(
+            "inverse_dynamics", theta[: len(motion)], [ca.densify(part) for part in results], {"cse": True}
+        )
+        return Motion(*(np.array(part).T.copy() for part in evaluate(*[part.T for part in motion])))

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 class StepFunctions:
     """Functions of one step for one order and step size; all vectors are columns.
 
-    `differences` are z and its first three backward differences, one after the other, shape (4 n_unknowns,); `rates` are
-    v and its first difference, shape (2 n_coordinates,); `prediction` is [z_0, v_0, a_0].
+    `differences` are z and its first three backward differences, one after the other, shape (4 n_unknowns,); `rates`
+    are v and its first difference, shape (2 n_coordinates,); `prediction` is [z_0, v_0, a_0].
 
     Attributes:
         predict: (differences, rates) -> prediction, and x = 0 to start from.
@@ -26,8 +26,8 @@ class StepFunctions:
         newton_matrix: (x, prediction) -> its derivative by x.
         correct: (x, correction, inverse tolerance) -> x - correction, and the size of the correction: the sum of its
             magnitudes in units of the tolerance (a sum passes NaN on, a maximum would lose it).
-        finish: (x, prediction, differences, rates) -> differences and rates after the step, z, u, encoder position,
-            encoder velocity.
+        finish: (x, prediction, differences, rates) -> differences and rates after the step, z, and the results of
+            `DaeEquations.motion` from u on, one after the other, shape (5 M,).
         gamma: Leading coefficient of the difference formula over the step size [1/s].
     """
 
@@ -74,7 +74,9 @@ class StepFunctions:
             newton_matrix=_function("matrix", [x, prediction], [equations.newton_matrix(x, *split, gamma, weight)]),
             correct=_function("correct", [x, correction, scale], [x - correction, ca.dot(ca.fabs(correction), scale)]),
             finish=_function(
-                "finish", [x, prediction, differences, rates], [after, ca.vertcat(v, v - rates[:nq]), z, *motion]
+                "finish",
+                [x, prediction, differences, rates],
+                [after, ca.vertcat(v, v - rates[:nq]), z, ca.vertcat(*motion)],
             ),
             gamma=gamma,
         )
