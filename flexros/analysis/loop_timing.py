@@ -77,8 +77,8 @@ class TopicTiming:
         return {
             "count": self.count,
             "start_s": self.start,
-            "period_s": self.period,
-            "mean_period_s": self.mean_period,
+            "period_s": self.period if np.isfinite(self.period) else None,
+            "mean_period_s": self.mean_period if np.isfinite(self.mean_period) else None,
             "jitter_std_s": self.jitter_std,
             "jitter_p99_s": self.jitter_p99,
             "jitter_max_s": self.jitter_max,

@@ -1,0 +1,40 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.analysis import analyse
+from flexros.analysis.report.path import FACTORS, PathSection, magnification, path_picture
+
+
+@pytest.mark.parametrize(("error", "factor"), [(3e-4, 20), (9e-3, 1), (4e-5, 200), (1.0, 1), (0.0, FACTORS[-1])])
+def test_magnification_draws_the_error_as_a_small_part_of_the_path(error, factor):
+    assert magnification(error, 0.07) == factor
+
+
+def test_attained_path_is_drawn_at_the_factor(make_run):
+    analysis = analyse(make_run(error=3e-4))
+    picture = path_picture([analysis])
+    curve = picture.magnified[0]
+    drawn = np.column_stack([picture.figure.data[curve.trace].x, picture.figure.data[curve.trace].y])
+    centre = np.array([2121.403786951, -354.624247994])
+    excess = np.max(np.abs(np.linalg.norm(drawn - centre, axis=1) - 25.0))
+    assert excess == pytest.approx(1e3 * picture.factor * analysis.path.path.maximum, rel=1e-4)
+    np.testing.assert_allclose(curve.base + picture.factor * curve.deviation, drawn, rtol=1e-6)
+
+
+def test_a_common_reference_is_drawn_once_and_dotted(make_run):
+    picture = path_picture([analyse(make_run()), analyse(make_run(error=1e-4), label="other")])
+    commanded = [trace for trace in picture.figure.data if trace.name == "commanded"]
+    assert [trace.line.dash for trace in commanded] == ["dot"]
+
+
+def test_both_axes_have_the_same_scale_and_a_unit(make_run):
+    layout = path_picture([analyse(make_run())]).figure.layout
+    assert layout.yaxis.scaleanchor == "x"
+    assert (layout.xaxis.title.text, layout.yaxis.title.text) == ("x [mm]", "z [mm]")
+
+
+def test_repeatability_is_drawn_only_where_there_are_cycles(make_run):
+    assert len(PathSection().blocks([analyse(make_run())])) == 1
+    assert len(PathSection().blocks([analyse(make_run(cycles=3))])) == 2

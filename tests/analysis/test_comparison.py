@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+import io
+
+import pytest
+from rich.console import Console
+
+from flexros.analysis import analyse, circle_test
+from flexros.analysis.comparison import Comparison, MethodRun, QuotedFigure
+
+
+@pytest.fixture(scope="module")
+def comparison(make_run):
+    def run(method, case, error):
+        return MethodRun(method, case, analyse(make_run(error=error)))
+
+    runs = (
+        run("DAE", "nominal", 3e-4),
+        run("DAE", "load", 1.2e-3),
+        run("DAE", "load", 1.4e-3),
+        run("PD", "nominal", 9e-3),
+    )
+    quoted = (QuotedFigure("DAE", "nominal", 0.32e-3, 0.329e-3), QuotedFigure("DAE", "slow", 0.64e-3, None))
+    return Comparison(runs, quoted, ("A caveat.",))
+
+
+def test_of_several_runs_of_a_case_the_worst_counts(comparison):
+    rows = {(row.method, row.case): row for row in comparison.rows()}
+    errors = [run.analysis.path.path.maximum for run in comparison.runs if run.case == "load"]
+    assert rows["DAE", "load"].attained == max(errors) != min(errors)
+
+
+def test_deviation_is_relative_to_the_published_figure(comparison):
+    row = comparison.rows()[0]
+    assert row.deviation == pytest.approx(comparison.runs[0].analysis.path.path.maximum / 0.32e-3 - 1)
+
+
+def test_what_is_only_quoted_and_what_is_only_run_both_stand_in_the_table(comparison):
+    rows = {(row.method, row.case): row for row in comparison.rows()}
+    assert rows["DAE", "slow"].attained is None
+    assert rows["PD", "nominal"].published is None
+    assert rows["PD", "nominal"].deviation is None
+
+
+def test_rows_of_a_method_stand_together(comparison):
+    assert [row.method for row in comparison.rows()] == ["DAE", "DAE", "DAE", "PD"]
+
+
+def test_terminal_table_prints_published_reading_and_run(comparison):
+    console = Console(file=io.StringIO(), width=120)
+    console.print(comparison.table())
+    line = next(line for line in console.file.getvalue().splitlines() if line.startswith("DAE"))
+    attained = comparison.rows()[0].texts()[4]
+    assert line.split()[:5] == ["DAE", "nominal", "0.320", "0.329", attained]
+
+
+def test_published_figures_of_the_circle_test_are_those_of_the_thesis():
+    published = [1e3 * figure.published for figure in circle_test.QUOTED_FIGURES if figure.published is not None]
+    assert published == pytest.approx([1.74, 2.82, 0.32, 1.39, 0.64])
+
+
+def test_the_flexible_joint_caveat_is_stated():
+    assert any("not fully determined by the text" in caveat for caveat in circle_test.CAVEATS)

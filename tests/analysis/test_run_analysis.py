@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.analysis import analyse
+from flexros.logs.time_series import PoseSeries
+
+
+def test_the_known_error_of_a_run_is_found(make_run):
+    analysis = analyse(make_run(error=3e-4))
+    angle_at_maximum = np.pi / 6
+    assert analysis.path is not None
+    assert analysis.path.path.maximum == pytest.approx(3e-4 * np.exp(-0.1 * angle_at_maximum), rel=2e-3)
+    assert analysis.timing.exact
+    assert analysis.warnings == ()
+
+
+def test_label_is_the_scenario_unless_given(make_run):
+    assert analyse(make_run(label="circle_dae")).label == "circle_dae"
+    assert analyse(make_run(), label="nominal").label == "nominal"
+
+
+def test_cycles_are_cut_and_counted(make_run):
+    analysis = analyse(make_run(cycles=3))
+    assert analysis.performance is not None
+    assert analysis.performance.cycles == 3
+    assert "repeatability is from 3 cycles; ISO 9283 asks for 10" in analysis.warnings
+
+
+@pytest.mark.parametrize("absent", ["tool_reference", "tool_pose"])
+def test_without_a_tool_topic_only_the_motor_side_is_told(make_run, absent):
+    analysis = analyse(replace(make_run(), **{absent: None}))
+    assert analysis.path is None
+    assert analysis.motors[0].tracking is not None
+    assert f"the log has no {absent}, so only the motor side of the error can be told" in analysis.warnings
+
+
+def test_without_reference_and_commands_timing_remains(make_run):
+    analysis = analyse(replace(make_run(), joint_reference=None, joint_commands=None))
+    assert analysis.timing.topic("joint_states") is not None
+    assert "the log has no joint_reference with positions, so motor tracking cannot be told" in analysis.warnings
+    assert "the log has no feedforward torque, so the share of the feedback cannot be told" in analysis.warnings
+
+
+def test_a_reference_too_coarse_for_the_error_is_warned_of(make_run):
+    log = make_run(error=1e-5)
+    reference = log.tool_reference
+    ellipse = reference.position * np.array([1.0, 1.0, 1.2])
+    coarse = PoseSeries(reference.stamp[::16], "base", ellipse[::16], reference.orientation[::16])
+    pose = replace(log.tool_pose, position=log.tool_pose.position * np.array([1.0, 1.0, 1.2]))
+    warnings = analyse(replace(log, tool_pose=pose, tool_reference=coarse)).warnings
+    assert any("may leave the chords between its samples by" in warning for warning in warnings)
+
+
+def test_a_tool_at_rest_has_an_error_but_no_performance(make_run):
+    log = make_run()
+    still = replace(log.tool_reference, position=np.repeat(log.tool_reference.position[:1], 1001, axis=0))
+    analysis = analyse(replace(log, tool_reference=still))
+    assert analysis.path is not None
+    assert analysis.performance is None
+    assert "the commanded tool position never moves, so path accuracy cannot be told" in analysis.warnings
+
+
+def test_json_holds_the_same_figures(make_run):
+    analysis = analyse(make_run(cycles=2))
+    written = json.loads(json.dumps(analysis.as_dict(), allow_nan=False))
+    assert written["path"]["path_error_m"]["max"] == analysis.path.path.maximum
+    assert written["performance"]["RT_p_m"] == analysis.performance.position_repeatability
+    assert written["motors"]["motor_2"]["feedback_share"] == analysis.motors[1].feedback_share
+    assert written["timing"]["topics"]["joint_states"]["count"] == len(analysis.path.run.time)
+    assert written["provenance"]["robot"]["name"] == "e12"
