@@ -9,6 +9,7 @@ from flexros.errors import InputError
 ENCAPSULATION = b"\x00\x01\x00\x00"
 """First four bytes of a message in little-endian CDR, as all ROS 2 middlewares on little-endian machines write it."""
 
+_OPTIONS = (2, 4)
 _REPRESENTATIONS = {0: (">", 8), 1: ("<", 8), 6: (">", 4), 7: ("<", 4)}
 
 
@@ -19,8 +20,8 @@ class MessageError(InputError):
 class CdrCursor:
     """Reads one serialised message from the front; every claimed size is checked before it is used.
 
-    Bytes behind the last member are no error: rclpy's serialize_message leaves some there, uninitialised, because it sizes
-    its result by an estimate.
+    Fast CDR leaves padding uninitialised, so two equal messages differ in those bytes. Bytes behind the last member are
+    no error: rclpy's serialize_message sizes its result by an estimate.
 
     Args:
         payload: The message with its four bytes of encapsulation.
@@ -29,6 +30,7 @@ class CdrCursor:
         position: Offset of the next byte, counted from the start of the payload.
         order: Byte order of the numbers, "<" or ">".
         widest: Largest alignment: 8 in CDR 1, 4 in CDR 2 [byte].
+        padding: Begin and end of the bytes that have no meaning, in order.
     """
 
     def __init__(self, payload: bytes | memoryview) -> None:
@@ -40,6 +42,7 @@ class CdrCursor:
         self.payload = payload
         self.position = 4
         self.order, self.widest = _REPRESENTATIONS[payload[1]]
+        self.padding = [_OPTIONS]
         self._uint32 = struct.Struct(self.order + "I")
 
     def skip(self, n_bytes: int, what: str) -> int:
@@ -55,7 +58,10 @@ class CdrCursor:
 
     def align(self, size: int) -> None:
         """Step to the next multiple of `size` [byte], counted from behind the encapsulation."""
-        self.position += -(self.position - 4) % min(size, self.widest)
+        n_bytes = -(self.position - 4) % min(size, self.widest)
+        if n_bytes:
+            self.padding.append((self.position, self.position + n_bytes))
+            self.position += n_bytes
 
     def uint32(self, what: str) -> int:
         """Read an unsigned integer."""
@@ -89,14 +95,23 @@ class CdrCursor:
 
 
 class CdrBuilder:
-    """Writes the constant parts of a message in little-endian CDR 1."""
+    """Writes the constant parts of a message in little-endian CDR 1.
+
+    Attributes:
+        data: The message so far.
+        padding: Begin and end of the bytes that have no meaning, in order.
+    """
 
     def __init__(self) -> None:
         self.data = bytearray(ENCAPSULATION)
+        self.padding = [_OPTIONS]
 
     def align(self, size: int) -> None:
         """Pad with zeros to a multiple of `size` [byte]."""
-        self.data.extend(bytes(-(len(self.data) - 4) % size))
+        n_bytes = -(len(self.data) - 4) % size
+        if n_bytes:
+            self.padding.append((len(self.data), len(self.data) + n_bytes))
+            self.data.extend(bytes(n_bytes))
 
     def uint32(self, value: int) -> None:
         """Write an unsigned integer."""

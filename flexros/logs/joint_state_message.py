@@ -68,7 +68,7 @@ def joint_state_layout(names: Sequence[str], filled: Iterable[str], frame_id: st
     builder.strings(tuple(names))
     counts = [len(names) if field in filled else 0 for field in FIELDS]
     spans = tuple(Span(builder.doubles(count), count) for count in counts)
-    return JointStateLayout(MessageLayout(bytes(builder.data), spans), tuple(names), frame_id)
+    return JointStateLayout(MessageLayout(bytes(builder.data), spans, tuple(builder.padding)), tuple(names), frame_id)
 
 
 def read_joint_state_layout(payload: bytes | memoryview) -> JointStateLayout:
@@ -91,7 +91,9 @@ def read_joint_state_layout(payload: bytes | memoryview) -> JointStateLayout:
     for field, span in zip(FIELDS, spans, strict=True):
         if span.size not in (0, len(names)):
             raise MessageError(f"a JointState has {len(names)} names but {span.size} values in {field}")
-    return JointStateLayout(MessageLayout(bytes(payload[: cursor.position]), spans, cursor.order), names, frame_id)
+    return JointStateLayout(
+        MessageLayout(bytes(payload[: cursor.position]), spans, tuple(cursor.padding), cursor.order), names, frame_id
+    )
 
 
 class JointStateTemplate:
@@ -183,16 +185,8 @@ class JointStateView:
         n = len(layout.names)
         order = tuple(layout.names.index(name) for name in self.names)
         self._order = None if order == tuple(range(n)) else order
-        self._unpack, self._size = layout.message.packer.unpack_from, layout.message.packer.size
-        self._constants = layout.message.constants
-        # places of constants and of numbers in the tuple that unpack gives
-        self._slices = []
-        self._places = [0]
-        at = 3
-        for span in layout.message.spans:
-            self._places.append(at)
-            self._slices.append(slice(at + 1, at + 1 + span.size) if span.size else None)
-            at += 1 + span.size
+        self._unpack, self._known, self._pick_constants, self._stamp, slices = layout.message.unpacking
+        self._slices = [place if place.stop else None for place in slices]
 
     def _pick(self, values: tuple[Any, ...], place: slice | None) -> tuple[float, ...] | None:
         if place is None:
@@ -200,20 +194,11 @@ class JointStateView:
         span = values[place]
         return span if self._order is None else tuple([span[i] for i in self._order])
 
-    def _fields(self, payload: bytes | memoryview) -> tuple[Any, ...] | None:
-        if len(payload) < self._size:
+    def _values(self, payload: bytes | memoryview) -> tuple[Any, ...] | None:
+        if len(payload) < self._unpack.size:
             return None
-        values = self._unpack(payload)
-        start, position, velocity, effort = self._places
-        known = self._constants
-        if (
-            values[position] == known[1]
-            and values[velocity] == known[2]
-            and values[effort] == known[3]
-            and values[start] == known[0]
-        ):
-            return values
-        return None
+        values = self._unpack.unpack_from(payload)
+        return values if self._pick_constants(values) == self._known else None
 
     def unpack(self, payload: bytes | memoryview) -> JointStateSample:
         """Decode a message.
@@ -227,13 +212,13 @@ class JointStateView:
         Raises:
             MessageError: The bytes are not a JointState or lack a joint.
         """
-        values = self._fields(payload)
+        values = self._values(payload)
         if values is None:
             self._learn(read_joint_state_layout(payload))
-            values = self._unpack(payload)
+            values = self._unpack.unpack_from(payload)
         position, velocity, effort = self._slices
         return JointStateSample(
-            values[1] * NANOSECONDS + values[2],
+            values[self._stamp] * NANOSECONDS + values[self._stamp + 1],
             self._pick(values, position),
             self._pick(values, velocity),
             self._pick(values, effort),

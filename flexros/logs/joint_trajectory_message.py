@@ -158,12 +158,12 @@ def _first_sizes(cursor: CdrCursor, n_names: int) -> tuple[int, ...]:
 
 
 def _records(cursor: CdrCursor, n: int, layout: _PointLayout, sizes: Sequence[int]) -> NDArray[np.void]:
-    start = cursor.skip(n * layout.record.itemsize, f"{n} points")
+    start = cursor.skip(n * layout.record.itemsize, f"{n} points that fill the same fields")
     points: NDArray[np.void] = np.frombuffer(cursor.payload, layout.record, n, start)
     for field, size in zip(FIELDS, sizes, strict=True):
         if np.any(points[f"{field}_size"] != size):
             raise MessageError(
-                f"the points of a JointTrajectory differ in the length of {field}; fill it in all or none"
+                "the points of a JointTrajectory differ in the fields that they fill; fill a field in all or in none"
             )
     return points
 

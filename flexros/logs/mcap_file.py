@@ -24,7 +24,7 @@ from mcap.records import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from flexros.logs.chunk import Chunk
@@ -53,6 +53,8 @@ class McapFile:
         self._chunks: list[ChunkIndex] = []
         self._counts: list[Counter[int]] = []
         self._counted: Counter[int] = Counter()
+        self._last_chunk = b""
+        self._finished = False
         try:
             self._append(MAGIC + _record(Header("ros2", LIBRARY)))
         except OSError:
@@ -135,28 +137,52 @@ class McapFile:
             compressed_size=len(compressed),
             uncompressed_size=len(chunk.records),
         )
-        self._append(b"".join(parts))
+        block = b"".join(parts)
+        self._append(block)
+        self._last_chunk = block
         self._chunks.append(summary)
         self._counts.append(Counter({number: len(entries) for number, entries in chunk.index.items()}))
         self._counted += self._counts[-1]
 
-    def drop_last_chunk(self) -> None:
-        """Give the space of the last chunk back, so that the summary fits on a full disk."""
-        if self._chunks:
-            self._counted -= self._counts.pop()
-            self._cut(self._chunks.pop().chunk_start_offset)
+    def finish_in_less_space(self, metadata_name: str, metadata: Callable[[], Mapping[str, str]]) -> bool:
+        """Give up the last chunk for the summary, on a full disk. `close` must follow.
+
+        Args:
+            metadata_name: As in `finish`.
+            metadata: Makes the metadata from the counts without that chunk.
+
+        Returns:
+            Whether that was enough; if not, the chunk is back, and readers must scan the file.
+        """
+        if not self._chunks:
+            return False
+        chunk, counts, last = self._chunks.pop(), self._counts.pop(), self._last_chunk
+        self._counted -= counts
+        self._cut(chunk.chunk_start_offset)
+        try:
+            self.finish(metadata_name, metadata())
+        except OSError:
+            self._append(last)
+            self._chunks.append(chunk)
+            self._counts.append(counts)
+            self._counted += counts
+            return False
+        return True
 
     def finish(self, metadata_name: str, metadata: Mapping[str, str]) -> None:
-        """Write a Metadata record, the summary and the footer. `close` must follow.
+        """Write a Metadata record, the summary and the footer, once. `close` must follow.
 
         Raises:
             OSError: They do not fit; the file is as before.
         """
+        if self._finished:
+            return
         end = self._end
         record = _record(Metadata(name=metadata_name, metadata=dict(metadata)))
         place = MetadataIndex(offset=end, length=len(record), name=metadata_name)
         head = record + _record(DataEnd(0))
         self._append(head + self._summary(end + len(head), place))
+        self._finished = True
 
     def _summary(self, start: int, place: MetadataIndex) -> bytes:
         first, last = self.time_range

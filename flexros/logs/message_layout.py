@@ -5,14 +5,15 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from flexros.logs.stamps import NANOSECONDS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -31,6 +32,24 @@ class Span(NamedTuple):
     size: int
 
 
+class Unpacking(NamedTuple):
+    """How one message is taken apart; `unpack_from` gives a flat tuple.
+
+    Attributes:
+        struct: Skips padding.
+        constants: What the constant bytes must be.
+        pick_constants: Takes them out of the tuple.
+        stamp: Place of the seconds in the tuple; the nanoseconds follow.
+        spans: Places of the numbers of each span.
+    """
+
+    struct: struct.Struct
+    constants: tuple[bytes, ...]
+    pick_constants: Callable[[tuple[Any, ...]], tuple[bytes, ...]]
+    stamp: int
+    spans: tuple[slice, ...]
+
+
 @dataclass(frozen=True)
 class MessageLayout:
     """Where the changing numbers of a message lie, and the bytes between them.
@@ -38,16 +57,18 @@ class MessageLayout:
     Attributes:
         image: A message of this layout up to its last member; the numbers in it have no meaning.
         spans: Doubles that change, in order and behind the stamp.
+        padding: Begin and end of the bytes that have no meaning, in order: senders leave anything there.
         order: Byte order of the numbers, "<" or ">".
     """
 
     image: bytes
     spans: tuple[Span, ...]
+    padding: tuple[tuple[int, int], ...]
     order: str = "<"
 
     @cached_property
     def constants(self) -> tuple[bytes, ...]:
-        """The bytes before the stamp and before each span."""
+        """The bytes before the stamp and before each span, padding included."""
         edges = [0, STAMP_OFFSET, STAMP_OFFSET + _STAMP_SIZE]
         for span in self.spans:
             edges += [span.offset, span.offset + 8 * span.size]
@@ -58,6 +79,32 @@ class MessageLayout:
         """Packs a constant, seconds, nanoseconds, then a constant and the numbers of each span."""
         spans = "".join(f"{len(c)}s{span.size}d" for c, span in zip(self.constants[1:], self.spans, strict=True))
         return struct.Struct(f"{self.order}{len(self.constants[0])}siI{spans}")
+
+    @cached_property
+    def fixed(self) -> tuple[tuple[int, int], ...]:
+        """Begin and end of the bytes that all messages of this layout have in common."""
+        changing = [
+            (STAMP_OFFSET, STAMP_OFFSET + _STAMP_SIZE),
+            *((s.offset, s.offset + 8 * s.size) for s in self.spans),
+        ]
+        free = sorted([*self.padding, *changing, (len(self.image), len(self.image))])
+        begins = [0, *(end for _, end in free)]
+        return tuple((a, b) for a, (b, _) in zip(begins, free, strict=False) if b > a)
+
+    @cached_property
+    def unpacking(self) -> Unpacking:
+        """How one message of this layout is taken apart."""
+        parts = [(a, f"{b - a}s", 1) for a, b in self.fixed] + [(a, f"{b - a}x", 0) for a, b in self.padding]
+        parts += [(STAMP_OFFSET, "iI", 2)] + [(s.offset, f"{s.size}d", s.size) for s in self.spans if s.size]
+        parts.sort()
+        first = dict(zip((p[0] for p in parts), np.cumsum([0, *(p[2] for p in parts)]).tolist(), strict=False))
+        return Unpacking(
+            struct.Struct(self.order + "".join(code for _, code, _ in parts)),
+            tuple(self.image[a:b] for a, b in self.fixed),
+            itemgetter(*(first[a] for a, _ in self.fixed)),
+            first[STAMP_OFFSET],
+            tuple(slice(first[s.offset], first[s.offset] + s.size) if s.size else slice(0) for s in self.spans),
+        )
 
     @cached_property
     def record(self) -> np.dtype[np.void]:
@@ -78,16 +125,13 @@ class MessageLayout:
             messages: Serialised messages of equal length, shape (n, length); bytes behind the last member are ignored.
 
         Returns:
-            Whether each has the same bytes outside the stamp and the spans, shape (n,).
+            Whether each has the same bytes outside the stamp, the spans and the padding, shape (n,).
         """
         same = np.full(len(messages), messages.shape[1] >= len(self.image))
-        at = 0
-        changing = (_STAMP_SIZE, *(8 * span.size for span in self.spans))
-        for constant, n_changing in zip(self.constants, changing, strict=True):
-            if same.any():
-                block = messages[:, at : at + len(constant)]
-                same &= (block == np.frombuffer(constant, np.uint8)).all(axis=1)
-            at += len(constant) + n_changing
+        for begin, end in self.fixed:
+            if not same.any():
+                break
+            same &= (messages[:, begin:end] == np.frombuffer(self.image[begin:end], np.uint8)).all(axis=1)
         return same
 
     def _records(self, messages: NDArray[np.uint8]) -> NDArray[np.void]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -55,7 +55,9 @@ def pose_stamped_layout(frame_id: str) -> PoseStampedLayout:
     builder.align(8)
     start = len(builder.data)
     builder.data.extend(bytes(8 * _N_POSE))
-    return PoseStampedLayout(MessageLayout(bytes(builder.data), (Span(start, _N_POSE),)), frame_id)
+    return PoseStampedLayout(
+        MessageLayout(bytes(builder.data), (Span(start, _N_POSE),), tuple(builder.padding)), frame_id
+    )
 
 
 def read_pose_stamped_layout(payload: bytes | memoryview) -> PoseStampedLayout:
@@ -75,7 +77,9 @@ def read_pose_stamped_layout(payload: bytes | memoryview) -> PoseStampedLayout:
     frame_id = cursor.string("header.frame_id")
     cursor.align(8)
     span = Span(cursor.skip(8 * _N_POSE, "pose"), _N_POSE)
-    return PoseStampedLayout(MessageLayout(bytes(payload[: cursor.position]), (span,), cursor.order), frame_id)
+    return PoseStampedLayout(
+        MessageLayout(bytes(payload[: cursor.position]), (span,), tuple(cursor.padding), cursor.order), frame_id
+    )
 
 
 class PoseStampedTemplate:
@@ -123,7 +127,11 @@ class PoseStampedView:
     """Reads PoseStamped messages of one topic, remembering the layout of the last one."""
 
     def __init__(self) -> None:
-        self._layout = pose_stamped_layout("")
+        self._learn(pose_stamped_layout(""))
+
+    def _learn(self, layout: PoseStampedLayout) -> None:
+        self._frame_id = layout.frame_id
+        self._unpack, self._known, self._pick_constants, self._stamp, (self._pose,) = layout.message.unpacking
 
     def unpack(self, payload: bytes | memoryview) -> PoseSample:
         """Decode a message.
@@ -139,13 +147,14 @@ class PoseStampedView:
         """
         values = self._values(payload)
         if values is None:
-            self._layout = read_pose_stamped_layout(payload)
-            values = self._layout.message.packer.unpack_from(payload)
-        return PoseSample(values[1] * NANOSECONDS + values[2], self._layout.frame_id, values[4:7], values[7:11])
+            self._learn(read_pose_stamped_layout(payload))
+            values = self._unpack.unpack_from(payload)
+        pose = values[self._pose]
+        stamp = values[self._stamp] * NANOSECONDS + values[self._stamp + 1]
+        return PoseSample(stamp, self._frame_id, pose[:3], pose[3:])
 
-    def _values(self, payload: bytes | memoryview) -> tuple[int, ...] | None:
-        layout = self._layout.message
-        if len(payload) < len(layout.image):
+    def _values(self, payload: bytes | memoryview) -> tuple[Any, ...] | None:
+        if len(payload) < self._unpack.size:
             return None
-        values = layout.packer.unpack_from(payload)
-        return values if (values[0], values[3]) == layout.constants else None
+        values = self._unpack.unpack_from(payload)
+        return values if self._pick_constants(values) == self._known else None

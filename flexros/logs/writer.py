@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -263,34 +263,33 @@ class LogWriter:
     def _write_metadata(self) -> None:
         self._bag_metadata().write(self.folder)
 
-    def _finish(self) -> None:
-        self._file.finish("rosbag2", {"serialized_metadata": as_yaml(self._bag_metadata().content())})
-        self._write_metadata()
+    def _serialised_metadata(self) -> dict[str, str]:
+        return {"serialized_metadata": as_yaml(self._bag_metadata().content())}
 
-    def _fail(self, error: OSError) -> None:
+    def _fail(self, error: OSError) -> NoReturn:
         """Close the log at its last complete chunk that leaves room for the summary, and raise."""
         self._thread.shutdown(cancel_futures=True)
         self._waiting.clear()
+        self._gather()
         self._closed = True
+        lacking = []
         try:
-            self._finish()
+            self._file.finish("rosbag2", self._serialised_metadata())
         except OSError:
-            self._finish_in_less_space()
+            if not self._file.finish_in_less_space("rosbag2", self._serialised_metadata):
+                lacking.append("summary")
         self._file.close()
+        try:
+            self._write_metadata()
+        except OSError:
+            lacking.append("up-to-date metadata.yaml")
         count, last = sum(self._file.counts.values()), self._file.time_range[1] / NANOSECONDS
+        note = f" (without {' and '.join(lacking)})" if lacking else ""
         self._failure = RunError(
             f"cannot write the log {self.folder}: {error.strerror}; its {count} messages up to {last:.3f} s "
-            f"are readable; make space and run again"
+            f"are readable{note}; make space and run again"
         )
-        self._gather()
         raise self._failure from error
-
-    def _finish_in_less_space(self) -> None:
-        self._file.drop_last_chunk()
-        try:
-            self._finish()
-        except OSError:  # then the file stays without summary: readers scan it, the first error is reported
-            return
 
     def close(self, provenance: Mapping[str, Any] | None = None) -> None:
         """Write what is left, the summary and metadata.yaml. Closing twice does nothing.
@@ -307,7 +306,8 @@ class LogWriter:
         self._closed = True
         self._thread.shutdown()
         try:
-            self._finish()
+            self._file.finish("rosbag2", self._serialised_metadata())
+            self._write_metadata()
             if provenance is not None:
                 write_whole(self.folder / PROVENANCE_FILE, _as_json(provenance))
         except OSError as error:

@@ -1,0 +1,126 @@
+from __future__ import annotations
+
+import pytest
+from pydantic import ValidationError
+
+from flexros.config.location import data_folder
+from flexros.config.topics import load_qos, load_topics, read_qos, read_topics
+from flexros.errors import InputError
+from flexros.logs.schemas import message_schema, signature
+
+CONTRACT = {
+    "joint_states": "sensor_msgs/msg/JointState",
+    "joint_commands": "sensor_msgs/msg/JointState",
+    "joint_reference": "sensor_msgs/msg/JointState",
+    "tool_pose": "geometry_msgs/msg/PoseStamped",
+    "tool_reference": "geometry_msgs/msg/PoseStamped",
+}
+
+
+def test_topics_of_the_contract_have_their_types_and_are_recorded():
+    topics = load_topics()
+    assert {name: topics[name].type for name in CONTRACT} == CONTRACT
+    assert all(topics[name].recorded and topics[name].name == name for name in CONTRACT)
+
+
+def test_further_topics():
+    topics = load_topics()
+    assert {n: (topics[n].name, topics[n].type, topics[n].rate) for n in set(topics) - set(CONTRACT)} == {
+        "joint_reference_ahead": ("joint_reference_ahead", "trajectory_msgs/msg/JointTrajectory", None),
+        "joint_trajectory": ("joint_trajectory", "trajectory_msgs/msg/JointTrajectory", None),
+        "clock": ("/clock", "rosgraph_msgs/msg/Clock", 100.0),
+        "diagnostics": ("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", 1.0),
+    }
+
+
+@pytest.mark.parametrize("name", sorted(load_topics()))
+def test_fields_exist_in_the_message(name):
+    """Every field with a unit is a field of the type, so that a renamed field cannot stay here."""
+    topic = load_topics()[name]
+
+    def names(fields, prefix=""):
+        for field, kind, _ in fields:
+            yield prefix + field
+            if isinstance(kind, tuple):
+                yield from names(kind, f"{prefix}{field}.")
+
+    assert set(topic.fields) <= set(names(signature(topic.type, message_schema(topic.type).text)))
+
+
+def test_loop_and_observer_profiles():
+    profiles = load_qos()
+    loop, observer = profiles["loop"], profiles["observer"]
+    assert (loop.reliability, loop.history, loop.depth, loop.durability) == ("reliable", "keep_last", 10, "volatile")
+    assert observer.reliability == "reliable"
+    assert observer.depth >= 2000
+
+
+def test_publishers_of_recorded_topics_hold_a_second():
+    """keep_last overwrites even when reliable, at both ends."""
+    for topic in load_topics().values():
+        if topic.recorded and topic.rate is not None:
+            assert topic.qos.depth >= topic.rate, topic.name
+
+
+def test_nobody_consumes_what_it_produces():
+    assert all(topic.producer not in topic.consumers for topic in load_topics().values())
+
+
+def test_topics_are_frozen():
+    with pytest.raises(ValidationError, match="frozen"):
+        load_topics()["clock"].rate = 1.0
+
+
+ROW = """
+joint_states:
+  description: x
+  type: sensor_msgs/msg/JointState
+  rate: 2000.0
+  qos: loop
+  recorded: true
+  required: true
+  producer: plant
+  consumers: []
+  fields: {position: {unit: rad, meaning: x}}
+"""
+
+
+def read(tmp_path, text):
+    (tmp_path / "topics.yaml").write_text(text)
+    return read_topics(tmp_path / "topics.yaml", load_qos())
+
+
+def test_subscriptions_use_the_publishers_profile_unless_told(tmp_path):
+    topic = read(tmp_path, ROW)["joint_states"]
+    assert topic.qos is topic.subscription_qos
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("rate: 2000.0", "rate: -1"), r"key joint_states.rate: input should be greater than 0, given was -1"),
+        (("rate: 2000.0", "rate: .nan"), r"key joint_states.rate: .*, given was nan"),
+        (("rate:", "speed:"), r"key joint_states.(speed|rate): "),
+        (("producer: plant", "producer: plnt"), r"key joint_states.producer: input should be 'plant', .* was 'plnt'"),
+        (("qos: loop", "qos: lop"), r"unknown QoS profile 'lop' in .*joint_states.qos: did you mean 'loop'"),
+        (("sensor_msgs/msg/JointState", "JointState"), r"key joint_states.type: .* given was 'JointState'"),
+        (("unit: rad, ", ""), r"key joint_states.fields.position.unit: field required"),
+    ],
+)
+def test_mistake_is_named_with_file_and_key(tmp_path, change, message):
+    assert change[0] in ROW
+    with pytest.raises(InputError, match=message) as caught:
+        read(tmp_path, ROW.replace(*change))
+    assert "topics.yaml" in str(caught.value)
+
+
+def test_row_that_is_no_mapping_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"key joint_states: allowed is a name with a mapping of keys"):
+        read(tmp_path, "joint_states: 3\n")
+
+
+def test_mistake_in_a_profile_is_named(tmp_path):
+    text = (data_folder("msgs_config") / "qos.yaml").read_text().replace("depth: 2000", "depth: 0")
+    (tmp_path / "qos.yaml").write_text(text)
+    with pytest.raises(InputError, match=r"qos.yaml, key observer.depth: input should be greater than or equal to 1"):
+        read_qos(tmp_path / "qos.yaml")
