@@ -1,0 +1,89 @@
+"""All nodes in one process with one executor: the fastest layout."""
+
+from __future__ import annotations
+
+import os
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import rclpy
+from rclpy.context import Context
+from rclpy.task import Future
+
+from flexros_nodes.controller import ControllerNode
+from flexros_nodes.domain import DOMAIN_VARIABLE
+from flexros_nodes.executable import bring_up, close
+from flexros_nodes.feedforward import FeedforwardNode
+from flexros_nodes.plant import PlantNode
+from flexros_nodes.recorder import RecorderNode
+from flexros_nodes.run_plan import DRAIN_TIMEOUT, RunSummary, last_stamp, summarise
+from flexros_nodes.spinning import make_executor, spin
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rclpy.executors import Executor
+
+    from flexros_nodes.interruption import Interruption
+    from flexros_nodes.node_base import FlexrosNode
+    from flexros_nodes.run_plan import RunPlan
+
+NODE_CLASSES: dict[str, type[FlexrosNode]] = {
+    node.node_name: node for node in (RecorderNode, FeedforwardNode, ControllerNode, PlantNode)
+}
+
+
+def run_composed(plan: RunPlan, interrupted: Interruption) -> RunSummary:
+    """Run all nodes of a plan in this process.
+
+    Args:
+        plan: What to run.
+        interrupted: Tells whether the user wants an end.
+
+    Returns:
+        Summary of the run.
+
+    Raises:
+        InputError: A parameter is not allowed.
+    """
+    context = Context()
+    rclpy.init(context=context, args=[], domain_id=int(os.environ[DOMAIN_VARIABLE]))
+    nodes: list[FlexrosNode] = []
+    executor = make_executor(context)
+    try:
+        for name in plan.nodes:
+            nodes.append(NODE_CLASSES[name](context=context, values=plan.values(name)))
+            executor.add_node(nodes[-1])
+        _work(plan, nodes, executor, interrupted)
+        reports = {node.node_name: close(node) for node in reversed(nodes)}
+        return summarise(reports, plan.folder, "composed", interrupted=interrupted())
+    finally:
+        for node in nodes:
+            close(node)
+        executor.shutdown()
+        for node in nodes:
+            node.destroy_node()
+        rclpy.try_shutdown(context=context)
+
+
+def _work(plan: RunPlan, nodes: Sequence[FlexrosNode], executor: Executor, interrupted: Interruption) -> None:
+    """Bring the nodes up, spin until one ends, and let the recorder write what is on its way."""
+    stop: Future = Future()
+    for node in nodes:
+        node.on_end = lambda _: stop.set_result(None)
+    for node in nodes:
+        node.trigger_configure()
+        if node.report is not None or interrupted():
+            return
+    for node in nodes:
+        node.trigger_activate()
+        if node.report is not None:
+            return
+    plant = nodes[-1]
+    spin(executor, stop, interrupted, plant if plan.real_time else None)
+    recorder = nodes[0] if plan.folder is not None else None
+    if plant.report is not None and recorder is not None:
+        end = last_stamp(plant.report)
+        deadline = monotonic() + DRAIN_TIMEOUT
+        while recorder.report is None and recorder.confirmed < end and monotonic() < deadline and not interrupted():
+            executor.spin_once(timeout_sec=0.05)

@@ -1,0 +1,180 @@
+"""Controller node: answers each measurement with the command of the scenario's control law."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from flexros.errors import FlexrosError, RunError
+from flexros.logs.joint_state_message import JointStateTemplate, JointStateView
+from flexros.logs.joint_trajectory_message import JointTrajectoryChunk, read_joint_trajectory
+from flexros.logs.stamps import NANOSECONDS
+from flexros_nodes.executable import run_node
+from flexros_nodes.lockstep import Arrival, ControllerLockStep
+from flexros_nodes.message_loss import MessageLoss
+from flexros_nodes.node_base import FlexrosNode
+from flexros_nodes.parameters import ParameterSpecification
+from flexros_nodes.prepared_run import prepared_run
+from flexros_nodes.reference_buffer import ReferenceBuffer
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from flexros_nodes.parameters import Value
+
+
+class ControllerNode(FlexrosNode):
+    """The feedback controller of a scenario: a function of stamp, measurement, reference and own state.
+
+    It answers sample k once it holds the reference of k, sends its last reply again when a stamp is repeated, and drops
+    older stamps. It never reads a clock.
+    """
+
+    node_name = "controller"
+
+    def configure(self) -> None:
+        """Prepare the control law, publishers and subscriptions; declare the gains."""
+        run = prepared_run(self.value("scenario"))
+        self._names = run.nominal.joint_names
+        self._n_motors = len(self._names)
+        self._controller = run.controller()
+        self._declare_gains()
+        self._view = JointStateView(self._names)
+        self._command_message = JointStateTemplate(self._names, effort=True)
+        self._reference_message = JointStateTemplate(self._names, position=True, velocity=True, effort=True)
+        self._buffer = ReferenceBuffer(self._n_motors, run.sample_time)
+        self._lockstep = ControllerLockStep(run.sample_time)
+        self._loss = MessageLoss(self.value("drop_fraction"), self.value("drop_seed"))
+        self._drops: Callable[[], bool] | None = self._loss.drops if self.value("drop_fraction") else None
+        self._pending: tuple[float, ...] | None = None
+        self._reply: tuple[bytes, bytes] | None = None
+        self._found = False
+        self._answered = self._waits = 0
+        self._commands = self.announce("joint_commands")
+        self._references = self.announce("joint_reference")
+        self.listen("joint_states", self._on_state)
+        self.listen("joint_reference_ahead", self._on_chunk)
+        self.listen("joint_trajectory", self._on_trajectory)
+
+    def _declare_gains(self) -> None:
+        gains = self._controller.gains
+        self._gain_names = self._controller.law.gain_names(self._n_motors)
+        self.declare(
+            {
+                name: ParameterSpecification(
+                    type="double",
+                    default=float(gain),
+                    unit="",
+                    description=f"Gain {name} of the control law {self._controller.law.kind}, in SI units.",
+                    read_only=False,
+                )
+                for name, gain in zip(self._gain_names, gains, strict=True)
+                if math.isfinite(gain)
+            }
+        )
+        self.parameters_changed({name: self.value(name) for name in self._gain_names if self.has_parameter(name)})
+
+    def parameters_changed(self, values: Mapping[str, Value]) -> None:
+        """Take over changed gains, from the next sample on."""
+        gains = self._controller.gains
+        for i, name in enumerate(self._gain_names):
+            gains[i] = values.get(name, gains[i])
+        self._controller.gains = gains
+
+    def figures(self) -> dict[str, float]:
+        """Give counts of what was answered, repeated and lost."""
+        return {
+            "answered": self._answered,
+            "repeated_states": self._lockstep.repeated,
+            "old_states": self._lockstep.old,
+            "missed_states": self._lockstep.missed,
+            "waits_for_reference": self._waits,
+            "ignored_chunks": self._buffer.ignored,
+            "dropped_on_purpose": self._loss.dropped,
+        }
+
+    # Measurement -> command.
+
+    def _on_state(self, message: bytes) -> None:
+        if self._drops is not None and self._drops():
+            return
+        if not self._found and not self._partners_found():
+            return
+        try:
+            sample = self._view.unpack(message)
+        except FlexrosError as error:
+            raise RunError(f"a measurement on joint_states is refused: {error}") from error
+        arrival = self._lockstep.arrival(sample.stamp_ns)
+        if arrival is Arrival.NEW:
+            if sample.position is None or not math.isfinite(sum(sample.position)):
+                raise RunError(
+                    f"the measurement at stamp {sample.stamp_ns / NANOSECONDS:.4f} s is refused: its position is "
+                    f"{'empty' if sample.position is None else list(sample.position)}, needed is one finite number for "
+                    f"each of {', '.join(self._names)}"
+                )
+            self._pending = sample.position
+            self._answer()
+        elif arrival is Arrival.REPEATED and self._pending is None and self._reply is not None:
+            self._publish(*self._reply)
+
+    def _partners_found(self) -> bool:
+        """Tell whether plant and recorders would hear a reply; until then the plant repeats its first state."""
+        observers = self.value("observers")
+        self._found = (
+            self._commands.get_subscription_count() > observers
+            and self._references.get_subscription_count() >= observers
+        )
+        return self._found
+
+    def _answer(self) -> None:
+        """Answer the newest measurement if its reference is there."""
+        position = self._pending
+        if position is None:
+            return
+        stamp = self._lockstep.last
+        reference = self._buffer.take(stamp)
+        if reference is None:
+            self._waits += 1
+            return
+        command = self._controller.step(position, reference)
+        self._pending = None
+        self.stamp = stamp
+        self._answered += 1
+        n = self._n_motors
+        values = reference.tolist()
+        self._reply = (
+            self._command_message.fill(stamp, effort=command),
+            self._reference_message.fill(stamp, values[:n], values[n : 2 * n], values[2 * n :]),
+        )
+        self._publish(*self._reply)
+
+    def _publish(self, command: bytes, reference: bytes) -> None:
+        self._commands.publish(command)
+        self._references.publish(reference)
+
+    # Reference.
+
+    def _on_chunk(self, message: bytes) -> None:
+        if self._drops is not None and self._drops():
+            return
+        self._buffer.append(self._read(message, "joint_reference_ahead"))
+        self._answer()
+
+    def _on_trajectory(self, message: bytes) -> None:
+        self._buffer.replace(self._read(message, "joint_trajectory"))
+        self._answer()
+
+    def _read(self, message: bytes, name: str) -> JointTrajectoryChunk:
+        try:
+            return read_joint_trajectory(message).in_order(self._names)
+        except FlexrosError as error:
+            raise RunError(f"a message on {name} is refused: {error}") from error
+
+
+def main() -> int:
+    """Run the node as an executable."""
+    return run_node(ControllerNode)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

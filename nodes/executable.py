@@ -1,0 +1,81 @@
+"""A node as a process of its own, as `ros2 run` and the layout of processes start it."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+
+from flexros.errors import FlexrosError
+from flexros_nodes.interruption import interruption
+from flexros_nodes.report import NodeReport
+from flexros_nodes.spinning import make_executor, spin
+
+if TYPE_CHECKING:
+    from flexros_nodes.interruption import Interruption
+    from flexros_nodes.node_base import FlexrosNode
+
+PARENT_PERIOD = 0.25
+"""Period at which a node looks whether its parent still lives [s]."""
+
+
+def run_node(node_class: type[FlexrosNode], arguments: list[str] | None = None) -> int:
+    """Run one node until it ends, is shut down or interrupted.
+
+    Args:
+        node_class: The node.
+        arguments: Command line with ROS arguments; that of the process if None.
+
+    Returns:
+        Exit code: 0 done or interrupted, 2 bad input, 3 broken off.
+    """
+    with interruption() as interrupted:
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            report = _run(node_class, interrupted)
+        except FlexrosError as error:
+            report = NodeReport(node_class.node_name, error.exit_code, str(error))
+        finally:
+            rclpy.try_shutdown()
+    if report.exit_code:
+        print(f"error: {report.message}", file=sys.stderr)
+    return report.exit_code
+
+
+def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport:
+    node = node_class()
+    stop: Future = Future()
+    node.on_end = lambda _: stop.set_result(None)
+    if parent := node.value("parent_process"):
+        node.create_timer(PARENT_PERIOD, lambda: None if os.getppid() == parent else stop.set_result(None))
+    executor = make_executor(None)
+    executor.add_node(node)
+    if node.value("autostart"):
+        bring_up(node)
+    if node.report is None:
+        spin(executor, stop, interrupted, node if node.paced else None)
+    report = close(node)
+    if path := node.value("report_file"):
+        report.write(Path(path))
+    executor.shutdown()
+    node.destroy_node()
+    return report
+
+
+def bring_up(node: FlexrosNode) -> None:
+    """Configure and activate a node; if that fails its report says why."""
+    node.trigger_configure()
+    if node.report is None:
+        node.trigger_activate()
+
+
+def close(node: FlexrosNode) -> NodeReport:
+    """Shut a node down, if it has not ended by itself, and give its report."""
+    if node.report is None:
+        node.trigger_shutdown()
+    return node.report or NodeReport(node.node_name)

@@ -1,0 +1,173 @@
+"""Bookkeeping of the lock-step protocol, free of ROS: which stamp is awaited, what is sent again, who gave up.
+
+The plant publishes the measurement with stamp k T and goes on only when the command with the same stamp has come. The
+controller answers each stamp once, repeats its last reply for a repeated stamp and drops older ones. So the data, not
+the timing, decide what follows, and a run is the same in every executor, process layout and speed.
+"""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+
+HANDSHAKE_PERIOD = 0.1
+"""Time after which state 0 is sent again while the partners find each other [s], chosen."""
+
+
+class Tick(Enum):
+    """What the plant has to do when its watch timer fires."""
+
+    WAIT = auto()
+    RESEND = auto()
+    GIVE_UP = auto()
+
+
+class Arrival(Enum):
+    """What a stamp means to the controller that receives it."""
+
+    NEW = auto()
+    REPEATED = auto()
+    OLD = auto()
+
+
+class PlantLockStep:
+    """The plant's side: one state in flight, sent again after a time-out, given up after a longer one.
+
+    The watch timer calls `tick` at a fixed period. A state counts as unanswered when it has been in flight for at least
+    one whole period, so that nothing in the hot path has to read a clock.
+
+    Args:
+        tick_period: Period of the watch timer [s].
+        partner_timeout: Time without an answer after which the partner counts as gone [s].
+        start_timeout: The same for the first state, while nodes still start [s].
+
+    Attributes:
+        awaited: Stamp of the state in flight [ns], -1 before the first.
+        resends: States sent again after the first reply.
+        handshakes: Times that the first state was sent again.
+        duplicates: Commands that came for a stamp already answered.
+    """
+
+    def __init__(self, tick_period: float, partner_timeout: float, start_timeout: float) -> None:
+        self.awaited = -1
+        self.resends = 0
+        self.handshakes = 0
+        self.duplicates = 0
+        self._tick_period = tick_period
+        self._partner_timeout = partner_timeout
+        self._start_timeout = start_timeout
+        self._started = False
+        self._seen = -1
+        self._silence = 0.0
+        self._since_sent = 0.0
+
+    @property
+    def silence(self) -> float:
+        """Time since the watch timer saw the state in flight for the first time [s]."""
+        return self._silence
+
+    def sent(self, stamp: int) -> None:
+        """Note that the state with this stamp [ns] is in flight."""
+        self._started = self._started or self.awaited >= 0
+        self.awaited = stamp
+
+    def answers(self, stamp: int) -> bool:
+        """Tell whether a command's stamp [ns] answers the state in flight; counts it as a duplicate if not."""
+        if stamp == self.awaited:
+            return True
+        self.duplicates += 1
+        return False
+
+    def hold(self) -> None:
+        """Start the silence anew: the plant itself keeps the loop waiting."""
+        self._seen = -1
+
+    def tick(self) -> Tick:
+        """Decide what to do, once per period of the watch timer."""
+        if self._seen != self.awaited:
+            self._seen = self.awaited
+            self._silence = self._since_sent = 0.0
+            return Tick.WAIT
+        self._silence += self._tick_period
+        self._since_sent += self._tick_period
+        if self._silence >= (self._partner_timeout if self._started else self._start_timeout):
+            return Tick.GIVE_UP
+        if not self._started and self._since_sent < HANDSHAKE_PERIOD * (1.0 - 1e-9):
+            return Tick.WAIT
+        self._since_sent = 0.0
+        if self._started:
+            self.resends += 1
+        else:
+            self.handshakes += 1
+        return Tick.RESEND
+
+
+class ControllerLockStep:
+    """The controller's side: what an arriving stamp means.
+
+    Args:
+        sample_time: Time between two samples [s].
+
+    Attributes:
+        last: Newest stamp [ns], -1 before the first.
+        repeated: States that came again.
+        old: States older than the newest, dropped.
+        missed: Samples skipped between two new states; none in lock-step.
+    """
+
+    def __init__(self, sample_time: float) -> None:
+        self.last = -1
+        self.repeated = 0
+        self.old = 0
+        self.missed = 0
+        self._sample_ns = sample_time * 1e9
+
+    def arrival(self, stamp: int) -> Arrival:
+        """Classify a stamp [ns] and remember it when it is new."""
+        last = self.last
+        if stamp > last:
+            if last >= 0:
+                self.missed += round((stamp - last) / self._sample_ns) - 1
+            self.last = stamp
+            return Arrival.NEW
+        if stamp == last:
+            self.repeated += 1
+            return Arrival.REPEATED
+        self.old += 1
+        return Arrival.OLD
+
+
+class RecorderWindow:
+    """Flow control between plant and recorder: how far the loop may run ahead of what is known to be recorded.
+
+    A queue that keeps the last messages overwrites unread ones when its reader falls behind, even with reliable
+    transport. The plant therefore waits in lock-step until the recorder has confirmed.
+
+    Args:
+        window_ns: How far the loop may run ahead [ns]; 0 switches the flow control off.
+
+    Attributes:
+        confirmed: Newest stamp that the recorder has confirmed [ns].
+        waits: Times that the plant had to wait.
+    """
+
+    def __init__(self, window_ns: int) -> None:
+        self.confirmed = 0
+        self.waits = 0
+        self._window_ns = window_ns
+        self._limit: float = float("inf")
+
+    def start(self, stamp: int) -> None:
+        """Begin at the stamp of the first sample [ns]."""
+        self.confirmed = stamp
+        self._limit = stamp + self._window_ns if self._window_ns else float("inf")
+
+    def confirm(self, stamp: int) -> None:
+        """Note that everything up to this stamp [ns] is recorded."""
+        if stamp > self.confirmed:
+            self.confirmed = stamp
+            if self._window_ns:
+                self._limit = stamp + self._window_ns
+
+    def admits(self, stamp: int) -> bool:
+        """Tell whether the sample with this stamp [ns] may be published now."""
+        return stamp <= self._limit

@@ -1,0 +1,298 @@
+"""What all nodes share: parameters, topics, lifecycle, diagnostics and the way a node ends."""
+
+from __future__ import annotations
+
+import traceback
+from abc import abstractmethod
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    ParameterType,
+    SetParametersResult,
+)
+from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import InvalidHandle
+from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
+from rclpy.parameter import Parameter
+
+from flexros.errors import FlexrosError, InputError
+from flexros.logs.stamps import NANOSECONDS, START_NS
+from flexros_nodes.parameters import ParameterSpecification, check_value, node_parameters
+from flexros_nodes.report import NodeReport
+from flexros_nodes.topic_interface import message_class, qos_profile, topic
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from rclpy.context import Context
+    from rclpy.lifecycle import LifecycleState
+    from rclpy.publisher import Publisher
+    from rclpy.timer import Timer
+
+    from flexros_nodes.parameters import Value
+
+_TYPES = {
+    "bool": ParameterType.PARAMETER_BOOL,
+    "int": ParameterType.PARAMETER_INTEGER,
+    "double": ParameterType.PARAMETER_DOUBLE,
+    "string": ParameterType.PARAMETER_STRING,
+}
+
+
+def _descriptor(name: str, specification: ParameterSpecification) -> ParameterDescriptor:
+    unit = f" [{specification.unit}]" if specification.unit else ""
+    descriptor = ParameterDescriptor(
+        name=name,
+        type=_TYPES[specification.type],
+        description=specification.description + unit,
+        additional_constraints="" if specification.allowed is None else "one of " + ", ".join(specification.allowed),
+        read_only=specification.read_only,
+    )
+    if specification.bounds is not None:
+        low, high = specification.bounds
+        if specification.type == "int":
+            descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=0)]
+        else:
+            descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high, step=0.0)]
+    return descriptor
+
+
+class FlexrosNode(LifecycleNode):
+    """Base of all nodes: a lifecycle node that reads its parameters from data and ends with a report.
+
+    How to add a node: write one file in `nodes` with one subclass and `main`, and `msgs_config/<node>.yaml`. It provides:
+
+    1. `node_name`, a class variable: name of the node and of its parameter file.
+    2. `configure`: make the core, publishers and subscriptions; raise InputError or RunError if that cannot be.
+    3. `start` and `stop`: begin and end to work; timers belong here.
+    4. `figures`: what diagnostics and report show.
+
+    Every callback given to `listen` or `every` may raise a FlexrosError: the node then ends with its exit code.
+
+    Args:
+        context: ROS context; the default one if None.
+        values: Parameter values that override files and defaults.
+    """
+
+    node_name: str
+
+    def __init__(self, *, context: Context | None = None, values: Mapping[str, Value] | None = None) -> None:
+        overrides = [Parameter(name, value=value) for name, value in (values or {}).items()]
+        super().__init__(self.node_name, context=context, parameter_overrides=overrides)
+        self.report: NodeReport | None = None
+        self.on_end: Callable[[FlexrosNode], None] | None = None
+        self.active = False
+        self.configured = False
+        self.stamp = START_NS
+        self._specifications: dict[str, ParameterSpecification] = {}
+        self._timers_while_active: list[Timer] = []
+        self._made: list[Callable[[], object]] = []
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.declare(node_parameters(self.node_name))
+        self.add_on_set_parameters_callback(self._check_parameters)
+        self._diagnostics = self.announce("diagnostics")
+        self._made.clear()  # the publisher of diagnostics stays for the node's whole life
+
+    # What a node provides.
+
+    @property
+    def paced(self) -> bool:
+        """Whether whoever spins the node has to call it at the times of its schedule."""
+        return False
+
+    @abstractmethod
+    def configure(self) -> None:
+        """Make core, publishers and subscriptions from the parameters."""
+
+    def start(self) -> None:
+        """Begin to work."""
+
+    def stop(self) -> None:
+        """End to work; called once for every `start`, also after a failure."""
+
+    def figures(self) -> dict[str, float]:
+        """Give counts and statistics by name."""
+        return {}
+
+    # Parameters.
+
+    def declare(self, specifications: Mapping[str, ParameterSpecification]) -> None:
+        """Declare and check parameters.
+
+        Args:
+            specifications: Specifications by parameter name; names declared before are left alone.
+
+        Raises:
+            InputError: A value that was given is not allowed.
+        """
+        self._specifications |= specifications
+        for name, specification in specifications.items():
+            if self.has_parameter(name):
+                continue
+            untyped = ParameterDescriptor(dynamic_typing=True)
+            given = self.declare_parameter(name, specification.default, untyped).value
+            value = check_value(self.node_name, name, given, self._specifications)
+            if type(value) is not type(given):
+                self.set_parameters([Parameter(name, value=value)])
+            self.set_descriptor(name, _descriptor(name, specification))
+
+    def value(self, name: str) -> Any:
+        """Give the value of a parameter, in the unit of its file."""
+        return self.get_parameter(name).value
+
+    def parameters_changed(self, values: Mapping[str, Value]) -> None:
+        """Take over parameters that were changed while running; they are checked already."""
+
+    def _check_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        known = [p for p in parameters if p.name in self._specifications]
+        try:
+            values = {p.name: check_value(self.node_name, p.name, p.value, self._specifications) for p in known}
+            self.parameters_changed(values)
+        except InputError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    # Topics and timers.
+
+    def announce(self, name: str) -> Publisher:
+        """Make the publisher of a topic; it takes messages or their bytes."""
+        row = topic(name)
+        publisher = self.create_publisher(message_class(row.type), row.name, qos_profile(row.qos))
+        self._made.append(partial(self.destroy_publisher, publisher))
+        return publisher
+
+    def listen(self, name: str, callback: Callable[[bytes], None], *, recorder: bool = False) -> None:
+        """Subscribe to a topic.
+
+        Args:
+            name: Topic.
+            callback: Takes the serialised message; called only while the node is active.
+            recorder: Ask for the producer's QoS instead of that of the loop.
+        """
+        row = topic(name)
+        profile = row.qos if recorder else row.subscription_qos
+
+        def receive(message: bytes) -> None:
+            if self.active:
+                try:
+                    callback(message)
+                except FlexrosError as error:
+                    self.end(error)
+
+        kind = message_class(row.type)
+        subscription = self.create_subscription(kind, row.name, receive, qos_profile(profile), raw=True)
+        self._made.append(partial(self.destroy_subscription, subscription))
+
+    def every(self, period: float, callback: Callable[[], None]) -> None:
+        """Call back at a period of the wall clock [s] until the node is deactivated."""
+
+        def fire() -> None:
+            if self.active:
+                try:
+                    callback()
+                except FlexrosError as error:
+                    self.end(error)
+
+        self._timers_while_active.append(self.create_timer(period, fire, clock=self._steady))
+
+    # Diagnostics and end.
+
+    def diagnose(self, level: bytes = DiagnosticStatus.OK, message: str = "running") -> None:
+        """Publish the figures on /diagnostics.
+
+        Args:
+            level: DiagnosticStatus.OK, WARN or ERROR.
+            message: State of the node in words.
+        """
+        values = [KeyValue(key=key, value=f"{value:.9g}") for key, value in self._known_figures().items()]
+        status = DiagnosticStatus(
+            level=level, name=self.get_fully_qualified_name(), message=message, hardware_id="flexros", values=values
+        )
+        array = DiagnosticArray(status=[status])
+        array.header.stamp.sec, array.header.stamp.nanosec = divmod(self.stamp, NANOSECONDS)
+        with suppress(InvalidHandle):  # the context may be gone when a run is interrupted
+            self._diagnostics.publish(array)
+
+    def end(self, error: FlexrosError | None = None) -> None:
+        """End the node's work once, with a report; the process or the run that holds the node decides what follows.
+
+        Args:
+            error: Why it broke off, None when it is done.
+        """
+        if self.report is not None:
+            return
+        try:
+            self._halt()
+        except FlexrosError as late:
+            error = error or late
+        if error is None:
+            self.report = NodeReport(self.node_name, figures=self._known_figures())
+            self.diagnose(message="done")
+        else:
+            self.report = NodeReport(self.node_name, error.exit_code, str(error), self._known_figures())
+            self.get_logger().error(str(error))
+            self.diagnose(DiagnosticStatus.ERROR, str(error))
+        if self.on_end is not None:
+            self.on_end(self)
+
+    def _halt(self) -> None:
+        if self.active:
+            self.active = False
+            for timer in self._timers_while_active:
+                timer.cancel()
+                self.destroy_timer(timer)
+            self._timers_while_active.clear()
+            self.stop()
+
+    # Lifecycle.
+
+    def _transition(self, action: Callable[[], None]) -> TransitionCallbackReturn:
+        try:
+            action()
+        except FlexrosError as error:
+            self.end(error)
+            return TransitionCallbackReturn.FAILURE
+        except Exception as error:  # noqa: BLE001 - rclpy would swallow it; it ends the node, with its traceback
+            self.get_logger().error(traceback.format_exc())
+            self.end(FlexrosError(f"{self.node_name} failed inside: {type(error).__name__}: {error}"))
+            return TransitionCallbackReturn.FAILURE
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:  # noqa: ARG002
+        """Make what the node needs."""
+        self.report = None
+        result = self._transition(self.configure)
+        self.configured = result is TransitionCallbackReturn.SUCCESS
+        return result
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:  # noqa: ARG002
+        """Begin to work."""
+        self.active = True
+        return self._transition(self.start)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:  # noqa: ARG002
+        """End to work."""
+        return self._transition(self._halt)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:  # noqa: ARG002
+        """Give back publishers, subscriptions and timers, except those that every node has."""
+        return self._transition(self._release)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:  # noqa: ARG002
+        """End to work and leave a report."""
+        return self._transition(partial(self.end, None))
+
+    def _known_figures(self) -> dict[str, float]:
+        return self.figures() if self.configured else {}
+
+    def _release(self) -> None:
+        self.configured = False
+        for destroy in self._made:
+            destroy()
+        self._made.clear()

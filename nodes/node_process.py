@@ -1,0 +1,95 @@
+"""A node as a child process: started, watched and stopped; free of ROS."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import flexros_nodes
+from flexros_nodes.report import NodeReport, read_report
+from flexros_nodes.shared_memory import remove_segments_without_owner
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros_nodes.parameters import Value
+
+_IMPORT_FOLDER = Path(flexros_nodes.__file__ or "").parent.parent
+_LAST_LINES = 5
+
+
+class NodeProcess:
+    """One node in a process of its own, which does not outlive this one.
+
+    It stands in a process group of its own, so that Ctrl-C in the terminal reaches the parent alone and the nodes go
+    down in order.
+
+    Args:
+        name: Node, one of the modules of this package.
+        values: Parameter values.
+        scratch: Folder for the parameter file, the report and what the node prints.
+    """
+
+    def __init__(self, name: str, values: Mapping[str, Value], scratch: Path) -> None:
+        self.name = name
+        self._report_file = scratch / f"{name}.report.json"
+        self._output = scratch / f"{name}.output"
+        parameters = scratch / f"{name}.parameters.yaml"
+        own = {"parent_process": os.getpid(), "report_file": str(self._report_file)}
+        parameters.write_text(json.dumps({"/**": {"ros__parameters": {**values, **own}}}), encoding="utf-8")
+        environment = {
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(filter(None, (str(_IMPORT_FOLDER), os.environ.get("PYTHONPATH", "")))),
+        }
+        command = [sys.executable, "-m", f"flexros_nodes.{name}", "--ros-args", "--params-file", str(parameters)]
+        with self._output.open("wb") as output:
+            self._process = subprocess.Popen(  # noqa: S603 - our own module with our own arguments
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=environment,
+                start_new_session=True,
+            )
+        self._stopped = False
+
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+        return self._process.pid
+
+    @property
+    def ended(self) -> bool:
+        """Whether the process is over."""
+        return self._process.poll() is not None
+
+    def report(self) -> NodeReport | None:
+        """Give the report that the node left, None if there is none."""
+        return read_report(self._report_file)
+
+    def death(self) -> str:
+        """Say how the process died, nothing if it ended with a report."""
+        code = self._process.poll()
+        if code is None or self.report() is not None:
+            return ""
+        how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
+        lines = self._output.read_text(encoding="utf-8", errors="replace").strip().splitlines()[-_LAST_LINES:]
+        said = f", its last words: {' | '.join(lines)}" if lines and code > 0 else ""
+        return f"the process of node {self.name} {how}{said}"
+
+    def stop(self, timeout: float) -> None:
+        """End the process: ask, and after a time-out [s] make it; remove what a killed one leaves behind."""
+        if not self.ended:
+            self._process.send_signal(signal.SIGINT)
+            try:
+                self._process.wait(timeout)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+        self._process.wait()
+        if (self._process.returncode or 0) < 0:
+            remove_segments_without_owner()

@@ -1,0 +1,147 @@
+"""One process for each node, brought up and down through their lifecycle services."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import rclpy
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.task import Future
+from std_msgs.msg import Header
+
+from flexros.errors import RunError
+from flexros.logs.stamps import NANOSECONDS
+from flexros_nodes.domain import DOMAIN_VARIABLE
+from flexros_nodes.node_process import NodeProcess
+from flexros_nodes.run_plan import DRAIN_TIMEOUT, RunSummary, last_stamp, summarise
+from flexros_nodes.spinning import make_executor
+from flexros_nodes.topic_interface import qos_profile, topic
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from flexros_nodes.interruption import Interruption
+    from flexros_nodes.run_plan import RunPlan
+
+CONFIGURE_TIMEOUT = 120.0
+"""Longest time for a node to start and to prepare its part of the scenario [s], chosen."""
+
+GOODBYE_TIMEOUT = 5.0
+"""Longest time for the plant to brake after its partner died, and for a node to shut down [s], chosen."""
+
+SLICE = 0.05
+"""Period at which the processes are looked after [s]."""
+
+
+class ProcessManager:
+    """Brings the nodes of a plan up, watches them, and brings them down.
+
+    Args:
+        plan: What to run.
+        scratch: Folder for parameter files and reports.
+        interrupted: Tells whether the user wants an end.
+    """
+
+    def __init__(self, plan: RunPlan, scratch: Path, interrupted: Interruption) -> None:
+        self._plan = plan
+        self._interrupted = interrupted
+        self._context = Context()
+        rclpy.init(context=self._context, args=[], domain_id=int(os.environ[DOMAIN_VARIABLE]))
+        self._node = Node(f"flexros_run_{os.getpid()}", context=self._context, start_parameter_services=False)
+        self._executor = make_executor(self._context)
+        self._executor.add_node(self._node)
+        self._recorded = 0
+        row = topic("recorder_progress")
+        self._node.create_subscription(Header, row.name, self._on_recorded, qos_profile(row.subscription_qos))
+        self._clients = {
+            name: self._node.create_client(ChangeState, f"/{name}/change_state") for name in plan.nodes
+        }
+        self.processes = {name: NodeProcess(name, plan.values(name), scratch) for name in plan.nodes}
+
+    def _on_recorded(self, message: Header) -> None:
+        self._recorded = message.stamp.sec * NANOSECONDS + message.stamp.nanosec
+
+    def run(self) -> None:
+        """Bring all nodes up and wait until the run is over."""
+        for transition in (Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE):
+            for name in self._plan.nodes:
+                if not self._change(name, transition, CONFIGURE_TIMEOUT):
+                    return
+        self._wait(lambda: any(process.ended for process in self.processes.values()), None)
+        plant = self.processes["plant"]
+        recorder = self.processes.get("recorder")
+        if not self._interrupted() and (recorder is None or not recorder.ended):
+            # a plant whose partner died notices by itself, brakes and says so
+            self._wait(lambda: plant.ended, self._plant_patience())
+        if plant.ended and recorder is not None and (report := plant.report()) is not None:
+            end = last_stamp(report)
+            self._wait(lambda: self._recorded >= end or recorder.ended, DRAIN_TIMEOUT)
+
+    def _plant_patience(self) -> float:
+        values = self._plan.parameters.get("plant", {})
+        return 2.0 * float(values.get("partner_timeout", GOODBYE_TIMEOUT)) + GOODBYE_TIMEOUT
+
+    def _change(self, name: str, transition: int, timeout: float) -> bool:
+        """Ask a node for a transition; False when it refused, ended or the user wants an end."""
+        client, process = self._clients[name], self.processes[name]
+        deadline = monotonic() + timeout
+        ready = self._wait(lambda: client.service_is_ready() or process.ended, timeout)
+        if process.ended or self._interrupted():
+            return False
+        if not ready:
+            raise RunError(f"the process of node {name} does not offer its services within {timeout:g} s; try again")
+        request = ChangeState.Request()
+        request.transition.id = transition
+        answer: Future = client.call_async(request)
+        self._wait(lambda: answer.done() or process.ended, deadline - monotonic())
+        if not answer.done() and not process.ended and not self._interrupted():
+            raise RunError(f"node {name} did not finish a transition within {timeout:g} s; try again")
+        return bool(answer.done() and answer.result() is not None and answer.result().success)
+
+    def _wait(self, condition: Callable[[], bool], timeout: float | None) -> bool:
+        """Spin until a condition holds, the time is over, or the user wants an end; tell whether it holds."""
+        deadline = None if timeout is None else monotonic() + timeout
+        while not condition():
+            if self._interrupted() or (deadline is not None and monotonic() > deadline):
+                return condition()
+            self._executor.spin_once(timeout_sec=SLICE)
+        return True
+
+    def close(self) -> None:
+        """Bring the nodes down in order, the recorder last, and leave nothing behind."""
+        for name in reversed(self._plan.nodes):
+            self.processes[name].stop(GOODBYE_TIMEOUT)
+        self._executor.shutdown()
+        self._node.destroy_node()
+        rclpy.try_shutdown(context=self._context)
+
+
+def run_processes(plan: RunPlan, interrupted: Interruption) -> RunSummary:
+    """Run each node of a plan in a process of its own.
+
+    Args:
+        plan: What to run.
+        interrupted: Tells whether the user wants an end.
+
+    Returns:
+        Summary of the run.
+
+    Raises:
+        RunError: A process did not come up.
+    """
+    with tempfile.TemporaryDirectory(prefix="flexros_") as scratch:
+        manager = ProcessManager(plan, Path(scratch), interrupted)
+        try:
+            manager.run()
+        finally:
+            manager.close()
+        reports = {name: report for name, p in manager.processes.items() if (report := p.report()) is not None}
+        deaths = tuple(text for p in manager.processes.values() if (text := p.death()))
+        return summarise(reports, plan.folder, "processes", interrupted=interrupted(), deaths=deaths)

@@ -1,0 +1,117 @@
+"""Recorder node: writes what it hears on the topics of the contract into a log."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from std_msgs.msg import Header
+
+from flexros.config.topics import load_topics
+from flexros.errors import InputError, RunError
+from flexros.logs.stamps import NANOSECONDS
+from flexros.logs.writer import LogWriter
+from flexros_nodes.executable import run_node
+from flexros_nodes.node_base import FlexrosNode
+from flexros_nodes.prepared_run import prepared_run
+from flexros_nodes.recording import EventRecording, TopicRecording, recorded_until
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import Any
+
+    from flexros.config.topics import Topic
+
+CONFIRM_PERIOD = 0.05
+"""Longest time until what was recorded is confirmed [s] (wall clock), chosen."""
+
+EVENT_TYPES = ("diagnostic_msgs/msg/DiagnosticArray",)
+"""Types of topics that do not carry one message for each sampling instant."""
+
+
+class RecorderNode(FlexrosNode):
+    """Log of a run: raw messages into a rosbag2 folder, log time = stamp.
+
+    It confirms on recorder_progress up to where everything is recorded, so that a run in lock-step never outruns it.
+
+    Attributes:
+        confirmed: Stamp up to which every topic is recorded [ns], -1 before the first.
+    """
+
+    node_name = "recorder"
+
+    def configure(self) -> None:
+        """Open the log and subscribe to what is recorded."""
+        run = prepared_run(self.value("scenario"))
+        self._sample_time = run.sample_time
+        self._provenance: Mapping[str, Any] = run.provenance()
+        self._topics = {name: row for name, row in load_topics().items() if row.recorded}
+        self.confirmed = -1
+        self._confirm_every = self.value("confirm_every")
+        self._since_confirmed = 0
+        self._samples: dict[str, TopicRecording] = {}
+        self._events: dict[str, EventRecording] = {}
+        self._writer = self._open(list(self._topics.values()))
+        self._progress = self.announce("recorder_progress")
+        for number, (name, row) in enumerate(self._topics.items(), 1):
+            self._record(name, row, number)
+
+    def _open(self, topics: list[Topic]) -> LogWriter:
+        try:
+            return LogWriter(Path(self.value("folder")), topics, self._provenance, namespace=self.get_namespace())
+        except InputError as error:
+            if isinstance(error.__cause__, OSError) and not isinstance(error.__cause__, FileExistsError):
+                raise RunError(str(error)) from error  # the disk refuses: nothing in the input is wrong
+            raise
+
+    def _record(self, name: str, row: Topic, number: int) -> None:
+        if row.type in EVENT_TYPES:
+            self._events[name] = EventRecording(self._writer, number)
+            self.listen(name, self._events[name].take, recorder=True)
+            return
+        recording = self._samples[name] = TopicRecording(self._writer, number)
+        take = partial(self._take_and_confirm, recording) if name == "joint_states" else recording.take
+        self.listen(name, take, recorder=True)
+
+    def _take_and_confirm(self, recording: TopicRecording, message: bytes) -> None:
+        recording.take(message)
+        self._since_confirmed += 1
+        if self._since_confirmed >= self._confirm_every:
+            self._confirm()
+
+    def _confirm(self) -> None:
+        self._since_confirmed = 0
+        until = recorded_until(self._samples.values())
+        if until > self.confirmed:
+            self.stamp = self.confirmed = until
+            message = Header(frame_id=self.node_name)
+            message.stamp.sec, message.stamp.nanosec = divmod(until, NANOSECONDS)
+            self._progress.publish(message)
+
+    def start(self) -> None:
+        """Confirm now and then, also when the loop stands still."""
+        self.every(CONFIRM_PERIOD, self._confirm)
+
+    def stop(self) -> None:
+        """Close the log."""
+        self._writer.close({**self._provenance, "recorded": self.figures()})
+
+    def figures(self) -> dict[str, float]:
+        """Give for each topic how many messages were written, left out as repeats, and missing."""
+        figures: dict[str, float] = {}
+        for name, recording in self._samples.items():
+            figures[f"{name}.messages"] = recording.count
+            figures[f"{name}.repeated"] = recording.repeated
+            figures[f"{name}.missing"] = recording.missing(self._sample_time)
+        figures |= {f"{name}.messages": events.count for name, events in self._events.items()}
+        return figures
+
+
+def main() -> int:
+    """Run the node as an executable."""
+    return run_node(RecorderNode)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

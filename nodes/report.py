@@ -1,0 +1,41 @@
+"""What a node leaves behind when it ends, free of ROS: exit code, message and figures."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+
+@dataclass(frozen=True)
+class NodeReport:
+    """End of a node.
+
+    Attributes:
+        node: Name of the node.
+        exit_code: 0 done, 2 bad input, 3 broken off.
+        message: What happened, as one sentence; empty when done.
+        figures: Counts and statistics by name.
+    """
+
+    node: str
+    exit_code: int = 0
+    message: str = ""
+    figures: Mapping[str, float] = field(default_factory=dict)
+
+    def write(self, path: Path) -> None:
+        """Write the report as JSON; a reader sees all of it or nothing."""
+        partial = path.with_name(path.name + ".part")
+        partial.write_text(json.dumps(asdict(self), indent=1) + "\n", encoding="utf-8")
+        partial.replace(path)
+
+
+def read_report(path: Path) -> NodeReport | None:
+    """Read a report; None when the node left none."""
+    if not path.is_file():
+        return None
+    return NodeReport(**json.loads(path.read_text(encoding="utf-8")))

@@ -1,0 +1,151 @@
+"""What a run of all nodes consists of, and what it leaves behind; free of ROS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from flexros.logs.stamps import stamp_ns
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from flexros_nodes.parameters import Value
+    from flexros_nodes.report import NodeReport
+
+NODES = ("recorder", "feedforward", "controller", "plant")
+"""Nodes in the order in which they come up; they go down the other way."""
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C or termination."""
+
+DRAIN_TIMEOUT = 5.0
+"""Longest time that the recorder gets to write what is on its way at the end [s], chosen."""
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """A run to be done.
+
+    Attributes:
+        scenario: Shipped scenario, or path of a scenario file.
+        folder: Folder of the log; None records nothing.
+        parameters: Parameter values by node, beside those that follow from the plan.
+    """
+
+    scenario: str
+    folder: Path | None
+    parameters: Mapping[str, Mapping[str, Value]]
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """Names of the nodes that take part, in the order in which they come up."""
+        return NODES if self.folder is not None else NODES[1:]
+
+    def values(self, node: str) -> dict[str, Value]:
+        """Give the parameter values of a node.
+
+        Args:
+            node: Name of the node.
+        """
+        values: dict[str, Value] = {"scenario": self.scenario, "autostart": False}
+        values["observers"] = 0 if self.folder is None else 1
+        if node == "recorder":
+            values["folder"] = str(self.folder)
+        return {**values, **self.parameters.get(node, {})}
+
+    @property
+    def real_time(self) -> bool:
+        """Whether the plant paces the loop by the wall clock."""
+        return bool(self.parameters.get("plant", {}).get("real_time", False))
+
+
+@dataclass(frozen=True)
+class RunSummary:
+    """What came of a run.
+
+    Attributes:
+        exit_code: 0 done, 3 broken off, 130 interrupted.
+        message: What happened, as one sentence; empty when done.
+        log_folder: Folder of the log, None if nothing was recorded.
+        layout: "composed" or "processes".
+        samples: Samples of the loop.
+        simulated_time: Time that the run covers [s].
+        wall_time: Time that it took [s].
+        samples_per_second: Speed of the loop [1/s].
+        resends: States that were sent again.
+        dropped: Messages lost on purpose.
+        missing: Samples that are missing in the log, over all topics.
+        timing: Period and lateness of a real-time run by name, else empty.
+        reports: Report of each node that left one.
+    """
+
+    exit_code: int
+    message: str
+    log_folder: Path | None
+    layout: str
+    samples: int
+    simulated_time: float
+    wall_time: float
+    samples_per_second: float
+    resends: int
+    dropped: int
+    missing: int
+    timing: Mapping[str, float] = field(default_factory=dict)
+    reports: Mapping[str, NodeReport] = field(default_factory=dict)
+
+
+_TIMING = (
+    "cycles rate_hz period_p50_us period_p99_us period_max_us lateness_p99_us lateness_max_us late late_percent "
+    "missed_commands"
+).split()
+
+
+def summarise(
+    reports: Mapping[str, NodeReport], folder: Path | None, layout: str, *, interrupted: bool, deaths: tuple[str, ...] = ()
+) -> RunSummary:
+    """Sum a run up.
+
+    Args:
+        reports: Report of each node that left one.
+        folder: Folder of the log.
+        layout: "composed" or "processes".
+        interrupted: Whether the user ended the run.
+        deaths: Sentences about processes that died.
+
+    Returns:
+        The summary; its exit code is the worst of the nodes'.
+    """
+    failed = [report for report in reports.values() if report.exit_code]
+    exit_code = max((report.exit_code for report in failed), default=3 if deaths else 0)
+    # a broken partner silences the plant: what the partner says comes first
+    failed.sort(key=lambda report: report.node == "plant")
+    message = "; ".join((*deaths, *(report.message for report in failed)))
+    if interrupted and not exit_code:
+        exit_code, message = INTERRUPTED, "interrupted; the log is readable up to there"
+    plant = reports["plant"].figures if "plant" in reports else {}
+    recorder = reports["recorder"].figures if "recorder" in reports else {}
+    return RunSummary(
+        exit_code=exit_code,
+        message=message,
+        log_folder=folder,
+        layout=layout,
+        samples=int(plant.get("samples", 0)),
+        simulated_time=plant.get("simulated_time_s", 0.0),
+        wall_time=plant.get("wall_time_s", 0.0),
+        samples_per_second=plant.get("samples_per_s", 0.0),
+        resends=int(plant.get("resends", 0)),
+        dropped=int(sum(report.figures.get("dropped_on_purpose", 0) for report in reports.values())),
+        missing=int(sum(count for name, count in recorder.items() if name.endswith(".missing"))),
+        timing={name: plant[name] for name in _TIMING if name in plant},
+        reports=reports,
+    )
+
+
+def last_stamp(plant: NodeReport) -> int:
+    """Give the stamp of the plant's last sample [ns]; 0 when it sent none."""
+    samples = plant.figures.get("samples", 0)
+    if not samples:
+        return 0
+    return stamp_ns(int(samples) - 1, plant.figures["simulated_time_s"] / samples)
