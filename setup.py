@@ -57,5 +57,8 @@ setup(
         "test": TEST,
         "dev": [*TEST, "ruff>=0.12", "mypy>=1.15", "colcon-common-extensions>=0.3"],
     },
-    entry_points={"console_scripts": console_scripts},
+    entry_points={
+        "console_scripts": console_scripts,
+        "flexros.transports": ["ros = flexros_nodes.run:run_scenario"],
+    },
 )

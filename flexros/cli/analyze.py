@@ -1,0 +1,60 @@
+"""Command that analyses a recorded run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from flexros.cli.output import console, print_json
+from flexros.errors import FlexrosError
+
+if TYPE_CHECKING:
+    from flexros.logs.time_series import Log
+    from flexros.robot import Robot
+
+
+def analyze(
+    bag: list[Path] = typer.Argument(help="Log folder (rosbag2) or .mcap file; several are shown side by side."),
+    model: str = typer.Option("", "--model", help="Robot of the run, for its limits; default: from the provenance."),
+    namespace: str = typer.Option("", "--namespace", help="Namespace of the topics, when the log holds several."),
+    report: Path = typer.Option(None, "--report", help="Write an HTML report that opens offline."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> None:
+    """Show path error, tracking and loop timing of recorded runs."""
+    from flexros.analysis import analyse
+    from flexros.analysis.report import write_report
+    from flexros.logs.reader import read_log
+
+    logs = [read_log(path, namespace=namespace or None) for path in bag]
+    analyses = [
+        analyse(log, robot=_robot(model, log), label=path.name if len(bag) > 1 else None)
+        for path, log in zip(bag, logs)
+    ]
+    if report:
+        write_report(analyses, report)
+    if as_json:
+        dicts = [analysis.as_dict() for analysis in analyses]
+        print_json(dicts[0] if len(dicts) == 1 else dicts)
+        return
+    for analysis in analyses:
+        console.print(analysis.table())
+        for warning in analysis.warnings:
+            console.print(f"warning: {warning}")
+    if report:
+        console.print(f"report: {report}")
+
+
+def _robot(model: str, log: Log) -> Robot | None:
+    """Load the robot of a run; one that the provenance names but that is not at hand is done without."""
+    from flexros.robot import load_robot
+
+    if model:
+        return load_robot(model)
+    scenario = log.provenance.get("scenario")
+    name = scenario.get("robot") if isinstance(scenario, dict) else None
+    try:
+        return load_robot(name) if isinstance(name, str) else None
+    except FlexrosError:
+        return None

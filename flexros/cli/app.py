@@ -1,0 +1,89 @@
+"""The command itself: its subcommands, and how errors become one sentence and an exit code."""
+
+from __future__ import annotations
+
+import functools
+import sys
+from importlib import metadata
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from flexros.cli import analyze, bench, demo, robots, run
+from flexros.errors import FlexrosError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
+
+app = typer.Typer(
+    name="flexros", no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False
+)
+
+
+def reported(command: Callable[..., Any]) -> Callable[..., None]:
+    """Wrap a command such that it ends with an exit code, and an error on purpose is one sentence on stderr.
+
+    Args:
+        command: The command; what it returns is the exit code, None counts as 0.
+
+    Returns:
+        The wrapped command: 0 done, 1 a gap was found, 2 bad input, 3 a run broke off, 130 Ctrl-C.
+    """
+
+    @functools.wraps(command)
+    def wrapped(*args: Any, **kwargs: Any) -> None:
+        try:
+            code = command(*args, **kwargs) or 0
+        except FlexrosError as error:
+            print(f"flexros: {error}", file=sys.stderr)
+            code = error.exit_code
+        except KeyboardInterrupt:
+            print("flexros: interrupted by Ctrl-C", file=sys.stderr)
+            code = INTERRUPTED
+        raise SystemExit(code)
+
+    return wrapped
+
+
+COMMANDS: dict[str, Callable[..., Any]] = {
+    "robots": robots.robots,
+    "robot": robots.robot,
+    "import-urdf": robots.import_urdf,
+    "scenarios": run.scenarios,
+    "run": run.run,
+    "analyze": analyze.analyze,
+    "demo": demo.demo,
+    "bench": bench.bench,
+}
+for name, command in COMMANDS.items():
+    app.command(name)(reported(command))
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"flexros {metadata.version('flexros')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: bool = typer.Option(
+        False, "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
+    ),
+) -> None:
+    """Modelling, control, identification and gap diagnosis of flexible robot manipulators."""
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line.
+
+    Args:
+        arguments: Arguments after the command's name; default: those of the process.
+
+    Raises:
+        SystemExit: Always; the code is 0 done, 1 a gap was found, 2 bad input, 3 a run broke off, 130 Ctrl-C.
+    """
+    app(args=arguments)

@@ -1,0 +1,109 @@
+"""Command that measures speed, each figure beside a peer in the same run."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import typer
+from rich.table import Table
+
+from flexros.cli.output import console, print_json
+from flexros.errors import InputError, RunError
+
+FOLDER = Path(__file__).resolve().parents[2] / "tests" / "bench"
+"""Benchmarks lie with the tests, because their peers are test dependencies."""
+
+
+def bench(
+    name: list[str] = typer.Argument(None, help="Benchmarks to run, e.g. compile nodes; default: all."),
+    out: Path = typer.Option(None, "--out", help="Write the rows with machine and versions to this JSON file."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> None:
+    """Measure speed beside peers (MuJoCo, SciPy, CasADi) in the same run; needs a checkout and the extra 'test'."""
+    available = {path.stem.removeprefix("bench_"): path for path in sorted(FOLDER.glob("bench_*.py"))}
+    if not available:
+        raise InputError("benchmarks belong to a checkout of FlexROS; clone it and run `make bench` there")
+    missing = [package for package in ("mujoco", "pinocchio") if importlib.util.find_spec(package) is None]
+    if missing:
+        raise InputError(
+            f"benchmarks need {' and '.join(missing)} as peers; install the extra 'test' (make bench does)"
+        )
+    chosen = name or list(available)
+    unknown = [one for one in chosen if one not in available]
+    if unknown:
+        raise InputError(f"unknown benchmark '{unknown[0]}': allowed are {', '.join(available)}")
+    results = {}
+    for one in chosen:
+        if not as_json:
+            console.print(f"measuring {one} ...")
+        results[one] = _measure(one, available[one])
+    content = {"machine": machine(), "results": results}
+    if out:
+        temporary = out.with_name(out.name + ".part")
+        temporary.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        temporary.replace(out)
+    if as_json:
+        print_json(content)
+        return
+    for one, rows in results.items():
+        console.print(_table(one, rows))
+
+
+def _measure(name: str, file: Path) -> list[dict[str, object]]:
+    """Run one benchmark in a process of its own, so that none warms the caches of another."""
+    done = subprocess.run(  # noqa: S603 - our own file
+        [sys.executable, "-m", f"tests.bench.{file.stem}"],
+        cwd=FOLDER.parents[1],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        raise RunError(f"benchmark {name} ended with code {done.returncode}: {done.stderr.strip().splitlines()[-1:]}")
+    rows: list[dict[str, object]] = json.loads(done.stdout)
+    return rows
+
+
+def machine() -> dict[str, object]:
+    """Describe processor, system and versions for results that are kept.
+
+    Returns:
+        Names and values.
+    """
+    import os
+    import platform
+    from importlib.metadata import distributions
+
+    wanted = {"casadi", "llvmlite", "numpy", "scipy", "mujoco", "pin", "ros-jazzy-rclpy", "rclpy"}
+    processor = platform.processor()
+    cpu = Path("/proc/cpuinfo")
+    if cpu.exists():
+        names = [
+            line.split(":", 1)[1].strip() for line in cpu.read_text().splitlines() if line.startswith("model name")
+        ]
+        processor = names[0] if names else processor
+    return {
+        "processor": processor,
+        "cores": os.cpu_count(),
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "versions": {d.name: d.version for d in distributions() if d.name in wanted},
+    }
+
+
+def _table(name: str, rows: list[dict[str, object]]) -> Table:
+    keys = list(dict.fromkeys(key for row in rows for key in row))
+    table = Table(*keys, title=name)
+    for row in rows:
+        table.add_row(*[_cell(row.get(key)) for key in keys])
+    return table
+
+
+def _cell(value: object) -> str:
+    if value is None:
+        return ""
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

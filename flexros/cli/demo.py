@@ -1,0 +1,208 @@
+"""The demonstration: the circle test of the thesis over topics, recorded, analysed and compared."""
+
+from __future__ import annotations
+
+import datetime
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import typer
+from rich.progress import Progress
+from rich.table import Table
+
+from flexros.cli import transports
+from flexros.cli.output import console, print_json
+from flexros.cli.run import default_transport
+from flexros.errors import RunError
+
+if TYPE_CHECKING:
+    from flexros.analysis import Analysis
+    from flexros.analysis.comparison import Comparison
+    from flexros.cli.transports import RunResult
+    from flexros.config.scenario import Scenario
+    from flexros.logs.time_series import Log
+
+LOADS = (190.0, 210.0)
+"""Mass of the last body in the plant when the load is off by 10 kg [kg]; the model keeps 200 kg."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One run of the demonstration.
+
+    Attributes:
+        scenario: Shipped scenario.
+        method: Name of the method in the table.
+        case: Name of the case in the table.
+        label: Name of the log folder.
+        settings: Changes to the scenario.
+    """
+
+    scenario: str
+    method: str
+    case: str
+    label: str
+    settings: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """What came of one case.
+
+    Attributes:
+        case: The case.
+        run: The run over the transport.
+        analysis: Its log, analysed.
+        equal: Whether the samples equal those of the in-process run; None when it was that run.
+    """
+
+    case: Case
+    run: RunResult
+    analysis: Analysis
+    equal: bool | None
+
+
+def cases() -> tuple[Case, ...]:
+    """List the runs of the circle test and of the smooth case."""
+    from flexros.analysis import circle_test as names
+
+    methods = {
+        "circle_pd": names.PD,
+        "circle_fj": names.FLEXIBLE_JOINT,
+        "circle_dae": names.DAE,
+        "circle_dae2": names.DAE_SECOND_ORDER,
+    }
+    runs: list[Case] = []
+    for scenario, method in methods.items():
+        runs.append(Case(scenario, method, names.NOMINAL, scenario, {}))
+        for mass in LOADS:
+            label = f"{scenario}_load_{mass:.0f}kg"
+            runs.append(Case(scenario, method, names.LOAD, label, {"plant.values.body_3.mass": mass}))
+        runs.append(Case(scenario, method, names.SLOW, f"{scenario}_1ms", {"sample_time": 0.001}))
+    runs += [
+        Case("smooth_dae", names.DAE, names.SMOOTH, "smooth_dae", {}),
+        Case("smooth_dae2", names.DAE_SECOND_ORDER, names.SMOOTH, "smooth_dae2", {}),
+    ]
+    return tuple(runs)
+
+
+def demo(
+    out: Path = typer.Option(None, "--out", help="Folder for logs and report; default: bags/demo_<time>."),
+    transport: str = typer.Option("", "--transport", help="ros or direct; default: ros where it is installed."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> int:
+    """Run the circle test of Moberg (2007, Paper B): record, analyse, and compare with the published figures."""
+    from flexros.analysis.report import write_comparison, write_report
+
+    transport = transport or default_transport(quiet=as_json)
+    folder = out or Path("bags") / f"demo_{datetime.datetime.now().astimezone():%Y%m%d_%H%M%S}"
+    folder.mkdir(parents=True)
+    results = []
+    with Progress(console=console, transient=True, disable=as_json) as progress:
+        task = progress.add_task("circle test", total=len(cases()))
+        for case in cases():
+            progress.update(task, description=case.label)
+            results.append(run_case(case, folder, transport))
+            progress.advance(task)
+    comparison = compare(results)
+    write_comparison(comparison, folder / "report.html", title="Circle test of Paper B on the E12 robot")
+    shown = next(result for result in results if result.case.label == "circle_dae2")
+    write_report([shown.analysis], folder / "circle_dae2.html")
+    if as_json:
+        print_json({**comparison.as_dict(), "runs": [_row(result) for result in results], "folder": str(folder)})
+    else:
+        _print(results, comparison, folder, transport)
+    return 0
+
+
+def run_case(case: Case, folder: Path, transport: str) -> CaseResult:
+    """Run one case, read its log back and compare it with the in-process run.
+
+    Args:
+        case: The case.
+        folder: Folder that gets the log.
+        transport: "ros" or "direct".
+
+    Returns:
+        What came of it.
+
+    Raises:
+        RunError: The run broke off.
+    """
+    from flexros.analysis import analyse
+    from flexros.config.scenario import load_scenario
+    from flexros.logs.reader import read_log
+    from flexros.robot import load_robot
+
+    scenario = load_scenario(case.scenario).with_values(case.settings, f"demo, {case.label}")
+    bag = folder / case.label
+    run = transports.run_direct(scenario, bag) if transport == "direct" else transports.run_ros(scenario, bag)
+    if run.exit_code == 130:
+        raise KeyboardInterrupt
+    if run.exit_code:
+        raise RunError(f"{case.label}: {run.message}")
+    log = read_log(bag)
+    equal = None if transport == "direct" else equal_to_direct(scenario, log)
+    return CaseResult(case, run, analyse(log, robot=load_robot(scenario.robot), label=case.label), equal)
+
+
+def equal_to_direct(scenario: Scenario, log: Log) -> bool:
+    """Compare a log with the in-process run of its scenario, sample for sample and bit for bit.
+
+    Args:
+        scenario: The scenario of the log.
+        log: The log.
+
+    Returns:
+        Whether stamps, encoder positions and commands are equal.
+    """
+    from flexros.simulate.closed_loop import closed_loop
+    from flexros.simulate.experiment import Experiment
+
+    direct = closed_loop(Experiment.prepare(scenario))
+    if log.joint_commands is None or direct.joint_commands is None:
+        return False
+    pairs = (
+        (log.joint_states.stamp, direct.joint_states.stamp),
+        (log.joint_states.position, direct.joint_states.position),
+        (log.joint_commands.stamp, direct.joint_commands.stamp),
+        (log.joint_commands.effort, direct.joint_commands.effort),
+    )
+    return all(ours is not None and theirs is not None and np.array_equal(ours, theirs) for ours, theirs in pairs)
+
+
+def compare(results: list[CaseResult]) -> Comparison:
+    """Put the runs beside the published figures.
+
+    Args:
+        results: The runs.
+
+    Returns:
+        The comparison.
+    """
+    from flexros.analysis.circle_test import CAVEATS, QUOTED_FIGURES
+    from flexros.analysis.comparison import Comparison, MethodRun
+
+    runs = tuple(MethodRun(result.case.method, result.case.case, result.analysis) for result in results)
+    return Comparison(runs, QUOTED_FIGURES, CAVEATS)
+
+
+def _row(result: CaseResult) -> dict[str, Any]:
+    return {"label": result.case.label, "equal_to_direct": result.equal, **result.run.as_dict()}
+
+
+def _print(results: list[CaseResult], comparison: Comparison, folder: Path, transport: str) -> None:
+    console.print(comparison.table())
+    for caveat in comparison.caveats:
+        console.print(f"  {caveat}")
+    if transport == "ros":
+        table = Table("run over topics", "samples", "samples/s", "resends", "equal to in-process", title="Transport")
+        for result in results:
+            run = result.run
+            speed = f"{run.samples / run.wall_time:,.0f}" if run.wall_time else ""
+            resends = f"{run.figures.get('resends', 0):.0f}"
+            table.add_row(result.case.label, str(run.samples), speed, resends, "yes" if result.equal else "NO")
+        console.print(table)
+    console.print(f"Logs and report: {folder}; open {folder / 'report.html'} and {folder / 'circle_dae2.html'}")

@@ -1,0 +1,156 @@
+"""Commands about robots: list, modes and zeros at a pose, Bode picture, skeleton from a URDF."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import typer
+from rich.table import Table
+
+from flexros.cli.output import console, print_json
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from flexros.arrays import ComplexArray
+    from flexros.robot.linearise import LinearModel
+    from flexros.robot.zeros import ZeroDynamics
+
+
+def robots(as_json: bool = typer.Option(False, "--json", help="Print JSON.")) -> None:
+    """List the robots that are shipped."""
+    from flexros.robot import load_robot, robot_names
+
+    loaded = [load_robot(name) for name in robot_names()]
+    if as_json:
+        print_json(
+            [
+                {"name": r.name, "arm_dof": r.n_arm, "motors": r.n_motors, "description": r.spec.description}
+                for r in loaded
+            ]
+        )
+        return
+    table = Table("robot", "arm DOF", "motors", "description")
+    for r in loaded:
+        table.add_row(r.name, str(r.n_arm), str(r.n_motors), r.spec.description)
+    console.print(table)
+
+
+def robot(
+    name: str = typer.Argument(help="Shipped robot, or path of a robot YAML."),
+    q: str = typer.Option("", "--q", help="Arm coordinates of the pose [rad or m], e.g. 0,0.3,0; default: home."),
+    output: str = typer.Option("", "--output", help="Controlled output; default: that of the robot file."),
+    bode: Path = typer.Option(None, "--bode", help="Write a Bode picture to this HTML file."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> None:
+    """Show modes, zeros and zero dynamics of a robot at a pose, and whether it is minimum phase there."""
+    from flexros.robot import load_robot
+    from flexros.robot.linearise import linear_model
+    from flexros.robot.zeros import channel_zeros, poles, transmission_zeros, zero_dynamics
+
+    loaded = load_robot(name)
+    pose = np.array(loaded.home) if not q else parse_numbers(q, "--q")
+    linear = linear_model(loaded, pose, output or None)
+    verdict = zero_dynamics(loaded, pose, output or None)
+    zeros = {
+        source: {target: channel_zeros(linear, column, row) for row, target in enumerate(linear.measurement_names)}
+        for column, source in enumerate(linear.input_names)
+    }
+    if bode:
+        from flexros.robot.bode import write_bode
+
+        write_bode(linear, bode, f"{loaded.name} at q = {pose.tolist()}")
+    content = {
+        "robot": loaded.name,
+        "q": pose.tolist(),
+        "output": verdict.output,
+        "poles": _entries(poles(linear)),
+        "zeros": {source: {target: _entries(z) for target, z in row.items()} for source, row in zeros.items()},
+        "transmission_zeros": _entries(transmission_zeros(linear)),
+        "zero_dynamics": _entries(verdict.eigenvalues),
+        "minimum_phase": verdict.minimum_phase,
+    }
+    if as_json:
+        print_json(content)
+        return
+    _print_robot(content, linear, verdict)
+    if bode:
+        console.print(f"Bode picture: {bode}")
+
+
+def import_urdf(
+    file: Path = typer.Argument(help="URDF with one serial chain."),
+    out: Path = typer.Option(..., "--out", help="Robot YAML to write."),
+) -> None:
+    """Make a robot YAML from a URDF: geometry and inertia are taken over, springs are left to you."""
+    from flexros.robot.urdf import skeleton_from_urdf
+
+    text = skeleton_from_urdf(file)
+    if out.exists():
+        raise InputError(f"{out} exists already; give another name or remove it")
+    temporary = out.with_name(out.name + ".part")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(out)
+    console.print(f"{out} written; replace each 'rigid' by the stiffness of the gear, then: flexros robot {out}")
+
+
+def parse_numbers(text: str, option: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Read comma-separated numbers of an option.
+
+    Args:
+        text: What was given.
+        option: Name of the option, for the error text.
+
+    Returns:
+        The numbers, shape (n,).
+
+    Raises:
+        InputError: Something is not a number.
+    """
+    try:
+        return np.array([float(part) for part in text.split(",")])
+    except ValueError as error:
+        raise InputError(f"{option} is '{text}', but must be numbers separated by commas, e.g. 0,0.3,0") from error
+
+
+def _entries(values: ComplexArray) -> list[dict[str, float]]:
+    return [
+        {"re": float(value.real), "im": float(value.imag), "hz": float(abs(value) / (2 * np.pi))} for value in values
+    ]
+
+
+def _print_robot(content: dict[str, Any], linear: LinearModel, verdict: ZeroDynamics) -> None:
+    console.print(f"[bold]{content['robot']}[/bold] at rest, q = {np.round(verdict.pose, 6).tolist()}")
+    table = Table("", "frequency [Hz] (damping ratio); real: [1/s]")
+    table.add_row("poles", _readable(content["poles"]))
+    for source in linear.input_names:
+        for target, entries in content["zeros"][source].items():
+            table.add_row(f"zeros {source} torque -> {target}", _readable(entries))
+    table.add_row(f"zeros torques -> {verdict.output}", _readable(content["transmission_zeros"]))
+    table.add_row(f"zero dynamics of {verdict.output}", _readable(content["zero_dynamics"]))
+    console.print(table)
+    if verdict.minimum_phase:
+        console.print(f"Minimum phase for output '{verdict.output}': causal feedforward exists.")
+    elif not verdict.solvable:
+        console.print(f"The motors cannot set output '{verdict.output}' independently at this pose (singular).")
+    else:
+        worst = verdict.unstable[np.argmax(verdict.unstable.real)]
+        console.print(
+            f"NOT minimum phase for output '{verdict.output}': {verdict.unstable.size} unstable zeros, the fastest at "
+            f"{worst.real:.4g} {worst.imag:+.4g}i 1/s; causal feedforward diverges."
+        )
+
+
+def _readable(entries: list[dict[str, float]]) -> str:
+    """Write eigenvalues once per pair, with damping ratio."""
+    words = []
+    for entry in entries:
+        size = 2 * np.pi * entry["hz"]
+        if size < 1e-3:
+            words.append("0")
+        elif abs(entry["im"]) < 1e-6 * size:
+            words.append(f"real {entry['re']:.5g}")
+        elif entry["im"] > 0:
+            words.append(f"{entry['hz']:.5f} ({-entry['re'] / size:.3f})")
+    return ", ".join(words) or "none"

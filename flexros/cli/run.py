@@ -1,0 +1,222 @@
+"""Commands that run scenarios."""
+
+from __future__ import annotations
+
+import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+from rich.table import Table
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+
+from flexros.cli import transports
+from flexros.cli.output import console, print_json
+from flexros.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from flexros.cli.transports import RunResult
+    from flexros.config.scenario import Scenario
+
+TRANSPORTS = ("ros", "direct")
+
+
+def scenarios(as_json: bool = typer.Option(False, "--json", help="Print JSON.")) -> None:
+    """List the scenarios that are shipped."""
+    from flexros.config.scenario import load_scenario, scenario_names
+
+    loaded = [load_scenario(name) for name in scenario_names()]
+    if as_json:
+        print_json([{"name": s.name, "robot": s.robot, "description": s.description} for s in loaded])
+        return
+    table = Table("scenario", "robot", "description")
+    for scenario in loaded:
+        table.add_row(scenario.name, scenario.robot, scenario.description)
+    console.print(table)
+
+
+def run(
+    scenario: str = typer.Argument(help="Shipped scenario, or path of a scenario YAML."),
+    model: str = typer.Option("", "--model", help="Robot instead of the scenario's: name or YAML."),
+    effect: list[str] = typer.Option(
+        [], "--effect", help="Effect in the plant, NAME@LOCATION:parameter=value,... (may be repeated)."
+    ),
+    setting: list[str] = typer.Option(
+        [], "--set", help="Change a key of the scenario, e.g. sample_time=0.001 or plant.values.body_3.mass=190."
+    ),
+    seed: int = typer.Option(None, "--seed", help="Seed of noise and random disturbances."),
+    out: Path = typer.Option(None, "--out", help="Folder of the log; default: bags/SCENARIO_<time>."),
+    transport: str = typer.Option("", "--transport", help="ros or direct; default: ros where it is installed."),
+    layout: str = typer.Option("composed", "--layout", help="Of the nodes: composed or processes."),
+    realtime: bool = typer.Option(False, "--realtime", help="Pace the loop by the wall clock."),
+    parameter: list[str] = typer.Option(
+        [], "--parameter", help="Node parameter, e.g. plant.drop_fraction=0.01 (may be repeated)."
+    ),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> int:
+    """Run a scenario and record it."""
+    chosen = changed_scenario(scenario, model, setting, effect, seed)
+    if transport and transport not in TRANSPORTS:
+        raise unknown_name("transport", transport, TRANSPORTS, "--transport")
+    transport = transport or default_transport(quiet=as_json)
+    folder = out or default_folder(chosen.name, transport)
+    if transport == "direct":
+        if realtime or parameter or layout != "composed":
+            raise InputError("--realtime, --layout and --parameter belong to the ROS nodes; give --transport ros")
+        result = transports.run_direct(chosen, folder)
+    else:
+        nodes = node_parameters(parameter)
+        result = transports.run_ros(chosen, folder, layout, realtime, nodes)
+    if as_json:
+        print_json(result.as_dict())
+    else:
+        print_result(chosen.name, result)
+    if result.exit_code:
+        typer.echo(f"flexros: {result.message}", err=True)
+    return result.exit_code
+
+
+def changed_scenario(
+    name: str,
+    model: str = "",
+    settings: list[str] | None = None,
+    effects: list[str] | None = None,
+    seed: int | None = None,
+) -> Scenario:
+    """Load a scenario and apply the options of the command line.
+
+    Args:
+        name: Shipped scenario or file.
+        model: Robot instead of the scenario's; empty for none.
+        settings: Changes as key=value.
+        effects: Effects of the plant as NAME@LOCATION:parameter=value,...
+        seed: Seed instead of the scenario's.
+
+    Returns:
+        The scenario.
+
+    Raises:
+        InputError: Something is unknown or not allowed.
+    """
+    from flexros.config.scenario import load_scenario
+    from flexros.effects import parse_effect, plant_values
+    from flexros.robot import load_robot
+
+    chosen = load_scenario(name)
+    changes: dict[str, Any] = {}
+    if model:
+        changes["robot"] = model
+    if seed is not None:
+        changes["seed"] = seed
+    for text in settings or []:
+        key, value = key_and_value(text, "--set")
+        changes[key] = value
+    if changes:
+        chosen = chosen.with_values(changes, "command line")
+    if effects:
+        parsed = [parse_effect(text, "--effect") for text in effects]
+        plant = load_robot(chosen.robot).with_values({**chosen.model.values, **chosen.plant.values}, "scenario")
+        values = {f"plant.values.{key}": value for key, value in plant_values(plant, parsed).items()}
+        chosen = chosen.with_values(values, "--effect")
+    return chosen
+
+
+def key_and_value(text: str, option: str) -> tuple[str, Any]:
+    """Split key=value, the value read as YAML.
+
+    Args:
+        text: What was given.
+        option: Name of the option, for the error text.
+
+    Returns:
+        Key and value.
+
+    Raises:
+        InputError: No equals sign, or the value is not YAML.
+    """
+    key, equals, value = text.partition("=")
+    if not equals or not key:
+        raise InputError(f"{option} is '{text}', but must be key=value, e.g. sample_time=0.001")
+    try:
+        return key, YAML(typ="safe", pure=True).load(value)
+    except YAMLError as error:
+        raise InputError(f"{option} {key}: '{value}' is no YAML value; correct it") from error
+
+
+def node_parameters(texts: list[str]) -> dict[str, dict[str, Any]]:
+    """Sort node parameters NODE.NAME=VALUE by node.
+
+    Args:
+        texts: What was given.
+
+    Returns:
+        Values by node and name.
+
+    Raises:
+        InputError: The form is wrong.
+    """
+    sorted_values: dict[str, dict[str, Any]] = {}
+    for text in texts:
+        key, value = key_and_value(text, "--parameter")
+        node, dot, name = key.partition(".")
+        if not dot:
+            raise InputError(f"--parameter is '{text}', but must be NODE.NAME=VALUE, e.g. plant.drop_fraction=0.01")
+        sorted_values.setdefault(node, {})[name] = value
+    return sorted_values
+
+
+def default_transport(quiet: bool = False) -> str:
+    """Choose the nodes where they are installed, else the direct run, and say so.
+
+    Args:
+        quiet: Say nothing.
+
+    Returns:
+        "ros" or "direct".
+    """
+    runner, why = transports.ros_runner()
+    if runner is None and not quiet:
+        console.print(f"Running in-process: {why}.")
+    return "ros" if runner else "direct"
+
+
+def default_folder(name: str, transport: str) -> Path:
+    """Choose a log folder that does not exist yet.
+
+    Args:
+        name: Name of the scenario.
+        transport: Its transport.
+
+    Returns:
+        bags/NAME_TRANSPORT_<time>, made unique by a number where needed.
+    """
+    stem = f"{name}_{transport}_{datetime.datetime.now().astimezone():%Y%m%d_%H%M%S}"
+    folder = Path("bags") / stem
+    number = 2
+    while folder.exists():
+        folder = Path("bags") / f"{stem}_{number}"
+        number += 1
+    folder.parent.mkdir(exist_ok=True)
+    return folder
+
+
+def print_result(name: str, result: RunResult) -> None:
+    """Print what came of a run as a table.
+
+    Args:
+        name: Name of the scenario.
+        result: The result.
+    """
+    table = Table(title=f"{name} over {result.transport}", show_header=False)
+    table.add_row("samples", f"{result.samples}")
+    table.add_row("simulated time", f"{result.simulated_time:.4g} s")
+    table.add_row("wall time", f"{result.wall_time:.4g} s")
+    if result.wall_time:
+        table.add_row("speed", f"{result.samples / result.wall_time:,.0f} samples/s")
+    for key, value in result.figures.items():
+        table.add_row(key.replace("_", " "), f"{value:.6g}")
+    table.add_row("log", str(result.log_folder))
+    console.print(table)
+    if result.log_folder is not None and not result.exit_code:
+        console.print(f"Analyse it: flexros analyze {result.log_folder} --report report.html")

@@ -1,0 +1,152 @@
+"""How a scenario is run: in this process, or over ROS 2 topics by the installed nodes."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from importlib import metadata
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+from rich.progress import Progress
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
+
+    from flexros.config.scenario import Scenario
+
+GROUP = "flexros.transports"
+"""Entry points that run a scenario; the package of the nodes announces "ros" there."""
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """What came of a run, whatever the transport.
+
+    Attributes:
+        exit_code: 0 done, 3 broken off, 130 interrupted.
+        message: What happened, one sentence; empty when done.
+        transport: "direct", or "ros" with its layout.
+        log_folder: Folder of the log.
+        samples: Samples of the loop.
+        simulated_time: Time that the run covers [s].
+        wall_time: Time that the loop took [s].
+        figures: Further figures by name: resends, messages dropped on purpose, missing samples, timing.
+    """
+
+    exit_code: int
+    message: str
+    transport: str
+    log_folder: Path | None
+    samples: int
+    simulated_time: float
+    wall_time: float
+    figures: Mapping[str, float] = field(default_factory=dict)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the figures for JSON; times in seconds."""
+        return {
+            "exit_code": self.exit_code,
+            "message": self.message,
+            "transport": self.transport,
+            "log": None if self.log_folder is None else str(self.log_folder),
+            "samples": self.samples,
+            "simulated_time_s": self.simulated_time,
+            "wall_time_s": self.wall_time,
+            "samples_per_second": self.samples / self.wall_time if self.wall_time else 0.0,
+            **self.figures,
+        }
+
+
+def ros_runner() -> tuple[Callable[..., Any] | None, str]:
+    """Find the runner of the nodes.
+
+    Returns:
+        The runner, or None and a sentence that says why there is none.
+    """
+    found = [entry for entry in metadata.entry_points(group=GROUP) if entry.name == "ros"]
+    if not found:
+        return None, "the ROS 2 nodes of FlexROS are not installed"
+    if find_spec("rclpy") is None:
+        return None, "no rclpy can be imported here (source ROS 2 Jazzy, or install the extra 'ros' on Linux x86_64)"
+    try:
+        runner: Callable[..., Any] = found[0].load()
+    except ImportError as error:
+        return None, f"the ROS 2 nodes cannot be loaded ({error})"
+    return runner, ""
+
+
+def run_direct(scenario: Scenario, out: Path) -> RunResult:
+    """Run a scenario in this process and write its log.
+
+    Args:
+        scenario: The scenario.
+        out: Folder of the log, to be made.
+
+    Returns:
+        What came of it.
+
+    Raises:
+        InputError: Scenario or folder are not allowed.
+        RunError: The run broke off.
+    """
+    from flexros.logs.write_log import write_log
+    from flexros.simulate.closed_loop import closed_loop
+    from flexros.simulate.experiment import Experiment
+
+    if out.exists():
+        raise InputError(f"the log folder {out} exists already; give another one with --out")
+    experiment = Experiment.prepare(scenario)
+    with Progress(transient=True) as progress:
+        task = progress.add_task("simulating", total=experiment.n_samples)
+        start = time.perf_counter()
+        log = closed_loop(experiment, progress=lambda samples: progress.update(task, completed=samples))
+        wall = time.perf_counter() - start
+    write_log(log, out)
+    return RunResult(0, "", "direct", out, experiment.n_samples, experiment.duration, wall)
+
+
+def run_ros(
+    scenario: Scenario,
+    out: Path,
+    layout: str = "composed",
+    real_time: bool = False,
+    parameters: Mapping[str, Mapping[str, Any]] | None = None,
+) -> RunResult:
+    """Run a scenario over ROS 2 topics.
+
+    Args:
+        scenario: The scenario.
+        out: Folder of the log, to be made.
+        layout: "composed" or "processes".
+        real_time: Pace by the wall clock instead of lock-step.
+        parameters: Node parameters, e.g. {"plant": {"drop_fraction": 0.01}}.
+
+    Returns:
+        What came of it.
+
+    Raises:
+        InputError: There are no nodes here, or scenario, parameters or folder are not allowed.
+    """
+    runner, why = ros_runner()
+    if runner is None:
+        raise InputError(f"--transport ros: {why}; give --transport direct")
+    summary = runner(scenario, out, layout, real_time=real_time, parameters=parameters)
+    return RunResult(
+        exit_code=summary.exit_code,
+        message=summary.message,
+        transport=f"ros, {summary.layout}",
+        log_folder=summary.log_folder,
+        samples=summary.samples,
+        simulated_time=summary.simulated_time,
+        wall_time=summary.wall_time,
+        figures={
+            "resends": summary.resends,
+            "dropped_on_purpose": summary.dropped,
+            "missing_in_log": summary.missing,
+            **summary.timing,
+        },
+    )

@@ -1,0 +1,126 @@
+"""What an effect is, how one is found by its name and written on the command line."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from abc import abstractmethod
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
+
+import flexros.effects
+from flexros.config.validation import Settings, validate
+from flexros.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from flexros.robot import Robot
+
+
+class AbstractEffect(Settings):
+    """An effect that changes numbers of the plant's model.
+
+    How to add one: write one file in `flexros/effects` with one final subclass; it is then found by its name in
+    `flexros run --effect` and in everything that lists effects. It provides:
+
+    1. `name`, a class variable: the word by which it is chosen.
+    2. Its parameters as fields, each with a description that states unit and meaning; the default is the neutral
+       value, which switches the effect off.
+    3. `locations`, the places of a robot where it can sit.
+    4. `values`, the numbers of the robot that it changes at a place.
+    """
+
+    name: ClassVar[str]
+
+    @abstractmethod
+    def locations(self, robot: Robot) -> tuple[str, ...]:
+        """List the places where the effect can sit.
+
+        Args:
+            robot: The robot.
+
+        Returns:
+            Names of motors, springs or bodies, or "tool", "base", "all".
+        """
+
+    @abstractmethod
+    def values(self, robot: Robot, location: str) -> dict[str, float]:
+        """Compute the changed numbers of the robot.
+
+        Args:
+            robot: The robot without the effect.
+            location: One of its `locations`.
+
+        Returns:
+            New values (SI) by parameter name, as for `Robot.with_values`.
+        """
+
+
+@dataclass(frozen=True)
+class PlacedEffect:
+    """An effect at a place."""
+
+    effect: AbstractEffect
+    location: str
+
+
+@cache
+def effects() -> Mapping[str, type[AbstractEffect]]:
+    """Find all effects in this package, by name."""
+    for module in pkgutil.iter_modules(flexros.effects.__path__):
+        importlib.import_module(f"flexros.effects.{module.name}")
+    found = AbstractEffect.__subclasses__()
+    return MappingProxyType({effect.name: effect for effect in sorted(found, key=lambda effect: effect.name)})
+
+
+def parse_effect(text: str, source: str) -> PlacedEffect:
+    """Read an effect as written on the command line: NAME@LOCATION:parameter=value,...
+
+    Args:
+        text: What was given, e.g. "payload_error@tool:relative=0.05".
+        source: Where it came from, for the error text.
+
+    Returns:
+        The effect at its place; the place is checked when it meets a robot.
+
+    Raises:
+        InputError: Wrong form, unknown effect or parameter, or a value that is not allowed.
+    """
+    head, _, tail = text.partition(":")
+    name, at, location = head.partition("@")
+    if not at or not location:
+        raise InputError(
+            f"{source} is '{text}', but must be NAME@LOCATION:parameter=value,..., "
+            "for instance payload_error@tool:relative=0.05"
+        )
+    if name not in effects():
+        raise unknown_name("effect", name, effects(), source)
+    parameters = dict(part.partition("=")[::2] for part in tail.split(",") if part)
+    return PlacedEffect(validate(effects()[name], parameters, f"{source} {name}"), location)
+
+
+def plant_values(robot: Robot, placed: Iterable[PlacedEffect]) -> dict[str, float]:
+    """Compute the numbers of a plant with effects, each acting on what those before it left.
+
+    Args:
+        robot: The plant without the effects.
+        placed: Effects with their places.
+
+    Returns:
+        Changed values (SI) by parameter name.
+
+    Raises:
+        InputError: The robot has no such place.
+    """
+    changed: dict[str, float] = {}
+    for one in placed:
+        allowed = one.effect.locations(robot)
+        if one.location not in allowed:
+            raise unknown_name(f"location of {one.effect.name} on robot {robot.name}", one.location, allowed)
+        values = one.effect.values(robot, one.location)
+        robot = robot.with_values(values, one.effect.name)
+        changed.update(values)
+    return changed
