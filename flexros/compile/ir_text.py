@@ -132,6 +132,10 @@ class IrBlock:
         """Write a / b."""
         return self.value(f"fdiv {self.type} {a}, {b}")
 
+    def fma(self, a: str, b: str, c: str) -> str:
+        """Write a * b + c, rounded once."""
+        return self.intrinsic("fma", a, b, c)
+
     def compare(self, condition: str, a: str, b: str) -> str:
         """Write a comparison of numbers, e.g. condition "olt"; the value is one bit per lane."""
         return self.value(f"fcmp {condition} {self.type} {a}, {b}")

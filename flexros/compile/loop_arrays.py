@@ -110,12 +110,12 @@ class LoopJob:
     @property
     def lanes(self) -> int:
         """Number of simulations side by side."""
-        return self.plant.shape[1]
+        return int(self.plant.shape[1])
 
     @property
     def samples(self) -> int:
         """Number of samples."""
-        return self.encoder.shape[0]
+        return int(self.encoder.shape[0])
 
     def part(self, start: int, stop: int) -> LoopJob:
         """Return the job for samples start to stop - 1, on the same memory."""
@@ -162,14 +162,13 @@ def loop_result(job: LoopJob) -> LoopResult:
     arrays = {field.name: getattr(job, field.name) for field in fields(job)}
     if job.lanes == 1:
         arrays = {name: None if array is None else array[..., 0] for name, array in arrays.items()}
-    final = LoopState(arrays["plant"], arrays["controller"], arrays["line"])
     return LoopResult(
-        arrays["encoder"],
-        arrays["command"],
-        arrays["tool_pose"],
-        arrays["states"],
-        final,
-        np.asarray(arrays["diverged"]),
+        encoder=arrays["encoder"],
+        command=arrays["command"],
+        tool_pose=arrays["tool_pose"],
+        states=arrays["states"],
+        final=LoopState(arrays["plant"], arrays["controller"], arrays["line"]),
+        diverged=np.asarray(arrays["diverged"]),
     )
 
 

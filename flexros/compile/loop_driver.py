@@ -9,9 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flexros.compile.ir_text import IrBlock, alignment
+from flexros.compile.ir_text import IrBlock
 from flexros.compile.ir_vectors import element, element_wise, set_element
 from flexros.compile.loop_divergence import stop_when_diverged
+from flexros.compile.runge_kutta import step_weights
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from flexros.compile.command_delay import CommandDelay
     from flexros.compile.loop_functions import LoopSizes
 
+_STEP_PARAMETERS = ", ".join(f"ptr noalias %{name}" for name in ("x", "u", "w", "p", "weights"))
 MEASURE = "loop.measure"
 ADVANCE = "loop.advance"
 RUN = "loop.run"
@@ -34,9 +36,13 @@ JOB_FIELDS = (
 
 @dataclass(frozen=True)
 class LoopSymbols:
-    """Functions of the module that the driver calls; None where the loop has no such stage."""
+    """Functions of the module that the driver calls; None where the loop has no such stage.
 
-    derivative: str
+    The step is either `merged_step` (x, u, w, p, weights) -> x, or made here from `derivative`.
+    """
+
+    derivative: str | None
+    merged_step: str | None
     encoder: str
     tool_pose: str
     controller: str
@@ -64,7 +70,8 @@ class LoopDriver:
 
     def text(self) -> str:
         """Return the definitions of RUN, MEASURE and ADVANCE."""
-        return "\n".join([self._runge_kutta(), self._measure(), self._advance(), self._run()])
+        step = self._runge_kutta() if self.symbols.merged_step is None else self._step()
+        return "\n".join([step, self._measure(), self._advance(), self._run()])
 
     def _scratch(self, block: IrBlock, elements: int) -> str:
         return block.value(f"alloca double, i64 {max(1, elements * self.lanes)}, align 64")
@@ -74,15 +81,26 @@ class LoopDriver:
             size = 8 * elements * self.lanes
             block.emit(f"call void @llvm.memcpy.p0.p0.i64(ptr {target}, ptr {source}, i64 {size}, i1 false)")
 
+    def _step(self) -> str:
+        """Replace x by the state one step later; w, u, p and the weights [h, h/2, h/6] are held."""
+        block = IrBlock(self.lanes)
+        after = self._scratch(block, self.sizes.state)
+        block.emit(f"call void @{self.symbols.merged_step}(ptr %x, ptr %u, ptr %w, ptr %p, ptr %weights, ptr {after})")
+        for k in range(self.sizes.state):
+            block.store(block.load(after, k), "%x", k)
+        return _definition(f"internal void @loop.step({_STEP_PARAMETERS})", block)
+
     def _runge_kutta(self) -> str:
-        """Classical fourth-order step (Kutta 1901): x is replaced by the state h later; w, u and p are constant."""
-        block = IrBlock()
+        """The same, from four calls of the derivative; the formula is that of runge_kutta.py."""
+        block = IrBlock(self.lanes)
         n = self.sizes.state
         stage, slope, total = (self._scratch(block, n) for _ in range(3))
         count = n * self.lanes
 
         def derivative(x: str) -> None:
             block.emit(f"call void @{self.symbols.derivative}(ptr {x}, ptr %u, ptr %w, ptr %p, ptr {slope})")
+
+        h, half, sixth = (block.of_lanes(1).load("%weights", k * self.lanes) for k in range(3))
 
         def prepare(step: str, weight: int) -> Callable[[IrBlock, str], None]:
             def body(part: IrBlock, i: str) -> None:
@@ -96,16 +114,15 @@ class LoopDriver:
 
         def finish(part: IrBlock, i: str) -> None:
             sum_of_slopes = part.add(element(part, total, i), element(part, slope, i))
-            step = part.mul(part.splat("%sixth"), sum_of_slopes)
+            step = part.mul(part.splat(sixth), sum_of_slopes)
             set_element(part, part.add(element(part, "%x", i), step), "%x", i)
 
         derivative("%x")
-        for step, weight in (("%half", 1), ("%half", 2), ("%h", 2)):
+        for step, weight in ((half, 1), (half, 2), (h, 2)):
             element_wise(block, count, prepare(step, weight))
             derivative(stage)
         element_wise(block, count, finish)
-        parameters = "ptr noalias %x, ptr noalias %u, ptr noalias %w, ptr noalias %p"
-        return _definition(f"internal void @loop.step({parameters}, double %h, double %half, double %sixth)", block)
+        return _definition(f"internal void @loop.step({_STEP_PARAMETERS})", block)
 
     def _measure(self) -> str:
         """Y = sensor(encoder(x) + noise), and the tool pose where its address is not null."""
@@ -129,7 +146,7 @@ class LoopDriver:
         """Drive the plant from t_k to t_k+1 with the command of t_k, delayed, and the disturbance."""
         block = IrBlock(self.lanes)
         motors = self.sizes.motors
-        torque, half, after = (self._scratch(block, n) for n in (motors, 1, self.sizes.state))
+        torque, weights, after = (self._scratch(block, n) for n in (motors, 3, self.sizes.state))
         wrench = block.pointer("%d", motors)
         for piece in self.delay.pieces:
             source = "%u" if piece.age == 0 else block.pointer("%line", (piece.age - 1) * motors)
@@ -139,11 +156,12 @@ class LoopDriver:
 
             element_wise(block, motors * self.lanes, add_disturbance)
             h = piece.duration / self.substeps
-            step = ", ".join(f"double {IrBlock().number(value)}" for value in (h, 0.5 * h, h / 6.0))
-            block.store(block.number(0.5 * h), half, align=alignment(self.lanes))
+            for k, weight in enumerate(step_weights(h)):
+                block.store(block.number(weight), weights, k)
+            half = block.pointer(weights, 1)
             with block.loop(0, self.substeps):
                 self._exact_update(block, torque, wrench, half, after)
-                block.emit(f"call void @loop.step(ptr %x, ptr {torque}, ptr {wrench}, ptr %p, {step})")
+                block.emit(f"call void @loop.step(ptr %x, ptr {torque}, ptr {wrench}, ptr %p, ptr {weights})")
                 self._exact_update(block, torque, wrench, half, after)
         self._remember(block)
         parameters = ", ".join(f"ptr noalias %{name}" for name in ("x", "line", "u", "d", "p"))

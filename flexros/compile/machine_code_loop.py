@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import fields
 from typing import TYPE_CHECKING
 
+import casadi as ca
 import numpy as np
 
 from flexros.compile.compiled_function import bind_packed, packed_entry
 from flexros.compile.loop_driver import ADVANCE, JOB_FIELDS, MEASURE, RUN, LoopDriver, LoopSymbols
 from flexros.compile.module_builder import ModuleBuilder, check_lanes
+from flexros.compile.runge_kutta import is_merged, runge_kutta_step
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,13 +39,8 @@ class MachineCodeLoop:
         """
         check_lanes(lanes)
         builder = ModuleBuilder()
-        symbols = {
-            field.name: None
-            if (function := getattr(functions, field.name)) is None
-            else builder.add_function(function, name=field.name, lanes=lanes)
-            for field in fields(functions)
-        }
-        builder.add_text(LoopDriver(LoopSymbols(**symbols), sizes, delay, substeps, lanes).text())
+        driver = LoopDriver(_add_functions(builder, functions, lanes), sizes, delay, substeps, lanes)
+        builder.add_text(driver.text())
         builder.add_text(packed_entry(MEASURE, 5))
         builder.add_text(packed_entry(ADVANCE, 5))
         code = builder.build()
@@ -76,13 +72,30 @@ class MachineCodeLoop:
         return bound
 
 
+def _add_functions(builder: ModuleBuilder, functions: LoopFunctions, lanes: int) -> LoopSymbols:
+    def add(name: str, function: ca.Function) -> str:
+        return builder.add_function(function, name=name, lanes=lanes)
+
+    merged = is_merged(functions)
+    sensor, exact_update = functions.sensor, functions.exact_update
+    return LoopSymbols(
+        derivative=None if merged else add("derivative", functions.derivative),
+        merged_step=add("merged_step", runge_kutta_step(functions, ca.SX)) if merged else None,
+        encoder=add("encoder", functions.encoder),
+        tool_pose=add("tool_pose", functions.tool_pose),
+        controller=add("controller", functions.controller),
+        sensor=None if sensor is None else add("sensor", sensor),
+        exact_update=None if exact_update is None else add("exact_update", exact_update),
+    )
+
+
 def _entry(job: LoopJob, name: str) -> int:
     """Return the 64 bits of one entry of the job."""
     if name == "samples":
         return job.samples
     if name.endswith("_stride"):
         signal: FloatArray = getattr(job, name.removesuffix("_stride"))
-        return signal[0].size if signal.shape[0] > 1 else 0
+        return int(signal[0].size) if signal.shape[0] > 1 else 0
     if name.endswith("_shared"):
         signal = getattr(job, name.removesuffix("_shared"))
         return int(signal.shape[-1] == 1)

@@ -36,7 +36,7 @@ LIBRARY: dict[int, str] = {
 }  # fmt: skip
 """Operations answered by the system's mathematical library, lane by lane."""
 
-LIBRARY_SYMBOLS: frozenset[str] = frozenset(LIBRARY.values()) | {"sin", "cos"}
+LIBRARY_SYMBOLS: frozenset[str] = frozenset(LIBRARY.values()) | {"sin", "cos", "fma"}
 
 
 def _choose_extreme(condition: str) -> Callable[[IrBlock, str, str], str]:

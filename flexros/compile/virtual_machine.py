@@ -10,6 +10,7 @@ import numpy as np
 
 from flexros.compile.loop_functions import WRENCH_SIZE
 from flexros.compile.module_builder import check_lanes
+from flexros.compile.runge_kutta import is_merged, runge_kutta_step, step_weights
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -59,7 +60,7 @@ class VirtualMachineLoop:
         def call() -> None:
             for lane in range(plant.shape[1]):
                 y, pose = self._measure(plant[:, lane], noise[:, lane], parameters[:, lane])
-                encoder[:, lane], tool_pose[:, lane] = _vector(y), _vector(pose)
+                encoder[:, lane], tool_pose[:, lane] = _matrix(y)[:, 0], _matrix(pose)[:, 0]
 
         return call
 
@@ -70,12 +71,15 @@ class VirtualMachineLoop:
 
         def call() -> None:
             for lane in range(plant.shape[1]):
-                past = line[:, :, lane].ravel()
                 x, past = self._advance(
-                    plant[:, lane], past, command[:, lane], disturbance[:, lane], parameters[:, lane]
+                    plant[:, lane],
+                    line[:, :, lane].ravel(),
+                    command[:, lane],
+                    disturbance[:, lane],
+                    parameters[:, lane],
                 )
-                plant[:, lane] = _vector(x)
-                line[:, :, lane] = _vector(past).reshape(line.shape[:2])
+                plant[:, lane] = _matrix(x)[:, 0]
+                line[:, :, lane] = _matrix(past).reshape(line.shape[:2])
 
         return call
 
@@ -88,9 +92,7 @@ class VirtualMachineLoop:
             stop = min(start + _SLICE, job.samples)
             signals = [_rows(s, start, stop, lane) for s in (job.reference, job.noise, job.disturbance)]
             held = np.repeat(constants[:, np.newaxis], stop - start, axis=1)
-            with np.errstate(all="ignore"):
-                results = [np.array(a) for a in self._samples(stop - start)(state, *signals, held)]
-            states, y, u, pose = results
+            states, y, u, pose = (_matrix(a) for a in self._samples(stop - start)(state, *signals, held))
             before = np.column_stack([state, states[:, :-1]])
             finite = np.isfinite(states[: sizes.state]).all(axis=0)
             done = stop - start if finite.all() else int(np.argmin(finite)) + 1
@@ -107,16 +109,15 @@ class VirtualMachineLoop:
         job.line[:, :, lane] = line.reshape(job.line.shape[:2])
 
 
-def _vector(value: ca.DM) -> FloatArray:
-    return np.asarray(value.full(), dtype=np.float64).ravel()
+def _matrix(value: ca.DM) -> FloatArray:
+    return np.asarray(value.full(), dtype=np.float64)
 
 
 def _rows(signal: FloatArray, start: int, stop: int, lane: int) -> FloatArray:
     """Return a signal of one lane as (width, samples)."""
-    numbers = signal[:, :, lane if signal.shape[-1] > 1 else 0]
-    if numbers.shape[0] == 1:
-        return np.repeat(numbers.T, stop - start, axis=1)
-    return numbers[start:stop].T
+    numbers: FloatArray = signal[:, :, lane if signal.shape[-1] > 1 else 0]
+    columns: FloatArray = np.repeat(numbers, stop - start, axis=0) if numbers.shape[0] == 1 else numbers[start:stop]
+    return columns.T
 
 
 def _symbols(*sizes: int) -> list[ca.MX]:
@@ -137,17 +138,14 @@ def _measure_function(functions: LoopFunctions, sizes: LoopSizes) -> ca.Function
 
 
 def _step_function(functions: LoopFunctions, sizes: LoopSizes, h: float) -> ca.Function:
+    """One Runge-Kutta step between two halves of the exact update: (x, u, w, p) -> x."""
     x, u, w, p = _symbols(sizes.state, sizes.motors, WRENCH_SIZE, sizes.parameters)
 
     def exact(state: ca.MX) -> ca.MX:
         return state if functions.exact_update is None else functions.exact_update(state, u, w, p, 0.5 * h)
 
-    start = exact(x)
-    k1 = functions.derivative(start, u, w, p)
-    k2 = functions.derivative(start + 0.5 * h * k1, u, w, p)
-    k3 = functions.derivative(start + 0.5 * h * k2, u, w, p)
-    k4 = functions.derivative(start + h * k3, u, w, p)
-    return ca.Function("step", [x, u, w, p], [exact(start + (h / 6.0) * (k1 + 2.0 * k2 + 2.0 * k3 + k4))])
+    step = runge_kutta_step(functions, ca.SX if is_merged(functions) else ca.MX)
+    return ca.Function("step", [x, u, w, p], [exact(step(exact(x), u, w, p, ca.DM(step_weights(h))))])
 
 
 def _advance_function(functions: LoopFunctions, sizes: LoopSizes, delay: CommandDelay, substeps: int) -> ca.Function:
