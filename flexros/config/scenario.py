@@ -93,6 +93,10 @@ class Scenario(Settings):
     feedforward: FeedforwardSpecification = Field(
         default_factory=FeedforwardSpecification, description="method that computes motor references and torques"
     )
+    feedforward_torque: bool = Field(
+        default=True,
+        description="whether the torque of the feedforward acts; false: only its motor positions are followed",
+    )
     controller: ControlLaw = Field(description="kind and settings of the feedback controller")
     disturbances: tuple[Disturbance, ...] = Field(
         default=(), description="torques that the plant adds at motors and tool"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,7 @@ from flexros.control.controller import Controller
 from flexros.errors import InputError
 from flexros.feedforward.reference import compute_reference
 from flexros.robot import load_robot
+from flexros.simulate.plant import Plant
 from flexros.trajectory import JOINTS, JointMove, Move, TimeLaw, Trajectory, build_trajectory
 
 if TYPE_CHECKING:
@@ -85,10 +86,8 @@ class Experiment:
 
     @cached_property
     def reference(self) -> Reference:
-        """References and feedforward torques of all samples."""
-        return compute_reference(
-            self.nominal, self.trajectory, self.scenario.feedforward, self.sample_time, self.duration, self.start
-        )
+        """References and feedforward torques of all samples; the torques are zero where the scenario says so."""
+        return self._reference(self.duration)
 
     @cached_property
     def reference_signal(self) -> FloatArray:
@@ -119,6 +118,19 @@ class Experiment:
         robot = self.nominal
         return Controller(self.scenario.controller, robot.n_motors, self.sample_time, robot.torque_limits)
 
+    def plant_in_time(self) -> Plant:
+        """Make the simulated robot at its start, to be stepped sample by sample."""
+        return Plant(
+            self.plant,
+            self.sample_time,
+            self.start_state,
+            seed=self.scenario.seed,
+            noise=self.scenario.noise,
+            disturbances=self.scenario.disturbances,
+            substeps=self.scenario.substeps,
+            torque=self.start_torque,
+        )
+
     def provenance(self) -> dict[str, Any]:
         """Describe the run for the log's side-car: scenario, hashes, versions."""
         return {
@@ -131,6 +143,14 @@ class Experiment:
             "plant_hash": self.plant.model_hash,
             "versions": {"python": platform.python_version(), **{name: _version(name) for name in _VERSIONED}},
         }
+
+    def _reference(self, duration: float) -> Reference:
+        reference = compute_reference(
+            self.nominal, self.trajectory, self.scenario.feedforward, self.sample_time, duration, self.start
+        )
+        if self.scenario.feedforward_torque:
+            return reference
+        return replace(reference, torque=np.zeros_like(reference.torque))
 
 
 _VERSIONED = ("flexros", "casadi", "llvmlite", "numpy", "scipy")

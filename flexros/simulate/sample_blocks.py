@@ -51,6 +51,11 @@ class SampleBlocks:
             done += taken
         return rows
 
+    def row(self, index: int) -> FloatArray:
+        """Give one sample, shape (width,); not to be written to."""
+        row: FloatArray = self.block(index // BLOCK)[index % BLOCK]
+        return row
+
     def block(self, number: int) -> FloatArray:
         """Give one block, shape (BLOCK, width); not to be written to."""
         if number != self._number:

@@ -25,6 +25,13 @@ def test_circle_has_the_samples_of_its_trajectory() -> None:
     np.testing.assert_allclose(experiment.reference.output[0], [2.146403786951, -0.354624247994], atol=1e-11)
 
 
+def test_without_feedforward_torque_only_the_motor_positions_are_followed() -> None:
+    alone, helped = (Experiment.prepare(load_scenario(name)).reference for name in ("circle_pd", "circle_dae"))
+    assert np.array_equal(alone.motor_position, helped.motor_position)
+    assert not np.any(alone.torque)
+    assert np.any(helped.torque)
+
+
 def test_without_trajectory_the_start_is_held() -> None:
     experiment = Experiment.prepare(scenario(start=[0.1, 0.4, 0.0]))
     assert experiment.n_samples == 201
@@ -33,7 +40,7 @@ def test_without_trajectory_the_start_is_held() -> None:
 
 
 def test_duration_may_be_longer_than_the_trajectory() -> None:
-    experiment = Experiment.prepare(load_scenario("circle_pd").with_values({"duration": 0.5}))
+    experiment = Experiment.prepare(load_scenario("circle_fj").with_values({"duration": 0.5}))
     assert experiment.n_samples == 1001
     reference = experiment.reference.motor_position
     np.testing.assert_allclose(reference[-1], reference[0], atol=1e-12)

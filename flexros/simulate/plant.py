@@ -1,0 +1,165 @@
+"""The simulated robot, stepped sample by sample: what a plant node drives."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.compile.loop import compile_loop
+from flexros.compile.loop_arrays import LoopState
+from flexros.errors import RunError
+from flexros.simulate.disturbance import disturbance_signal
+from flexros.simulate.loop import feed_through, loop_functions
+from flexros.simulate.noise import Stream, white_noise
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros.robot import Robot
+    from flexros.simulate.disturbance import AbstractDisturbance
+
+
+class Plant:
+    """Robot, sensors and disturbances in time; equal, bit for bit, to the run of the whole loop.
+
+    At sample k, `measure` and `tool_pose` tell what the sensors see at t_k = k T, and `advance` moves to t_(k+1) under
+    the command of t_k, which acts from t_k + delay on. Everything is determined by the arguments.
+
+    Args:
+        robot: The robot, with its delay and sensor noise.
+        sample_time: Time T between two samples [s].
+        state: State at t_0, shape (2 nq,).
+        seed: Seed of noise and random disturbances.
+        noise: Whether the sensors have the noise that the robot states.
+        disturbances: Torques and forces added at motors and tool.
+        substeps: Integration steps in a sample.
+        torque: Command that acts until the first one arrives through the delay [Nm or N], shape (M,); default: zero.
+
+    Raises:
+        InputError: A disturbance has a place or frequency that does not exist here, or a number is out of range.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        sample_time: float,
+        state: FloatArray,
+        *,
+        seed: int = 0,
+        noise: bool = False,
+        disturbances: Sequence[AbstractDisturbance] = (),
+        substeps: int = 1,
+        torque: FloatArray | None = None,
+    ) -> None:
+        self.robot = robot
+        self.sample_time = sample_time
+        self.sample = 0
+        scale = 1.0 if noise else 0.0
+        self._encoder_noise = white_noise(scale * robot.encoder_noise, seed, Stream.ENCODER)
+        self._tool_noise = white_noise(np.full(3, scale * robot.tool_noise), seed, Stream.TOOL)
+        self._disturbance = disturbance_signal(disturbances, robot.n_motors, sample_time, seed)
+        kernel = compile_loop(
+            loop_functions(robot.model, feed_through(robot.n_motors)),
+            sample_time=sample_time,
+            substeps=substeps,
+            delay=robot.delay,
+        )
+        start = delayed_start(
+            state, np.zeros(0), np.zeros(robot.n_motors) if torque is None else torque, kernel.line_length
+        )
+        self._step = kernel.stepper(start)
+        self._zeros = np.zeros(len(state))
+        self._measured = -1
+
+    @property
+    def time(self) -> float:
+        """Time of the present sample [s]."""
+        return self.sample * self.sample_time
+
+    @property
+    def state(self) -> FloatArray:
+        """State x at the present sample, shape (2 nq,), a copy."""
+        state: FloatArray = self._step.plant.copy()
+        return state
+
+    def measure(self) -> FloatArray:
+        """Read the encoders at the present sample.
+
+        Returns:
+            Motor positions with noise [rad or m], shape (M,).
+        """
+        self._sense()
+        encoder: FloatArray = self._step.encoder.copy()
+        return encoder
+
+    def tool_pose(self) -> FloatArray:
+        """Read the tool tracker at the present sample.
+
+        Returns:
+            Position with noise x, y, z [m] and quaternion x, y, z, w, shape (7,).
+        """
+        self._sense()
+        pose: FloatArray = self._step.tool_pose.copy()
+        pose[:3] += self._tool_noise.row(self.sample)
+        return pose
+
+    def advance(self, command: FloatArray | Sequence[float]) -> None:
+        """Move on to the next sample.
+
+        Args:
+            command: Torque command of the present sample [Nm or N], shape (M,).
+
+        Raises:
+            RunError: The command has the wrong size or is not finite (the state is as before), or the state is not
+                finite any more.
+        """
+        if len(command) != self.robot.n_motors:
+            raise RunError(
+                f"{self._place()}: the torque command has {len(command)} values, needed are {self.robot.n_motors}"
+            )
+        self._step.command[:] = command
+        for motor, torque in enumerate(self._step.command, start=1):
+            if not math.isfinite(torque):
+                raise RunError(
+                    f"{self._place()}: the torque command of motor_{motor} is {torque}, needed is a finite number"
+                )
+        self._step.disturbance[:] = self._disturbance.row(self.sample)
+        self._step.advance()
+        self.sample += 1
+        if not math.isfinite(self._step.plant.dot(self._zeros)):
+            raise RunError(diverged_text(self.robot.name, self.sample, self.sample_time))
+
+    def _sense(self) -> None:
+        if self._measured != self.sample:
+            self._step.noise[:] = self._encoder_noise.row(self.sample)
+            self._step.measure()
+            self._measured = self.sample
+
+    def _place(self) -> str:
+        return f"robot {self.robot.name} at sample {self.sample} (t = {self.time:.4f} s)"
+
+
+def delayed_start(plant: FloatArray, controller: FloatArray, torque: FloatArray, line_length: int) -> LoopState:
+    """Make the state of a loop at rest, with a torque that has been acting for as long as the delay lasts.
+
+    Args:
+        plant: State of the plant, shape (2 nq,) or (2 nq, lanes).
+        controller: State of the controller, shape (n_c,).
+        torque: Torque that acts until the first command arrives [Nm or N], shape (M,) or (M, lanes).
+        line_length: Number of past commands that the delay remembers.
+
+    Returns:
+        State from which the loop starts.
+    """
+    return LoopState(plant, controller, np.repeat(np.asarray(torque, dtype=float)[np.newaxis], line_length, axis=0))
+
+
+def diverged_text(name: str, sample: int, sample_time: float) -> str:
+    """Say that a simulation has run away, and when."""
+    return (
+        f"robot {name}: the simulated state is not finite at sample {sample} (t = {sample * sample_time:.4f} s): the "
+        "loop is unstable or the integration step too long; lower the gains or raise substeps"
+    )
