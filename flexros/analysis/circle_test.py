@@ -26,7 +26,7 @@ CAVEATS = (
     "The DAE figures hardly depend on the choices the text leaves open, so they count as reproduced.",
     "The flexible-joint figures are not fully determined by the text: the published 2.82 mm needs a detuning that is "
     "not stated, so a difference there says nothing about either program.",
-    "For PD alone the thesis prints a picture and no figure. The second-order DAE and the smooth motion (the same circle "
-    "with a polynomial time law) are not in the thesis.",
+    "For PD alone the thesis prints a picture and no figure. The second-order DAE and the smooth motion (the same "
+    "circle with a polynomial time law) are not in the thesis.",
 )
 """What must be said beside these figures."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.analysis.path_geometry import path_through
+from flexros.analysis.path_geometry import CommandedPath, path_through
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,9 +18,13 @@ if TYPE_CHECKING:
 _SHARPEST_BEND = np.radians(20.0)
 """A path that turns by more than this within two samples has a corner there."""
 _SMOOTH_BEND = np.radians(2.0)
-"""Both legs of a corner turn by less than this per sample; a curve of few samples does not."""
-_REVERSAL = np.radians(170.0)
-"""A path that turns by more than this goes back on itself; the standard has no corner there."""
+"""A corner between two samples bends the path by more than this at both."""
+_STRAIGHT = np.cos(np.radians(0.1))
+"""A leg is straight as far as its direction keeps within a tenth of a degree."""
+_LEG = 5
+"""Both legs of a corner are straight for at least so many samples; at the corners of curves there is no overshoot."""
+_REVERSAL = np.cos(np.radians(170.0))
+"""A path that turns by more than 170 degrees goes back on itself; the standard has no corner there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,12 +36,16 @@ class Corner:
         position: Distance along the path [m].
         before: Unit direction of the leg before it, shape (3,).
         after: Unit direction of the leg after it, shape (3,).
+        before_length: How far the leg before it is straight [m].
+        after_length: How far the leg after it is straight [m].
     """
 
     point: FloatArray
     position: float
     before: FloatArray
     after: FloatArray
+    before_length: float = np.inf
+    after_length: float = np.inf
 
     @property
     def angle(self) -> float:
@@ -70,7 +78,7 @@ class CornerDeviation:
 
 
 def find_corners(points: FloatArray) -> tuple[Corner, ...]:
-    """Find the sharp corners of a sampled path; the corner itself need not be a sample.
+    """Find the sharp corners between straight legs of a sampled path; the corner itself need not be a sample.
 
     A zone programmed to be rounded is no corner of the commanded path and is not found.
 
@@ -93,32 +101,48 @@ def find_corners(points: FloatArray) -> tuple[Corner, ...]:
             k += 1
             continue
         # The corner is vertex k + 1, or lies between it and the next one if the path turns at both.
-        first, last = k, k + 2 if k + 1 < len(bend) and bend[k + 1] > _SMOOTH_BEND else k + 1
-        straight = bend[first - 1] < _SMOOTH_BEND and (last >= len(bend) or bend[last] < _SMOOTH_BEND)
-        before, after = direction[first], direction[last]
-        sharp = float(np.sum(bend[first:last])) > _SHARPEST_BEND and float(before @ after) > np.cos(_REVERSAL)
-        if straight and sharp:
-            corners.append(_corner(path.vertices, path.arc_length, first, last, before, after))
+        last = k + 2 if k + 1 < len(bend) and bend[k + 1] > _SMOOTH_BEND else k + 1
+        sharp = float(np.sum(bend[k:last])) > _SHARPEST_BEND and float(direction[k] @ direction[last]) > _REVERSAL
+        if sharp:
+            corner = _corner(path, direction, k, last)
+            corners += [corner] if corner is not None else []
         k = last
     return tuple(corners)
 
 
-def _corner(
-    vertices: FloatArray, arc_length: FloatArray, first: int, last: int, before: FloatArray, after: FloatArray
-) -> Corner:
-    """Intersect the leg that ends at vertex first + 1 with the one that starts at vertex `last`."""
+def _corner(path: CommandedPath, direction: FloatArray, first: int, last: int) -> Corner | None:
+    """Intersect the leg that ends with segment `first` with the one that starts with segment `last`."""
+    before, after = direction[first], direction[last]
+    back = _straight_segments(direction[first::-1] @ before)
+    ahead = _straight_segments(direction[last:] @ after)
+    if min(back, ahead) < _LEG:
+        return None
+    vertices, arc_length = path.vertices, path.arc_length
     gap = vertices[last] - vertices[first + 1]
     lengths, *_ = np.linalg.lstsq(np.column_stack([before, after]), gap, rcond=None)
     position = float(arc_length[first + 1] + lengths[0])
-    return Corner(vertices[first + 1] + lengths[0] * before, position, before, after)
+    return Corner(
+        point=vertices[first + 1] + lengths[0] * before,
+        position=position,
+        before=before,
+        after=after,
+        before_length=position - float(arc_length[first + 1 - back]),
+        after_length=float(arc_length[last + ahead]) - position,
+    )
+
+
+def _straight_segments(cosine: FloatArray) -> int:
+    """Count the segments, starting with the first, whose direction is that of the leg."""
+    bent = np.flatnonzero(cosine < _STRAIGHT)
+    return int(bent[0]) if len(bent) else len(cosine)
 
 
 def corner_deviations(cycles: Sequence[Cycle], corners: Sequence[Corner] | None = None) -> tuple[CornerDeviation, ...]:
     """Evaluate rounding and overshoot at each corner, the worst of all cycles.
 
     CR = max_j min_k |Z_jk - c|;  CO = largest distance of Z from the line of the second leg, counted on the side the
-    first leg points to (ISO 9283:1998, 8.5). Near a corner means: while the commanded path is nearer to it than to its
-    neighbours.
+    first leg points to (ISO 9283:1998, 8.5). Only the time counts in which the command is on the straight parts of the
+    two legs, and nearer to this corner than to its neighbours.
 
     Args:
         cycles: Passes of the same commanded path, at least one.
@@ -137,7 +161,9 @@ def corner_deviations(cycles: Sequence[Cycle], corners: Sequence[Corner] | None 
         rounding, overshoot = 0.0, 0.0
         for cycle in cycles:
             travelled = cycle.arc_length()
-            offset = cycle.attained[(travelled >= low) & (travelled <= high)] - corner.point
+            first = max(low, corner.position - corner.before_length)
+            last = min(high, corner.position + corner.after_length)
+            offset = cycle.attained[(travelled >= first) & (travelled <= last)] - corner.point
             rounding = max(rounding, _distance_to_polyline(offset))
             overshoot = max(overshoot, _overshoot(offset, corner))
         results.append(CornerDeviation(corner, rounding, overshoot))

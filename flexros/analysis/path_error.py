@@ -15,6 +15,7 @@ from flexros.analysis.path_geometry import circle_behind, path_through
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
+    from flexros.analysis.path_geometry import Circle, CommandedPath
     from flexros.arrays import FloatArray, IntArray
     from flexros.logs.time_series import PoseSeries
 
@@ -69,7 +70,12 @@ class PathError:
 
 
 def path_error(
-    pose: PoseSeries, reference: PoseSeries, *, start: int | None = None, axes: tuple[str, ...] | None = None
+    pose: PoseSeries,
+    reference: PoseSeries,
+    *,
+    start: int | None = None,
+    axes: tuple[str, ...] | None = None,
+    turned: bool = True,
 ) -> PathError:
     """Compare the attained tool pose with the commanded one.
 
@@ -81,6 +87,7 @@ def path_error(
         reference: Commanded poses, in order of stamps.
         start: Stamp that counts as time 0 [ns]; None for the first stamp of `pose`.
         axes: Position components that count; None for those that move in the pose or the reference.
+        turned: Whether the orientation counts too, if the reference commands one.
 
     Returns:
         Error series and figures.
@@ -89,6 +96,8 @@ def path_error(
         InputError: The two series share no time or hold numbers that are not finite, or `axes` is not of x, y, z.
     """
     run = _common_run(pose, reference, int(pose.stamp[0]) if start is None else start)
+    if not turned:
+        run = Cycle(run.time, run.commanded, run.attained)
     used = _moving_axes(run) if axes is None else axes
     if not used or not set(used) <= set(AXES):
         raise InputError(f"axes {', '.join(used) or 'none'} were given for the path error: use one or more of x, y, z")
@@ -102,7 +111,7 @@ def path_error(
     difference = np.linalg.norm(run.attained - run.commanded, axis=1)
     angle = _angle(run)
     return PathError(
-        shape=f"path of {path.length:.4g} m" if circle is None else f"circle of radius {1e3 * circle.radius:.6g} mm",
+        shape=_shape(path, circle),
         run=run,
         axes=tuple(used),
         length=path.length,
@@ -116,6 +125,12 @@ def path_error(
         orientation=None if angle is None else error_statistics(angle, run.time, projection.position),
         chord_error=path.chord_error() if circle is None else 0.0,
     )
+
+
+def _shape(path: CommandedPath, circle: Circle | None) -> str:
+    if circle is not None:
+        return f"circle of radius {1e3 * circle.radius:.6g} mm"
+    return f"path of {path.length:.4g} m" if path.length > 0.0 else "position"
 
 
 def _common_run(pose: PoseSeries, reference: PoseSeries, start: int) -> Cycle:

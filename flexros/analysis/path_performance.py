@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 STANDARD_CYCLES = 10
 """Number of cycles the standard asks for."""
+_SAME_PLACE = 1e-9
+"""Rounding of positions [m]."""
 
 
 @dataclass(frozen=True)
@@ -168,7 +170,10 @@ def _crossings(cycle: Cycle, position: FloatArray) -> _Crossings:
     commanded = cycle.commanded[segment] + share[:, None] * step
     tangent = step / np.linalg.norm(step, axis=1, keepdims=True)
     at = segment + share
-    index = np.array([_nearest_crossing(cycle, p, d, k) for p, d, k in zip(commanded, tangent, at, strict=True)])
+    # A crossing farther away than the tool ever is from where it should be belongs to another part of the path.
+    reach = float(np.max(np.linalg.norm(cycle.attained - cycle.commanded, axis=1))) + _SAME_PLACE
+    places = zip(commanded, tangent, at, strict=True)
+    index = np.array([_nearest_crossing(cycle, p, d, k, reach) for p, d, k in places])
     samples = np.arange(len(cycle.time), dtype=np.float64)
     found = np.isfinite(index)
     attained = np.full_like(commanded, np.nan)
@@ -182,13 +187,17 @@ def _crossings(cycle: Cycle, position: FloatArray) -> _Crossings:
     return _Crossings(time, attained, commanded, rotation)
 
 
-def _nearest_crossing(cycle: Cycle, point: FloatArray, tangent: FloatArray, sample: float) -> float:
-    """Return the (fractional) sample nearest to `sample` where the attained path crosses the plane forward."""
+def _nearest_crossing(cycle: Cycle, point: FloatArray, tangent: FloatArray, sample: float, reach: float) -> float:
+    """Return the (fractional) sample nearest to `sample` where the attained path crosses the plane forward.
+
+    Only crossings within `reach` of the point count [m]; nan where there is none.
+    """
     ahead = (cycle.attained - point) @ tangent
     crossing = np.flatnonzero((ahead[:-1] <= 0.0) & (ahead[1:] > 0.0))
-    if len(crossing) == 0:
-        return float("nan")
     fraction = crossing - ahead[crossing] / (ahead[crossing + 1] - ahead[crossing])
+    fraction = fraction[np.linalg.norm(_at(cycle.attained, fraction) - point, axis=1) <= reach]
+    if len(fraction) == 0:
+        return float("nan")
     return float(fraction[np.argmin(np.abs(fraction - sample))])
 
 

@@ -85,7 +85,7 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
     """
     start = start_stamp(log)
     warnings = list(log.warnings)
-    path, performance, corners = _tool(log, start, None if robot is None else _controlled_axes(robot), warnings)
+    path, performance, corners = _tool(log, start, robot, warnings)
     drives = None if robot is None else _drives(robot)
     motors = motor_tracking(log, start, drives)
     if not any(motor.tracking is not None for motor in motors):
@@ -94,7 +94,7 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
         warnings.append("the log has no feedforward torque, so the share of the feedback cannot be told")
     stamp = log.joint_states.stamp
     return Analysis(
-        label=str(log.provenance.get("scenario", "run")) if label is None else label,
+        label=_scenario_name(log.provenance) if label is None else label,
         duration=float((stamp[-1] - stamp[0]) * 1e-9) if len(stamp) else 0.0,
         path=path,
         performance=performance,
@@ -106,10 +106,18 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
     )
 
 
-def _controlled_axes(robot: Robot) -> tuple[str, ...] | None:
-    """Return the position components that the robot controls; None where it does not control the tool pose."""
+def _scenario_name(provenance: Mapping[str, Any]) -> str:
+    """Return the name of the scenario, which stands by itself or in the description of the scenario."""
+    scenario = provenance.get("scenario", "")
+    name = scenario.get("name", "") if isinstance(scenario, dict) else scenario
+    return str(name) or "run"
+
+
+def _controlled(robot: Robot) -> tuple[tuple[str, ...] | None, bool]:
+    """Return the position components that the robot controls (None: those of its joints), and whether it turns."""
     pose = robot.spec.outputs[robot.controlled].pose
-    return tuple(component for component in pose if component in AXES) or None
+    position = tuple(component for component in pose if component in AXES)
+    return position or None, not pose or len(position) < len(pose)
 
 
 def _drives(robot: Robot) -> tuple[Drive, ...]:
@@ -121,7 +129,7 @@ def _drives(robot: Robot) -> tuple[Drive, ...]:
 
 
 def _tool(
-    log: Log, start: int, axes: tuple[str, ...] | None, warnings: list[str]
+    log: Log, start: int, robot: Robot | None, warnings: list[str]
 ) -> tuple[PathError | None, PathPerformance | None, tuple[CornerDeviation, ...]]:
     """Evaluate what the tool topics tell; what they do not is added to the warnings."""
     pose, reference = log.tool_pose, log.tool_reference
@@ -133,7 +141,8 @@ def _tool(
     if pose is None or reference is None or absent:
         warnings.append(f"the log has no {' and no '.join(absent)}, so only the motor side of the error can be told")
         return None, None, ()
-    error = path_error(pose, reference, start=start, axes=axes)
+    axes, turned = (None, True) if robot is None else _controlled(robot)
+    error = path_error(pose, reference, start=start, axes=axes, turned=turned)
     if error.chord_error > 0.05 * error.path.maximum:
         warnings.append(
             f"the commanded path may leave the chords between its samples by {1e3 * error.chord_error:.2g} mm, "

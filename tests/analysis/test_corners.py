@@ -63,6 +63,21 @@ def test_a_circle_has_no_corner(samples):
     assert find_corners(np.column_stack([np.cos(angle), 0 * angle, np.sin(angle)])) == ()
 
 
+def test_corners_between_curves_are_left_out():
+    angle = np.linspace(0, np.pi, 200)
+    arc = np.column_stack([1 - np.cos(angle), 0 * angle, np.sin(angle)])
+    assert find_corners(np.concatenate([arc, arc[1:] + np.array([2.0, 0.0, 0.0])])) == ()
+
+
+def test_only_the_straight_part_of_a_leg_counts():
+    angle = np.linspace(0, np.pi / 2, 500)
+    bow = np.column_stack([0.1 + 0.05 * (1 - np.cos(angle)), 0 * angle, 0.1 + 0.05 * np.sin(angle)])
+    commanded = np.concatenate([square_corner(step=1e-4), bow])
+    (result,) = corner_deviations([cycle(commanded, commanded)])
+    assert result.corner.after_length == pytest.approx(0.1, abs=2e-4)
+    assert result.overshoot == pytest.approx(0.0, abs=1e-6)
+
+
 def test_turning_back_is_no_corner():
     x = np.concatenate([np.linspace(0, 1, 50), np.linspace(1, 0, 50)[1:]])
     assert find_corners(np.column_stack([x, 0 * x, 0 * x])) == ()

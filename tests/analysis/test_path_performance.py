@@ -35,6 +35,17 @@ def test_a_delay_along_the_path_is_no_path_error():
     assert performance.position_accuracy == pytest.approx(0.0, abs=1e-12)
 
 
+def test_a_crossing_of_another_part_of_the_path_does_not_count():
+    # There and back on parallel lines: the planes of the way there are crossed forward again at the second pass.
+    x = np.concatenate([np.linspace(0, 1, 200), np.linspace(1, 0, 200), np.linspace(0, 1, 200)])
+    z = np.repeat([0.0, 0.2, 0.4], 200)
+    commanded = np.column_stack([x, np.zeros_like(x), z])
+    ahead = commanded + np.array([1e-2, 0.0, 1e-3])
+    performance = path_performance([Cycle(np.arange(600.0), commanded, ahead)])
+    assert performance.points < 200
+    assert performance.position_accuracy <= np.hypot(1e-2, 1e-3) + 1e-12
+
+
 def test_one_cycle_has_no_repeatability():
     performance = path_performance([shifted((0.0, 1e-4, 0.0))])
     assert performance.position_repeatability is None

@@ -22,6 +22,9 @@ def test_the_known_error_of_a_run_is_found(make_run):
 def test_label_is_the_scenario_unless_given(make_run):
     assert analyse(make_run(label="circle_dae")).label == "circle_dae"
     assert analyse(make_run(), label="nominal").label == "nominal"
+    described = replace(make_run(), provenance={"scenario": {"name": "circle_pd", "robot": "e12"}})
+    assert analyse(described).label == "circle_pd"
+    assert analyse(replace(make_run(), provenance={})).label == "run"
 
 
 def test_cycles_are_cut_and_counted(make_run):
