@@ -107,8 +107,7 @@ def build_equations(model: SymbolicModel, output: str | None = None, exact: bool
     """
     exact = model.n_arm <= LARGE_MODEL if exact is None else exact
     n, nq = model.n_arm, model.n_coordinates
-    stiff = [i for i, arm in enumerate(model.chain.geared) if model.chain.joints[arm].motor_coordinate is None]
-    flexible = [i for i in range(model.n_motors) if i not in stiff]
+    stiff = _stiff_gears(model)
     x, z_0 = ca.SX.sym("x", nq + len(stiff)), ca.SX.sym("z_0", nq + len(stiff))
     v_0, a_0 = ca.SX.sym("v_0", nq), ca.SX.sym("a_0", nq)
     gamma, weight = ca.SX.sym("gamma"), ca.SX.sym("weight")
@@ -117,22 +116,10 @@ def build_equations(model: SymbolicModel, output: str | None = None, exact: bool
     u = ca.SX.zeros(model.n_motors)
     for place, number in enumerate(stiff):
         u[number] = z[nq + place]
-    output_value = model.output(output)(q[:n], model.parameter_values)
-    Z = ca.SX.sym("Z", output_value.shape[0])
-    arm = arm_residual(model, q, v, a, u)
-    residual = ca.vertcat(weight * arm, output_value - Z)
-    matrix = ca.jacobian(residual, x) if exact else _mass_based_matrix(model, x, q, gamma, weight, output_value)
-    torque, momentum, load = ca.SX.zeros(model.n_motors), ca.SX.zeros(model.n_motors), ca.SX.zeros(model.n_motors)
-    from_motor, inertia = motor_torque(model, q, v, a), model.motor_inertia(model.parameter_values)
-    for place, number in enumerate(flexible):
-        torque[number] = from_motor[place]
-        load[number] = from_motor[place] - inertia[place] * a[n + place]
-        momentum[number] = inertia[place] * v[n + place]
-    for place, number in enumerate(stiff):
-        torque[number] = load[number] = z[nq + place]
-    coordinates = ca.SX.sym("q", nq)
-    encoder = model.encoder(q)
-    speed = ca.jacobian(model.encoder(coordinates), coordinates) @ v
+    value = model.output(output)(q[:n], model.parameter_values)
+    Z = ca.SX.sym("Z", value.shape[0])
+    residual = ca.vertcat(weight * arm_residual(model, q, v, a, u), value - Z)
+    matrix = ca.jacobian(residual, x) if exact else _mass_based_matrix(model, x, q, gamma, weight, value)
     return DaeEquations(
         n_arm=n,
         n_coordinates=nq,
@@ -141,8 +128,30 @@ def build_equations(model: SymbolicModel, output: str | None = None, exact: bool
         exact=exact,
         residual=_function("residual", [x, z_0, v_0, a_0, gamma, weight, Z], [residual]),
         newton_matrix=_function("newton_matrix", [x, z_0, v_0, a_0, gamma, weight], [matrix]),
-        motion=_function("motion", [x, z_0, v_0, a_0, gamma], [v, torque, load, momentum, encoder, speed]),
+        motion=_function("motion", [x, z_0, v_0, a_0, gamma], [v, *_motor_motion(model, q, v, a, u)]),
     )
+
+
+def _stiff_gears(model: SymbolicModel) -> list[int]:
+    """Numbers of the motors behind stiff gears."""
+    joints = model.chain.joints
+    return [number for number, arm in enumerate(model.chain.geared) if joints[arm].motor_coordinate is None]
+
+
+def _motor_motion(model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX, u: ca.SX) -> list[ca.SX]:
+    """Torque, load, momentum, encoder position and rate of all motors; u holds the torque of stiff gears."""
+    n, stiff = model.n_arm, _stiff_gears(model)
+    flexible = [number for number in range(model.n_motors) if number not in stiff]
+    torque, load, momentum = ca.SX(u), ca.SX(u), ca.SX.zeros(model.n_motors)
+    inertia = model.motor_inertia(model.parameter_values)
+    from_motor = motor_torque(model, q, v, a)
+    for place, number in enumerate(flexible):
+        torque[number] = from_motor[place]
+        load[number] = from_motor[place] - inertia[place] * a[n + place]
+        momentum[number] = inertia[place] * v[n + place]
+    coordinates = ca.SX.sym("q", model.n_coordinates)
+    speed = ca.jacobian(model.encoder(coordinates), coordinates) @ v
+    return [torque, load, momentum, model.encoder(q), speed]
 
 
 def _mass_based_matrix(model: SymbolicModel, x: ca.SX, q: ca.SX, gamma: ca.SX, weight: ca.SX, output: ca.SX) -> ca.SX:
@@ -154,8 +163,8 @@ def _mass_based_matrix(model: SymbolicModel, x: ca.SX, q: ca.SX, gamma: ca.SX, w
     D = ca.jacobian(springs, rate)
     M = model.mass_matrix(q, p)[:n, :]
     rows = ca.horzcat(M * gamma**2 + D * gamma + K, ca.SX.zeros(n, x.shape[0] - nq))
-    for column, arm in enumerate(arm for arm in model.chain.geared if model.chain.joints[arm].motor_coordinate is None):
-        rows[arm, nq + column] = -1
+    for column, number in enumerate(_stiff_gears(model)):
+        rows[model.chain.geared[number], nq + column] = -1
     return ca.vertcat(weight * rows, ca.jacobian(output, x))
 
 

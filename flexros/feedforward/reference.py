@@ -111,7 +111,7 @@ def _with_samples_ahead(
     """Complete the torque; give each part of the motion with `ahead` samples beyond it, and its length without them."""
     waiting: Motion | None = None
     for part in motions:
-        motion = part if specification.torque else part.without_torque()
+        motion = part
         if specification.friction is not None:
             motion = motion.with_friction(friction_torque(specification.friction, motion.motor_velocity))
         if waiting is not None:

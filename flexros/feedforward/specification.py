@@ -46,7 +46,6 @@ class FeedforwardSpecification(Settings):
         description="torque as the mean over the time in which it acts, delay included, instead of its value at the "
         "instant; default: yes, but not for dae of order 1, which stays as published",
     )
-    torque: bool = Field(True, description="false: the positions of the method alone, without its torque")
     zero_dynamics_poses: Annotated[int, Field(ge=1)] = Field(
         5, description="number of poses along the path at which the zero dynamics are checked before marching; dae only"
     )
