@@ -68,7 +68,7 @@ class OutputDerivatives:
         expression, total = value, [ca.Function("z0", motion[:1], [value])]
         for k in range(MAX_DERIVATIVES):
             parts = [ca.jtimes(expression, motion[i], motion[i + 1]) for i in range(k + 1)]
-            expression = sum(parts, start=ca.SX.zeros(value.shape))
+            expression = ca.cse(sum(parts, start=ca.SX.zeros(value.shape)))
             total.append(ca.Function(f"z{k + 1}", motion[: k + 2], [ca.densify(expression)]))
         return cls(gamma, size, gamma.size1_out(0), ca.Function("slope", motion[:1], [value, slope]), tuple(total))
 

@@ -123,8 +123,9 @@ def _solve(
     try:
         q = np.asarray(inverse_kinematics(target, near), dtype=float)
     except InputError as error:
+        reason = str(error).rsplit(";", 1)[0]  # its own advice, to move the target, is of no use within a trajectory
         raise InputError(
-            f"the trajectory is out of reach at {trajectory.place(t)}: {error}; move the start, turn the path or "
+            f"the trajectory is out of reach at {trajectory.place(t)}: {reason}; move the start, turn the path or "
             "make it smaller"
         ) from error
     if not np.all(np.isfinite(q)):

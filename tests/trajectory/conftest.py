@@ -21,7 +21,9 @@ class TwoLinkArm:
 
     def forward(self, q: FloatArray) -> FloatArray:
         a, b = q[0], q[0] + q[1]
-        return np.array([self.upper * np.cos(a) + self.fore * np.cos(b), -self.upper * np.sin(a) - self.fore * np.sin(b)])
+        return np.array(
+            [self.upper * np.cos(a) + self.fore * np.cos(b), -self.upper * np.sin(a) - self.fore * np.sin(b)]
+        )
 
     def jacobian(self, q: FloatArray) -> FloatArray:
         a, b = q[0], q[0] + q[1]
@@ -41,9 +43,7 @@ class TwoLinkArm:
     def gamma(self) -> ca.Function:
         q = ca.SX.sym("q", 2)
         a, b = q[0], q[0] + q[1]
-        z = ca.vertcat(
-            self.upper * ca.cos(a) + self.fore * ca.cos(b), -self.upper * ca.sin(a) - self.fore * ca.sin(b)
-        )
+        z = ca.vertcat(self.upper * ca.cos(a) + self.fore * ca.cos(b), -self.upper * ca.sin(a) - self.fore * ca.sin(b))
         return ca.Function("gamma", [q], [z])
 
 

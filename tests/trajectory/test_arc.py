@@ -62,7 +62,9 @@ def test_arc_through_three_points_meets_them_in_order(seed: int, angle: float, s
     ],
 )
 def test_collinear_points_are_refused(points: tuple[list[float], ...]) -> None:
-    with pytest.raises(InputError, match="lie on one straight line, allowed are points of a circle; move the via point"):
+    with pytest.raises(
+        InputError, match="lie on one straight line, allowed are points of a circle; move the via point"
+    ):
         Arc.through(*(np.array(p) for p in points))
 
 
@@ -73,7 +75,9 @@ def test_impossible_radius_is_refused(radius: float) -> None:
 
 
 def test_zero_turns_are_refused() -> None:
-    with pytest.raises(InputError, match="the angle of the arc is 0 rad, allowed is a finite angle other than 0; correct"):
+    with pytest.raises(
+        InputError, match="the angle of the arc is 0 rad, allowed is a finite angle other than 0; correct"
+    ):
         circle(np.zeros(2), 1.0, turns=0.0)
 
 

@@ -22,7 +22,9 @@ def one(path: object, law: object, output: str = "tool") -> Trajectory:
 
 @pytest.mark.parametrize("value", [0.0, -2.0, math.nan])
 def test_impossible_limits_are_refused_by_name(value: float) -> None:
-    with pytest.raises(InputError, match=rf"the jerk limit is {value:g} \(unit of the path\)/s\^3, allowed is a finite"):
+    with pytest.raises(
+        InputError, match=rf"the jerk limit is {value:g} \(unit of the path\)/s\^3, allowed is a finite"
+    ):
         Limits(1.0, 1.0, value, 1.0)
 
 
@@ -41,14 +43,15 @@ def test_joint_limits_are_set_by_the_joint_that_needs_longest() -> None:
 def test_joint_limits_need_one_value_per_joint() -> None:
     move = JointMove(np.zeros(3), np.ones(3))
     bound = np.array([1.0])
-    with pytest.raises(InputError, match="there are 2 acceleration limits for 3 joints, allowed is one per joint or one"):
+    with pytest.raises(
+        InputError, match="there are 2 acceleration limits for 3 joints, allowed is one per joint or one"
+    ):
         joint_limits(move, (bound, np.ones(2), bound, bound))
 
 
 def test_negative_joint_limit_names_the_joint() -> None:
     with pytest.raises(InputError, match="the speed limit of joint 2 is -1 rad/s.* allowed is a finite number above 0"):
-        bound = np.array([1.0])
-        joint_limits(JointMove(np.zeros(2), np.ones(2)), (np.array([1.0, -1.0]), bound, bound, bound))
+        joint_limits(JointMove(np.zeros(2), np.ones(2)), (np.array([1.0, -1.0]), *[np.array([1.0])] * 3))
 
 
 def test_total_acceleration_of_the_circle_test(start: FloatArray) -> None:
@@ -56,7 +59,8 @@ def test_total_acceleration_of_the_circle_test(start: FloatArray) -> None:
     check_limits(trajectory, Limits(speed=0.5 + 1e-9, acceleration=15.24))
     with pytest.raises(
         InputError,
-        match=r"the acceleration reaches 15.23\d* m/s\^2 at t = .* s, .* % of move 1 \(path parameter .* rad\), point \(.*\), "
+        match=r"the acceleration reaches 15.23\d* m/s\^2 at t = .* s, .* % of move 1 \(path parameter .* rad\), "
+        r"point \(.*\), "
         r"allowed are 15 m/s\^2 in all; slow the motion down by a factor 1.008",
     ):
         check_limits(trajectory, Limits(acceleration=15.0))

@@ -31,7 +31,9 @@ def test_length_counts_positions_only() -> None:
 
 
 def test_line_without_length_is_refused() -> None:
-    with pytest.raises(InputError, match=r"starts and ends at \(1, 2\) so its length is 0 m, allowed .* give another end"):
+    with pytest.raises(
+        InputError, match=r"starts and ends at \(1, 2\) so its length is 0 m, allowed .* give another end"
+    ):
         Line(np.array([1.0, 2.0]), np.array([1.0, 2.0]))
 
 

@@ -23,7 +23,11 @@ def test_line_turns_as_slerp() -> None:
 def test_angles_are_those_of_robot_outputs() -> None:
     path = RollPitchYaw(Line(np.zeros(6), np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0])), FIRST.as_quat())
     R = FIRST.as_matrix()
-    expected = [np.arctan2(R[2, 1], R[2, 2]), np.arctan2(-R[2, 0], np.hypot(R[0, 0], R[1, 0])), np.arctan2(R[1, 0], R[0, 0])]
+    expected = [
+        np.arctan2(R[2, 1], R[2, 2]),
+        np.arctan2(-R[2, 0], np.hypot(R[0, 0], R[1, 0])),
+        np.arctan2(R[1, 0], R[0, 0]),
+    ]
     np.testing.assert_allclose(path.start[3:], expected, atol=1e-15)
 
 
@@ -50,7 +54,9 @@ def test_quaternion_of_roll_pitch_yaw() -> None:
 
 @pytest.mark.parametrize("values", [[0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0, 0.0]])
 def test_no_quaternion_is_refused(values: list[float]) -> None:
-    with pytest.raises(InputError, match=r"the end_orientation is \(.*\), allowed is a quaternion .* of size 1; correct"):
+    with pytest.raises(
+        InputError, match=r"the end_orientation is \(.*\), allowed is a quaternion .* of size 1; correct"
+    ):
         quaternion(values, "end_orientation")
 
 

@@ -71,7 +71,8 @@ def test_joints_are_measured_by_all_coordinates() -> None:
 def test_zone_beyond_half_a_segment_names_the_corner(zone: float) -> None:
     with pytest.raises(
         InputError,
-        match=rf"the zone of corner 1 at \(1, 0\) is {zone:g}, allowed is at most half the shorter .* 0.5, .* make the zone smaller",
+        match=rf"the zone of corner 1 at \(1, 0\) is {zone:g}, allowed is at most half the shorter .* 0.5, .* make "
+        rf"the zone smaller",
     ):
         Sequence(ELBOW, zone)
 
@@ -98,7 +99,9 @@ def test_number_of_zones_must_be_that_of_corners() -> None:
 
 
 def test_equal_points_are_refused() -> None:
-    with pytest.raises(InputError, match=r"points 1 and 2 of the sequence are both \(1, 0\) so the segment has no length"):
+    with pytest.raises(
+        InputError, match=r"points 1 and 2 of the sequence are both \(1, 0\) so the segment has no length"
+    ):
         Sequence([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0]], 0.1)
 
 

@@ -79,7 +79,9 @@ def test_laws_that_do_not_meet_are_refused() -> None:
 
 @pytest.mark.parametrize("time", [-0.1, math.nan, math.inf])
 def test_impossible_holds_are_refused(time: float) -> None:
-    with pytest.raises(InputError, match=r"the hold before the move is .* s, allowed is 0 or a finite time; correct it"):
+    with pytest.raises(
+        InputError, match=r"the hold before the move is .* s, allowed is 0 or a finite time; correct it"
+    ):
         LAWS["quintic"].held(before=time)
     with pytest.raises(InputError, match="the hold after the move"):
         LAWS["quintic"].held(after=time)
@@ -92,5 +94,7 @@ def test_constant_pieces_have_no_derivatives() -> None:
 
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
 def test_positive_refuses(value: float) -> None:
-    with pytest.raises(InputError, match=f"the duration is {value:g} s, allowed is a finite number above 0; correct the dur"):
+    with pytest.raises(
+        InputError, match=f"the duration is {value:g} s, allowed is a finite number above 0; correct the dur"
+    ):
         positive(value, "duration", "s")
