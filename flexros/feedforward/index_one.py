@@ -1,4 +1,4 @@
-"""The index-1 form of the inverse dynamics by a library integrator: the alternative that the marched DAE is measured by."""
+"""The index-1 form of the inverse dynamics by a library integrator, beside which the marched DAE is measured."""
 
 from __future__ import annotations
 
@@ -70,15 +70,14 @@ def solve_index_one(
         )
     problem.require_square(problem.output)
     right_hand_side = _right_hand_side(robot.model, problem.output)
-    start = consistent_start(
-        robot, build_equations(robot.model, problem.output), problem.desired[0], problem.rigid_start
-    )
+    equations = build_equations(robot.model, problem.output)
+    start = consistent_start(robot, equations, problem.desired[0], problem.rigid_start)
     state = np.concatenate([start, np.zeros_like(start)])
     _, _, pivot = right_hand_side(state, np.zeros(robot.n_motors))
     if not pivot[0] > RANK_TOLERANCE:
         raise InputError(
-            f"the third derivative of output '{problem.output}' of robot {robot.name} does not determine the torque: the "
-            "index-1 form needs a damper at every gear; use method dae"
+            f"the third derivative of output '{problem.output}' of robot {robot.name} does not determine the torque: "
+            "the index-1 form needs a damper at every gear; use method dae"
         )
 
     def rate(t: float, x: FloatArray) -> FloatArray:
