@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import typer
-from rich.progress import Progress
 from rich.table import Table
 
 from flexros.cli import transports
-from flexros.cli.output import console, print_json
+from flexros.cli.output import console, print_json, progress_bar
 from flexros.cli.run import default_transport
 from flexros.errors import RunError
 
@@ -100,7 +99,7 @@ def demo(
     folder = out or Path("bags") / f"demo_{datetime.datetime.now().astimezone():%Y%m%d_%H%M%S}"
     folder.mkdir(parents=True)
     results = []
-    with Progress(console=console, transient=True, disable=as_json) as progress:
+    with progress_bar() as progress:
         task = progress.add_task("circle test", total=len(cases()))
         for case in cases():
             progress.update(task, description=case.label)
@@ -201,7 +200,7 @@ def _print(results: list[CaseResult], comparison: Comparison, folder: Path, tran
         table = Table("run over topics", "samples", "samples/s", "resends", "equal to in-process", title="Transport")
         for result in results:
             run = result.run
-            speed = f"{run.samples / run.wall_time:,.0f}" if run.wall_time else ""
+            speed = f"{run.figures.get('samples_per_second', 0):,.0f}"
             resends = f"{run.figures.get('resends', 0):.0f}"
             table.add_row(result.case.label, str(run.samples), speed, resends, "yes" if result.equal else "NO")
         console.print(table)

@@ -7,8 +7,15 @@ import math
 from typing import Any
 
 from rich.console import Console
+from rich.progress import Progress
 
 console = Console(highlight=False)
+
+
+def progress_bar() -> Progress:
+    """Make a progress bar on stderr that leaves nothing behind, and is not there when nobody watches."""
+    stderr = Console(stderr=True)
+    return Progress(console=stderr, transient=True, disable=not stderr.is_terminal)
 
 
 def print_json(content: Any) -> None:

@@ -212,8 +212,6 @@ def print_result(name: str, result: RunResult) -> None:
     table.add_row("samples", f"{result.samples}")
     table.add_row("simulated time", f"{result.simulated_time:.4g} s")
     table.add_row("wall time", f"{result.wall_time:.4g} s")
-    if result.wall_time:
-        table.add_row("speed", f"{result.samples / result.wall_time:,.0f} samples/s")
     for key, value in result.figures.items():
         table.add_row(key.replace("_", " "), f"{value:.6g}")
     table.add_row("log", str(result.log_folder))

@@ -1,0 +1,32 @@
+"""Running the command line in the process of the test."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pytest
+
+from flexros.cli import main
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a command ended."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def flexros(capfd: pytest.CaptureFixture[str]) -> Callable[..., Ended]:
+    """Return a function that runs `flexros` with arguments."""
+
+    def run(*arguments: str) -> Ended:
+        with pytest.raises(SystemExit) as caught:
+            main(list(arguments))
+        out, err = capfd.readouterr()
+        return Ended(int(caught.value.code or 0), out, err)
+
+    return run

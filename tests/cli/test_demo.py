@@ -1,0 +1,51 @@
+"""The demonstration, in this process."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], float]:
+    import contextlib
+    import io
+
+    from flexros.cli import main
+
+    folder = tmp_path_factory.mktemp("demo") / "out"
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed), pytest.raises(SystemExit) as ended:
+        main(["demo", "--transport", "direct", "--json", "--out", str(folder)])
+    assert not ended.value.code
+    content = json.loads(printed.getvalue())
+    assert (folder / "report.html").exists()
+    return {(row["method"], row["case"]): 1e3 * row["this_run"] for row in content["path_error_max_m"]}
+
+
+@pytest.mark.parametrize(("case", "published"), [("nominal", 0.32), ("load ±10 kg", 1.39), ("1 ms", 0.64)])
+def test_dae_figures_are_those_of_the_thesis(rows: dict[tuple[str, str], float], case: str, published: float) -> None:
+    assert rows["DAE, as published", case] == pytest.approx(published, rel=0.10)
+
+
+def test_smooth_case(rows: dict[tuple[str, str], float]) -> None:
+    assert rows["DAE, as published", "smooth motion"] == pytest.approx(0.21779, rel=1e-3)
+    assert rows["DAE, second order", "smooth motion"] < 0.05
+
+
+@pytest.mark.parametrize(
+    ("method", "case", "reading"),
+    [
+        ("PD alone", "nominal", 9.30),
+        ("flexible-joint", "nominal", 2.109),
+        ("flexible-joint", "load ±10 kg", 2.181),
+        ("DAE, as published", "nominal", 0.329),
+        ("DAE, as published", "load ±10 kg", 1.415),
+        ("DAE, as published", "1 ms", 0.661),
+    ],
+)
+def test_agreement_with_an_independent_program(
+    rows: dict[tuple[str, str], float], method: str, case: str, reading: float
+) -> None:
+    assert rows[method, case] == pytest.approx(reading, rel=0.01)

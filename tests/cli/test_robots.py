@@ -1,0 +1,113 @@
+"""Commands about robots."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from flexros.robot.robot import LIBRARY
+
+Flexros = Callable[..., "object"]
+
+
+def test_robots_lists_all(flexros: Flexros) -> None:
+    ended = flexros("robots", "--json")
+    assert ended.code == 0
+    names = {row["name"] for row in json.loads(ended.out)}
+    assert {"two_mass", "elbow", "e12", "four_mass", "four_mass_linear", "six_axis", "emps"} <= names
+
+
+def test_robot_json_has_the_keys_of_the_contract(flexros: Flexros) -> None:
+    ended = flexros("robot", "e12", "--q", "0,0.3,0", "--json")
+    assert ended.code == 0
+    content = json.loads(ended.out)
+    assert content["q"] == [0, 0.3, 0]
+    entries = [*content["poles"], *content["transmission_zeros"], *content["zero_dynamics"]]
+    for source in ("motor_1", "motor_2"):
+        for target in ("motor_1", "motor_2", "x", "z"):
+            entries += content["zeros"][source][target]
+    assert all(set(entry) == {"re", "im", "hz"} for entry in entries)
+    hz = sorted({round(entry["hz"], 5) for entry in content["poles"]})
+    assert hz[-3:] == [5.17324, 7.13344, 15.82318]
+    assert content["minimum_phase"] is True
+
+
+def test_robot_table_states_the_verdict(flexros: Flexros) -> None:
+    assert "Minimum phase for output 'tool'" in flexros("robot", "e12").out
+    assert "NOT minimum phase for output 'tool'" in flexros("robot", "six_axis", "--output", "tool").out
+
+
+def test_robot_at_a_singular_pose(flexros: Flexros) -> None:
+    assert "(singular)" in flexros("robot", "e12", "--q", "0,0,0").out
+
+
+def test_bode_picture_is_written(flexros: Flexros, tmp_path: Path) -> None:
+    file = tmp_path / "bode.html"
+    assert flexros("robot", "e12", "--bode", str(file)).code == 0
+    assert file.stat().st_size > 100_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["robot", "e21"], "unknown robot 'e21': did you mean 'e12'?"),
+        (["robot", "e12", "--q", "0,0"], "2 arm coordinates were given, but robot e12 has 3"),
+        (["robot", "e12", "--q", "0,nan,0"], "must be finite numbers"),
+        (["robot", "e12", "--q", "0;1"], "--q is '0;1', but must be numbers separated by commas"),
+        (["robot", "e12", "--output", "hand"], "unknown output of robot e12 'hand'"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_code_2(flexros: Flexros, arguments: list[str], message: str) -> None:
+    ended = flexros(*arguments)
+    assert ended.code == 2
+    assert message in ended.err
+    assert ended.err.count("\n") == 1
+    assert ended.out == ""
+
+
+def test_negative_mass_in_a_robot_file(flexros: Flexros, tmp_path: Path) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text((LIBRARY / "e12.yaml").read_text().replace("mass: 200", "mass: -200"))
+    ended = flexros("robot", str(file))
+    assert ended.code == 2
+    assert f"{file}: key 'bodies[2].mass': is -200 kg, but must be at least 0 kg" in ended.err
+
+
+def test_broken_yaml(flexros: Flexros, tmp_path: Path) -> None:
+    file = tmp_path / "broken.yaml"
+    file.write_text("name: [e12\n")
+    ended = flexros("robot", str(file))
+    assert ended.code == 2
+    assert "broken YAML" in ended.err
+
+
+def test_unknown_command(flexros: Flexros) -> None:
+    ended = flexros("robt")
+    assert ended.code == 2
+    assert "No such command" in ended.err
+
+
+def test_import_urdf_refuses_to_overwrite(flexros: Flexros, tmp_path: Path) -> None:
+    urdf, out = tmp_path / "a.urdf", tmp_path / "a.yaml"
+    urdf.write_text(
+        "<robot name='a'><link name='b'/><link name='c'><inertial><mass value='1'/>"
+        "<inertia ixx='1' iyy='1' izz='1'/></inertial></link>"
+        "<joint name='j' type='revolute'><parent link='b'/><child link='c'/><axis xyz='0 0 1'/></joint></robot>"
+    )
+    assert flexros("import-urdf", str(urdf), "--out", str(out)).code == 0
+    assert flexros("robot", str(out)).code == 0
+    ended = flexros("import-urdf", str(urdf), "--out", str(out))
+    assert ended.code == 2
+    assert "exists already" in ended.err
+
+
+def test_every_command_has_help(flexros: Flexros) -> None:
+    from flexros.cli.app import COMMANDS
+
+    for command in COMMANDS:
+        ended = flexros(command, "--help")
+        assert ended.code == 0
+        assert "Usage" in ended.out

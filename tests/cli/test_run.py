@@ -1,0 +1,91 @@
+"""Commands that run and analyse, in this process; the same over topics is tested with the nodes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+Flexros = Callable[..., "object"]
+
+
+def test_run_and_analyze(flexros: Flexros, tmp_path: Path) -> None:
+    bag, report = tmp_path / "bag", tmp_path / "report.html"
+    ended = flexros("run", "circle_dae", "--transport", "direct", "--out", str(bag), "--json")
+    assert ended.code == 0
+    assert json.loads(ended.out)["samples"] == 762
+    ended = flexros("analyze", str(bag), "--json", "--report", str(report))
+    assert ended.code == 0
+    content = json.loads(ended.out)
+    assert content["path"]["path_error_m"]["max"] == pytest.approx(0.329e-3, rel=0.01)
+    assert report.stat().st_size > 1_000_000
+
+
+def test_set_seed_model_and_effect_reach_the_run(flexros: Flexros, tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    ended = flexros(
+        "run", "circle_dae", "--transport", "direct", "--out", str(bag), "--seed", "7", "--json",
+        "--set", "sample_time=0.001", "--effect", "payload_error@tool:relative=0.05",
+    )  # fmt: skip
+    assert ended.code == 0, ended.err
+    provenance = json.loads((bag / "provenance.json").read_text())
+    assert provenance["seed"] == 7
+    assert provenance["sample_time"] == 0.001
+    assert provenance["scenario"]["plant"]["values"]["body_3.mass"] == pytest.approx(210)
+
+
+def test_scenarios_are_listed(flexros: Flexros) -> None:
+    names = {row["name"] for row in json.loads(flexros("scenarios", "--json").out)}
+    assert {"circle_pd", "circle_fj", "circle_dae", "circle_dae2"} <= names
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["circle_pt"], "unknown scenario 'circle_pt'"),
+        (["circle_pd", "--transport", "udp"], "unknown transport 'udp'"),
+        (["circle_pd", "--set", "sample_tme=1"], "did you mean 'sample_time'"),
+        (["circle_pd", "--set", "sample_time"], "must be key=value"),
+        (["circle_pd", "--set", "sample_time=.nan"], "finite"),
+        (["circle_pd", "--set", "plant.values.body_3.mass=-1"], "must be at least 0 kg"),
+        (["circle_pd", "--set", "plant.values.body_3.mass=.nan"], "finite"),
+        (["circle_dae", "--set", "trajectory.path.centre_from_start=[0.5, 0]"], "out of reach or singular at t = "),
+        (["circle_pd", "--effect", "payload_error@arm:relative=1"], "unknown location"),
+        (["circle_pd", "--model", "e21"], "unknown robot 'e21'"),
+        (["circle_pd", "--realtime"], "belong to the ROS nodes"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_code_2(
+    flexros: Flexros, tmp_path: Path, arguments: list[str], message: str
+) -> None:
+    options = [] if "--transport" in arguments else ["--transport", "direct"]
+    ended = flexros("run", *arguments, *options, "--out", str(tmp_path / "bag"))
+    assert ended.code == 2
+    assert message in ended.err
+    assert ended.err.count("\n") == 1
+    assert not (tmp_path / "bag").exists()
+
+
+def test_non_minimum_phase_feedforward_is_refused(flexros: Flexros, tmp_path: Path) -> None:
+    ended = flexros(
+        "run", "circle_dae", "--transport", "direct", "--out", str(tmp_path / "bag"),
+        "--set", "model.values.body_3.length.x=1.0", "--set", "model.values.body_3.inertia.yy=5.0",
+    )  # fmt: skip
+    assert ended.code == 2
+    assert "minimum phase" in ended.err.replace("-", " ")
+
+
+def test_existing_folder_is_kept(flexros: Flexros, tmp_path: Path) -> None:
+    (tmp_path / "precious").write_text("data")
+    ended = flexros("run", "circle_pd", "--transport", "direct", "--out", str(tmp_path))
+    assert ended.code == 2
+    assert "exists already" in ended.err
+    assert (tmp_path / "precious").read_text() == "data"
+
+
+def test_analyze_names_a_missing_log(flexros: Flexros, tmp_path: Path) -> None:
+    ended = flexros("analyze", str(tmp_path / "nothing"))
+    assert ended.code == 2
+    assert "nothing" in ended.err
