@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 from flexros.config.validation import Settings
 from flexros.errors import InputError, unknown_name
 from flexros.simulate.noise import Stream, generator
-from flexros.simulate.sample_blocks import BLOCK, SampleBlocks, zeros
+from flexros.simulate.sample_blocks import BLOCK, SampleBlocks, Zeros
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -179,7 +179,7 @@ def disturbance_signal(
     """
     width = n_motors + len(WRENCH)
     if not disturbances:
-        return zeros(width)
+        return Zeros(width)
     columns = [_column(disturbance, number, n_motors) for number, disturbance in enumerate(disturbances)]
     for number, disturbance in enumerate(disturbances):
         if disturbance.highest_frequency() * sample_time >= 0.5:

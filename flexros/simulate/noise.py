@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.simulate.sample_blocks import BLOCK, SampleBlocks, zeros
+from flexros.simulate.sample_blocks import BLOCK, SampleBlocks, Zeros
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -47,7 +47,7 @@ def white_noise(rms: FloatArray, seed: int, stream: Stream) -> SampleBlocks:
     """
     width = len(rms)
     if not np.any(rms):
-        return zeros(width)
+        return Zeros(width)
 
     def make_block(number: int) -> FloatArray:
         return generator(seed, stream, number).standard_normal((BLOCK, width)) * rms

@@ -13,6 +13,7 @@ from flexros.errors import RunError
 from flexros.simulate.disturbance import disturbance_signal
 from flexros.simulate.loop import feed_through, loop_functions
 from flexros.simulate.noise import Stream, white_noise
+from flexros.simulate.sample_blocks import Zeros
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -71,7 +72,6 @@ class Plant:
             state, np.zeros(0), np.zeros(robot.n_motors) if torque is None else torque, kernel.line_length
         )
         self._step = kernel.stepper(start)
-        self._zeros = np.zeros(len(state))
         self._measured = -1
 
     @property
@@ -103,7 +103,8 @@ class Plant:
         """
         self._sense()
         pose: FloatArray = self._step.tool_pose.copy()
-        pose[:3] += self._tool_noise.row(self.sample)
+        if not isinstance(self._tool_noise, Zeros):
+            pose[:3] += self._tool_noise.row(self.sample)
         return pose
 
     def advance(self, command: FloatArray | Sequence[float]) -> None:
@@ -120,21 +121,23 @@ class Plant:
             raise RunError(
                 f"{self._place()}: the torque command has {len(command)} values, needed are {self.robot.n_motors}"
             )
-        self._step.command[:] = command
-        for motor, torque in enumerate(self._step.command, start=1):
-            if not math.isfinite(torque):
-                raise RunError(
-                    f"{self._place()}: the torque command of motor_{motor} is {torque}, needed is a finite number"
-                )
-        self._step.disturbance[:] = self._disturbance.row(self.sample)
-        self._step.advance()
+        step = self._step
+        step.command[:] = command
+        if not math.isfinite(sum(step.command.tolist())):
+            motor = int(np.argmin(np.isfinite(step.command)))
+            given = f"the torque command of motor_{motor + 1} is {step.command[motor]}"
+            raise RunError(f"{self._place()}: {given}, needed is a finite number")
+        if not isinstance(self._disturbance, Zeros):
+            step.disturbance[:] = self._disturbance.row(self.sample)
+        step.advance()
         self.sample += 1
-        if not math.isfinite(self._step.plant.dot(self._zeros)):
+        if not math.isfinite(sum(step.plant.tolist())):
             raise RunError(diverged_text(self.robot.name, self.sample, self.sample_time))
 
     def _sense(self) -> None:
         if self._measured != self.sample:
-            self._step.noise[:] = self._encoder_noise.row(self.sample)
+            if not isinstance(self._encoder_noise, Zeros):
+                self._step.noise[:] = self._encoder_noise.row(self.sample)
             self._step.measure()
             self._measured = self.sample
 

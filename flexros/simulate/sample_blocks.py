@@ -64,7 +64,13 @@ class SampleBlocks:
         return self._block
 
 
-def zeros(width: int) -> SampleBlocks:
-    """Make the signal that is zero at all samples."""
-    block = np.zeros((BLOCK, width))
-    return SampleBlocks(lambda number: block, width)
+class Zeros(SampleBlocks):
+    """The signal that is zero at all samples; known as such, so that a plant can pass it over.
+
+    Args:
+        width: Number of columns.
+    """
+
+    def __init__(self, width: int) -> None:
+        block = np.zeros((BLOCK, width))
+        super().__init__(lambda number: block, width)

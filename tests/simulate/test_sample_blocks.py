@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexros.simulate.noise import Stream, white_noise
-from flexros.simulate.sample_blocks import BLOCK, SampleBlocks, zeros
+from flexros.simulate.sample_blocks import BLOCK, SampleBlocks, Zeros
 
 WHOLE = white_noise(np.array([1.0, 2.0]), 7, Stream.ENCODER).rows(0, 4 * BLOCK)
 
@@ -44,5 +44,5 @@ def test_each_block_is_made_once_when_read_forwards() -> None:
 
 
 def test_zero_signal() -> None:
-    assert not np.any(zeros(3).rows(BLOCK - 1, 5))
-    assert zeros(3).rows(5, 2).shape == (2, 3)
+    assert not np.any(Zeros(3).rows(BLOCK - 1, 5))
+    assert Zeros(3).rows(5, 2).shape == (2, 3)
