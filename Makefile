@@ -1,6 +1,8 @@
 # `make demo` and `make test` need python3 (3.10 to 3.13, with venv) and make; all else is installed into .venv.
 PYTHON ?= python3
 BIN := .venv/bin
+# Set by the ROS 2 wheels of another virtual environment, this would keep those of .venv from finding their libraries.
+unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
 .PHONY: help demo test lint bench clean python environment
 
@@ -32,8 +34,9 @@ environment: python
 	@$(PYTHON) environment.py $(EXTRAS)
 
 python:
-	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' || { \
-	echo "FlexROS needs Python 3.10 to 3.13, '$(PYTHON)' is $$($(PYTHON) --version 2>&1 || echo missing); give another one: make PYTHON=python3.12 ..." >&2; exit 2; }
+	@$(PYTHON) -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null || { \
+	found=$$(command -v "$(PYTHON)" >/dev/null && $(PYTHON) --version 2>&1 || echo missing); \
+	echo "FlexROS needs Python 3.10 to 3.13, '$(PYTHON)' is $$found; give another one: make PYTHON=python3.12 ..." >&2; exit 2; }
 
 clean:
 	@rm -rf .venv build install log dist flexros.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

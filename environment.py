@@ -1,8 +1,9 @@
 """Bring the virtual environment `.venv` of a checkout to a wanted state; called by the Makefile, needs only Python.
 
-`python3 environment.py test` makes `.venv` if it is missing, broken or half-made, and installs FlexROS with the named
-extras. ROS 2 comes from the sourced Jazzy where there is one, else from the wheels of the extra `ros`; where those cannot
-be had, everything else is installed and a sentence says what that means. A stamp keeps repeated calls from installing again.
+`python3 environment.py test` makes `.venv` if it is missing, broken or half-made, and installs FlexROS with the extras
+named. ROS 2 comes from the sourced Jazzy where there is one, else from the wheels of the extra `ros`; where those
+cannot be had, everything else is installed and a sentence says what that means. A stamp keeps repeated calls from
+installing again.
 """
 
 from __future__ import annotations
@@ -117,11 +118,13 @@ def make(ros: Ros) -> None:
     options = ["--system-site-packages"] if ros.source == "sourced" else []
     if subprocess.run([sys.executable, "-m", "venv", *options, VENV], check=False).returncode != 0:
         shutil.rmtree(VENV, ignore_errors=True)
-        sys.exit(f"{sys.executable} cannot make a virtual environment; install its module venv (python3-venv) and try again")
+        sys.exit(
+            f"{sys.executable} cannot make a virtual environment; install its module venv (python3-venv) and try again"
+        )
 
 
 def install(goal: dict[str, object], extras: set[str], ros: Ros) -> int:
-    """Install FlexROS with its extras and write the stamp; a break-off leaves a mark that makes the next call start anew."""
+    """Install FlexROS with its extras and write the stamp; broken off, it leaves a mark to start anew."""
     UNFINISHED.touch()
     # The pip that comes with Python 3.10 needs ten minutes to resolve the extra `test`, a present one 20 seconds.
     upgrade = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--upgrade", "pip>=24.1"]
@@ -131,12 +134,15 @@ def install(goal: dict[str, object], extras: set[str], ros: Ros) -> int:
     subprocess.run(upgrade, check=False)
     complete = ros.source == "wheels" and pip_install({*extras, "ros"})
     if not complete and not pip_install(extras, *constraints):
-        print("pip could not install FlexROS: its message stands above; check the network, then try again", file=sys.stderr)
+        print(
+            "pip could not install FlexROS: its message stands above; check the network, then try again",
+            file=sys.stderr,
+        )
         return 1
     if ros.source == "none":
         print(f"No ROS 2 here: {ros.reason}; {IN_PROCESS}.")
     if ros.source == "wheels" and not complete:
-        print(f"The ROS 2 wheels could not be installed, pip's message stands above: {IN_PROCESS}. The next call tries again.")
+        print(f"The ROS 2 wheels could not be installed, see above: {IN_PROCESS}. The next call tries again.")
         goal = {**goal, "extras": [], "package": "without the ROS 2 wheels"}
     STAMP.write_text(json.dumps(goal), encoding="utf-8")
     UNFINISHED.unlink()

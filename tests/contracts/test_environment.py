@@ -48,7 +48,9 @@ def test_missing_wheels_are_explained(environment: ModuleType) -> None:
     assert reason == "there are ROS 2 wheels for Linux x86_64 with glibc 2.28 or newer, not for Darwin arm64"
 
 
-def test_a_changed_setup_asks_for_a_new_installation(environment: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_changed_setup_asks_for_a_new_installation(
+    environment: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     for name in ("setup.py", "setup.cfg", "pyproject.toml"):
         (tmp_path / name).write_text("before", encoding="utf-8")
     monkeypatch.setattr(environment, "CHECKOUT", tmp_path)
@@ -58,7 +60,9 @@ def test_a_changed_setup_asks_for_a_new_installation(environment: ModuleType, mo
     assert environment.wanted(set(), environment.Ros("wheels", "")) != before
 
 
-def test_an_unfinished_installation_counts_as_none(environment: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_an_unfinished_installation_counts_as_none(
+    environment: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     (tmp_path / "unfinished").touch()
     (tmp_path / "stamp").write_text('{"python": "3"}', encoding="utf-8")
     monkeypatch.setattr(environment, "UNFINISHED", tmp_path / "unfinished")
@@ -66,11 +70,24 @@ def test_an_unfinished_installation_counts_as_none(environment: ModuleType, monk
     assert environment.installed() == {}
 
 
+def make_python(python: Path) -> tuple[int, str]:
+    """Let make check a Python, giving exit code and first line of what the user reads."""
+    command = ["make", "python", f"PYTHON={python}"]
+    run = subprocess.run(command, cwd=CHECKOUT, capture_output=True, text=True, check=False)
+    return run.returncode, run.stderr.splitlines()[0]
+
+
+def sentence(python: Path, found: str) -> str:
+    return f"FlexROS needs Python 3.10 to 3.13, '{python}' is {found}; give another one: make PYTHON=python3.12 ..."
+
+
+def test_a_missing_python_gets_one_sentence(tmp_path: Path) -> None:
+    missing = tmp_path / "python3"
+    assert make_python(missing) == (2, sentence(missing, "missing"))
+
+
 def test_an_unsuitable_python_gets_one_sentence(tmp_path: Path) -> None:
     old = tmp_path / "python3.8"
     old.write_text('#!/bin/sh\n[ "$1" = --version ] && echo "Python 3.8.18" && exit\nexit 1\n', encoding="utf-8")
     old.chmod(0o755)
-    run = subprocess.run(["make", "python", f"PYTHON={old}"], cwd=CHECKOUT, capture_output=True, text=True, check=False)
-    assert run.returncode == 2
-    sentence = f"FlexROS needs Python 3.10 to 3.13, '{old}' is Python 3.8.18; give another one: make PYTHON=python3.12 ..."
-    assert run.stderr.splitlines()[0] == sentence
+    assert make_python(old) == (2, sentence(old, "Python 3.8.18"))

@@ -23,7 +23,8 @@ class Blocker(importlib.abc.MetaPathFinder):
             raise ImportError(f"{name} is blocked")
 sys.meta_path.insert(0, Blocker())
 import flexros
-names = ["flexros"] + [m.name for m in pkgutil.walk_packages(flexros.__path__, "flexros.") if not m.name.endswith("__main__")]
+modules = pkgutil.walk_packages(flexros.__path__, "flexros.")
+names = ["flexros"] + [module.name for module in modules if not module.name.endswith("__main__")]
 for name in names:
     importlib.import_module(name)
 print(json.dumps(names))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 import subprocess
 import sys
 import zipfile
+from configparser import ConfigParser
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -83,7 +83,9 @@ def test_pip_puts_no_command_but_flexros_on_the_path(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         entry_points = next(name for name in archive.namelist() if name.endswith("entry_points.txt"))
         text = archive.read(entry_points).decode()
-    assert re.findall(r"^(\w+) = ", text, re.MULTILINE) == ["flexros"]
+    scripts = ConfigParser()
+    scripts.read_string(text)
+    assert list(scripts["console_scripts"]) == ["flexros"]
 
 
 def test_installed_wheel_finds_all_its_data(wheel: Path, tmp_path: Path) -> None:
