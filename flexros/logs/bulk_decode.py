@@ -96,7 +96,8 @@ class TopicDecoder(Generic[L]):
         lengths = np.fromiter(map(len, payloads), np.int64, len(payloads))
         for length in np.unique(lengths).tolist():
             same = np.flatnonzero(lengths == length)
-            messages = np.frombuffer(b"".join([payloads[i] for i in same.tolist()]), np.uint8).reshape(-1, length)
+            joined = np.frombuffer(b"".join([payloads[i] for i in same.tolist()]), np.uint8)
+            messages = joined.reshape(len(same), length)
             self._decode(messages, order[same], log_time[same])
 
     def _translate(self, payloads: list[bytes], i: int, payload: bytes, translate: Callable[[bytes], bytes]) -> bool:

@@ -11,9 +11,10 @@ import zstandard
 from flexros.logs.chunk_expansion import DamagedChunkError, expand_chunk
 
 DATA = bytes(range(256)) * 40
+SIZE, CRC = len(DATA), zlib.crc32(DATA)
 
 
-def record(compression, data, size=len(DATA), crc=zlib.crc32(DATA), length=None):
+def record(compression, data, size=SIZE, crc=CRC, length=None):
     name = compression.encode()
     head = struct.pack("<QQQII", 0, 0, size, crc, len(name)) + name
     return memoryview(head + struct.pack("<Q", len(data) if length is None else length) + data)

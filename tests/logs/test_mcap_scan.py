@@ -73,7 +73,7 @@ def chunk_ends(path):
 def test_cut_off_anywhere_gives_every_message_of_complete_chunks(tmp_path):
     path = write(tmp_path / "a.mcap", chunk_size=400)
     content, ends = path.read_bytes(), chunk_ends(path)
-    complete = {end: 0 for end in ends}
+    complete: dict[int, int] = {}
     for cut in range(40, max(ends) + 40, 7):
         path.write_bytes(content[:cut])
         scan, messages = read(path)
@@ -111,9 +111,7 @@ def test_record_inside_a_chunk_that_claims_too_much(tmp_path):
 def test_message_too_short_for_its_head(tmp_path):
     path = write(tmp_path / "a.mcap", use_chunking=False)
     content = path.read_bytes()
-    path.write_bytes(
-        content[:-37].split(b"\x0f")[0][:0] + content[:8] + struct.pack("<BQ", 5, 4) + b"abcd" + content[8:]
-    )
+    path.write_bytes(content[:8] + struct.pack("<BQ", 5, 4) + b"abcd" + content[8:])
     scan, messages = read(path)
     assert messages == EXPECTED
     assert any("1 message records are too short" in warning for warning in scan.warnings)
