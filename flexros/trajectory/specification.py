@@ -47,11 +47,30 @@ class TotalLimits(Settings):
 
 
 class TrajectorySpecification(Settings):
-    """A desired motion from the robot's start pose: path, time law, rests and repetitions."""
+    """A desired motion from the robot's start pose: path, time law, rests and repetitions.
+
+    In a scenario, for example::
+
+        trajectory:
+          path: {type: circle, radius: 0.025, start_angle: 0, turns: 1}    # or centre_from_start: [-0.025, 0]
+          time_law: {type: bang_bang_snap, speed: 0.5, acceleration: 15, jerk: 900, snap: 54000}
+          hold_after: 0.1
+
+        trajectory:
+          path: {type: joint_moves, points: [[0.2, 0.3], [0.2, 0.6]], zone: 0.05}
+          time_law: {type: ninth_degree, duration: 0.8}
+          return_to_start: true
+          repeat: 10
+          dwell: 0.2
+    """
 
     path: PathSpecification = Field(description="geometry: type line, circle, arc, lines or joint_moves, with its keys")
     time_law: TimeLawSpecification = Field(
         description="motion along the path: type quintic, ninth_degree or bang_bang_snap, with its keys"
+    )
+    output: str | None = Field(
+        default=None,
+        description="name of the robot's output that a tool path is for, e.g. tool; the controlled one when left out",
     )
     hold_before: float = Field(default=0.0, ge=0.0, description="rest at the start [s]")
     hold_after: float = Field(default=0.0, ge=0.0, description="rest at the end [s]")
@@ -66,6 +85,17 @@ class TrajectorySpecification(Settings):
     def joints(self) -> bool:
         """Whether the path lies in joint space, so that the start must be joint positions."""
         return isinstance(self.path, JointMovesSpecification)
+
+    def output_of(self, controlled: str) -> str:
+        """Give the name of the output whose value at the start pose the trajectory begins at.
+
+        Args:
+            controlled: Name of the robot's controlled output.
+
+        Returns:
+            "joints" for joint moves, else the key `output`, else the controlled output.
+        """
+        return JOINTS if self.joints else self.output or controlled
 
 
 def read_trajectory(data: Mapping[str, Any], source: str) -> TrajectorySpecification:
@@ -106,10 +136,15 @@ def build_trajectory(
         The trajectory.
 
     Raises:
-        InputError: Impossible geometry, limits that cannot be met, a repetition of an open path, or a motion of more
-            than an hour.
+        InputError: Impossible geometry, limits that cannot be met, a repetition of an open path, a motion of more than
+            an hour, or a tool path for joints.
     """
     with _telling(f"{source}.path"):
+        if output == JOINTS and not specification.joints:
+            raise InputError(
+                f"the path type {specification.path.type} moves the tool but the output is '{JOINTS}', allowed is an "
+                "output with tool coordinates; set the key output of the trajectory, e.g. to tool, or use joint_moves"
+            )
         origin = point(start, "start of the trajectory").copy()
         positions = min(3, origin.size) if n_position is None else n_position
         paths = specification.path.paths(origin, positions)

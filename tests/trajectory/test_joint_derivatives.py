@@ -97,6 +97,40 @@ def test_singular_start_names_the_place(arm: TwoLinkArm) -> None:
         joint_derivatives(trajectory, arm.gamma(), np.array([0.0, 0.0]), np.zeros(1))
 
 
+def test_joints_that_hardly_move_the_tool_are_refused() -> None:
+    q = ca.SX.sym("q", 2)
+    parallel = ca.Function("parallel", [q], [ca.vertcat(q[0], q[0] + 1e-8 * q[1])])
+    line = Line(np.zeros(2), np.ones(2))
+    trajectory = Trajectory((Move(line, ninth_degree(line.extent, 1.0)),), "tool")
+    with pytest.raises(
+        InputError, match="passes a singularity of the robot at t = 0.0000 s, .* allowed are paths on which"
+    ):
+        joint_derivatives(trajectory, parallel, np.zeros(2), np.linspace(0.0, 1.0, 5))
+
+
+def with_gap(size: float) -> tuple[Trajectory, ca.Function]:
+    """A motion of one joint whose output jumps by a gap [m] just at the point of t = 0.505 s, so that none gives it."""
+    trajectory = Trajectory((Move(Line(np.zeros(1), np.ones(1)), ninth_degree(1.0, 1.0)),), "tool")
+    at = trajectory.evaluate(np.array([0.505]), 0)[0, 0, 0]
+    q = ca.SX.sym("q")
+    return trajectory, ca.Function("gap", [q], [q + 0.5 * size * ca.if_else(q >= at, 1.0, -1.0)])
+
+
+def test_positions_are_as_exact_as_a_rough_output_function_allows() -> None:
+    trajectory, gamma = with_gap(2e-11)
+    t = np.linspace(0.0, 1.0, 201)
+    joints = joint_derivatives(trajectory, gamma, np.zeros(1), t, 0)
+    np.testing.assert_allclose(joints, trajectory.evaluate(t, 0), atol=4e-11)
+
+
+def test_point_that_no_joint_position_gives_is_named() -> None:
+    trajectory, gamma = with_gap(2e-8)
+    with pytest.raises(
+        InputError, match="out of reach or singular at t = 0.5050 s, .*: no joint position gives that point"
+    ):
+        joint_derivatives(trajectory, gamma, np.zeros(1), np.linspace(0.0, 1.0, 201), 0)
+
+
 def test_joint_trajectory_gives_the_tool_motion(arm: TwoLinkArm) -> None:
     trajectory = Trajectory((Move(JointMove(ELBOW, np.array([0.5, 0.9])), ninth_degree(1.0, 1.0)),), JOINTS)
     t, h = np.linspace(0.05, 0.95, 40), 1e-4

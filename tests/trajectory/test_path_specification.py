@@ -77,6 +77,7 @@ def test_positions_alone_keep_the_angles() -> None:
     (path,) = paths(POSE, type="line", end=[1.5, 0.2, 0.7])
     np.testing.assert_allclose(path.end[3:], POSE[3:], atol=1e-15)
     (path,) = paths(np.array([2.0, -0.3, 0.4]), 2, type="circle", radius=0.1)
+    assert path.n_out == 3
     np.testing.assert_allclose(path.derivatives(np.linspace(0, 6, 9), 1)[:, :, 2], [[0.4] * 9, [0.0] * 9])
 
 

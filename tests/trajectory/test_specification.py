@@ -87,6 +87,21 @@ def test_joint_moves_with_limits_per_joint_keep_them() -> None:
     assert np.any(speed > 0.7 * np.array([1.0, 0.5, 2.0]))
 
 
+def test_output_is_joints_for_joint_moves_else_the_key_else_the_controlled_one() -> None:
+    moves = {"type": "joint_moves", "points": [[0.5, 0.3]]}
+    assert read_trajectory({"path": moves, "time_law": SMOOTH}, SOURCE).output_of("tool") == "joints"
+    assert read_trajectory({"path": LINE, "time_law": SMOOTH}, SOURCE).output_of("tip") == "tip"
+    assert read_trajectory({"path": LINE, "time_law": SMOOTH, "output": "tool"}, SOURCE).output_of("joints") == "tool"
+
+
+def test_tool_path_for_joints_is_refused(start: FloatArray) -> None:
+    specification = read_trajectory({"path": LINE, "time_law": SMOOTH}, SOURCE)
+    with pytest.raises(
+        InputError, match="the path type line moves the tool but the output is 'joints', .* or use joint_moves"
+    ):
+        build_trajectory(specification, start, output="joints")
+
+
 def test_impossible_geometry_names_the_key_path(start: FloatArray) -> None:
     with pytest.raises(InputError, match=f"{re.escape(SOURCE)}.path: the line starts and ends at .* length is 0 m"):
         build(start, path={"type": "line", "end_from_start": [0, 0]}, time_law=SMOOTH)
