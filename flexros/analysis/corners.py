@@ -21,8 +21,8 @@ _SMOOTH_BEND = np.radians(2.0)
 """A corner between two samples bends the path by more than this at both."""
 _STRAIGHT = np.cos(np.radians(0.1))
 """A leg is straight as far as its direction keeps within a tenth of a degree."""
-_LEG = 5
-"""Both legs of a corner are straight for at least so many samples; at the corners of curves there is no overshoot."""
+_LEG_SAMPLES, _LEG_LENGTH = 5, 1e-3
+"""Both legs of a corner are straight over so many samples and so far [m] (chosen); where curves meet there is none."""
 _REVERSAL = np.cos(np.radians(170.0))
 """A path that turns by more than 170 degrees goes back on itself; the standard has no corner there."""
 
@@ -115,20 +115,16 @@ def _corner(path: CommandedPath, direction: FloatArray, first: int, last: int) -
     before, after = direction[first], direction[last]
     back = _straight_segments(direction[first::-1] @ before)
     ahead = _straight_segments(direction[last:] @ after)
-    if min(back, ahead) < _LEG:
+    if min(back, ahead) < _LEG_SAMPLES:
         return None
     vertices, arc_length = path.vertices, path.arc_length
     gap = vertices[last] - vertices[first + 1]
     lengths, *_ = np.linalg.lstsq(np.column_stack([before, after]), gap, rcond=None)
     position = float(arc_length[first + 1] + lengths[0])
-    return Corner(
-        point=vertices[first + 1] + lengths[0] * before,
-        position=position,
-        before=before,
-        after=after,
-        before_length=position - float(arc_length[first + 1 - back]),
-        after_length=float(arc_length[last + ahead]) - position,
-    )
+    behind, beyond = position - float(arc_length[first + 1 - back]), float(arc_length[last + ahead]) - position
+    if min(behind, beyond) < _LEG_LENGTH:
+        return None
+    return Corner(vertices[first + 1] + lengths[0] * before, position, before, after, behind, beyond)
 
 
 def _straight_segments(cosine: FloatArray) -> int:

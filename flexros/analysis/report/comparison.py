@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from flexros.analysis.run_analysis import Analysis
 
 
+_CAPTION = "Maximum path error by method and case, beside quoted figures; of several runs of one case the worst counts."
+
+
 class ComparisonSection(AbstractSection):
     """Verdict over the methods, the table beside the quoted figures, and the caveats."""
 
@@ -35,7 +38,7 @@ class ComparisonSection(AbstractSection):
                 method = row.method
                 cells.append((method,))
             cells.append(row.texts()[1:])
-        table = TextTable(HEADINGS[1:], tuple(cells), "Maximum path error by method and case, beside quoted figures.")
+        table = TextTable(HEADINGS[1:], tuple(cells), _CAPTION)
         caveats = [Paragraph(text) for text in self._comparison.caveats]
         return (Paragraph(_verdict(rows), "lead"), table, *caveats)
 

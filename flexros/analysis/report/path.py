@@ -66,7 +66,7 @@ def path_picture(analyses: Sequence[Analysis], title: str = "") -> Picture:
     """
     shown = [(index, one, one.path) for index, one in enumerate(analyses) if one.path is not None]
     axes = _picture_axes([path for _, _, path in shown])
-    figure = stacked([title], height=520)
+    figure = stacked([title], height=_height([path for _, _, path in shown], axes))
     extent = max(float(np.linalg.norm(np.ptp(path.run.commanded, axis=0))) for _, _, path in shown)
     factor = magnification(max(path.path.maximum for _, _, path in shown), extent)
     for reference in _distinct([path for _, _, path in shown]):
@@ -92,7 +92,7 @@ def path_picture(analyses: Sequence[Analysis], title: str = "") -> Picture:
     if len(axes) == 2:
         _leave_room([path for _, _, path in shown], axes, factor, figure)
     caption = (
-        "Path of the tool. The distance from the commanded path (dotted) is drawn at {factor} times its size; "
+        "Path of the tool. The distance from the commanded path (dotted) is drawn ×{factor}; "
         "a circle marks the largest error of each run."
     )
     if len(shown[0][2].axes) > len(axes) > 1:
@@ -107,7 +107,18 @@ def _picture_axes(paths: Sequence[PathError]) -> tuple[str, ...]:
     used = [axis for axis in AXES if any(axis in path.axes for path in paths)]
     span = {axis: max(float(np.ptp(path.run.commanded[:, AXES.index(axis)])) for path in paths) for axis in used}
     largest = sorted(used, key=lambda axis: span[axis], reverse=True)[:2]
-    return tuple(axis for axis in used if axis in largest)
+    axes = tuple(axis for axis in used if axis in largest)
+    # A path that is higher than wide lies better on its side, unless its height is a height.
+    tall = len(axes) == 2 and axes[1] != "z" and span[axes[1]] > span[axes[0]]
+    return axes[::-1] if tall else axes
+
+
+def _height(paths: Sequence[PathError], axes: tuple[str, ...]) -> int:
+    """Return the height of the picture [px]: lower where the path is much wider than high."""
+    if len(axes) == 1:
+        return 380
+    wide, high = (max(float(np.ptp(path.run.commanded[:, AXES.index(axis)])) for path in paths) for axis in axes)
+    return 520 if wide <= high else max(280, min(520, round(1100 * high / wide)))
 
 
 def _distinct(paths: Sequence[PathError]) -> list[PathError]:

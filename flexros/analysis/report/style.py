@@ -32,6 +32,7 @@ th {{ font-weight: 600; border-bottom: 1.5px solid {INK}; vertical-align: bottom
 th.left, td.left {{ text-align: left; overflow-wrap: anywhere; }}
 td.group {{ text-align: left; font-weight: 600; padding-top: 14px; }}
 .picture {{ width: 100%; }}
+.modebar-container {{ top: auto !important; bottom: 26px; }}
 .magnifier {{ display: flex; align-items: center; gap: 10px; font-size: 14px; }}
 .magnifier input {{ width: 260px; accent-color: #0072b2; }}
 .magnifier output {{ font-variant-numeric: tabular-nums; font-weight: 600; min-width: 5ch; }}

@@ -59,7 +59,11 @@ def _followed(analysis: Analysis) -> str:
     size = worst.tracking.maximum if worst.tracking else 0.0
     text = f"the motors followed within {number(1e3 * size, 3)} {'mm' if worst.linear else 'mrad'}"
     shares = [motor.feedback_share for motor in tracked if motor.feedback_share is not None]
-    return f"{text}, with at most {number(1e2 * max(shares), 2)} % of the torque from feedback" if shares else text
+    if not shares:
+        return text
+    # Rms over rms: where there is no feedforward the share is 1.
+    most = "all" if abs(max(shares) - 1.0) < 1e-9 else f"at most {number(1e2 * max(shares), 2)} %"
+    return f"{text}, with {most} of the torque from feedback"
 
 
 def _timing(analyses: Sequence[Analysis]) -> str:

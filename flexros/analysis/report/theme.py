@@ -25,8 +25,8 @@ _RUNS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#5e3
 """Colours of runs, to be told apart also by the colour-blind (Okabe and Ito 2008, extended)."""
 
 
-_TOP, _BOTTOM = 84, 52
-"""Margins [px]: the tool bar, the legend and the title of the first panel; labels of the last axis."""
+_TOP, _BOTTOM = 64, 52
+"""Margins [px]: legend and title of the first panel above; labels of the last axis and the tool bar below."""
 
 
 def run_colour(index: int) -> str:

@@ -70,13 +70,14 @@ def _sentence(analysis: Analysis) -> str:
 
 
 def _table(analyses: Sequence[Analysis]) -> TextTable:
-    rows: list[tuple[str, ...]] = []
+    same: dict[tuple[tuple[str, ...], ...], list[str]] = {}
     for analysis in analyses:
+        same.setdefault(_run_rows(analysis), []).append(analysis.label)
+    rows: list[tuple[str, ...]] = []
+    for figures, labels in same.items():
         if len(analyses) > 1:
-            rows.append((analysis.label,))
-        figures = [(topic.topic, _topic_row(topic)) for topic in analysis.timing.topics]
-        for figure in dict.fromkeys(row for _, row in figures):
-            rows.append((", ".join(name for name, row in figures if row == figure), *figure))
+            rows.append((", ".join(labels),))
+        rows += figures
     header = (
         "Topics",
         "messages",
@@ -88,9 +89,15 @@ def _table(analyses: Sequence[Analysis]) -> TextTable:
         "missing",
     )
     caption = (
-        "Timing of the topics by their stamps; topics with the same figures share a row, jitter is without the gaps."
+        "Timing of the topics by their stamps; those with the same figures share a row; jitter is without the gaps."
     )
     return TextTable(header, tuple(rows), caption)
+
+
+def _run_rows(analysis: Analysis) -> tuple[tuple[str, ...], ...]:
+    figures = [(topic.topic, _topic_row(topic)) for topic in analysis.timing.topics]
+    different = dict.fromkeys(row for _, row in figures)
+    return tuple((", ".join(name for name, row in figures if row == figure), *figure) for figure in different)
 
 
 def _topic_row(topic: TopicTiming) -> tuple[str, ...]:

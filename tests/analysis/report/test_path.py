@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -33,6 +35,23 @@ def test_both_axes_have_the_same_scale_and_a_unit(make_run):
     layout = path_picture([analyse(make_run())]).figure.layout
     assert layout.yaxis.scaleanchor == "x"
     assert (layout.xaxis.title.text, layout.yaxis.title.text) == ("x [mm]", "z [mm]")
+
+
+@pytest.mark.parametrize(
+    ("columns", "titles"), [("xy", ("y [mm]", "x [mm]")), ("yx", ("x [mm]", "y [mm]")), ("xz", ("x [mm]", "z [mm]"))]
+)
+def test_a_path_higher_than_wide_lies_on_its_side_unless_it_is_upright(make_run, columns, titles):
+    log = make_run()
+
+    def ellipse(series):
+        position = np.zeros_like(series.position)
+        position[:, "xyz".index(columns[0])] = series.position[:, 0]
+        position[:, "xyz".index(columns[1])] = 3.0 * series.position[:, 2]
+        return replace(series, position=position)
+
+    changed = replace(log, tool_pose=ellipse(log.tool_pose), tool_reference=ellipse(log.tool_reference))
+    layout = path_picture([analyse(changed)]).figure.layout
+    assert (layout.xaxis.title.text, layout.yaxis.title.text) == titles
 
 
 def test_repeatability_is_drawn_only_where_there_are_cycles(make_run):

@@ -77,6 +77,18 @@ def test_gaps_are_named(make_run):
     assert any("joint_states 2 after 0.1495 s" in block.text for block in blocks if isinstance(block, Paragraph))
 
 
+def test_runs_with_the_same_timing_share_their_rows(make_run):
+    runs = [analyse(make_run(), label=name) for name in ("pd", "dae")]
+    table = next(block for block in TimingSection().blocks(runs) if isinstance(block, TextTable))
+    assert table.rows[0] == ("pd, dae",)
+    assert table.rows[1][:3] == (
+        "joint_states, joint_commands, joint_reference, tool_pose, tool_reference",
+        "1001",
+        "0",
+    )
+    assert len(table.rows) == 2
+
+
 def test_torque_shares_of_several_runs_stand_in_a_table(runs):
     table = TorqueSection().blocks(runs)[0]
     assert isinstance(table, TextTable)
