@@ -137,13 +137,18 @@ def build_trajectory(
 
     Raises:
         InputError: Impossible geometry, limits that cannot be met, a repetition of an open path, a motion of more than
-            an hour, or a tool path for joints.
+            an hour, or a path for another output than that of the start.
     """
     with _telling(f"{source}.path"):
         if output == JOINTS and not specification.joints:
             raise InputError(
                 f"the path type {specification.path.type} moves the tool but the output is '{JOINTS}', allowed is an "
                 "output with tool coordinates; set the key output of the trajectory, e.g. to tool, or use joint_moves"
+            )
+        if specification.output not in (None, output) and not specification.joints:
+            raise InputError(
+                f"the trajectory is for output '{specification.output}' but the start belongs to output '{output}', allowed "
+                "are equal names; change the key output of the trajectory or the output that the run is planned in"
             )
         origin = point(start, "start of the trajectory").copy()
         positions = min(3, origin.size) if n_position is None else n_position

@@ -102,6 +102,14 @@ def test_tool_path_for_joints_is_refused(start: FloatArray) -> None:
         build_trajectory(specification, start, output="joints")
 
 
+def test_start_of_another_output_is_refused(start: FloatArray) -> None:
+    with pytest.raises(
+        InputError, match="trajectory is for output 'tip' but the start belongs to output 'tool', allowed"
+    ):
+        build(start, path=LINE, time_law=SMOOTH, output="tip")
+    assert build(start, path=LINE, time_law=SMOOTH, output="tool").output == "tool"
+
+
 def test_impossible_geometry_names_the_key_path(start: FloatArray) -> None:
     with pytest.raises(InputError, match=f"{re.escape(SOURCE)}.path: the line starts and ends at .* length is 0 m"):
         build(start, path={"type": "line", "end_from_start": [0, 0]}, time_law=SMOOTH)
