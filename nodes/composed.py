@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from time import monotonic
 from typing import TYPE_CHECKING
 
 import rclpy
@@ -12,11 +11,11 @@ from rclpy.task import Future
 
 from flexros_nodes.controller import ControllerNode
 from flexros_nodes.domain import DOMAIN_VARIABLE
-from flexros_nodes.executable import bring_up, close
+from flexros_nodes.executable import close
 from flexros_nodes.feedforward import FeedforwardNode
 from flexros_nodes.plant import PlantNode
 from flexros_nodes.recorder import RecorderNode
-from flexros_nodes.run_plan import DRAIN_TIMEOUT, RunSummary, last_stamp, summarise
+from flexros_nodes.run_plan import RunSummary, summarise
 from flexros_nodes.spinning import make_executor, spin
 
 if TYPE_CHECKING:
@@ -67,10 +66,12 @@ def run_composed(plan: RunPlan, interrupted: Interruption) -> RunSummary:
 
 
 def _work(plan: RunPlan, nodes: Sequence[FlexrosNode], executor: Executor, interrupted: Interruption) -> None:
-    """Bring the nodes up, spin until one ends, and let the recorder write what is on its way."""
-    stop: Future = Future()
+    """Bring the nodes up and spin until one ends; if that is not the plant, it gets its time to brake."""
+    stop, plant_over = Future(), Future()
+    plant = nodes[-1]
     for node in nodes:
         node.on_end = lambda _: stop.set_result(None)
+    plant.on_end = lambda _: (plant_over.set_result(None), stop.set_result(None))
     for node in nodes:
         node.trigger_configure()
         if node.report is not None or interrupted():
@@ -79,11 +80,7 @@ def _work(plan: RunPlan, nodes: Sequence[FlexrosNode], executor: Executor, inter
         node.trigger_activate()
         if node.report is not None:
             return
-    plant = nodes[-1]
-    spin(executor, stop, interrupted, plant if plan.real_time else None)
-    recorder = nodes[0] if plan.folder is not None else None
-    if plant.report is not None and recorder is not None:
-        end = last_stamp(plant.report)
-        deadline = monotonic() + DRAIN_TIMEOUT
-        while recorder.report is None and recorder.confirmed < end and monotonic() < deadline and not interrupted():
-            executor.spin_once(timeout_sec=0.05)
+    paced = plant if plan.real_time else None
+    spin(executor, stop, interrupted, paced)
+    if plan.folder is None or nodes[0].report is None:
+        spin(executor, plant_over, interrupted, paced)

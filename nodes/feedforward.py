@@ -68,9 +68,8 @@ class FeedforwardNode(FlexrosNode):
     def _find_readers(self) -> None:
         if self._found:
             return
-        self._found = (
-            self._chunks.get_subscription_count() > 0
-            and self._poses.get_subscription_count() >= self.value("observers")
+        self._found = self._chunks.get_subscription_count() > 0 and self._poses.get_subscription_count() >= self.value(
+            "observers"
         )
         if self._found:
             self._send_due()

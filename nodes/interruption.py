@@ -24,7 +24,7 @@ class Interruption:
         """Tell whether a signal has come."""
         return self._came
 
-    def note(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002
+    def note(self, number: int, frame: FrameType | None) -> None:
         """Take a signal."""
         self._came = True
 

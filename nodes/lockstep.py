@@ -8,6 +8,10 @@ the timing, decide what follows, and a run is the same in every executor, proces
 from __future__ import annotations
 
 from enum import Enum, auto
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 HANDSHAKE_PERIOD = 0.1
 """Time after which state 0 is sent again while the partners find each other [s], chosen."""
@@ -44,14 +48,14 @@ class PlantLockStep:
         awaited: Stamp of the state in flight [ns], -1 before the first.
         resends: States sent again after the first reply.
         handshakes: Times that the first state was sent again.
-        duplicates: Commands that came for a stamp already answered.
+        stale: Commands that came for another stamp than the one in flight: repeats, or too late in real time.
     """
 
     def __init__(self, tick_period: float, partner_timeout: float, start_timeout: float) -> None:
         self.awaited = -1
         self.resends = 0
         self.handshakes = 0
-        self.duplicates = 0
+        self.stale = 0
         self._tick_period = tick_period
         self._partner_timeout = partner_timeout
         self._start_timeout = start_timeout
@@ -71,10 +75,10 @@ class PlantLockStep:
         self.awaited = stamp
 
     def answers(self, stamp: int) -> bool:
-        """Tell whether a command's stamp [ns] answers the state in flight; counts it as a duplicate if not."""
+        """Tell whether a command's stamp [ns] answers the state in flight; counts it as stale if not."""
         if stamp == self.awaited:
             return True
-        self.duplicates += 1
+        self.stale += 1
         return False
 
     def hold(self) -> None:
@@ -146,28 +150,42 @@ class RecorderWindow:
         window_ns: How far the loop may run ahead [ns]; 0 switches the flow control off.
 
     Attributes:
-        confirmed: Newest stamp that the recorder has confirmed [ns].
+        confirmed: Newest stamp that the recorder has confirmed, by topic [ns].
         waits: Times that the plant had to wait.
     """
 
     def __init__(self, window_ns: int) -> None:
-        self.confirmed = 0
+        self.confirmed: dict[str, int] = {}
         self.waits = 0
         self._window_ns = window_ns
         self._limit: float = float("inf")
 
     def start(self, stamp: int) -> None:
         """Begin at the stamp of the first sample [ns]."""
-        self.confirmed = stamp
-        self._limit = stamp + self._window_ns if self._window_ns else float("inf")
+        if self._window_ns:
+            self._limit = stamp + self._window_ns
 
-    def confirm(self, stamp: int) -> None:
-        """Note that everything up to this stamp [ns] is recorded."""
-        if stamp > self.confirmed:
-            self.confirmed = stamp
-            if self._window_ns:
-                self._limit = stamp + self._window_ns
+    def confirm(self, topic: str, stamp: int) -> None:
+        """Note that a topic is recorded up to a stamp [ns]."""
+        self.confirmed[topic] = max(stamp, self.confirmed.get(topic, 0))
+        if self._window_ns:
+            self._limit = min(self.confirmed.values()) + self._window_ns
+
+    def open(self) -> None:
+        """Switch the flow control off from now on."""
+        self._window_ns = 0
+        self._limit = float("inf")
 
     def admits(self, stamp: int) -> bool:
         """Tell whether the sample with this stamp [ns] may be published now."""
         return stamp <= self._limit
+
+    def holds(self, topics: Iterable[str], stamp: int) -> bool:
+        """Tell whether all these topics are recorded up to a stamp [ns]."""
+        return all(self.confirmed.get(topic, -1) >= stamp for topic in topics)
+
+    def slowest(self) -> tuple[str, int]:
+        """Give the topic that is furthest behind, and its stamp [ns]; a text in its place while none is confirmed."""
+        if not self.confirmed:
+            return "any topic", 0
+        return min(self.confirmed.items(), key=lambda item: item[1])

@@ -66,7 +66,8 @@ def _descriptor(name: str, specification: ParameterSpecification) -> ParameterDe
 class FlexrosNode(LifecycleNode):
     """Base of all nodes: a lifecycle node that reads its parameters from data and ends with a report.
 
-    How to add a node: write one file in `nodes` with one subclass and `main`, and `msgs_config/<node>.yaml`. It provides:
+    How to add a node: write one file in `nodes` with one subclass and `main`, and `msgs_config/<node>.yaml`.
+    It provides:
 
     1. `node_name`, a class variable: name of the node and of its parameter file.
     2. `configure`: make the core, publishers and subscriptions; raise InputError or RunError if that cannot be.
@@ -264,27 +265,27 @@ class FlexrosNode(LifecycleNode):
             return TransitionCallbackReturn.FAILURE
         return TransitionCallbackReturn.SUCCESS
 
-    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:  # noqa: ARG002
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Make what the node needs."""
         self.report = None
         result = self._transition(self.configure)
         self.configured = result is TransitionCallbackReturn.SUCCESS
         return result
 
-    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:  # noqa: ARG002
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Begin to work."""
         self.active = True
         return self._transition(self.start)
 
-    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:  # noqa: ARG002
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """End to work."""
         return self._transition(self._halt)
 
-    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:  # noqa: ARG002
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Give back publishers, subscriptions and timers, except those that every node has."""
         return self._transition(self._release)
 
-    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:  # noqa: ARG002
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """End to work and leave a report."""
         return self._transition(partial(self.end, None))
 

@@ -82,10 +82,15 @@ class NodeProcess:
         said = f", its last words: {' | '.join(lines)}" if lines and code > 0 else ""
         return f"the process of node {self.name} {how}{said}"
 
-    def stop(self, timeout: float) -> None:
-        """End the process: ask, and after a time-out [s] make it; remove what a killed one leaves behind."""
+    def ask_to_stop(self) -> None:
+        """Tell the process to shut its node down, without waiting for it."""
         if not self.ended:
             self._process.send_signal(signal.SIGINT)
+
+    def stop(self, timeout: float) -> None:
+        """End the process: ask, and after a time-out [s] make it; remove what a killed one leaves behind."""
+        self.ask_to_stop()
+        if not self.ended:
             try:
                 self._process.wait(timeout)
             except subprocess.TimeoutExpired:

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from contextlib import suppress
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
-from rclpy.duration import Duration
-from rosgraph_msgs.msg import Clock as ClockMessage
 
 from flexros.errors import FlexrosError, RunError
-from flexros.logs.joint_state_message import JointStateTemplate, JointStateView, stamp_of
-from flexros.logs.pose_stamped_message import PoseStampedTemplate
+from flexros.logs.cdr_cursor import CdrCursor
+from flexros.logs.joint_state_message import stamp_of
 from flexros.logs.stamps import NANOSECONDS, stamp_ns
+from flexros_nodes.command_reader import BRAKED, CommandReader, silence_text
 from flexros_nodes.executable import run_node
 from flexros_nodes.lockstep import PlantLockStep, RecorderWindow, Tick
 from flexros_nodes.message_loss import MessageLoss
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.pacing import Schedule
-from flexros_nodes.prepared_run import BASE_FRAME, make_plant, prepared_run
+from flexros_nodes.plant_messages import OWN_TOPICS, PlantMessages
+from flexros_nodes.prepared_run import make_plant, prepared_run
 from flexros_nodes.topic_interface import topic
 
 if TYPE_CHECKING:
@@ -28,8 +27,11 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
 
-FIND_PERIOD = 0.01
-"""Period at which the plant looks whether its partners are there [s], chosen."""
+LOOK_PERIOD = 0.01
+"""Period at which the plant looks for its partners, and at the end for the recorder's last word [s], chosen."""
+
+GOODBYE_TIMEOUT = 10.0
+"""Longest wait at the end for the recorder [s], chosen: a lost message may take seconds to be sent again."""
 
 DIAGNOSTICS_PERIOD = 1.0
 """Period of the diagnostics [s] (wall clock)."""
@@ -56,13 +58,8 @@ class PlantNode(FlexrosNode):
         self._sample_time = run.sample_time
         self._names = run.nominal.joint_names
         self._real_time = bool(self.value("real_time"))
-        self._state_message = JointStateTemplate(self._names, position=True)
-        self._pose_message = PoseStampedTemplate(BASE_FRAME)
-        self._view = JointStateView(self._names)
-        self._clock_every = max(round(1.0 / ((topic("clock").rate or 1.0) * self._sample_time)), 1)
-        self._states = self.announce("joint_states")
-        self._poses = self.announce("tool_pose")
-        self._clock_publisher = self.announce("clock")
+        self._reader = CommandReader(self._names)
+        self._messages = PlantMessages(self, self._names, self._sample_time)
         self.listen("joint_commands", self._on_command)
         self.listen("recorder_progress", self._on_recorded)
         self.schedule = None
@@ -70,12 +67,14 @@ class PlantNode(FlexrosNode):
 
     def _reset_counts(self) -> None:
         self._k = -1
-        self._missed = self._missed_in_a_row = self._late_commands = 0
+        self._missed = self._missed_in_a_row = 0
         self._command = np.zeros(len(self._names))
         self._fresh: FloatArray | None = None
         self._began = self._ended = 0.0
         self._braked = 0
         self._held = False
+        self._finishing = False
+        self._failure: FlexrosError | None = None
         self._loss = MessageLoss(self.value("drop_fraction"), self.value("drop_seed"))
         self._drops: Callable[[], bool] | None = self._loss.drops if self.value("drop_fraction") else None
         period = self.value("resend_timeout")
@@ -92,7 +91,7 @@ class PlantNode(FlexrosNode):
     def start(self) -> None:
         """Look for the partners; the first state goes out when they are there."""
         self._search_time = 0.0
-        self.every(FIND_PERIOD, self._find_partners)
+        self.every(LOOK_PERIOD, self._look_around)
         self.every(self.value("resend_timeout"), self._watch)
         self.every(DIAGNOSTICS_PERIOD, self.diagnose)
 
@@ -112,66 +111,67 @@ class PlantNode(FlexrosNode):
             "wall_time_s": wall,
             "samples_per_s": samples / wall,
             "resends": self._lockstep.resends,
-            "duplicate_commands": self._lockstep.duplicates,
+            "stale_commands": self._lockstep.stale,
             "dropped_on_purpose": self._loss.dropped,
             "waits_for_recorder": self._window.waits,
             "braked_samples": self._braked,
         }
         if self._real_time:
-            figures |= {"missed_commands": self._missed, "late_commands": self._late_commands}
+            figures["missed_commands"] = self._missed
             statistics = self._timing.statistics() if self._began else None
             figures |= statistics.as_dict() if statistics else {}
         return figures
 
     # Handshake and watch.
 
+    def _look_around(self) -> None:
+        if self._finishing:
+            self._say_goodbye()
+        elif self._k < 0:
+            self._find_partners()
+
     def _find_partners(self) -> None:
-        if self._k >= 0:
-            return
         observers = self.value("observers")
-        heard = self._states.get_subscription_count() > observers and self._poses.get_subscription_count() >= observers
+        listeners, pose_listeners = self._messages.listeners()
+        heard = listeners > observers and pose_listeners >= observers
         if heard and self.count_publishers(topic("joint_commands").name):
             self._window.start(stamp_ns(0, self._sample_time))
             self._began = perf_counter()
             self._timing = Schedule(self._sample_time, self._n_samples)
             self._next_sample()
             return
-        self._search_time += FIND_PERIOD
+        self._search_time += LOOK_PERIOD
         if self._search_time > self.value("start_timeout"):
             raise RunError(
                 f"no partners within {self.value('start_timeout'):g} s: joint_states has "
-                f"{self._states.get_subscription_count()} subscriptions, needed are a controller and "
+                f"{listeners} subscriptions, needed are a controller and "
                 f"{self.value('observers')} recorders; start them with the same ROS_DOMAIN_ID"
             )
 
     def _watch(self) -> None:
-        if self._k < 0 or self.schedule is not None:
+        if self._k < 0 or self._finishing or self.schedule is not None:
             return
         if self._held:
             self._watch_recorder()
             return
         tick = self._lockstep.tick()
         if tick is Tick.RESEND:
-            self._publish()
+            self._messages.publish()
         elif tick is Tick.GIVE_UP:
-            raise RunError(self._silence_text(self._lockstep.silence))
+            raise self._silence(self._lockstep.silence)
 
-    def _silence_text(self, silence: float) -> str:
-        return (
-            f"no command for sample {self._k} (stamp {self.stamp / NANOSECONDS:.4f} s) within "
-            f"{silence:.3g} s although the state was sent again "
-            f"{self._lockstep.resends + self._lockstep.handshakes} times: the controller is gone or lacks its reference; "
-            "the plant has braked to zero torque, the log is readable up to there"
-        )
+    def _silence(self, seconds: float) -> RunError:
+        resends = self._lockstep.resends + self._lockstep.handshakes
+        return RunError(silence_text(self._k, self.stamp, seconds, resends))
 
     # Lock-step.
 
     def _on_command(self, message: bytes) -> None:
-        if self._drops is not None and self._drops():
+        if self._finishing or (self._drops is not None and self._drops()):
             return
         if not self._lockstep.answers(stamp_of(message)):
             return
-        command = self._checked(message)
+        command = self._reader.read(message, self._k)
         if self._real_time and self.schedule is not None:
             self._fresh = command
         elif self._real_time:
@@ -179,30 +179,9 @@ class PlantNode(FlexrosNode):
         else:
             self._advance(command)
 
-    def _checked(self, message: bytes) -> FloatArray:
-        """Read a command, or refuse it."""
-        try:
-            effort = self._view.unpack(message).effort
-        except FlexrosError as error:
-            raise self._refusal(str(error)) from error
-        if effort is None:
-            raise self._refusal("its effort is empty")
-        if not math.isfinite(sum(effort)):
-            raise self._refusal(f"its effort is {list(effort)}, allowed are finite torques")
-        return np.array(effort)
-
-    def _refusal(self, problem: str) -> RunError:
-        return RunError(
-            f"the command on joint_commands for sample {self._k} (stamp {self.stamp / NANOSECONDS:.4f} s) is refused: "
-            f"{problem}; needed is one finite effort for each of {', '.join(self._names)}; the plant has braked to zero "
-            "torque, the log is readable up to there"
-        )
-
     def _advance(self, command: FloatArray) -> None:
         if self._k + 1 >= self._n_samples:
-            self._ended = perf_counter()
-            self._say_goodbye()
-            self.end()
+            self._finish(None)
             return
         self._plant.advance(command)
         self._next_sample()
@@ -210,42 +189,33 @@ class PlantNode(FlexrosNode):
     def _next_sample(self) -> None:
         """Measure sample k + 1 and publish it, unless the recorder is too far behind."""
         self._k += 1
-        self.stamp = stamp = stamp_ns(self._k, self._sample_time)
-        pose = self._plant.tool_pose()
-        self._state = self._state_message.fill(stamp, position=self._plant.measure())
-        self._pose = self._pose_message.fill(stamp, pose[:3], pose[3:])
+        self.stamp = stamp = self._messages.fill(self._k, self._plant.measure(), self._plant.tool_pose())
         self._lockstep.sent(stamp)
         if self._window.admits(stamp):
-            self._publish()
+            self._messages.publish()
         else:
             self._held = True
             self._recorder_silence = 0.0
             self._window.waits += 1
 
-    def _publish(self) -> None:
-        self._states.publish(self._state)
-        self._poses.publish(self._pose)
-        if self._k % self._clock_every == 0:
-            message = ClockMessage()
-            message.clock.sec, message.clock.nanosec = divmod(self.stamp, NANOSECONDS)
-            self._clock_publisher.publish(message)
-
     # The recorder sets the pace when it falls behind.
 
     def _on_recorded(self, message: bytes) -> None:
-        self._window.confirm(stamp_of(message))
+        cursor = CdrCursor(message)
+        cursor.skip(8, "stamp")
+        self._window.confirm(cursor.string("frame_id"), stamp_of(message))
         if self._held and self._window.admits(self.stamp):
             self._held = False
             self._lockstep.hold()
-            self._publish()
+            self._messages.publish()
 
     def _watch_recorder(self) -> None:
         self._recorder_silence += self.value("resend_timeout")
         if self._recorder_silence > self.value("partner_timeout"):
+            name, stamp = self._window.slowest()
             raise RunError(
-                f"the recorder has confirmed nothing after stamp {self._window.confirmed / NANOSECONDS:.4f} s for "
-                f"{self.value('partner_timeout'):g} s: it is gone; the plant has braked to zero torque, the log is "
-                "readable up to there"
+                f"the recorder has confirmed nothing of {name} after stamp {stamp / NANOSECONDS:.4f} s for "
+                f"{self.value('partner_timeout'):g} s: it is gone or the topic has ended; {BRAKED}"
             )
 
     # Real time.
@@ -263,7 +233,7 @@ class PlantNode(FlexrosNode):
                 self._missed += 1
                 self._missed_in_a_row += 1
                 if self._missed_in_a_row * self._sample_time > self.value("partner_timeout"):
-                    raise RunError(self._silence_text(self.value("partner_timeout")))
+                    raise self._silence(self.value("partner_timeout"))
             else:
                 self._command, self._fresh = self._fresh, None
                 self._missed_in_a_row = 0
@@ -274,28 +244,42 @@ class PlantNode(FlexrosNode):
     # End.
 
     def end(self, error: FlexrosError | None = None) -> None:
-        """Brake to zero torque when the run broke off, then end as every node."""
-        if error is not None and self.report is None and self.configured and self._k >= 0 and not self._braked:
-            self._ended = perf_counter()
+        """End as every node; when the run breaks off, brake first and let the recorder hear of it."""
+        if error is not None and self.active and self._k >= 0 and not self._finishing:
+            self._finish(error)
+        else:
+            super().end(error or (self._failure if self.configured else None))
+
+    def _finish(self, error: FlexrosError | None) -> None:
+        """Stop the loop, brake if it broke off, and wait for the recorder."""
+        self._ended = perf_counter()
+        self._finishing = True
+        self._failure = error
+        self.schedule = None
+        self._goodbye = 0.0
+        if error is not None:
             self._brake()
-        super().end(error)
+        if not self.value("observers"):
+            self.end(error)
 
     def _brake(self) -> None:
         """Simulate on with zero torque, publishing as usual."""
-        self._held = False
-        self._window = RecorderWindow(0)
         nothing = np.zeros(len(self._names))
+        if self._held:
+            self._messages.publish()
+        self._window.open()
         with suppress(RunError):  # a plant that has diverged cannot go on
             for _ in range(round(self.value("brake_duration") / self._sample_time)):
                 self._plant.advance(nothing)
                 self._next_sample()
                 self._braked += 1
-        self._say_goodbye()
 
     def _say_goodbye(self) -> None:
-        """Wait until the last messages have reached their readers."""
-        for publisher in (self._states, self._poses):
-            publisher.wait_for_all_acked(Duration(seconds=1.0))
+        """End once everything is recorded: after a failure only what the plant itself has sent."""
+        topics = OWN_TOPICS if self._failure else self._window.confirmed.keys() | set(OWN_TOPICS)
+        self._goodbye += LOOK_PERIOD
+        if self._window.holds(topics, self.stamp) or self._goodbye > GOODBYE_TIMEOUT:
+            self.end(self._failure)
 
 
 def main() -> int:

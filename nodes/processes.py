@@ -13,19 +13,17 @@ from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.task import Future
-from std_msgs.msg import Header
 
 from flexros.errors import RunError
-from flexros.logs.stamps import NANOSECONDS
 from flexros_nodes.domain import DOMAIN_VARIABLE
 from flexros_nodes.node_process import NodeProcess
-from flexros_nodes.run_plan import DRAIN_TIMEOUT, RunSummary, last_stamp, summarise
+from flexros_nodes.run_plan import RunSummary, summarise
 from flexros_nodes.spinning import make_executor
-from flexros_nodes.topic_interface import qos_profile, topic
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from rclpy.task import Future
 
     from flexros_nodes.interruption import Interruption
     from flexros_nodes.run_plan import RunPlan
@@ -57,16 +55,8 @@ class ProcessManager:
         self._node = Node(f"flexros_run_{os.getpid()}", context=self._context, start_parameter_services=False)
         self._executor = make_executor(self._context)
         self._executor.add_node(self._node)
-        self._recorded = 0
-        row = topic("recorder_progress")
-        self._node.create_subscription(Header, row.name, self._on_recorded, qos_profile(row.subscription_qos))
-        self._clients = {
-            name: self._node.create_client(ChangeState, f"/{name}/change_state") for name in plan.nodes
-        }
+        self._clients = {name: self._node.create_client(ChangeState, f"/{name}/change_state") for name in plan.nodes}
         self.processes = {name: NodeProcess(name, plan.values(name), scratch) for name in plan.nodes}
-
-    def _on_recorded(self, message: Header) -> None:
-        self._recorded = message.stamp.sec * NANOSECONDS + message.stamp.nanosec
 
     def run(self) -> None:
         """Bring all nodes up and wait until the run is over."""
@@ -80,9 +70,6 @@ class ProcessManager:
         if not self._interrupted() and (recorder is None or not recorder.ended):
             # a plant whose partner died notices by itself, brakes and says so
             self._wait(lambda: plant.ended, self._plant_patience())
-        if plant.ended and recorder is not None and (report := plant.report()) is not None:
-            end = last_stamp(report)
-            self._wait(lambda: self._recorded >= end or recorder.ended, DRAIN_TIMEOUT)
 
     def _plant_patience(self) -> float:
         values = self._plan.parameters.get("plant", {})
@@ -116,6 +103,8 @@ class ProcessManager:
 
     def close(self) -> None:
         """Bring the nodes down in order, the recorder last, and leave nothing behind."""
+        for name in reversed(self._plan.nodes[1:]):
+            self.processes[name].ask_to_stop()
         for name in reversed(self._plan.nodes):
             self.processes[name].stop(GOODBYE_TIMEOUT)
         self._executor.shutdown()

@@ -15,7 +15,7 @@ from flexros.logs.writer import LogWriter
 from flexros_nodes.executable import run_node
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.prepared_run import prepared_run
-from flexros_nodes.recording import EventRecording, TopicRecording, recorded_until
+from flexros_nodes.recording import EventRecording, TopicRecording
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -33,10 +33,10 @@ EVENT_TYPES = ("diagnostic_msgs/msg/DiagnosticArray",)
 class RecorderNode(FlexrosNode):
     """Log of a run: raw messages into a rosbag2 folder, log time = stamp.
 
-    It confirms on recorder_progress up to where everything is recorded, so that a run in lock-step never outruns it.
+    It confirms on recorder_progress up to where each topic is recorded, so that a run in lock-step never outruns it.
 
     Attributes:
-        confirmed: Stamp up to which every topic is recorded [ns], -1 before the first.
+        confirmed: Stamp up to which each topic is recorded and the plant knows it, by topic [ns].
     """
 
     node_name = "recorder"
@@ -47,7 +47,7 @@ class RecorderNode(FlexrosNode):
         self._sample_time = run.sample_time
         self._provenance: Mapping[str, Any] = run.provenance()
         self._topics = {name: row for name, row in load_topics().items() if row.recorded}
-        self.confirmed = -1
+        self.confirmed: dict[str, int] = {}
         self._confirm_every = self.value("confirm_every")
         self._since_confirmed = 0
         self._samples: dict[str, TopicRecording] = {}
@@ -81,13 +81,15 @@ class RecorderNode(FlexrosNode):
             self._confirm()
 
     def _confirm(self) -> None:
+        """Say of each topic that went on up to where it is recorded."""
         self._since_confirmed = 0
-        until = recorded_until(self._samples.values())
-        if until > self.confirmed:
-            self.stamp = self.confirmed = until
-            message = Header(frame_id=self.node_name)
-            message.stamp.sec, message.stamp.nanosec = divmod(until, NANOSECONDS)
-            self._progress.publish(message)
+        for name, recording in self._samples.items():
+            if recording.last > self.confirmed.get(name, -1):
+                self.confirmed[name] = recording.last
+                message = Header(frame_id=name)
+                message.stamp.sec, message.stamp.nanosec = divmod(recording.last, NANOSECONDS)
+                self._progress.publish(message)
+        self.stamp = max(self.confirmed.values(), default=self.stamp)
 
     def start(self) -> None:
         """Confirm now and then, also when the loop stands still."""

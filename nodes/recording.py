@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from flexros.logs.joint_state_message import stamp_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 
 class MessageSink(Protocol):
@@ -87,8 +84,3 @@ class EventRecording:
         stamp = stamp_of(message)
         self.count += 1
         self._sink.write(self._topic_id, stamp, stamp, message)
-
-
-def recorded_until(recordings: Iterable[TopicRecording]) -> int:
-    """Give the stamp up to which every topic that has begun is recorded [ns]; -1 when none has begun."""
-    return min((recording.last for recording in recordings if recording.count), default=-1)

@@ -55,8 +55,8 @@ class ReferenceBuffer:
         between = stamps != START_NS + np.rint(number * self._sample_time * 1e9).astype(np.int64)
         if between.any():
             raise RunError(
-                f"a chunk of joint_reference_ahead has a point at {stamps[between][0]} ns, between two sampling instants "
-                f"of {self._sample_time:g} s; stream one point per sample or send it to joint_trajectory"
+                f"a chunk of joint_reference_ahead has a point at {stamps[between][0]} ns, between two sampling "
+                f"instants of {self._sample_time:g} s; stream one point per sample or send it to joint_trajectory"
             )
         fresh = slice(int(np.searchsorted(stamps, self._used, side="right")), None)
         self._rows.update(zip(stamps[fresh].tolist(), rows[fresh], strict=True))

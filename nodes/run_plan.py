@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
 
-from flexros.logs.stamps import stamp_ns
+from flexros_nodes.pacing import PeriodStatistics
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,9 +19,6 @@ NODES = ("recorder", "feedforward", "controller", "plant")
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C or termination."""
-
-DRAIN_TIMEOUT = 5.0
-"""Longest time that the recorder gets to write what is on its way at the end [s], chosen."""
 
 
 @dataclass(frozen=True)
@@ -96,14 +93,16 @@ class RunSummary:
     reports: Mapping[str, NodeReport] = field(default_factory=dict)
 
 
-_TIMING = (
-    "cycles rate_hz period_p50_us period_p99_us period_max_us lateness_p99_us lateness_max_us late late_percent "
-    "missed_commands"
-).split()
+_TIMING = (*(field.name for field in fields(PeriodStatistics)), "missed_commands")
 
 
 def summarise(
-    reports: Mapping[str, NodeReport], folder: Path | None, layout: str, *, interrupted: bool, deaths: tuple[str, ...] = ()
+    reports: Mapping[str, NodeReport],
+    folder: Path | None,
+    layout: str,
+    *,
+    interrupted: bool,
+    deaths: tuple[str, ...] = (),
 ) -> RunSummary:
     """Sum a run up.
 
@@ -141,11 +140,3 @@ def summarise(
         timing={name: plant[name] for name in _TIMING if name in plant},
         reports=reports,
     )
-
-
-def last_stamp(plant: NodeReport) -> int:
-    """Give the stamp of the plant's last sample [ns]; 0 when it sent none."""
-    samples = plant.figures.get("samples", 0)
-    if not samples:
-        return 0
-    return stamp_ns(int(samples) - 1, plant.figures["simulated_time_s"] / samples)
