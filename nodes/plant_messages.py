@@ -1,0 +1,74 @@
+"""The messages of the plant: state, tool pose and clock of one sample."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosgraph_msgs.msg import Clock
+
+from flexros.logs.joint_state_message import JointStateTemplate
+from flexros.logs.pose_stamped_message import PoseStampedTemplate
+from flexros.logs.stamps import NANOSECONDS, stamp_ns
+from flexros_nodes.prepared_run import BASE_FRAME
+from flexros_nodes.topic_interface import topic
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros_nodes.node_base import FlexrosNode
+
+OWN_TOPICS = ("joint_states", "tool_pose")
+"""Recorded topics of the plant."""
+
+
+class PlantMessages:
+    """Fills the plant's messages for one sample, and publishes them as often as asked.
+
+    Args:
+        node: The plant node.
+        names: Joint names.
+        sample_time: Time between two samples [s].
+    """
+
+    def __init__(self, node: FlexrosNode, names: Sequence[str], sample_time: float) -> None:
+        self._sample_time = sample_time
+        self._states = node.announce("joint_states")
+        self._poses = node.announce("tool_pose")
+        self._clock = node.announce("clock")
+        self._clock_every = max(round(1.0 / ((topic("clock").rate or 1.0) * sample_time)), 1)
+        self._state_template = JointStateTemplate(names, position=True)
+        self._pose_template = PoseStampedTemplate(BASE_FRAME)
+        self._clock_message: Clock | None = None
+
+    def listeners(self) -> tuple[int, int]:
+        """Count the subscriptions to joint_states and tool_pose."""
+        return self._states.get_subscription_count(), self._poses.get_subscription_count()
+
+    def fill(self, k: int, position: FloatArray, pose: FloatArray) -> int:
+        """Prepare the messages of a sample.
+
+        Args:
+            k: Sample.
+            position: Measured motor positions [rad or m], shape (M,).
+            pose: Tool pose x, y, z [m], quaternion x, y, z, w, shape (7,).
+
+        Returns:
+            The stamp [ns].
+        """
+        stamp = stamp_ns(k, self._sample_time)
+        values = pose.tolist()
+        self._state = self._state_template.fill(stamp, position=position)
+        self._pose = self._pose_template.fill(stamp, values[:3], values[3:])
+        self._clock_message = None
+        if k % self._clock_every == 0:
+            self._clock_message = Clock()
+            self._clock_message.clock.sec, self._clock_message.clock.nanosec = divmod(stamp, NANOSECONDS)
+        return stamp
+
+    def publish(self) -> None:
+        """Publish the messages of the sample, for the first time or again."""
+        self._states.publish(self._state)
+        self._poses.publish(self._pose)
+        if self._clock_message is not None:
+            self._clock.publish(self._clock_message)
