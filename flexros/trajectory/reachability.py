@@ -91,13 +91,7 @@ def check_reachable(
         else:
             q = _solve(trajectory, inverse_kinematics, float(t), values[0, k], joints[-1] if joints else near)
             slope = np.atleast_2d(np.asarray(jacobian(q), dtype=float))
-            smallest = float(np.linalg.svd(slope, compute_uv=False)[-1])
-            if smallest < singular_value:
-                raise InputError(
-                    f"the trajectory passes a singularity of the robot at {trajectory.place(float(t))}: the smallest "
-                    f"singular value of the Jacobian is {smallest:.3g}, allowed are at least {singular_value:.3g}; "
-                    "move the path away from there"
-                )
+            smallest = _smallest_singular_value(trajectory, float(t), slope, singular_value)
             rate = np.linalg.lstsq(slope, values[1, k], rcond=None)[0]
             if joints:
                 _check_same_configuration(
@@ -134,6 +128,17 @@ def _solve(
             "move the start, turn the path or make it smaller"
         )
     return q
+
+
+def _smallest_singular_value(trajectory: Trajectory, t: float, slope: FloatArray, allowed: float) -> float:
+    """Give the smallest singular value of a Jacobian, and refuse one that is too small."""
+    smallest = float(np.linalg.svd(slope, compute_uv=False)[-1])
+    if smallest < allowed:
+        raise InputError(
+            f"the trajectory passes a singularity of the robot at {trajectory.place(t)}: the smallest singular value of "
+            f"the Jacobian is {smallest:.3g}, allowed are at least {allowed:.3g}; move the path away from there"
+        )
+    return smallest
 
 
 def _check_same_configuration(
