@@ -117,7 +117,8 @@ def _rows(signal: FloatArray, start: int, stop: int, lane: int) -> FloatArray:
     """Return a signal of one lane as (width, samples)."""
     numbers: FloatArray = signal[:, :, lane if signal.shape[-1] > 1 else 0]
     columns: FloatArray = np.repeat(numbers, stop - start, axis=0) if numbers.shape[0] == 1 else numbers[start:stop]
-    return columns.T
+    result: FloatArray = columns.T
+    return result
 
 
 def _symbols(*sizes: int) -> list[ca.MX]:
@@ -144,7 +145,7 @@ def _step_function(functions: LoopFunctions, sizes: LoopSizes, h: float) -> ca.F
     def exact(state: ca.MX) -> ca.MX:
         return state if functions.exact_update is None else functions.exact_update(state, u, w, p, 0.5 * h)
 
-    step = runge_kutta_step(functions, ca.SX if is_merged(functions) else ca.MX)
+    step = runge_kutta_step(functions, ca.SX) if is_merged(functions) else runge_kutta_step(functions, ca.MX)
     return ca.Function("step", [x, u, w, p], [exact(step(exact(x), u, w, p, ca.DM(step_weights(h))))])
 
 
