@@ -135,8 +135,8 @@ def _smallest_singular_value(trajectory: Trajectory, t: float, slope: FloatArray
     smallest = float(np.linalg.svd(slope, compute_uv=False)[-1])
     if smallest < allowed:
         raise InputError(
-            f"the trajectory passes a singularity of the robot at {trajectory.place(t)}: the smallest singular value of "
-            f"the Jacobian is {smallest:.3g}, allowed are at least {allowed:.3g}; move the path away from there"
+            f"the trajectory passes a singularity of the robot at {trajectory.place(t)}: the smallest singular value "
+            f"of the Jacobian is {smallest:.3g}, allowed are at least {allowed:.3g}; move the path away from there"
         )
     return smallest
 
