@@ -148,7 +148,7 @@ def build_trajectory(
         if specification.output not in (None, output) and not specification.joints:
             raise InputError(
                 f"the trajectory is for output '{specification.output}' but the start belongs to output '{output}', "
-                "allowed are equal names; change the key output of the trajectory or the output that the run is planned in"
+                "allowed are equal names; change the key output of the trajectory or that of the run"
             )
         origin = point(start, "start of the trajectory").copy()
         positions = min(3, origin.size) if n_position is None else n_position

@@ -103,7 +103,9 @@ def test_tool_path_for_joints_is_refused(start: FloatArray) -> None:
 
 
 def test_start_of_another_output_is_refused(start: FloatArray) -> None:
-    with pytest.raises(InputError, match="trajectory is for output 'tip' but the start belongs to 'tool', allowed"):
+    with pytest.raises(
+        InputError, match="trajectory is for output 'tip' but the start belongs to output 'tool', allowed"
+    ):
         build(start, path=LINE, time_law=SMOOTH, output="tip")
     assert build(start, path=LINE, time_law=SMOOTH, output="tool").output == "tool"
 
