@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError
-from flexros.logs.bag_metadata import METADATA_FILE, PROVENANCE_FILE
+from flexros.logs.bag_metadata import METADATA_FILE
+from flexros.logs.provenance_file import read_provenance
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def find_bag_files(path: Path) -> BagFiles:
             raise InputError(
                 f"{path} is a '{path.suffix}' file, allowed is a rosbag2 folder or an .mcap file; convert it"
             )
-        return BagFiles((path,), _read_provenance(path.parent, warnings), tuple(warnings))
+        return BagFiles((path,), read_provenance(path.parent, warnings), tuple(warnings))
     if not path.is_dir():
         raise InputError(f"there is no log at {path}; give a rosbag2 folder or an .mcap file")
     files = _listed(path, warnings) or sorted(path.glob("*.mcap"))
@@ -55,7 +55,7 @@ def find_bag_files(path: Path) -> BagFiles:
             f"the folder {path} has no .mcap file (it holds {present}); record with MCAP storage, or convert with "
             "'ros2 bag convert'"
         )
-    return BagFiles(tuple(files), _read_provenance(path, warnings), tuple(warnings))
+    return BagFiles(tuple(files), read_provenance(path, warnings), tuple(warnings))
 
 
 def _listed(folder: Path, warnings: list[str]) -> list[Path]:
@@ -84,18 +84,3 @@ def _listed(folder: Path, warnings: list[str]) -> list[Path]:
     if missing:
         warnings.append(f"{folder} lacks {', '.join(missing)}, listed in {METADATA_FILE}; the other files were read")
     return [folder / name for name in names if name not in missing]
-
-
-def _read_provenance(folder: Path, warnings: list[str]) -> dict[str, Any]:
-    path = folder / PROVENANCE_FILE
-    if not path.is_file():
-        return {}
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        warnings.append(f"{path} cannot be read ({error}); the log counts as one without provenance")
-        return {}
-    if not isinstance(content, dict):
-        warnings.append(f"{path} holds a {type(content).__name__}, allowed is a mapping; it was ignored")
-        return {}
-    return content

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from ruamel.yaml import YAML
 
+from flexros.logs.provenance_file import PROVENANCE_FILE
+
 if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.config.topics import QosProfile
 
 METADATA_FILE = "metadata.yaml"
-PROVENANCE_FILE = "provenance.json"
 VERSION = 9
 ROS_DISTRO = "jazzy"
 

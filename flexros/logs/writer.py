@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import json
-from collections import deque
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from flexros.errors import InputError, RunError, unknown_name
-from flexros.logs.bag_metadata import PROVENANCE_FILE, BagMetadata, BagTopic, as_yaml, offered_qos, write_whole
-from flexros.logs.chunk import assemble_chunk
+from flexros.logs.bag_metadata import BagMetadata, BagTopic, as_yaml, offered_qos, write_whole
+from flexros.logs.chunk_thread import ChunkThread
 from flexros.logs.mcap_file import McapFile
+from flexros.logs.provenance_file import PROVENANCE_FILE, provenance_text
 from flexros.logs.schemas import message_schema
 from flexros.logs.stamps import NANOSECONDS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
-    from concurrent.futures import Future
     from pathlib import Path
     from types import TracebackType
 
@@ -34,7 +31,6 @@ MAX_CHUNK_SIZE = 1 << 20
 """Size at which a chunk ends [byte]; chosen like common recorders, so that players need little memory."""
 
 _LATEST_TIME = 2**63 - 1
-_MAX_WAITING_CHUNKS = 4
 
 
 class LogWriter:
@@ -68,7 +64,7 @@ class LogWriter:
     ) -> None:
         if not 0 < chunk_duration <= MAX_CHUNK_DURATION:
             raise InputError(f"chunk_duration is {chunk_duration} ns, allowed is 1 to {MAX_CHUNK_DURATION} ns")
-        provenance_text = _as_json(provenance)
+        text = provenance_text(provenance)
         self.folder = folder
         self._share_folders = tuple(share_folders)
         self._namespace = namespace.strip("/")
@@ -77,19 +73,18 @@ class LogWriter:
         self._topics: list[BagTopic] = []
         self._failure: RunError | None = None
         self._closed = False
-        self._file = self._create(provenance_text)
-        self._waiting: deque[Future[None]] = deque()
-        self._thread = ThreadPoolExecutor(1, "log_writer")
+        self._file = self._create(text)
+        self._thread = ChunkThread(self._file)
         self._gather()
         try:
             for topic in topics:
                 self.add_topic(topic)
         except BaseException:
-            self._thread.shutdown()
+            self._thread.stop()
             self._file.close()
             raise
 
-    def _create(self, provenance_text: str) -> McapFile:
+    def _create(self, provenance: str) -> McapFile:
         try:
             self.folder.mkdir(parents=True)
         except FileExistsError as error:
@@ -100,7 +95,7 @@ class LogWriter:
             ) from error
         try:
             file = McapFile(self.folder / self.file_name)
-            write_whole(self.folder / PROVENANCE_FILE, provenance_text)
+            write_whole(self.folder / PROVENANCE_FILE, provenance)
         except OSError as error:
             raise InputError(
                 f"cannot write into the log folder {self.folder}: {error.strerror}; name a folder with free space"
@@ -224,22 +219,10 @@ class LogWriter:
     def _hand_over(self, topic_id: IntArray, log_time: IntArray, publish: IntArray, payloads: Sequence[bytes]) -> None:
         if topic_id.min() < 1 or topic_id.max() > len(self._topics) or log_time.min() < 0 or publish.min() < 0:
             raise ValueError(f"a message has a topic number outside 1 to {len(self._topics)} or a negative time")
-        self._waiting.append(self._thread.submit(self._write_chunk, topic_id, log_time, publish, payloads))
-        self._collect(_MAX_WAITING_CHUNKS)
-
-    def _write_chunk(
-        self, topic_id: IntArray, log_time: IntArray, publish: IntArray, payloads: Sequence[bytes]
-    ) -> None:
-        self._file.append(assemble_chunk(topic_id, log_time, publish, payloads, self._file.counts))
-
-    def _collect(self, n_left: int) -> None:
-        """Wait until at most `n_left` chunks wait, and look whether the finished ones went well."""
-        while self._waiting and (len(self._waiting) > n_left or self._waiting[0].done()):
-            error = self._waiting.popleft().exception()
-            if isinstance(error, OSError):
-                self._fail(error)
-            if error is not None:
-                raise error
+        try:
+            self._thread.write(topic_id, log_time, publish, payloads)
+        except OSError as error:
+            self._fail(error)
 
     def flush(self) -> None:
         """Write all messages taken so far; afterwards they survive the end of the process.
@@ -250,7 +233,10 @@ class LogWriter:
         if self._failure:
             raise self._failure
         self._submit()
-        self._collect(0)
+        try:
+            self._thread.wait()
+        except OSError as error:
+            self._fail(error)
 
     def _bag_metadata(self) -> BagMetadata:
         counts = self._file.counts
@@ -268,8 +254,7 @@ class LogWriter:
 
     def _fail(self, error: OSError) -> NoReturn:
         """Close the log at its last complete chunk that leaves room for the summary, and raise."""
-        self._thread.shutdown(cancel_futures=True)
-        self._waiting.clear()
+        self._thread.stop()
         self._gather()
         self._closed = True
         lacking = []
@@ -304,12 +289,12 @@ class LogWriter:
             return
         self.flush()
         self._closed = True
-        self._thread.shutdown()
+        self._thread.stop()
         try:
             self._file.finish("rosbag2", self._serialised_metadata())
             self._write_metadata()
             if provenance is not None:
-                write_whole(self.folder / PROVENANCE_FILE, _as_json(provenance))
+                write_whole(self.folder / PROVENANCE_FILE, provenance_text(provenance))
         except OSError as error:
             self._fail(error)
         self._file.close()
@@ -321,12 +306,3 @@ class LogWriter:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         self.close()
-
-
-def _as_json(provenance: Mapping[str, Any]) -> str:
-    try:
-        return json.dumps(dict(provenance), indent=2, sort_keys=True, allow_nan=False) + "\n"
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            f"the provenance cannot be written as JSON: {error}; give text, finite numbers, lists, mappings"
-        ) from error

@@ -1,0 +1,58 @@
+"""The side-car of a log that says where it came from: scenario, seed, versions, model hash."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+PROVENANCE_FILE = "provenance.json"
+
+
+def provenance_text(provenance: Mapping[str, Any]) -> str:
+    """JSON text of a provenance.
+
+    Args:
+        provenance: Text, finite numbers, lists and mappings of them.
+
+    Returns:
+        The content of the file.
+
+    Raises:
+        InputError: Something in it has no form in JSON.
+    """
+    try:
+        return json.dumps(dict(provenance), indent=2, sort_keys=True, allow_nan=False) + "\n"
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"the provenance cannot be written as JSON: {error}; give text, finite numbers, lists and mappings"
+        ) from error
+
+
+def read_provenance(folder: Path, warnings: list[str]) -> dict[str, Any]:
+    """Read the side-car of a log.
+
+    Args:
+        folder: The folder of the log.
+        warnings: Receives what is wrong with it.
+
+    Returns:
+        Its content, empty if there is none.
+    """
+    path = folder / PROVENANCE_FILE
+    if not path.is_file():
+        return {}
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        warnings.append(f"{path} cannot be read ({error}); the log counts as one without provenance")
+        return {}
+    if not isinstance(content, dict):
+        warnings.append(f"{path} holds a {type(content).__name__}, allowed is a mapping; it was ignored")
+        return {}
+    return content
