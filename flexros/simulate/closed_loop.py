@@ -12,9 +12,7 @@ from flexros.compile.loop_arrays import LoopInputs
 from flexros.errors import RunError
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log, PoseSeries
-from flexros.simulate.disturbance import disturbance_signal
 from flexros.simulate.loop import loop_functions
-from flexros.simulate.noise import Stream, white_noise
 from flexros.simulate.plant import delayed_start, diverged_text
 
 if TYPE_CHECKING:
@@ -57,10 +55,7 @@ def closed_loop(experiment: Experiment, progress: Callable[[int], None] | None =
     """
     scenario, plant, n = experiment.scenario, experiment.plant, experiment.n_samples
     law, references = scenario.controller, experiment.reference_signal
-    scale = 1.0 if scenario.noise else 0.0
-    noise = white_noise(scale * plant.encoder_noise, scenario.seed, Stream.ENCODER)
-    tool_noise = white_noise(np.full(3, scale * plant.tool_noise), scenario.seed, Stream.TOOL)
-    disturbance = disturbance_signal(scenario.disturbances, plant.n_motors, experiment.sample_time, scenario.seed)
+    signals = experiment.signals(scenario.seed)
     kernel = compile_loop(
         loop_functions(plant.model, law.function(plant.n_motors, experiment.sample_time)),
         sample_time=experiment.sample_time,
@@ -79,15 +74,15 @@ def closed_loop(experiment: Experiment, progress: Callable[[int], None] | None =
             length,
             LoopInputs(
                 reference=references[rows],
-                noise=noise.rows(first, length),
-                disturbance=disturbance.rows(first, length),
+                noise=signals.encoder_noise.rows(first, length),
+                disturbance=signals.disturbance.rows(first, length),
                 gains=experiment.gains,
             ),
             progress=None if progress is None else partial(_count, progress, first),
         )
         assert result.tool_pose is not None
         encoder[rows], command[rows], pose[rows] = result.encoder, result.command, result.tool_pose
-        pose[rows, :3] += tool_noise.rows(first, length)
+        pose[rows, :3] += signals.tool_noise.rows(first, length)
         if result.diverged >= 0:
             end = first + int(result.diverged)
             log = run_log(experiment, encoder[:end], command[:end], pose[:end])

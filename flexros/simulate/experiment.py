@@ -15,6 +15,7 @@ from flexros.errors import InputError
 from flexros.feedforward.reference import compute_reference
 from flexros.robot import load_robot
 from flexros.simulate.plant import Plant
+from flexros.simulate.signals import plant_signals
 from flexros.trajectory import JOINTS, JointMove, Move, TimeLaw, Trajectory, build_trajectory
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from flexros.config.scenario import Scenario
     from flexros.feedforward.motion import Reference
     from flexros.robot import Robot
+    from flexros.simulate.signals import PlantSignals
 
 MOST_SAMPLES = 20_000_000
 """Longest run [samples]; a longer one is taken for a mistake in duration or sample time (chosen)."""
@@ -96,12 +98,15 @@ class Experiment:
         return np.hstack([reference.motor_position, reference.motor_velocity, reference.torque])
 
     @cached_property
+    def start_motor_position(self) -> FloatArray:
+        """First reference of the motors [rad or m], shape (M,)."""
+        position: FloatArray = self._reference(0.0).motor_position[0]
+        return position
+
+    @cached_property
     def start_state(self) -> FloatArray:
         """State of the plant before the first sample: at rest with the motors on their first reference."""
-        first = compute_reference(
-            self.nominal, self.trajectory, self.scenario.feedforward, self.sample_time, 0.0, self.start
-        )
-        return self.plant.equilibrium(self.start, motor_position=first.motor_position[0])
+        return self.plant.equilibrium(self.start, motor_position=self.start_motor_position)
 
     @cached_property
     def start_torque(self) -> FloatArray:
@@ -117,6 +122,13 @@ class Experiment:
         """Make a controller in its state before the first sample."""
         robot = self.nominal
         return Controller(self.scenario.controller, robot.n_motors, self.sample_time, robot.torque_limits)
+
+    def signals(self, seed: int) -> PlantSignals:
+        """Make sensor noise and disturbances of a seed."""
+        scenario = self.scenario
+        return plant_signals(
+            self.plant, self.sample_time, seed, noise=scenario.noise, disturbances=scenario.disturbances
+        )
 
     def plant_in_time(self) -> Plant:
         """Make the simulated robot at its start, to be stepped sample by sample."""

@@ -10,10 +10,9 @@ import numpy as np
 from flexros.compile.loop import compile_loop
 from flexros.compile.loop_arrays import LoopState
 from flexros.errors import RunError
-from flexros.simulate.disturbance import disturbance_signal
 from flexros.simulate.loop import feed_through, loop_functions
-from flexros.simulate.noise import Stream, white_noise
 from flexros.simulate.sample_blocks import Zeros
+from flexros.simulate.signals import plant_signals
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -58,10 +57,7 @@ class Plant:
         self.robot = robot
         self.sample_time = sample_time
         self.sample = 0
-        scale = 1.0 if noise else 0.0
-        self._encoder_noise = white_noise(scale * robot.encoder_noise, seed, Stream.ENCODER)
-        self._tool_noise = white_noise(np.full(3, scale * robot.tool_noise), seed, Stream.TOOL)
-        self._disturbance = disturbance_signal(disturbances, robot.n_motors, sample_time, seed)
+        self._signals = plant_signals(robot, sample_time, seed, noise=noise, disturbances=disturbances)
         kernel = compile_loop(
             loop_functions(robot.model, feed_through(robot.n_motors)),
             sample_time=sample_time,
@@ -103,8 +99,8 @@ class Plant:
         """
         self._sense()
         pose: FloatArray = self._step.tool_pose.copy()
-        if not isinstance(self._tool_noise, Zeros):
-            pose[:3] += self._tool_noise.row(self.sample)
+        if not isinstance(self._signals.tool_noise, Zeros):
+            pose[:3] += self._signals.tool_noise.row(self.sample)
         return pose
 
     def advance(self, command: FloatArray | Sequence[float]) -> None:
@@ -127,8 +123,8 @@ class Plant:
             motor = int(np.argmin(np.isfinite(step.command)))
             given = f"the torque command of motor_{motor + 1} is {step.command[motor]}"
             raise RunError(f"{self._place()}: {given}, needed is a finite number")
-        if not isinstance(self._disturbance, Zeros):
-            step.disturbance[:] = self._disturbance.row(self.sample)
+        if not isinstance(self._signals.disturbance, Zeros):
+            step.disturbance[:] = self._signals.disturbance.row(self.sample)
         step.advance()
         self.sample += 1
         if not math.isfinite(sum(step.plant.tolist())):
@@ -136,8 +132,8 @@ class Plant:
 
     def _sense(self) -> None:
         if self._measured != self.sample:
-            if not isinstance(self._encoder_noise, Zeros):
-                self._step.noise[:] = self._encoder_noise.row(self.sample)
+            if not isinstance(self._signals.encoder_noise, Zeros):
+                self._step.noise[:] = self._signals.encoder_noise.row(self.sample)
             self._step.measure()
             self._measured = self.sample
 

@@ -1,0 +1,59 @@
+"""What acts on a simulated robot beside the commands: sensor noise and disturbances of one seed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.simulate.disturbance import disturbance_signal
+from flexros.simulate.noise import Stream, white_noise
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.robot import Robot
+    from flexros.simulate.disturbance import AbstractDisturbance
+    from flexros.simulate.sample_blocks import SampleBlocks
+
+
+@dataclass(frozen=True, eq=False)
+class PlantSignals:
+    """Noise and disturbances by sample index.
+
+    Attributes:
+        encoder_noise: Added to the motor positions [rad or m], width M.
+        tool_noise: Added to the tool position [m], width 3.
+        disturbance: Torque at the motors [Nm or N] (M), then wrench at the tool [N, Nm] (6), width M + 6.
+    """
+
+    encoder_noise: SampleBlocks
+    tool_noise: SampleBlocks
+    disturbance: SampleBlocks
+
+
+def plant_signals(
+    robot: Robot, sample_time: float, seed: int, *, noise: bool, disturbances: Sequence[AbstractDisturbance]
+) -> PlantSignals:
+    """Make the signals of a seed.
+
+    Args:
+        robot: The robot, with its sensor noise.
+        sample_time: Time between two samples [s].
+        seed: Seed of noise and random disturbances.
+        noise: Whether the sensors have the noise that the robot states.
+        disturbances: Torques and forces at motors and tool.
+
+    Returns:
+        The signals.
+
+    Raises:
+        InputError: A disturbance has a place or frequency that does not exist here.
+    """
+    scale = 1.0 if noise else 0.0
+    return PlantSignals(
+        encoder_noise=white_noise(scale * robot.encoder_noise, seed, Stream.ENCODER),
+        tool_noise=white_noise(np.full(3, scale * robot.tool_noise), seed, Stream.TOOL),
+        disturbance=disturbance_signal(disturbances, robot.n_motors, sample_time, seed),
+    )
