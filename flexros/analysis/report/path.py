@@ -90,7 +90,7 @@ def path_picture(analyses: Sequence[Analysis], title: str = "") -> Picture:
             )
     _axes(figure, axes)
     if len(axes) == 2:
-        _leave_room([path for _, _, path in shown], axes, factor, figure)
+        magnified.append(_room([path for _, _, path in shown], axes, factor, figure))
     caption = (
         "Path of the tool. The distance from the commanded path (dotted) is drawn ×{factor}; "
         "a circle marks the largest error of each run."
@@ -175,11 +175,22 @@ def _axes(figure: go.Figure, axes: tuple[str, ...]) -> None:
     figure.update_yaxes(title_text=f"{axes[1]} [mm]", scaleanchor="x", scaleratio=1, constrain="domain")
 
 
-def _leave_room(paths: Sequence[PathError], axes: tuple[str, ...], factor: int, figure: go.Figure) -> None:
-    """Widen the picture sideways by the drawn error, so that no line touches its frame."""
-    side = np.concatenate([1e3 * path.run.commanded[:, AXES.index(axes[0])] for path in paths])
-    room = 1.3e3 * factor * max(path.path.maximum for path in paths) + 0.02 * float(np.ptp(side))
-    figure.update_xaxes(autorangeoptions={"include": [float(side.min()) - room, float(side.max()) + room]})
+def _room(paths: Sequence[PathError], axes: tuple[str, ...], factor: int, figure: go.Figure) -> MagnifiedCurve:
+    """Add two unseen points beside the paths, so that no line touches the frame at any magnification."""
+    points = np.concatenate([1e3 * path.run.commanded[:, [AXES.index(axis) for axis in axes]] for path in paths])
+    low, high, height = points[:, 0].min(), points[:, 0].max(), points[0, 1]
+    margin = 0.03 * (high - low)
+    room = 1.1e3 * max(path.path.maximum for path in paths)
+    curve = MagnifiedCurve(
+        trace=len(figure.data),
+        base=np.array([[low - margin, height], [high + margin, height]]),
+        deviation=np.array([[-room, 0.0], [room, 0.0]]),
+    )
+    x, y = (curve.base + factor * curve.deviation).T
+    figure.add_trace(
+        go.Scatter(x=x, y=y, mode="markers", marker={"opacity": 0}, hoverinfo="skip", showlegend=False, name="")
+    )
+    return curve
 
 
 def _performance(analyses: Sequence[Analysis]) -> Picture:

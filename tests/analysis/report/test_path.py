@@ -25,6 +25,16 @@ def test_attained_path_is_drawn_at_the_factor(make_run):
     np.testing.assert_allclose(curve.base + picture.factor * curve.deviation, drawn, rtol=1e-6)
 
 
+def test_no_line_reaches_the_frame_at_any_magnification(make_run):
+    picture = path_picture([analyse(make_run(error=3e-4))])
+    *lines, room = picture.magnified
+    for factor in FACTORS:
+        reach = room.base[:, 0] + factor * room.deviation[:, 0]
+        for line in lines:
+            drawn = line.base[:, 0] + factor * line.deviation[:, 0]
+            assert reach.min() < drawn.min() <= drawn.max() < reach.max()
+
+
 def test_a_common_reference_is_drawn_once_and_dotted(make_run):
     picture = path_picture([analyse(make_run()), analyse(make_run(error=1e-4), label="other")])
     commanded = [trace for trace in picture.figure.data if trace.name == "commanded"]

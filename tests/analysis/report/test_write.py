@@ -92,7 +92,7 @@ def test_figures_in_the_page_equal_the_analysis(page, runs):
 
 def test_a_magnified_curve_can_be_redrawn_from_the_page(page):
     picture = parsed(page).pictures[0]
-    assert {curve["trace"] for curve in picture["magnified"]} == {1, 2, 3, 4}
+    assert {curve["trace"] for curve in picture["magnified"]} == {1, 2, 3, 4, 5}
     assert all(len(curve["base"]) == len(curve["deviation"]) for curve in picture["magnified"])
 
 
