@@ -38,15 +38,15 @@ def validate(model: type[Model], data: Mapping[str, Any], source: str) -> Model:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise InputError(_sentence(model, error, source)) from error
+        raise InputError(_sentence(model, error, source, data)) from error
 
 
-def _sentence(model: type[BaseModel], error: ValidationError, source: str) -> str:
+def _sentence(model: type[BaseModel], error: ValidationError, source: str, data: Mapping[str, Any]) -> str:
     """Say the most telling of the problems found: of a union's branches the one that got deepest."""
     problems = error.errors(include_url=False)
     first = problems[0]["loc"][:1]
     problem = max((p for p in problems if p["loc"][:1] == first), key=lambda p: len(p["loc"]))
-    key = _key(problem["loc"])
+    key = _key(problem["loc"], data)
     given = problem.get("input")
     if problem["type"] == "extra_forbidden":
         allowed = _allowed_keys(model, problem["loc"])
@@ -62,14 +62,18 @@ def _sentence(model: type[BaseModel], error: ValidationError, source: str) -> st
     return f"{source}: key '{key}' is {_short(given)}, but {text}; correct the value"
 
 
-def _key(location: tuple[int | str, ...]) -> str:
-    """Write a place in nested data the way it is read: bodies[0].mass."""
+def _key(location: tuple[int | str, ...], data: Any) -> str:
+    """Write a place in nested data the way it is read: bodies[0].mass.
+
+    Pydantic puts validators and branches of unions into the location; only what stands in the data is a key.
+    """
     text = ""
-    for part in location:
-        if isinstance(part, int):
-            text += f"[{part}]"
-        elif "(" not in part:  # pydantic names validators and union branches in the location; a user knows only keys
-            text += f".{part}" if text else part
+    for depth, part in enumerate(location):
+        inside = isinstance(data, dict) and part in data
+        if isinstance(part, int) and isinstance(data, (list, tuple)) and part < len(data):
+            text, data = f"{text}[{part}]", data[part]
+        elif inside or (depth == len(location) - 1 and isinstance(data, dict)):
+            text, data = f"{text}.{part}" if text else str(part), data.get(part)
     return text
 
 
@@ -80,22 +84,25 @@ def _short(value: object) -> str:
 
 def _allowed_keys(model: type[BaseModel], location: tuple[int | str, ...]) -> list[str]:
     """List the keys allowed beside an unknown one, following the location through the nested models."""
-    current: Any = model
+    candidates = [model]
     for part in location[:-1]:
-        fields = getattr(current, "model_fields", None)
-        if fields is not None and part in fields:
-            current = fields[part].annotation
-        current = _model_within(current, part)
-        if current is None:
-            return []
-    return list(getattr(current, "model_fields", {}))
+        tagged = [candidate for candidate in candidates if part in (candidate.__name__, *_tags(candidate))]
+        holding = [candidate for candidate in candidates if part in candidate.model_fields]
+        if tagged:
+            candidates = tagged
+        elif holding:
+            candidates = _models_within(holding[0].model_fields[str(part)].annotation)
+    return list(candidates[0].model_fields) if candidates else []
 
 
-def _model_within(annotation: Any, part: int | str) -> Any:
-    """Find the settings class inside list[...], dict[...], X | None or a union; None when there is none."""
+def _models_within(annotation: Any) -> list[type[BaseModel]]:
+    """Find the settings classes inside list[...], dict[...], X | None or a union."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    candidates = [_model_within(inner, part) for inner in getattr(annotation, "__args__", ())]
-    named = [c for c in candidates if c is not None]
-    tagged = [c for c in named if c.__name__ == part]
-    return (tagged or named or [None])[0]
+        return [annotation]
+    return [found for inner in getattr(annotation, "__args__", ()) for found in _models_within(inner)]
+
+
+def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
+    """List the words by which a branch of a discriminated union is chosen."""
+    fields = [model.model_fields[key] for key in ("type", "kind") if key in model.model_fields]
+    return tuple(word for field in fields for word in getattr(field.annotation, "__args__", ()))
