@@ -58,8 +58,9 @@ def translator(schema: Schema, source: str) -> Callable[[bytes], bytes]:
         )
         store.types[schema.name]
     except Exception as error:  # the parser names no base class for its errors
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
         raise InputError(
-            f"{source}: the definition of {schema.name} cannot be read: {error}; record it again"
+            f"{source}: the definition of {schema.name} cannot be read ({reason}); record it again"
         ) from error
     convert = _CONVERTERS[schema.name]()
 

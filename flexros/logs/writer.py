@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -87,20 +88,14 @@ class LogWriter:
     def _create(self, provenance: str) -> McapFile:
         try:
             self.folder.mkdir(parents=True)
+            write_whole(self.folder / PROVENANCE_FILE, provenance)
+            return McapFile(self.folder / self.file_name)
         except FileExistsError as error:
             raise InputError(f"the log folder {self.folder} exists already; name another one, or remove it") from error
         except OSError as error:
             raise InputError(
                 f"cannot create the log folder {self.folder}: {error.strerror}; name a folder that can be written"
             ) from error
-        try:
-            file = McapFile(self.folder / self.file_name)
-            write_whole(self.folder / PROVENANCE_FILE, provenance)
-        except OSError as error:
-            raise InputError(
-                f"cannot write into the log folder {self.folder}: {error.strerror}; name a folder with free space"
-            ) from error
-        return file
 
     def _gather(self) -> None:
         """Begin a new list of messages."""
@@ -240,10 +235,7 @@ class LogWriter:
 
     def _bag_metadata(self) -> BagMetadata:
         counts = self._file.counts
-        topics = tuple(
-            BagTopic(t.name, t.type, t.qos, t.type_hash, counts.get(number, 0))
-            for number, t in enumerate(self._topics, 1)
-        )
+        topics = tuple(replace(t, message_count=counts.get(number, 0)) for number, t in enumerate(self._topics, 1))
         return BagMetadata(self.file_name, topics, *self._file.time_range)
 
     def _write_metadata(self) -> None:

@@ -83,8 +83,8 @@ def test_message_that_does_not_fit():
 @pytest.mark.parametrize(
     ("text", "encoding", "message"),
     [
-        ("float64", "ros2msg", r"x.mcap: the definition of sensor_msgs/msg/JointState cannot be read"),
-        ("module {", "ros2idl", r"x.mcap: the definition of sensor_msgs/msg/JointState cannot be read"),
+        ("float64", "ros2msg", r"x.mcap: the definition of sensor_msgs/msg/JointState cannot be read \("),
+        ("module {", "ros2idl", r"x.mcap: the definition of sensor_msgs/msg/JointState cannot be read \("),
         ("x", "protobuf", r"is in 'protobuf', allowed are ros2msg and ros2idl"),
     ],
 )

@@ -209,3 +209,22 @@ def test_unknown_channel_is_counted(tmp_path):
     log = read_log(path)
     assert log.joint_states.stamp.tolist() == [1]
     assert any("1 messages name a channel that is not defined" in warning for warning in log.warnings)
+
+
+def test_random_damage_gives_a_log_or_a_sentence(tmp_path):
+    """Uncompressed and without checksums, so that the damage reaches records, definitions and messages."""
+    options = {"compression": CompressionType.NONE, "enable_crcs": False}
+    path = foreign(tmp_path / "x.mcap", {"/joint_states": states(*range(1, 40))}, **options)
+    content = path.read_bytes()
+    rng = np.random.default_rng(3)
+    n_read = 0
+    for _ in range(150):
+        damaged = bytearray(content)
+        for at in rng.integers(8, len(content) * 2 // 3, 3):
+            damaged[at] = rng.integers(256)
+        path.write_bytes(damaged)
+        try:
+            n_read += len(read_log(path).joint_states.stamp) > 0
+        except InputError as error:
+            assert str(path) in str(error)
+    assert n_read > 10

@@ -187,7 +187,7 @@ def test_folder_without_space_is_named(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Path, "open", full)
-    with pytest.raises(InputError, match="cannot write into the log folder .*: No space left on device"):
+    with pytest.raises(InputError, match="cannot create the log folder .*: No space left on device; name a folder"):
         LogWriter(tmp_path / "log", [], {})
 
 
