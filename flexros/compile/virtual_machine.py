@@ -158,7 +158,9 @@ def _advance_function(functions: LoopFunctions, sizes: LoopSizes, delay: Command
         step = _step_function(functions, sizes, piece.duration / substeps)
         for _ in range(substeps):
             x = step(x, torque, d[m:], p)
-    return ca.Function("advance", arguments, [x, commands[: delay.line_length * m]])
+    return ca.Function(
+        "advance", arguments, [x, ca.vertsplit(commands, [0, m * delay.line_length, commands.numel()])[0]]
+    )
 
 
 def _sample_function(
@@ -170,7 +172,7 @@ def _sample_function(
     r, noise, d = _symbols(sizes.reference, sizes.motors, sizes.disturbance)
     constants = ca.MX.sym("constants", sizes.parameters + sizes.gains)
     x, c, line = ca.vertsplit(state, [0, *np.cumsum(state_sizes).tolist()])
-    p, g = constants[: sizes.parameters], constants[sizes.parameters :]
+    p, g = ca.vertsplit(constants, [0, sizes.parameters, constants.numel()])
     y, pose = measure(x, noise, p)
     u, c = functions.controller(c, r, y, g)
     x, line = advance(x, line, u, d, p)

@@ -29,9 +29,7 @@ def chain_derivative() -> ca.Function:
     mass_matrix = ca.hessian(kinetic, v)[0]
     force = ca.jtimes(ca.gradient(kinetic, v), q, v) - ca.gradient(kinetic, q) + ca.gradient(potential, q)
     twist = ca.vertcat(q_m - q[:2], -q[2])
-    spring = p[0] * ca.vertcat(400.0, 300.0, 200.0) * twist + ca.vertcat(4.0, 3.0, 2.0) * ca.vertcat(
-        v_m - v[:2], -v[2]
-    )
+    spring = p[0] * ca.vertcat(400.0, 300.0, 200.0) * twist + ca.vertcat(4.0, 3.0, 2.0) * ca.vertcat(v_m - v[:2], -v[2])
     tool = ca.jtimes(tip, q, w[:2], True)
     acceleration = ca.solve(mass_matrix, spring + tool - force)
     motor = (u - spring[:2]) / 0.3

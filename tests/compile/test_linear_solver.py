@@ -27,7 +27,8 @@ class Solver:
         self._both = ctypes.CFUNCTYPE(whole, pointer, pointer)(self.code.address(routines.factor_solve))
 
     def factor(self, matrix: np.ndarray) -> int:
-        return self._factor(np.array(matrix, order=self.order).ctypes.data, self.work.ctypes.data)
+        stored = np.array(matrix, order=self.order)
+        return self._factor(stored.ctypes.data, self.work.ctypes.data)
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         solution = np.array(rhs, order="F")
@@ -35,8 +36,8 @@ class Solver:
         return solution
 
     def factor_solve(self, matrix: np.ndarray, rhs: np.ndarray) -> tuple[int, np.ndarray]:
-        solution = np.array(rhs)
-        return self._both(np.array(matrix, order=self.order).ctypes.data, solution.ctypes.data), solution
+        stored, solution = np.array(matrix, order=self.order), np.array(rhs)
+        return self._both(stored.ctypes.data, solution.ctypes.data), solution
 
 
 def residual(matrix: np.ndarray, solution: np.ndarray, rhs: np.ndarray) -> float:

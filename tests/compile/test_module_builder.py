@@ -41,9 +41,7 @@ def test_loop_carries_values_and_conditions_guard() -> None:
         block.emit("store i64 1, ptr %flag")
     block.leave_when(block.value(f"icmp eq i64 {k.values[0]}, 0"), "ret i64 -1")
     builder = ModuleBuilder()
-    builder.add_text(
-        f"define i64 @total(i64 %n, ptr %flag) {{\nentry:\n{block.text()}\n  ret i64 {k.values[0]}\n}}"
-    )
+    builder.add_text(f"define i64 @total(i64 %n, ptr %flag) {{\nentry:\n{block.text()}\n  ret i64 {k.values[0]}\n}}")
     code = builder.build()
     total = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p)(code.address("total"))
     flag = np.zeros(1, dtype=np.int64)

@@ -51,7 +51,9 @@ def test_lanes_give_the_same_bits_as_one_evaluation_after_another(lanes: int) ->
 @pytest.mark.parametrize("lanes", [1, 8])
 def test_cutting_into_parts_changes_no_bit(monkeypatch: pytest.MonkeyPatch, lanes: int) -> None:
     function = random_function(11, 400)
-    inputs = [np.random.default_rng(5).normal(size=shape) for shape in compile_function(function, lanes=lanes).input_shapes]
+    inputs = [
+        np.random.default_rng(5).normal(size=shape) for shape in compile_function(function, lanes=lanes).input_shapes
+    ]
     whole = compile_function(function, lanes=lanes)(*inputs)
     monkeypatch.setattr(sx_emitter, "PART_LENGTH", 60)
     parts = compile_function(function, lanes=lanes)(*inputs)
