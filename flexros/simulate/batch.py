@@ -14,6 +14,7 @@ from flexros.compile.loop_arrays import LoopInputs
 from flexros.errors import InputError, unknown_name
 from flexros.simulate.loop import loop_functions
 from flexros.simulate.plant import delayed_start
+from flexros.simulate.rest import Rest, RestFinder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from flexros.arrays import FloatArray
+    from flexros.robot.model import SymbolicModel
     from flexros.simulate.experiment import Experiment
     from flexros.simulate.signals import PlantSignals
 
@@ -56,12 +58,14 @@ class BatchSets:
         parameters: Their values (SI), shape (n_runs, n_parameters).
         gains: All gains of the controller, shape (n_runs, n_gains).
         seeds: Seeds, length n_runs.
+        rests: Where the plants start, length n_runs.
     """
 
     names: tuple[str, ...]
     parameters: FloatArray
     gains: FloatArray
     seeds: tuple[int, ...]
+    rests: tuple[Rest, ...]
 
     def __len__(self) -> int:
         return len(self.seeds)
@@ -99,11 +103,12 @@ def batch(
     Raises:
         InputError: Unknown names, or different numbers of values.
     """
-    sets = batch_sets(experiment, values or {}, gains or {}, seeds)
+    model = experiment.plant.symbolic(tuple(values or {}))
+    sets = batch_sets(experiment, model, values or {}, gains or {}, seeds)
     lanes = min(LANES, 1 << (len(sets) - 1).bit_length())
     law, plant = experiment.scenario.controller, experiment.plant
     kernel = compile_loop(
-        loop_functions(plant.symbolic(sets.names), law.function(plant.n_motors, experiment.sample_time)),
+        loop_functions(model, law.function(plant.n_motors, experiment.sample_time)),
         sample_time=experiment.sample_time,
         substeps=experiment.scenario.substeps,
         delay=plant.delay,
@@ -127,6 +132,7 @@ def batch(
 
 def batch_sets(
     experiment: Experiment,
+    model: SymbolicModel,
     values: Mapping[str, ArrayLike],
     gains: Mapping[str, ArrayLike],
     seeds: Sequence[int] | None,
@@ -153,7 +159,19 @@ def batch_sets(
         all_gains[:, gain_names.index(name)] = arrays[f"gains {name}"]
     parameters = np.array([arrays[f"values of {name}"] for name in values]).reshape(len(values), n_runs).T
     own_seeds = (experiment.scenario.seed,) * n_runs if seeds is None else tuple(int(seed) for seed in seeds)
-    return BatchSets(tuple(values), parameters, all_gains, own_seeds)
+    return BatchSets(tuple(values), parameters, all_gains, own_seeds, _rests(experiment, model, parameters))
+
+
+def _rests(experiment: Experiment, model: SymbolicModel, parameters: FloatArray) -> tuple[Rest, ...]:
+    """Find where every plant starts; the smallest and the largest value of each parameter must be physical."""
+    start = Rest(experiment.start_state, experiment.start_torque)
+    if not model.parameter_names:
+        return (start,) * len(parameters)
+    for name, column in zip(model.parameter_names, parameters.T, strict=True):
+        for run in {int(np.argmin(column)), int(np.argmax(column))}:
+            experiment.plant.with_values({name: float(column[run])}, f"run {run} of the batch")
+    finder = RestFinder(experiment.plant, model, start.state)
+    return tuple(finder.find(values) for values in parameters)
 
 
 def _run_group(
@@ -162,11 +180,16 @@ def _run_group(
     """Run as many sets as there are lanes, the last one repeated where sets are missing."""
     members = [*group, *[group[-1]] * (kernel.lanes - len(group))]
     n, law, plant = experiment.n_samples, experiment.scenario.controller, experiment.plant
-    starts, torques = zip(*(_start(experiment, sets, run) for run in members), strict=True)
+    rests = [sets.rests[run] for run in members]
     signals = {seed: experiment.signals(seed) for seed in dict.fromkeys(sets.seeds[run] for run in members)}
     of_lanes = [signals[sets.seeds[run]] for run in members]
     result = kernel.run(
-        delayed_start(_lanes(starts), law.initial_state(plant.n_motors), _lanes(torques), kernel.line_length),
+        delayed_start(
+            _lanes([rest.state for rest in rests]),
+            law.initial_state(plant.n_motors),
+            _lanes([rest.torque for rest in rests]),
+            kernel.line_length,
+        ),
         n,
         LoopInputs(
             reference=experiment.reference_signal,
@@ -187,16 +210,6 @@ def _run_group(
         encoder, command = (np.array(signal[pick][:end]) for signal in (result.encoder, result.command))
         figures[run] = figure(RunRecord(encoder, command, pose, diverged))
     return figures
-
-
-def _start(experiment: Experiment, sets: BatchSets, run: int) -> tuple[FloatArray, FloatArray]:
-    """Give state and torque at rest of one set, with the motors where the experiment has them."""
-    if not sets.names:
-        return experiment.start_state, experiment.start_torque
-    values = dict(zip(sets.names, sets.parameters[run].tolist(), strict=True))
-    robot = experiment.plant.with_values(values, f"run {run} of the batch")
-    state = robot.equilibrium(experiment.start, motor_position=experiment.start_motor_position)
-    return state, robot.holding_torque(state)
 
 
 def _lanes(columns: Sequence[FloatArray]) -> FloatArray:
