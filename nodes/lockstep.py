@@ -150,26 +150,35 @@ class RecorderWindow:
         window_ns: How far the loop may run ahead [ns]; 0 switches the flow control off.
 
     Attributes:
-        confirmed: Newest stamp that the recorder has confirmed, by topic [ns].
+        confirmed: Newest stamp up to which everything is recorded [ns].
+        by_topic: Newest stamp up to which a topic is recorded, by topic [ns].
         waits: Times that the plant had to wait.
     """
 
     def __init__(self, window_ns: int) -> None:
-        self.confirmed: dict[str, int] = {}
+        self.confirmed = 0
+        self.by_topic: dict[str, int] = {}
         self.waits = 0
         self._window_ns = window_ns
         self._limit: float = float("inf")
 
     def start(self, stamp: int) -> None:
         """Begin at the stamp of the first sample [ns]."""
-        if self._window_ns:
-            self._limit = stamp + self._window_ns
+        self.confirm("", stamp)
 
     def confirm(self, topic: str, stamp: int) -> None:
-        """Note that a topic is recorded up to a stamp [ns]."""
-        self.confirmed[topic] = max(stamp, self.confirmed.get(topic, 0))
-        if self._window_ns:
-            self._limit = min(self.confirmed.values()) + self._window_ns
+        """Note a confirmation.
+
+        Args:
+            topic: What is recorded; empty for all topics together.
+            stamp: Up to where [ns].
+        """
+        if topic:
+            self.by_topic[topic] = max(stamp, self.by_topic.get(topic, 0))
+        elif stamp > self.confirmed:
+            self.confirmed = stamp
+            if self._window_ns:
+                self._limit = stamp + self._window_ns
 
     def open(self) -> None:
         """Switch the flow control off from now on."""
@@ -182,10 +191,4 @@ class RecorderWindow:
 
     def holds(self, topics: Iterable[str], stamp: int) -> bool:
         """Tell whether all these topics are recorded up to a stamp [ns]."""
-        return all(self.confirmed.get(topic, -1) >= stamp for topic in topics)
-
-    def slowest(self) -> tuple[str, int]:
-        """Give the topic that is furthest behind, and its stamp [ns]; a text in its place while none is confirmed."""
-        if not self.confirmed:
-            return "any topic", 0
-        return min(self.confirmed.items(), key=lambda item: item[1])
+        return all(self.by_topic.get(topic, -1) >= stamp for topic in topics)

@@ -90,6 +90,7 @@ class FlexrosNode(LifecycleNode):
         self.on_end: Callable[[FlexrosNode], None] | None = None
         self.active = False
         self.configured = False
+        self._end_announced = False
         self.stamp = START_NS
         self._specifications: dict[str, ParameterSpecification] = {}
         self._timers_while_active: list[Timer] = []
@@ -220,6 +221,17 @@ class FlexrosNode(LifecycleNode):
         with suppress(InvalidHandle):  # the context may be gone when a run is interrupted
             self._diagnostics.publish(array)
 
+    def announce_end(self, error: FlexrosError | None) -> None:
+        """Publish the last diagnostics, once.
+
+        Args:
+            error: Why the node broke off, None when it is done.
+        """
+        if not self._end_announced:
+            self._end_announced = True
+            level = DiagnosticStatus.OK if error is None else DiagnosticStatus.ERROR
+            self.diagnose(level, "done" if error is None else str(error))
+
     def end(self, error: FlexrosError | None = None) -> None:
         """End the node's work once, with a report; the process or the run that holds the node decides what follows.
 
@@ -234,11 +246,10 @@ class FlexrosNode(LifecycleNode):
             error = error or late
         if error is None:
             self.report = NodeReport(self.node_name, figures=self._known_figures())
-            self.diagnose(message="done")
         else:
             self.report = NodeReport(self.node_name, error.exit_code, str(error), self._known_figures())
             self.get_logger().error(str(error))
-            self.diagnose(DiagnosticStatus.ERROR, str(error))
+        self.announce_end(error)
         if self.on_end is not None:
             self.on_end(self)
 
@@ -268,6 +279,7 @@ class FlexrosNode(LifecycleNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Make what the node needs."""
         self.report = None
+        self._end_announced = False
         result = self._transition(self.configure)
         self.configured = result is TransitionCallbackReturn.SUCCESS
         return result

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import flexros_nodes
 from flexros_nodes.report import NodeReport, read_report
-from flexros_nodes.shared_memory import remove_segments_without_owner
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -68,6 +67,11 @@ class NodeProcess:
         """Whether the process is over."""
         return self._process.poll() is not None
 
+    @property
+    def killed(self) -> bool:
+        """Whether a signal has ended the process."""
+        return (self._process.poll() or 0) < 0
+
     def report(self) -> NodeReport | None:
         """Give the report that the node left, None if there is none."""
         return read_report(self._report_file)
@@ -88,7 +92,7 @@ class NodeProcess:
             self._process.send_signal(signal.SIGINT)
 
     def stop(self, timeout: float) -> None:
-        """End the process: ask, and after a time-out [s] make it; remove what a killed one leaves behind."""
+        """End the process: ask, and after a time-out [s] make it."""
         self.ask_to_stop()
         if not self.ended:
             try:
@@ -96,5 +100,3 @@ class NodeProcess:
             except subprocess.TimeoutExpired:
                 self._process.kill()
         self._process.wait()
-        if (self._process.returncode or 0) < 0:
-            remove_segments_without_owner()

@@ -103,7 +103,7 @@ class PlantNode(FlexrosNode):
         """Give samples, losses and, in real time, how well the schedule was kept."""
         if self._k < 0:
             return {"samples": 0}
-        samples = self._k if self.active else self._k + 1
+        samples = self._k if self.active and not self._finishing else self._k + 1
         wall = max((self._ended or perf_counter()) - self._began, 1e-9)
         figures: dict[str, float] = {
             "samples": samples,
@@ -211,11 +211,10 @@ class PlantNode(FlexrosNode):
 
     def _watch_recorder(self) -> None:
         self._recorder_silence += self.value("resend_timeout")
-        if self._recorder_silence > self.value("partner_timeout"):
-            name, stamp = self._window.slowest()
+        if self._recorder_silence > self.value("recorder_timeout"):
             raise RunError(
-                f"the recorder has confirmed nothing of {name} after stamp {stamp / NANOSECONDS:.4f} s for "
-                f"{self.value('partner_timeout'):g} s: it is gone or the topic has ended; {BRAKED}"
+                f"the recorder has confirmed nothing after stamp {self._window.confirmed / NANOSECONDS:.4f} s for "
+                f"{self.value('recorder_timeout'):g} s: it is gone; {BRAKED}"
             )
 
     # Real time.
@@ -259,6 +258,7 @@ class PlantNode(FlexrosNode):
         self._goodbye = 0.0
         if error is not None:
             self._brake()
+        self.announce_end(error)
         if not self.value("observers"):
             self.end(error)
 
@@ -276,7 +276,7 @@ class PlantNode(FlexrosNode):
 
     def _say_goodbye(self) -> None:
         """End once everything is recorded: after a failure only what the plant itself has sent."""
-        topics = OWN_TOPICS if self._failure else self._window.confirmed.keys() | set(OWN_TOPICS)
+        topics = OWN_TOPICS if self._failure else self._window.by_topic.keys() | set(OWN_TOPICS)
         self._goodbye += LOOK_PERIOD
         if self._window.holds(topics, self.stamp) or self._goodbye > GOODBYE_TIMEOUT:
             self.end(self._failure)

@@ -18,6 +18,7 @@ from flexros.errors import RunError
 from flexros_nodes.domain import DOMAIN_VARIABLE
 from flexros_nodes.node_process import NodeProcess
 from flexros_nodes.run_plan import RunSummary, summarise
+from flexros_nodes.shared_memory import remove_segments_without_owner
 from flexros_nodes.spinning import make_executor
 
 if TYPE_CHECKING:
@@ -110,6 +111,8 @@ class ProcessManager:
         self._executor.shutdown()
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
+        if any(process.killed for process in self.processes.values()):
+            remove_segments_without_owner()
 
 
 def run_processes(plan: RunPlan, interrupted: Interruption) -> RunSummary:

@@ -30,13 +30,14 @@ EVENT_TYPES = ("diagnostic_msgs/msg/DiagnosticArray",)
 """Types of topics that do not carry one message for each sampling instant."""
 
 
+LOOP_PRODUCERS = ("plant", "controller")
+"""Nodes whose topics go on sample by sample; the others may run ahead, or end."""
+
+
 class RecorderNode(FlexrosNode):
     """Log of a run: raw messages into a rosbag2 folder, log time = stamp.
 
     It confirms on recorder_progress up to where each topic is recorded, so that a run in lock-step never outruns it.
-
-    Attributes:
-        confirmed: Stamp up to which each topic is recorded and the plant knows it, by topic [ns].
     """
 
     node_name = "recorder"
@@ -47,10 +48,12 @@ class RecorderNode(FlexrosNode):
         self._sample_time = run.sample_time
         self._provenance: Mapping[str, Any] = run.provenance()
         self._topics = {name: row for name, row in load_topics().items() if row.recorded}
-        self.confirmed: dict[str, int] = {}
+        self._all_confirmed = -1
+        self._confirmed: dict[str, int] = {}
         self._confirm_every = self.value("confirm_every")
         self._since_confirmed = 0
         self._samples: dict[str, TopicRecording] = {}
+        self._in_loop: list[TopicRecording] = []
         self._events: dict[str, EventRecording] = {}
         self._writer = self._open(list(self._topics.values()))
         self._progress = self.announce("recorder_progress")
@@ -71,6 +74,8 @@ class RecorderNode(FlexrosNode):
             self.listen(name, self._events[name].take, recorder=True)
             return
         recording = self._samples[name] = TopicRecording(self._writer, number)
+        if row.producer in LOOP_PRODUCERS:
+            self._in_loop.append(recording)
         take = partial(self._take_and_confirm, recording) if name == "joint_states" else recording.take
         self.listen(name, take, recorder=True)
 
@@ -81,19 +86,29 @@ class RecorderNode(FlexrosNode):
             self._confirm()
 
     def _confirm(self) -> None:
-        """Say of each topic that went on up to where it is recorded."""
+        """Say up to where all topics of the loop that have begun are recorded."""
         self._since_confirmed = 0
+        until = min((recording.last for recording in self._in_loop if recording.count), default=-1)
+        if until > self._all_confirmed:
+            self.stamp = self._all_confirmed = until
+            self._say("", until)
+
+    def _confirm_each(self) -> None:
+        """Say of each topic that went on up to where it is recorded."""
+        self._confirm()
         for name, recording in self._samples.items():
-            if recording.last > self.confirmed.get(name, -1):
-                self.confirmed[name] = recording.last
-                message = Header(frame_id=name)
-                message.stamp.sec, message.stamp.nanosec = divmod(recording.last, NANOSECONDS)
-                self._progress.publish(message)
-        self.stamp = max(self.confirmed.values(), default=self.stamp)
+            if recording.last > self._confirmed.get(name, -1):
+                self._confirmed[name] = recording.last
+                self._say(name, recording.last)
+
+    def _say(self, name: str, stamp: int) -> None:
+        message = Header(frame_id=name)
+        message.stamp.sec, message.stamp.nanosec = divmod(stamp, NANOSECONDS)
+        self._progress.publish(message)
 
     def start(self) -> None:
         """Confirm now and then, also when the loop stands still."""
-        self.every(CONFIRM_PERIOD, self._confirm)
+        self.every(CONFIRM_PERIOD, self._confirm_each)
 
     def stop(self) -> None:
         """Close the log."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from contextlib import suppress
 from pathlib import Path
 
@@ -12,42 +13,63 @@ except ImportError:  # systems without POSIX locks have no such segments either
     fcntl = None  # type: ignore[assignment]
 
 FOLDER = Path("/dev/shm")  # noqa: S108 - where Linux keeps shared memory
-PREFIXES = ("fastrtps_", "fastdds_")
+PROCESSES = Path("/proc")
 LOCK_SUFFIX = "_el"
 
+_NAME = re.compile(r"^(?:sem\.)?((?:fastrtps|fastdds)_[a-z0-9]+)(?:_el|_sl|_mutex)?$")
 
-def remove_segments_without_owner(folder: Path = FOLDER) -> list[str]:
-    """Remove Fast DDS segments of this user whose owner is gone.
 
-    The owner of a segment holds a lock on the file `<segment>_el` beside it as long as it lives; who can take that lock
-    knows that the owner is gone. This is the rule by which Fast DDS itself cleans up.
+def remove_segments_without_owner(folder: Path = FOLDER, processes: Path = PROCESSES) -> list[str]:
+    """Remove Fast DDS segments of this user that no process uses any more.
+
+    A segment is in use when a process has it mapped, or holds a lock on the file `<segment>_el` beside it, which is
+    how Fast DDS itself tells. Call it when the processes that used the segments are gone: a living partner would make
+    them anew.
 
     Args:
         folder: Where segments lie.
+        processes: Where the system shows its processes.
 
     Returns:
         Names of the removed segments.
     """
-    removed: list[str] = []
     if fcntl is None or not folder.is_dir():
-        return removed
-    for lock in sorted(folder.iterdir()):
-        if not (lock.name.startswith(PREFIXES) and lock.name.endswith(LOCK_SUFFIX)):
-            continue
-        with suppress(OSError):  # another user's, or gone meanwhile
-            if lock.stat().st_uid == os.getuid() and _can_lock(lock):
-                segment = lock.with_name(lock.name.removesuffix(LOCK_SUFFIX))
-                for path in (segment, lock.with_name(f"sem.{segment.name}_mutex")):
-                    path.unlink(missing_ok=True)
-                lock.unlink(missing_ok=True)
-                removed.append(segment.name)
-    return removed
+        return []
+    files: dict[str, list[Path]] = {}
+    for path in folder.iterdir():
+        if (match := _NAME.match(path.name)) and _is_ours(path):
+            files.setdefault(match[1], []).append(path)
+    in_use = _mapped_names(folder, processes) if files else set()
+    unused = {name: paths for name, paths in sorted(files.items()) if name not in in_use and _unlocked(folder, name)}
+    for paths in unused.values():
+        for path in paths:
+            path.unlink(missing_ok=True)
+    return list(unused)
 
 
-def _can_lock(path: Path) -> bool:
-    with path.open("rb") as file:
-        try:
+def _is_ours(path: Path) -> bool:
+    with suppress(OSError):  # gone meanwhile
+        return path.stat().st_uid == os.getuid()
+    return False
+
+
+def _mapped_names(folder: Path, processes: Path) -> set[str]:
+    names = set()
+    for maps in processes.glob("[0-9]*/maps"):
+        with suppress(OSError):  # ended meanwhile, or another user's
+            for line in maps.read_text(encoding="utf-8", errors="replace").splitlines():
+                _, _, name = line.partition(f"{folder}/")
+                if match := _NAME.match(name.removesuffix(" (deleted)")):
+                    names.add(match[1])
+    return names
+
+
+def _unlocked(folder: Path, name: str) -> bool:
+    try:
+        with (folder / f"{name}{LOCK_SUFFIX}").open("rb") as file:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            return False
+    except FileNotFoundError:
         return True
+    except OSError:
+        return False
+    return True
