@@ -12,7 +12,7 @@ from flexros.arrays import FloatArray
 from flexros.config.yaml_file import read_yaml
 from flexros.feedforward.problem import FeedforwardProblem
 from flexros.feedforward.specification import FeedforwardSpecification
-from flexros.robot import Robot, robot_from_data
+from flexros.robot import Robot, load_robot, robot_from_data
 from flexros.robot.robot import LIBRARY
 from flexros.trajectory import Trajectory, build_trajectory, read_trajectory
 
@@ -39,6 +39,29 @@ def edited_robot(name: str, change: Callable[[dict[str, Any]], None]) -> Robot:
     """Change the file of a shipped robot."""
     data = copy.deepcopy(read_yaml(LIBRARY / f"{name}.yaml"))
     change(data)
+    return robot_from_data(data, "test robot")
+
+
+def subdivided_e12(pieces: int, stiffness: float = 2e8) -> Robot:
+    """Cut every body of E12 into pieces joined by stiff springs [Nm/rad] (chosen); gears and spring 3 stay."""
+    bodies: list[dict[str, Any]] = []
+    for body in load_robot("e12").spec.bodies:
+        length, centre = body.length.value[0] / pieces, body.center_of_mass.value[0] - body.length.value[0] / 2
+        for piece in range(pieces):
+            first = body.directions["ry"].model_dump(exclude_none=True)
+            bodies.append(
+                {
+                    "mass": body.mass.value / pieces,
+                    "center_of_mass": [length / 2 + centre, 0, 0],
+                    "inertia": {"yy": body.inertia.yy.value / pieces},
+                    "length": [length, 0, 0],
+                    "directions": {"ry": {"spring": stiffness, "damper": 5e-4 * stiffness} if piece else first},
+                }
+            )
+    home = [0.0] * len(bodies)
+    home[pieces] = 0.3
+    outputs = {"tool": {"pose": ["x", "z"]}, "joints": {"coordinates": ["body_1.ry", f"body_{pieces + 1}.ry"]}}
+    data = {"name": "e12_fine", "bodies": bodies, "outputs": outputs, "controlled": "tool", "home": home}
     return robot_from_data(data, "test robot")
 
 

@@ -13,7 +13,15 @@ from flexros.feedforward.reference import compute_reference
 from flexros.feedforward.specification import FeedforwardSpecification
 from flexros.robot import Robot, load_robot
 from flexros.trajectory import Trajectory
-from tests.feedforward.cases import CIRCLE, edited_robot, joint_trajectory, problem_of, smooth_circle, tool_trajectory
+from tests.feedforward.cases import (
+    CIRCLE,
+    edited_robot,
+    joint_trajectory,
+    problem_of,
+    smooth_circle,
+    subdivided_e12,
+    tool_trajectory,
+)
 
 
 def march(problem: FeedforwardProblem) -> Motion:
@@ -135,6 +143,17 @@ def test_six_axis_robot_on_its_joints() -> None:
     assert output_drift(robot, "joints", motion.arm_position, problem.desired) < 1e-14
     state = robot.equilibrium(motion.arm_position[0])
     np.testing.assert_allclose(motion.torque[0], robot.holding_torque(state), rtol=1e-6, atol=1e-5)
+
+
+def test_large_model_by_the_mass_based_matrix() -> None:
+    robot = subdivided_e12(9)
+    assert robot.n_arm == 27
+    problem = problem_of(robot, joint_trajectory(robot, [0.3, -0.2], 0.5), 5e-4, 0.6, output="joints")
+    motion = march(problem)
+    assert output_drift(robot, "joints", motion.arm_position, problem.desired) < 1e-14
+    coarse = load_robot("e12")
+    same = march(problem_of(coarse, joint_trajectory(coarse, [0.3, -0.2], 0.5), 5e-4, 0.6, output="joints"))
+    assert np.max(np.abs(motion.torque - same.torque)) < 0.1 * np.abs(same.torque).max()  # inertia spread over pieces
 
 
 def test_chunks_give_the_same_bits(e12: Robot, circle: Trajectory) -> None:
