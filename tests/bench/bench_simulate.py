@@ -1,6 +1,6 @@
 """Speed of the closed loop beside MuJoCo, SciPy and the CasADi virtual machine, measured in the same run.
 
-Prints one JSON object per line. Every engine runs the same loop: robot at rest, PD on the motor positions with
+Prints a JSON list of rows. Every engine runs the same loop: robot at rest, PD on the motor positions with
 feedforward torque that moves it, one Runge-Kutta step per sample where the engine has fixed steps.
 """
 
@@ -172,18 +172,17 @@ def batch_rows() -> Iterator[dict[str, Any]]:
 
 def row(case: str, what: str, value: float, unit: str, goal: float | None = None) -> dict[str, Any]:
     """Make one row of the results."""
-    return {"bench": "simulate", "case": case, "what": what, "value": float(f"{value:.4g}"), "unit": unit, "goal": goal}
+    return {"case": case, "what": what, "value": float(f"{value:.4g}"), "unit": unit, "goal": goal}
 
 
 def main() -> None:
-    """Print all rows."""
-    for name in ("e12", "six_axis"):
-        case = Case.of(name)
-        for rows in (loop_rows, peer_rows, node_rows):
-            for one in rows(case):
-                print(json.dumps(one), flush=True)
-    for one in batch_rows():
-        print(json.dumps(one), flush=True)
+    """Print all rows as one JSON list."""
+    rows = []
+    for case in (Case.of("e12"), Case.of("six_axis")):
+        for part in (loop_rows, peer_rows, node_rows):
+            rows += part(case)
+    rows += batch_rows()
+    print(json.dumps(rows, indent=1))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,79 @@
+"""Every shipped scenario runs in this process, stays stable and does what its description says."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from flexros.config.scenario import load_scenario, scenario_names
+from flexros.logs.time_series import Log
+from flexros.simulate.closed_loop import closed_loop
+from flexros.simulate.experiment import Experiment
+
+LARGEST_ERROR = {
+    "circle_dae": 3e-3,
+    "circle_dae2": 1e-4,
+    "circle_fj": 3e-3,
+    "circle_pd": 0.053,
+    "elbow_moves": 5e-5,
+    "regulator_four_mass": 0.3,
+    "six_axis_moves": 6e-3,
+    "smooth_dae": 3e-4,
+    "smooth_dae2": 1e-5,
+    "two_mass_step": 0.02,
+}
+"""Largest deviation of a motor from its reference [rad], 1.2 times what was found; a new scenario needs an entry."""
+
+
+@lru_cache(maxsize=1)
+def run(name: str) -> tuple[Experiment, Log]:
+    experiment = Experiment.prepare(load_scenario(name))
+    return experiment, closed_loop(experiment)
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_scenario_runs_to_its_end_within_its_limits(name: str) -> None:
+    experiment, log = run(name)
+    assert log.joint_commands is not None
+    assert log.joint_reference is not None
+    position, torque = log.joint_states.position, log.joint_commands.effort
+    assert position is not None
+    assert torque is not None
+    assert len(position) == experiment.n_samples
+    assert np.all(np.isfinite(position))
+    assert np.all(np.abs(torque) < experiment.plant.torque_limits)  # no scenario lives on saturation
+    assert np.max(np.abs(position - log.joint_reference.position)) < LARGEST_ERROR[name]  # type: ignore[operator]
+
+
+def test_regulator_needs_little_torque_at_rest() -> None:
+    _, log = run("regulator_four_mass")
+    assert log.joint_commands is not None
+    assert log.joint_commands.effort is not None
+    assert np.ptp(log.joint_commands.effort[:1900]) < 5.0  # "torque noise" of Moberg (2007), Paper C, section 5.6
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"controller.kp": 2.5 * 22, "controller.ki": 2.5 * 230, "controller.kd": 2.5 * 2.35},
+        {"plant.values.delay": 2e-3},
+        {"robot": "four_mass_linear"},
+    ],
+    ids=["gain times 2.5", "delay 2 ms", "linear gear"],
+)
+def test_regulator_is_as_robust_as_the_benchmark_demands(change: dict[str, object]) -> None:
+    log = closed_loop(Experiment.prepare(load_scenario("regulator_four_mass").with_values(change)))
+    assert log.tool_pose is not None
+    assert np.max(np.abs(log.tool_pose.position[-500:, 0])) < 1.5e-4  # back at rest within the noise of the tracker
+
+
+@pytest.mark.parametrize("name", ["elbow_moves", "six_axis_moves"])
+def test_robot_under_gravity_starts_with_the_torque_that_holds_it(name: str) -> None:
+    experiment = Experiment.prepare(load_scenario(name).with_values({"noise": False, "duration": 0.1}))
+    log = closed_loop(experiment)
+    assert log.joint_commands is not None
+    assert log.joint_commands.effort is not None
+    assert np.max(np.abs(experiment.start_torque)) > 100.0
+    np.testing.assert_allclose(log.joint_commands.effort[0], experiment.start_torque, rtol=2e-4, atol=0.05)
