@@ -13,6 +13,7 @@ from rich.table import Table
 
 from flexros.cli.output import console, print_json
 from flexros.errors import InputError, RunError
+from flexros.whole_file import write_result
 
 FOLDER = Path(__file__).resolve().parents[2] / "tests" / "bench"
 """Benchmarks lie with the tests, because their peers are test dependencies."""
@@ -43,9 +44,7 @@ def bench(
         results[one] = _measure(one, available[one])
     content = {"machine": machine(), "results": results}
     if out:
-        temporary = out.with_name(out.name + ".part")
-        temporary.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-        temporary.replace(out)
+        write_result(out, json.dumps(content, indent=1) + "\n", "result")
     if as_json:
         print_json(content)
         return

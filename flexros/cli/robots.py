@@ -11,6 +11,7 @@ from rich.table import Table
 
 from flexros.cli.output import console, print_json
 from flexros.errors import InputError
+from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray
@@ -89,9 +90,7 @@ def import_urdf(
     text = skeleton_from_urdf(file)
     if out.exists():
         raise InputError(f"{out} exists already; give another name or remove it")
-    temporary = out.with_name(out.name + ".part")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(out)
+    write_result(out, text, "robot file")
     console.print(f"{out} written; replace each 'rigid' by the stiffness of the gear, then: flexros robot {out}")
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ruamel.yaml import YAML
 
 from flexros.logs.provenance_file import PROVENANCE_FILE
+from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -121,18 +122,3 @@ def as_yaml(content: dict[str, Any] | list[dict[str, Any]]) -> str:
     stream = StringIO()
     yaml.dump(content, stream)
     return stream.getvalue()
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Write a small file so that readers see the old or the new one, never half of it.
-
-    Raises:
-        OSError: It could not be written; the old file stands.
-    """
-    temporary = path.with_name(f"{path.name}.tmp")
-    try:
-        temporary.write_text(text, encoding="utf-8")
-        temporary.replace(path)
-    except OSError:
-        temporary.unlink(missing_ok=True)
-        raise

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.whole_file import write_result
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -75,6 +77,4 @@ def write_bode(linear: LinearModel, file: Path, title: str, low: float = 0.5, hi
     figure.update_xaxes(type="log")
     figure.update_xaxes(title_text="frequency [Hz]", row=2 * len(inputs), col=1)
     figure.update_layout(title=title, template="plotly_white", height=120 + 520 * len(inputs), hovermode="x unified")
-    temporary = file.with_name(file.name + ".part")
-    temporary.write_text(figure.to_html(include_plotlyjs=True), encoding="utf-8")
-    temporary.replace(file)
+    write_result(file, figure.to_html(include_plotlyjs=True), "Bode picture")

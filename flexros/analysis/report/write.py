@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexros.analysis.report.comparison import ComparisonSection, OverlaySection
@@ -15,9 +14,11 @@ from flexros.analysis.report.summary import SummarySection
 from flexros.analysis.report.timing import TimingSection
 from flexros.analysis.report.torques import TorqueSection
 from flexros.errors import InputError
+from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from pathlib import Path
 
     from flexros.analysis.comparison import Comparison
     from flexros.analysis.report.base import AbstractSection
@@ -50,7 +51,7 @@ def write_report(analyses: Sequence[Analysis], file: Path, *, title: str | None 
         raise InputError("no run was given for the report: give at least one log")
     chapters = [Chapter(section.title, section.blocks(analyses)) for section in RUN_SECTIONS]
     heading = title or ", ".join(analysis.label for analysis in analyses)
-    _write(page_html(heading, _subtitle(analyses), chapters), Path(file))
+    write_result(file, page_html(heading, _subtitle(analyses), chapters), "report")
 
 
 def write_comparison(comparison: Comparison, file: Path, *, title: str = "Comparison of methods") -> None:
@@ -78,7 +79,7 @@ def write_comparison(comparison: Comparison, file: Path, *, title: str = "Compar
             for section in (TimingSection(), FiguresSection(), ProvenanceSection())
         ),
     ]
-    _write(page_html(title, _subtitle(analyses), chapters), Path(file))
+    write_result(file, page_html(title, _subtitle(analyses), chapters), "report")
 
 
 def _subtitle(analyses: Sequence[Analysis]) -> str:
@@ -86,17 +87,3 @@ def _subtitle(analyses: Sequence[Analysis]) -> str:
     samples = sum(topic.count for one in analyses for topic in one.timing.topics if topic.topic == "joint_states")
     runs = "One run" if len(analyses) == 1 else f"{len(analyses)} runs"
     return f"{runs}, {'' if len(analyses) == 1 else 'up to '}{longest:.4g} s, {samples} samples"
-
-
-def _write(text: str, file: Path) -> None:
-    """Write under another name first, so that a broken-off run leaves no half report."""
-    part = file.with_name(f".{file.name}.part")
-    try:
-        part.write_text(text, encoding="utf-8")
-        part.replace(file)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise InputError(
-            f"the report cannot be written to '{file}' ({error.strerror or error}): "
-            "its folder must exist and be writable; give another file with --report"
-        ) from error

@@ -1,0 +1,49 @@
+"""Writing files so that readers see the old or the new one, never half of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file under a temporary name, then rename it.
+
+    Args:
+        path: The file; one that exists is replaced once the new one is complete.
+        text: Its content, written as UTF-8.
+
+    Raises:
+        OSError: It could not be written; the old file stands.
+    """
+    temporary = path.with_name(f".{path.name}.part")
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        temporary.replace(path)
+    except OSError:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def write_result(path: Path, text: str, what: str) -> None:
+    """Write a result that a user asked for.
+
+    Args:
+        path: The file; one that exists is replaced once the new one is complete.
+        text: Its content.
+        what: What it is, e.g. "report"; opens the error text.
+
+    Raises:
+        InputError: It cannot be written there.
+    """
+    try:
+        write_whole(path, text)
+    except OSError as error:
+        raise InputError(
+            f"the {what} cannot be written to '{path}' ({error.strerror or error}): its folder must exist and be "
+            "writable; give another file"
+        ) from error

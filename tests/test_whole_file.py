@@ -1,0 +1,35 @@
+"""Files that are there whole or not at all."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from flexros.errors import InputError
+from flexros.whole_file import write_result, write_whole
+
+
+def test_file_is_written_and_nothing_else_left(tmp_path: Path) -> None:
+    write_whole(tmp_path / "a.txt", "ü")
+    assert (tmp_path / "a.txt").read_text(encoding="utf-8") == "ü"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+def test_old_file_stands_when_writing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "a.txt"
+    file.write_text("old")
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", full)
+    with pytest.raises(OSError, match="No space left"):
+        write_whole(file, "new")
+    assert file.read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+def test_missing_folder_is_one_sentence(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="the report cannot be written to .*its folder must exist"):
+        write_result(tmp_path / "none" / "a.html", "x", "report")
