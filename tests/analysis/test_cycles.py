@@ -44,6 +44,11 @@ def test_a_pass_that_is_broken_off_is_left_out():
     assert len(split_cycles(run_of(points))) == 2
 
 
+def test_passes_of_paths_that_differ_are_no_repetition():
+    wide = circle(1, 2000) * 1.02 - np.array([0.02, 0.0, 0.0])
+    assert repetition(np.concatenate([circle(1, 2000), wide[1:]])) is None
+
+
 def test_going_there_and_back_is_one_cycle():
     way = np.concatenate([np.linspace(0, 1, 100), np.linspace(1, 0, 100)[1:]])
     line = np.concatenate([way, way[1:], way[1:]])

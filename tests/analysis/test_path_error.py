@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from flexros.analysis.path_error import path_error
+from flexros.analysis.path_performance import path_performance
 from flexros.errors import InputError
 from flexros.logs.time_series import PoseSeries
 
@@ -97,6 +98,16 @@ def test_orientation_error_is_the_angle_between_attained_and_commanded():
     error = path_error(series(ring(angle), None, actual.as_quat()), series(ring(angle), None, goal.as_quat()))
     assert error.orientation is not None
     assert error.orientation.maximum == pytest.approx(2e-3, rel=1e-6)
+
+
+def test_the_sign_of_a_quaternion_says_nothing():
+    t = np.linspace(0.0, 1.0, 401)
+    line = np.column_stack([t, 0 * t, 0 * t])
+    goal = Rotation.from_euler("z", 0.5 + t[:, None])
+    actual = (Rotation.from_rotvec([0.0, 2e-3, 0.0]) * goal).as_quat()
+    actual[::2] *= -1.0
+    error = path_error(series(line, None, actual), series(line, None, goal.as_quat()))
+    np.testing.assert_allclose(path_performance([error.run]).orientation_accuracy, [0.0, 2e-3, 0.0], atol=1e-6)
 
 
 def test_a_reference_at_identity_commands_no_orientation():

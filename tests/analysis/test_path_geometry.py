@@ -50,12 +50,13 @@ def test_circle_is_recognised_with_centre_and_radius():
     np.testing.assert_allclose(circle.centre, centre, atol=1e-12)
 
 
-def test_position_on_a_circle_grows_in_the_sense_of_travel():
-    angle = -np.linspace(0.0, 2 * np.pi, 400)
+@pytest.mark.parametrize("sense", [-1.0, 1.0])
+def test_position_on_a_circle_grows_in_the_sense_of_travel(sense):
+    angle = sense * np.linspace(0.0, 2 * np.pi, 400)
     points = np.column_stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)])
     circle = circle_behind(path_through(points))
     assert circle is not None
-    projection = circle.project(np.array([[0.0, -1.1, 0.2]]))
+    projection = circle.project(np.array([[0.0, 1.1 * sense, 0.2]]))
     assert projection.position[0] == pytest.approx(np.pi / 2, abs=1e-9)
     assert projection.distance[0] == pytest.approx(np.hypot(0.1, 0.2), abs=1e-12)
 

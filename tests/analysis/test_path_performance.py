@@ -35,15 +35,26 @@ def test_a_delay_along_the_path_is_no_path_error():
     assert performance.position_accuracy == pytest.approx(0.0, abs=1e-12)
 
 
+def three_legs(offsets, heights=(0.0, 0.0, 0.0)):
+    """There, back and there again, with an attained offset for each leg."""
+    x = np.concatenate([np.linspace(0, 1, 200), np.linspace(1, 0, 200)[1:], np.linspace(0, 1, 200)[1:]])
+    leg = np.concatenate([np.full(200, 0), np.full(199, 1), np.full(199, 2)])
+    commanded = np.column_stack([x, np.zeros_like(x), np.array(heights)[leg]])
+    return Cycle(np.arange(len(x), dtype=np.float64), commanded, commanded + np.array(offsets)[leg])
+
+
 def test_a_crossing_of_another_part_of_the_path_does_not_count():
-    # There and back on parallel lines: the planes of the way there are crossed forward again at the second pass.
-    x = np.concatenate([np.linspace(0, 1, 200), np.linspace(1, 0, 200), np.linspace(0, 1, 200)])
-    z = np.repeat([0.0, 0.2, 0.4], 200)
-    commanded = np.column_stack([x, np.zeros_like(x), z])
-    ahead = commanded + np.array([1e-2, 0.0, 1e-3])
-    performance = path_performance([Cycle(np.arange(600.0), commanded, ahead)])
+    # The tool starts ahead, so the first planes are not crossed on the first leg, but they are on the third one.
+    cycle = three_legs([(1e-2, 0, 0), (0, 0, 0), (0, 0, 0)], heights=(0.0, 0.2, 0.4))
+    performance = path_performance([cycle])
     assert performance.points < 200
-    assert performance.position_accuracy <= np.hypot(1e-2, 1e-3) + 1e-12
+    assert performance.position_accuracy <= 1e-2
+
+
+def test_a_line_passed_twice_is_cut_at_the_pass_that_is_meant():
+    performance = path_performance([three_legs([(0, 0, 1e-3), (0, 0, 2e-3), (0, 0, 3e-3)])])
+    middle = np.searchsorted(performance.position, [0.5, 1.5, 2.5])
+    np.testing.assert_allclose(performance.accuracy_along[middle], [1e-3, 2e-3, 3e-3], rtol=1e-6)
 
 
 def test_one_cycle_has_no_repeatability():

@@ -5,9 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from flexros.analysis import analyse
-from flexros.logs.time_series import PoseSeries
+from flexros.logs.time_series import Log, PoseSeries
+from flexros.robot import load_robot
 
 
 def test_the_known_error_of_a_run_is_found(make_run):
@@ -66,6 +68,32 @@ def test_a_tool_at_rest_has_an_error_but_no_performance(make_run):
     assert analysis.path is not None
     assert analysis.performance is None
     assert "the commanded tool position never moves, so path accuracy cannot be told" in analysis.warnings
+
+
+def test_a_robot_that_does_not_turn_its_tool_has_no_orientation_error(make_run):
+    log = make_run()
+    turned = Rotation.from_euler("y", np.linspace(0.1, 0.5, 1001)[:, None]).as_quat()
+    log = replace(log, tool_reference=replace(log.tool_reference, orientation=turned))
+    assert analyse(log).path.orientation is not None
+    assert analyse(log, robot=load_robot("e12")).path.orientation is None
+
+
+def test_components_that_the_robot_does_not_control_are_left_out(make_run):
+    log = make_run()
+    noisy = log.tool_pose.position + np.outer(np.sin(np.arange(1001.0)), [0.0, 1e-3, 0.0])
+    log = replace(log, tool_pose=replace(log.tool_pose, position=noisy))
+    assert analyse(log).path.axes == ("x", "y", "z")
+    analysis = analyse(log, robot=load_robot("e12"))
+    assert analysis.path.axes == ("x", "z")
+    assert analysis.path.path.maximum == pytest.approx(analyse(make_run()).path.path.maximum, rel=1e-9)
+
+
+def test_a_linear_drive_is_told_from_a_turning_one(make_run):
+    log = make_run()
+    one = replace(log.joint_states, names=("motor_1",), position=log.joint_states.position[:, :1])
+    (motor,) = analyse(Log(one), robot=load_robot("emps")).motors
+    assert motor.linear
+    assert not analyse(log, robot=load_robot("e12")).motors[0].linear
 
 
 def test_json_holds_the_same_figures(make_run):
