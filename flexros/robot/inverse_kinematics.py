@@ -64,8 +64,7 @@ def solve(robot: Robot, target: FloatArray, near: FloatArray, output: str | None
 def _damped_step(slope: FloatArray, residual: FloatArray, damping: float) -> FloatArray:
     """Levenberg-Marquardt step."""
     normal = slope.T @ slope + damping * np.eye(slope.shape[1])
-    step: FloatArray = np.linalg.lstsq(normal, slope.T @ residual, rcond=None)[0]
-    return step
+    return np.asarray(np.linalg.lstsq(normal, slope.T @ residual, rcond=None)[0], dtype=float)
 
 
 def two_link_elbow(l1: float, l2: float, point: FloatArray, configuration: int) -> FloatArray:
