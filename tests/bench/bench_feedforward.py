@@ -1,6 +1,6 @@
 """Speed of the DAE feedforward beside SciPy and the CasADi virtual machine, measured in the same run.
 
-Prints one JSON object per line. Peers: fsolve with finite differences on equations 8a and 8d, as published; CasADi's
+Prints one JSON list. Peers: fsolve with finite differences on equations 8a and 8d, as published; CasADi's
 own Newton solver inside its virtual machine; and the index-1 form (7a to 7d, 7h) by LSODA, whose output drifts.
 
 E12 with every body cut into 20 pieces has 60 arm coordinates. On its tool it is marched without the check of the zero
@@ -209,18 +209,11 @@ def index_one_rows(case: Case) -> Iterator[dict[str, Any]]:
 
 def row(case: str, what: str, value: float, unit: str, goal: float | None = None) -> dict[str, Any]:
     """Make one row of the results."""
-    return {
-        "bench": "feedforward",
-        "case": case,
-        "what": what,
-        "value": float(f"{value:.4g}"),
-        "unit": unit,
-        "goal": goal,
-    }
+    return {"case": case, "what": what, "value": float(f"{value:.4g}"), "unit": unit, "goal": goal}
 
 
 def main() -> None:
-    """Print all rows."""
+    """Print all rows as one JSON list."""
     e12, six_axis = Case.e12(load_robot("e12"), "e12"), Case.six_axis()
     fine = subdivided_e12(PIECES)
     plan: list[tuple[Case, tuple[Callable[[Case], Iterator[dict[str, Any]]], ...]]] = [
@@ -229,10 +222,8 @@ def main() -> None:
         (Case.e12(fine, "e12, 60 arm coordinates, tool"), (march_rows,)),
         (Case.e12(fine, "e12, 60 arm coordinates, gears", "joints"), (march_rows, reference_rows)),
     ]
-    for case, parts in plan:
-        for part in parts:
-            for one in part(case):
-                print(json.dumps(one), flush=True)
+    rows = [one for case, parts in plan for part in parts for one in part(case)]
+    print(json.dumps(rows, indent=1))
 
 
 if __name__ == "__main__":

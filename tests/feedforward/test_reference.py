@@ -56,6 +56,20 @@ def test_friction_is_added_to_the_torque(e12: Robot, smooth: Trajectory) -> None
     np.testing.assert_allclose(with_friction.torque - plain.torque, 7.0 * plain.motor_velocity, atol=1e-9)
 
 
+@pytest.mark.parametrize("method", ["rigid", "flexible_joint", "dae"])
+@pytest.mark.parametrize("hold", [True, False])
+def test_compensation_equals_friction_inside_the_model(method: str, hold: bool, e12: Robot, smooth: Trajectory) -> None:
+    rubbing = e12.with_values({"motor_1.viscous_friction": 300.0, "motor_2.viscous_friction": 150.0})
+    settings = {"method": method, "hold_compensation": hold}
+    friction = {"viscous": (300.0, 150.0)}
+    inside = compute_reference(rubbing, smooth, FeedforwardSpecification.model_validate(settings), 1e-3, 0.5)
+    added = compute_reference(
+        e12, smooth, FeedforwardSpecification.model_validate({**settings, "friction": friction}), 1e-3, 0.5
+    )
+    np.testing.assert_allclose(added.torque, inside.torque, atol=1e-5 * np.abs(inside.torque).max())
+    np.testing.assert_allclose(added.motor_position, inside.motor_position, atol=1e-11)
+
+
 def test_delay_of_the_command_is_made_up_for() -> None:
     robot = load_robot("four_mass_linear")
     assert robot.delay == 5e-4
