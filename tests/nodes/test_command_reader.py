@@ -1,0 +1,62 @@
+"""Commands read, or refused with a sentence."""
+
+from __future__ import annotations
+
+import pytest
+from flexros_nodes.command_reader import CommandReader, silence_text
+
+from flexros.errors import RunError
+from flexros.logs.joint_state_message import JointStateTemplate
+
+NAMES = ("motor_1", "motor_2")
+
+
+@pytest.fixture
+def reader() -> CommandReader:
+    return CommandReader(NAMES)
+
+
+def test_effort_is_read(reader: CommandReader) -> None:
+    message = JointStateTemplate(NAMES, effort=True).fill(10**9, effort=[1.5, -2.0])
+    assert reader.read(message, 0).tolist() == [1.5, -2.0]
+
+
+def test_joints_may_come_in_another_order(reader: CommandReader) -> None:
+    message = JointStateTemplate(NAMES[::-1], effort=True).fill(10**9, effort=[1.5, -2.0])
+    assert reader.read(message, 0).tolist() == [-2.0, 1.5]
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), -float("inf")])
+def test_torque_that_is_not_finite_is_refused(reader: CommandReader, bad: float) -> None:
+    message = JointStateTemplate(NAMES, effort=True).fill(10**9, effort=[1.0, bad])
+    with pytest.raises(RunError, match=r"sample 17 is refused: its effort is \[1\.0, -?(nan|inf)\]; needed is one finite"):
+        reader.read(message, 17)
+
+
+def test_wrong_joint_name_is_refused(reader: CommandReader) -> None:
+    message = JointStateTemplate(("motor_1", "elbow"), effort=True).fill(10**9, effort=[1.0, 2.0])
+    with pytest.raises(RunError, match="lacks motor_2; it has motor_1, elbow"):
+        reader.read(message, 0)
+
+
+def test_wrong_size_is_refused(reader: CommandReader) -> None:
+    message = JointStateTemplate(("motor_1",), effort=True).fill(10**9, effort=[1.0])
+    with pytest.raises(RunError, match="lacks motor_2"):
+        reader.read(message, 0)
+
+
+def test_empty_effort_is_refused(reader: CommandReader) -> None:
+    message = JointStateTemplate(NAMES, position=True).fill(10**9, position=[1.0, 2.0])
+    with pytest.raises(RunError, match="its effort is empty"):
+        reader.read(message, 0)
+
+
+def test_bytes_that_are_no_message_are_refused(reader: CommandReader) -> None:
+    with pytest.raises(RunError, match="sample 0 is refused"):
+        reader.read(b"\x00\x01\x00\x00\x01\x02", 0)
+
+
+def test_silence_is_told_with_sample_time_and_resends() -> None:
+    text = silence_text(12, 1_006_000_000, 5.0, 249)
+    assert text.startswith("no command for sample 12 (stamp 1.0060 s) within 5 s although the state was sent again 249 times")
+    assert "the log is readable up to there" in text

@@ -1,0 +1,128 @@
+"""Ctrl-C and termination: clean end, exit code 130, closed log, no process left."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+from flexros_nodes.interruption import interruption
+
+from flexros.logs.reader import read_log
+
+CHECKOUT = Path(__file__).parents[2]
+TIMEOUT = 60.0
+
+RUN = """
+import sys
+from pathlib import Path
+from flexros_nodes.run import run_scenario
+summary = run_scenario(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3])
+print(summary.message)
+sys.exit(summary.exit_code)
+"""
+
+
+def grow_beyond(file: Path, size: int, process: subprocess.Popen[str]) -> None:
+    """Wait until a file is larger than a size [byte]."""
+    grown = threading.Event()
+    for _ in range(int(TIMEOUT / 0.05)):
+        if file.is_file() and file.stat().st_size > size:
+            return
+        assert process.poll() is None, process.communicate()
+        grown.wait(0.05)
+    raise AssertionError(f"{file} did not grow beyond {size} bytes")
+
+
+def children(pid: int) -> list[int]:
+    return [int(text) for text in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def exists(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+@pytest.mark.usefixtures("ros_domain")
+@pytest.mark.parametrize(
+    ("layout", "number"), [("composed", signal.SIGINT), ("processes", signal.SIGINT), ("composed", signal.SIGTERM)]
+)
+def test_interrupted_run_closes_its_log(
+    tmp_path: Path, long_scenario: Path, layout: str, number: signal.Signals
+) -> None:
+    folder = tmp_path / "log"
+    process = subprocess.Popen(
+        [sys.executable, "-c", RUN, str(long_scenario), str(folder), layout],
+        cwd=CHECKOUT,
+        env={**os.environ, "PYTHONPATH": str(CHECKOUT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        grow_beyond(folder / "log_0.mcap", 200_000, process)
+        nodes = children(process.pid)
+        assert len(nodes) == (4 if layout == "processes" else 0)
+        process.send_signal(number)
+        output, errors = process.communicate(timeout=TIMEOUT)
+    finally:
+        process.kill()
+    assert process.returncode == 130, errors
+    assert "interrupted; the log is readable up to there" in output
+    assert not any(exists(pid) for pid in nodes)
+    log = read_log(folder)
+    assert log.warnings == ()
+    assert len(log.joint_states.stamp) > 300
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_nodes_do_not_outlive_a_killed_run(tmp_path: Path, long_scenario: Path) -> None:
+    folder = tmp_path / "log"
+    process = subprocess.Popen(
+        [sys.executable, "-c", RUN, str(long_scenario), str(folder), "processes"],
+        cwd=CHECKOUT,
+        env={**os.environ, "PYTHONPATH": str(CHECKOUT)},
+    )
+    try:
+        grow_beyond(folder / "log_0.mcap", 100_000, process)
+        nodes = children(process.pid)
+    finally:
+        process.kill()
+        process.wait()
+    gone = threading.Event()
+    for _ in range(int(TIMEOUT / 0.05)):
+        if not any(exists(pid) for pid in nodes):
+            break
+        gone.wait(0.05)
+    assert len(nodes) == 4
+    assert not any(exists(pid) for pid in nodes)
+    assert read_log(folder).warnings == ()
+
+
+def test_signal_is_noted_and_handlers_come_back() -> None:
+    before = signal.getsignal(signal.SIGTERM)
+    with interruption() as interrupted:
+        assert not interrupted()
+        signal.raise_signal(signal.SIGTERM)
+        assert interrupted()
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_thread_leaves_signals_alone() -> None:
+    noted: list[bool] = []
+
+    def work() -> None:
+        with interruption() as interrupted:
+            noted.append(interrupted())
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert noted == [False]

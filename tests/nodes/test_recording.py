@@ -1,0 +1,56 @@
+"""What becomes of a recorded message."""
+
+from __future__ import annotations
+
+from flexros_nodes.recording import EventRecording, TopicRecording
+
+from flexros.logs.joint_state_message import JointStateTemplate
+from flexros.logs.stamps import stamp_ns
+
+T = 5e-4
+TEMPLATE = JointStateTemplate(("motor_1",), position=True)
+
+
+class Sink:
+    """Keeps what it is given."""
+
+    def __init__(self) -> None:
+        self.messages: list[tuple[int, int, int, bytes]] = []
+
+    def write(self, topic_id: int, log_time_ns: int, publish_time_ns: int, payload: bytes) -> None:
+        self.messages.append((topic_id, log_time_ns, publish_time_ns, payload))
+
+
+def message(k: int) -> bytes:
+    return TEMPLATE.fill(stamp_ns(k, T), position=[float(k)])
+
+
+def test_messages_are_written_at_their_stamp() -> None:
+    sink = Sink()
+    TopicRecording(sink, 3).take(message(7))
+    assert sink.messages == [(3, stamp_ns(7, T), stamp_ns(7, T), message(7))]
+
+
+def test_repeats_and_older_messages_are_left_out() -> None:
+    sink = Sink()
+    recording = TopicRecording(sink, 1)
+    for k in (0, 1, 1, 0, 2):
+        recording.take(message(k))
+    assert [entry[3] for entry in sink.messages] == [message(k) for k in (0, 1, 2)]
+    assert (recording.count, recording.repeated) == (3, 2)
+
+
+def test_gaps_are_counted() -> None:
+    recording = TopicRecording(Sink(), 1)
+    assert recording.missing(T) == 0
+    for k in (2, 3, 6, 7):
+        recording.take(message(k))
+    assert recording.missing(T) == 2
+
+
+def test_events_may_share_a_stamp() -> None:
+    sink = Sink()
+    recording = EventRecording(sink, 2)
+    recording.take(message(5))
+    recording.take(message(5))
+    assert recording.count == len(sink.messages) == 2

@@ -1,0 +1,109 @@
+"""Runs with all nodes in one process: equal to the direct simulation, sample for sample."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from flexros.config.scenario import load_scenario
+from flexros.errors import InputError
+from flexros.logs.reader import read_log
+from flexros.logs.time_series import Log
+from flexros.simulate.closed_loop import closed_loop
+from flexros.simulate.experiment import Experiment
+
+pytest.importorskip("rclpy", reason="needs ROS 2")
+
+from flexros_nodes import spinning
+from flexros_nodes.run import run_scenario
+
+pytestmark = pytest.mark.usefixtures("ros_domain")
+
+Differences = Callable[[Log, Log], list[str]]
+
+
+def direct(name: str) -> Log:
+    return closed_loop(Experiment.prepare(load_scenario(name)))
+
+
+@pytest.mark.parametrize("scenario", ["circle_dae", "two_mass_step"])
+def test_log_equals_the_direct_simulation(scenario: str, tmp_path: Path, log_differences: Differences) -> None:
+    summary = run_scenario(scenario, tmp_path / "log")
+    assert (summary.exit_code, summary.message, summary.missing) == (0, "", 0)
+    log = read_log(tmp_path / "log")
+    assert log_differences(direct(scenario), log) == []
+    assert log.warnings == ()
+    assert summary.samples == len(log.joint_states.stamp)
+
+
+def test_lost_messages_are_counted_and_change_nothing(tmp_path: Path, log_differences: Differences) -> None:
+    loss = {"drop_fraction": 0.01}
+    summary = run_scenario("circle_dae", tmp_path / "log", parameters={"plant": loss, "controller": loss})
+    assert summary.exit_code == 0
+    assert summary.dropped > 0
+    assert summary.resends > 0
+    assert log_differences(direct("circle_dae"), read_log(tmp_path / "log")) == []
+
+
+def test_lost_reference_chunks_are_sent_again(tmp_path: Path, log_differences: Differences) -> None:
+    parameters = {"controller": {"drop_fraction": 0.2}, "feedforward": {"chunk_duration": 0.02, "lead": 0.04}}
+    scenario = load_scenario("circle_dae").with_values({"duration": 0.1})
+    summary = run_scenario(scenario, tmp_path / "log", parameters=parameters)
+    assert summary.exit_code == 0
+    assert summary.reports["feedforward"].figures["chunks_resent"] > 0
+    assert log_differences(closed_loop(Experiment.prepare(scenario)), read_log(tmp_path / "log")) == []
+
+
+def test_single_threaded_executor_gives_the_same_samples(
+    tmp_path: Path, log_differences: Differences, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(spinning, "EventsExecutor", None)
+    summary = run_scenario("circle_dae", tmp_path / "log")
+    assert summary.exit_code == 0
+    assert log_differences(direct("circle_dae"), read_log(tmp_path / "log")) == []
+
+
+def test_run_without_a_log_records_nothing() -> None:
+    summary = run_scenario("circle_dae", None)
+    assert (summary.exit_code, summary.log_folder) == (0, None)
+    assert set(summary.reports) == {"feedforward", "controller", "plant"}
+
+
+def test_diagnostics_and_provenance_are_in_the_log(tmp_path: Path) -> None:
+    run_scenario("circle_dae", tmp_path / "log")
+    log = read_log(tmp_path / "log")
+    assert log.other_topics["/diagnostics"] >= 1
+    assert log.provenance["scenario"]["name"] == "circle_dae"
+    assert log.provenance["recorded"]["joint_states.messages"] == len(log.joint_states.stamp)
+
+
+def test_real_time_run_keeps_statistics_and_never_waits(tmp_path: Path) -> None:
+    scenario = load_scenario("circle_dae").with_values({"duration": 0.2})
+    summary = run_scenario(scenario, tmp_path / "log", real_time=True)
+    assert summary.exit_code == 0
+    assert summary.timing["cycles"] == summary.samples - 1 or summary.timing["cycles"] == summary.samples
+    assert summary.wall_time > 0.15
+    assert summary.resends == 0
+
+
+def test_scenario_that_does_not_exist_is_bad_input(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="unknown scenario 'circle_dea'.*did you mean 'circle_dae'"):
+        run_scenario("circle_dea", tmp_path / "log")
+
+
+def test_unknown_layout_is_bad_input(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="unknown layout 'threads': allowed are composed, processes"):
+        run_scenario("circle_dae", tmp_path / "log", "threads")
+
+
+def test_parameter_that_is_not_a_number_is_bad_input(tmp_path: Path) -> None:
+    parameters = {"plant": {"resend_timeout": float("nan")}}
+    with pytest.raises(InputError, match="parameter resend_timeout of node plant is nan, allowed is a finite number"):
+        run_scenario("circle_dae", tmp_path / "log", parameters=parameters)
+
+
+def test_folder_that_holds_something_is_bad_input(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="exists already; name another one"):
+        run_scenario("circle_dae", tmp_path)

@@ -1,0 +1,75 @@
+"""Runs with one process for each node: equal to the direct simulation, and broken off in order when one dies."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from flexros.config.scenario import load_scenario
+from flexros.errors import InputError
+from flexros.logs.reader import read_log
+from flexros.logs.time_series import Log
+from flexros.simulate.closed_loop import closed_loop
+from flexros.simulate.experiment import Experiment
+
+pytest.importorskip("rclpy", reason="needs ROS 2")
+
+from flexros_nodes.processes import ProcessManager
+from flexros_nodes.run import run_scenario
+from flexros_nodes.shared_memory import FOLDER
+
+pytestmark = pytest.mark.usefixtures("ros_domain")
+
+LOSS = {"drop_fraction": 0.01}
+
+
+@pytest.mark.parametrize("parameters", [{}, {"plant": LOSS, "controller": LOSS}], ids=["all", "lost"])
+def test_log_equals_the_direct_simulation(
+    tmp_path: Path, log_differences: Callable[[Log, Log], list[str]], parameters: dict[str, dict[str, float]]
+) -> None:
+    summary = run_scenario("circle_dae", tmp_path / "log", "processes", parameters=parameters)
+    assert (summary.exit_code, summary.message, summary.missing) == (0, "", 0)
+    assert (summary.dropped > 0) == bool(parameters)
+    reference = closed_loop(Experiment.prepare(load_scenario("circle_dae")))
+    assert log_differences(reference, read_log(tmp_path / "log")) == []
+
+
+@pytest.mark.parametrize("victim", ["controller", "recorder"])
+def test_killed_node_breaks_the_run_off(
+    tmp_path: Path, long_scenario: Path, monkeypatch: pytest.MonkeyPatch, victim: str, ros_domain: int
+) -> None:
+    killed: list[int] = []
+    wait = ProcessManager._wait
+
+    def kill_and_wait(self: ProcessManager, condition: Callable[[], bool], timeout: float | None) -> bool:
+        def check() -> bool:
+            log = tmp_path / "log" / "log_0.mcap"
+            if not killed and log.is_file() and log.stat().st_size > 300_000:
+                killed.append(self.processes[victim].pid)
+                os.kill(killed[0], signal.SIGKILL)
+            return condition()
+
+        return wait(self, check, timeout)
+
+    monkeypatch.setattr(ProcessManager, "_wait", kill_and_wait)
+    parameters = {"plant": {"partner_timeout": 0.5, "brake_duration": 0.01}}
+    summary = run_scenario(long_scenario, tmp_path / "log", "processes", parameters=parameters)
+    assert summary.exit_code == 3
+    assert f"the process of node {victim} was killed by SIGKILL" in summary.message
+    log = read_log(tmp_path / "log")
+    assert len(log.joint_states.stamp) > 500
+    if victim == "controller":
+        assert "the plant has braked to zero torque" in summary.message
+        assert summary.reports["plant"].figures["braked_samples"] == 20
+    ports = {f"fastrtps_port{port}" for port in range(7400 + 250 * ros_domain, 7650 + 250 * ros_domain)}
+    assert not FOLDER.is_dir() or not ports & {path.name for path in FOLDER.iterdir()}
+
+
+def test_bad_parameter_of_a_process_is_bad_input(tmp_path: Path) -> None:
+    parameters = {"controller": {"drop_fraction": 2.0}}
+    with pytest.raises(InputError, match="parameter drop_fraction of node controller is 2 1, allowed is a number from 0"):
+        run_scenario("circle_dae", tmp_path / "log", "processes", parameters=parameters)
