@@ -47,7 +47,7 @@ _MEMORY = {
     "@llvm.memmove.p0.p0.i64": "declare void @llvm.memmove.p0.p0.i64(ptr, ptr, i64, i1 immarg)",
     "@llvm.memset.p0.i64": "declare void @llvm.memset.p0.i64(ptr, i8, i64, i1 immarg)",
 }
-_TWO_OPERANDS = frozenset({"pow", "atan2", "fmod", "remainder", "hypot", "copysign"})
+_TWO_OPERANDS = frozenset({"pow", "atan2", "fmod", "remainder", "hypot"})
 _SYMBOL = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
 
 

@@ -84,18 +84,16 @@ def operands(graph: SxGraph, node: int) -> tuple[int, ...]:
 def _groups(graph: SxGraph, group_size: int) -> dict[tuple[str, int], RoutineGroup]:
     """Gather arguments by routine and by the number of routines that must be evaluated before."""
     depth = [0] * len(graph.operations)
-    waiting: dict[tuple[str, int], list[int]] = {}
+    waiting: dict[tuple[str, int], dict[int, None]] = {}
     for node, operation in enumerate(graph.operations):
         below = max((depth[k] for k in operands(graph, node)), default=0)
         depth[node] = below + (operation in ROUTINES)
         if operation in ROUTINES:
-            arguments = waiting.setdefault((ROUTINES[operation][0], below), [])
-            if graph.first[node] not in arguments:
-                arguments.append(graph.first[node])
+            waiting.setdefault((ROUTINES[operation][0], below), {})[graph.first[node]] = None
     result: dict[tuple[str, int], RoutineGroup] = {}
     for (routine, _), arguments in waiting.items():
         for start in range(0, len(arguments), group_size):
-            group = RoutineGroup(routine, tuple(arguments[start : start + group_size]))
+            group = RoutineGroup(routine, tuple(arguments)[start : start + group_size])
             result.update({(routine, argument): group for argument in group.arguments})
     return result
 

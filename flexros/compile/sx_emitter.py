@@ -20,7 +20,7 @@ from flexros.compile.sx_graph import unknown_operation
 if TYPE_CHECKING:
     from flexros.compile.sx_graph import SxGraph
 
-PART_LENGTH = 2500  # instructions per part
+PART_LENGTH = 1500  # instructions per part
 GROUP_SIZE = 8  # numbers evaluated side by side by one routine call
 
 

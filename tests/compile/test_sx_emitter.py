@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from flexros.compile import compile_function, sx_emitter
+from flexros.compile import compile_function, machine_code, sx_emitter
 
 OPERATIONS = (
     lambda a, b: a + b, lambda a, b: a - b, lambda a, b: a * b, lambda a, b: a / (1.5 + b * b), lambda a, b: ca.sin(a),
@@ -67,6 +67,18 @@ def test_gathering_sines_changes_no_bit(monkeypatch: pytest.MonkeyPatch) -> None
     gathered = compile_function(function)(*inputs)
     monkeypatch.setattr(sx_emitter, "GROUP_SIZE", 1)
     for one, other in zip(gathered, compile_function(function)(*inputs), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("lanes", [1, 8])
+def test_results_do_not_depend_on_the_processor(monkeypatch: pytest.MonkeyPatch, lanes: int) -> None:
+    """The plainest processor of the architecture has neither wide vectors nor fused multiply-add."""
+    function = random_function(17, 200)
+    native = compile_function(function, lanes=lanes)
+    inputs = [np.random.default_rng(6).normal(size=shape) for shape in native.input_shapes]
+    monkeypatch.setattr(machine_code, "_host", lambda: ("generic", ""))
+    plain = compile_function(function, lanes=lanes)
+    for one, other in zip(native(*inputs), plain(*inputs), strict=True):
         np.testing.assert_array_equal(one, other)
 
 
