@@ -32,7 +32,8 @@ class AbstractControlLaw(Settings, ABC):
     1. `kind`, a class variable: the name by which scenarios choose it.
     2. Its settings as pydantic fields with description, unit and bounds. Records are frozen, unknown keys refused.
     3. `state_size` and, where it does not start from zeros, `initial_state`: its memory between samples.
-    4. `gain_names` and `gains`: every number that may change while running or be swept, as one vector.
+    4. `gain_names` and `gains`: every number that may change while running or be swept, as one vector. Limits of the
+       command are named "motor_1.torque_limit", ...: by these names the controller tells which motors saturate.
     5. `function`: the pure update `(c, r, y, g) -> (u, c_next)` as a CasADi SX function with the shapes
        c (state_size,), r (3 M,) = [motor position, motor velocity, feedforward torque], y (M,) measured motor
        position, g (n_gains,), u (M,) torque command. No clock, no randomness: sample time is an argument.

@@ -157,10 +157,14 @@ class Experiment:
         }
 
     def _reference(self, duration: float) -> Reference:
-        reference = compute_reference(
-            self.nominal, self.trajectory, self.scenario.feedforward, self.sample_time, duration, self.start
-        )
-        if self.scenario.feedforward_torque:
+        scenario = self.scenario
+        try:
+            reference = compute_reference(
+                self.nominal, self.trajectory, scenario.feedforward, self.sample_time, duration, self.start
+            )
+        except InputError as error:
+            raise InputError(f"scenario {scenario.name}: {error}") from error
+        if scenario.feedforward_torque:
             return reference
         return replace(reference, torque=np.zeros_like(reference.torque))
 

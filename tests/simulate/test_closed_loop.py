@@ -68,9 +68,11 @@ def test_log_holds_all_topics_from_the_first_sample_on() -> None:
     assert log.provenance["scenario"]["name"] == "circle_dae"
 
 
-@pytest.mark.parametrize("name", ["circle_dae", "regulator_four_mass", "elbow_moves", "two_mass_step"])
+@pytest.mark.parametrize(
+    "name", ["circle_dae", "regulator_four_mass", "elbow_moves", "two_mass_step", "six_axis_moves"]
+)
 def test_plant_and_controller_stepped_one_by_one_equal_the_run_to_the_last_bit(name: str) -> None:
-    scenario = load_scenario(name).with_values({"noise": True, "duration": 0.6, "seed": 4})
+    scenario = load_scenario(name).with_values({"noise": True, "duration": 0.55, "seed": 4})
     experiment = Experiment.prepare(scenario)
     log, plant, controller = closed_loop(experiment), experiment.plant_in_time(), experiment.controller()
     measured, commands, poses = [], [], []

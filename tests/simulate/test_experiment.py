@@ -106,5 +106,11 @@ def test_what_is_impossible_is_said_in_one_sentence(settings: dict[str, object],
 
 def test_circle_out_of_reach_names_the_place() -> None:
     far = load_scenario("circle_pd").with_values({"trajectory.path.centre_from_start": [0.05, 0]})
-    with pytest.raises(InputError, match=r"out of reach.* t = 0\.\d+ s, .* % of move 1"):
+    with pytest.raises(InputError, match=r"scenario circle_pd: .*out of reach.* t = 0\.\d+ s, .* % of move 1"):
         _ = Experiment.prepare(far).reference
+
+
+def test_feedforward_that_cannot_work_is_told_with_the_scenario() -> None:
+    wrong = load_scenario("circle_dae").with_values({"feedforward": {"method": "dae", "output": "toool"}})
+    with pytest.raises(InputError, match=r"unknown output.*'toool'"):
+        _ = Experiment.prepare(wrong).reference
