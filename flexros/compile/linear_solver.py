@@ -161,21 +161,17 @@ def _factor_text(symbol: str, layout: _Layout, row_major: bool) -> str:
 
 def _split_column(block: IrBlock, column: str, lower: str, k: str, inverse: str, layout: _Layout) -> None:
     """Move the multipliers below row k to L and clear them, and the diagonal, in U."""
-    factor = block.of_lanes(WIDTH).splat(inverse)
+    vectors = block.of_lanes(WIDTH)
+    factor, row_k = vectors.splat(inverse), vectors.splat_integer(k)
     lanes = ", ".join(f"i64 {lane}" for lane in range(WIDTH))
-    row_k = block.value(f"insertelement <{WIDTH} x i64> undef, i64 {k}, i32 0")
-    mask = f"<{WIDTH} x i32> zeroinitializer"
-    row_k = block.value(f"shufflevector <{WIDTH} x i64> {row_k}, <{WIDTH} x i64> undef, {mask}")
     with block.loop(0, layout.stride, WIDTH) as i:
-        rows = block.value(f"insertelement <{WIDTH} x i64> undef, i64 {i.index}, i32 0")
-        rows = block.value(f"shufflevector <{WIDTH} x i64> {rows}, <{WIDTH} x i64> undef, {mask}")
-        rows = block.value(f"add <{WIDTH} x i64> {rows}, <{lanes}>")
+        rows = vectors.value(f"add {vectors.integer} {vectors.splat_integer(i.index)}, <{lanes}>")
         numbers = _load(block, column, i.index)
         scaled = block.value(f"fmul {_NUMBERS} {numbers}, {factor}")
-        below = block.value(f"icmp sgt <{WIDTH} x i64> {rows}, {row_k}")
-        above = block.value(f"icmp slt <{WIDTH} x i64> {rows}, {row_k}")
+        below = vectors.value(f"icmp sgt {vectors.integer} {rows}, {row_k}")
+        above = vectors.value(f"icmp slt {vectors.integer} {rows}, {row_k}")
         for choice, number, target in ((below, scaled, lower), (above, numbers, column)):
-            kept = block.value(f"select <{WIDTH} x i1> {choice}, {_NUMBERS} {number}, {_NUMBERS} zeroinitializer")
+            kept = vectors.select(choice, number, "zeroinitializer")
             _store(block, kept, target, i.index)
 
 

@@ -76,52 +76,71 @@ def read_graph(function: ca.Function) -> SxGraph:
 
     Args:
         function: SX function, see `dense_sx_function`.
+
+    Raises:
+        InputError: An instruction is not an operation on one or two numbers.
     """
-    operations: list[int] = []
-    first: list[int] = []
-    second: list[int] = []
-    constants: dict[int, float] = {}
-    outputs: list[tuple[int, int, int]] = []
-    known: dict[tuple[int, int, int] | tuple[str, str], int] = {}
-    register: dict[int, int] = {}
-
-    def node(key: tuple[int, int, int] | tuple[str, str], operation: int, a: int, b: int) -> int:
-        found = known.get(key)
-        if found is None:
-            found = known[key] = len(operations)
-            operations.append(operation)
-            first.append(a)
-            second.append(b)
-        return found
-
+    reader = _GraphReader(function.name())
     for k in range(function.n_instructions()):
         operation = function.instruction_id(k)
-        source = function.instruction_input(k)
-        target = function.instruction_output(k)
+        value = function.instruction_constant(k) if operation == ca.OP_CONST else 0.0
+        reader.read(operation, function.instruction_input(k), function.instruction_output(k), value)
+    return SxGraph(
+        name=function.name(),
+        operations=reader.operations,
+        first=reader.first,
+        second=reader.second,
+        constants=reader.constants,
+        outputs=reader.outputs,
+        input_sizes=tuple(function.nnz_in(k) for k in range(function.n_in())),
+        output_sizes=tuple(function.nnz_out(k) for k in range(function.n_out())),
+    )
+
+
+class _GraphReader:
+    """Follows the work registers of the virtual machine, which are used again and again, and names their values."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.operations: list[int] = []
+        self.first: list[int] = []
+        self.second: list[int] = []
+        self.constants: dict[int, float] = {}
+        self.outputs: list[tuple[int, int, int]] = []
+        self._known: dict[tuple[int, ...] | str, int] = {}
+        self._register: dict[int, int] = {}
+
+    def read(self, operation: int, source: Sequence[int], target: Sequence[int], value: float) -> None:
+        """Read one instruction; `value` is that of a constant."""
+        register = self._register
         if operation == ca.OP_OUTPUT:
-            outputs.append((target[0], target[1], register[source[0]]))
+            self.outputs.append((target[0], target[1], register[source[0]]))
         elif operation == ca.OP_CONST:
-            value = function.instruction_constant(k)
-            new = node(("constant", float(value).hex()), operation, NO_NODE, NO_NODE)
-            constants[new] = value
-            register[target[0]] = new
+            node = self._node(float(value).hex(), operation, NO_NODE, NO_NODE)
+            self.constants[node] = value
+            register[target[0]] = node
         elif operation == ca.OP_INPUT:
-            register[target[0]] = node((operation, source[0], source[1]), operation, source[0], source[1])
+            register[target[0]] = self._node((operation, *source), operation, source[0], source[1])
         elif operation in (ca.OP_ASSIGN, ca.OP_LIFT):
             register[target[0]] = register[source[0]]
+        elif operation == ca.OP_CALL or not 1 <= len(source) <= 2 or len(target) != 1:
+            raise unknown_operation(operation, self.name)
         else:
-            if operation == ca.OP_CALL or not 1 <= len(source) <= 2 or len(target) != 1:
-                raise unknown_operation(operation, function.name())
             a = register[source[0]]
             b = register[source[1]] if len(source) == 2 else NO_NODE
             if operation in COMMUTATIVE and b < a:
                 a, b = b, a
-            register[target[0]] = node((operation, a, b), operation, a, b)
-    return SxGraph(
-        function.name(), operations, first, second, constants, outputs,
-        tuple(function.nnz_in(k) for k in range(function.n_in())),
-        tuple(function.nnz_out(k) for k in range(function.n_out())),
-    )  # fmt: skip
+            register[target[0]] = self._node((operation, a, b), operation, a, b)
+
+    def _node(self, key: tuple[int, ...] | str, operation: int, a: int, b: int) -> int:
+        """Return the node of this key, a new one where it is not known."""
+        found = self._known.get(key)
+        if found is None:
+            found = self._known[key] = len(self.operations)
+            self.operations.append(operation)
+            self.first.append(a)
+            self.second.append(b)
+        return found
 
 
 def unknown_operation(operation: int, function_name: str) -> InputError:

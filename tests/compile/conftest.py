@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
 
-from flexros.compile import LoopFunctions
+from flexros.compile import LoopFunctions, LoopInputs
 
 SAMPLE_TIME = 5e-4
 GAINS = np.array([300.0, 20.0, 40.0])
@@ -43,6 +45,47 @@ def pd_controller() -> ca.Function:
     total = c[2:4] + SAMPLE_TIME * (r[:2] - y)
     u = g[0] * (r[:2] - y) + g[1] * (r[2:4] - (y - before) / SAMPLE_TIME) + g[2] * total + r[4:]
     return ca.Function("controller", [c, r, y, g], [ca.fmax(-500, ca.fmin(500, u)), ca.vertcat(y, total, 1)])
+
+
+def integrator() -> LoopFunctions:
+    """dx/dt = u + first wrench component: shows when which command acts."""
+    x, u, w, p = ca.SX.sym("x"), ca.SX.sym("u"), ca.SX.sym("w", 6), ca.SX.sym("p", 0)
+    c, r, y, g = ca.SX.sym("c", 0), ca.SX.sym("r"), ca.SX.sym("y"), ca.SX.sym("g", 0)
+    return LoopFunctions(
+        derivative=ca.Function("derivative", [x, u, w, p], [u + w[0]]),
+        encoder=ca.Function("encoder", [x], [x]),
+        tool_pose=ca.Function("tool_pose", [x, p], [ca.vertcat(x, 0, 0, 0, 0, 0, 1)]),
+        controller=ca.Function("controller", [c, r, y, g], [r, c]),
+    )
+
+
+def unstable() -> LoopFunctions:
+    """dx/dt = p x^3: reaches infinity in finite time."""
+    x, u, w, p = ca.SX.sym("x"), ca.SX.sym("u"), ca.SX.sym("w", 6), ca.SX.sym("p")
+    base = integrator()
+    return replace(
+        base,
+        derivative=ca.Function("derivative", [x, u, w, p], [p * x**3]),
+        tool_pose=ca.Function("tool_pose", [x, p], [ca.vertcat(x, 0, 0, 0, 0, 0, 1)]),
+    )
+
+
+def reference(samples: int) -> np.ndarray:
+    t = np.arange(samples)[:, np.newaxis] * SAMPLE_TIME
+    phase = 2 * np.pi * np.array([1.0, 1.7]) * t
+    rate = 2 * np.pi * np.array([1.0, 1.7])
+    return np.hstack([0.2 * np.sin(phase), 0.2 * rate * np.cos(phase), 3 * np.cos(phase)])
+
+
+def rich_inputs(samples: int, seed: int = 0) -> LoopInputs:
+    rng = np.random.default_rng(seed)
+    return LoopInputs(
+        reference=reference(samples),
+        noise=rng.normal(size=(samples, 2)) * 1e-4,
+        disturbance=rng.normal(size=(samples, 8)) * 2.0,
+        parameters=PARAMETERS,
+        gains=GAINS,
+    )
 
 
 @pytest.fixture(scope="session")

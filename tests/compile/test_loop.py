@@ -11,43 +11,13 @@ from flexros.compile import LoopFunctions, LoopInputs, LoopKernel, LoopState, co
 from flexros.compile import loop as loop_module
 from flexros.errors import InputError
 
-from .conftest import GAINS, PARAMETERS, SAMPLE_TIME, STATE
+from .conftest import GAINS, PARAMETERS, SAMPLE_TIME, STATE, integrator, rich_inputs
 
 
 def open_loop(functions: LoopFunctions) -> LoopFunctions:
     """The command is the reference torque, whatever is measured."""
     c, r, y, g = ca.SX.sym("c", 0), ca.SX.sym("r", 2), ca.SX.sym("y", 2), ca.SX.sym("g", 0)
     return replace(functions, controller=ca.Function("controller", [c, r, y, g], [r, c]))
-
-
-def integrator() -> LoopFunctions:
-    """dx/dt = u + first wrench component: shows when which command acts."""
-    x, u, w, p = ca.SX.sym("x"), ca.SX.sym("u"), ca.SX.sym("w", 6), ca.SX.sym("p", 0)
-    c, r, y, g = ca.SX.sym("c", 0), ca.SX.sym("r"), ca.SX.sym("y"), ca.SX.sym("g", 0)
-    return LoopFunctions(
-        derivative=ca.Function("derivative", [x, u, w, p], [u + w[0]]),
-        encoder=ca.Function("encoder", [x], [x]),
-        tool_pose=ca.Function("tool_pose", [x, p], [ca.vertcat(x, 0, 0, 0, 0, 0, 1)]),
-        controller=ca.Function("controller", [c, r, y, g], [r, c]),
-    )
-
-
-def reference(samples: int) -> np.ndarray:
-    t = np.arange(samples)[:, np.newaxis] * SAMPLE_TIME
-    phase = 2 * np.pi * np.array([1.0, 1.7]) * t
-    rate = 2 * np.pi * np.array([1.0, 1.7])
-    return np.hstack([0.2 * np.sin(phase), 0.2 * rate * np.cos(phase), 3 * np.cos(phase)])
-
-
-def rich_inputs(samples: int, seed: int = 0) -> LoopInputs:
-    rng = np.random.default_rng(seed)
-    return LoopInputs(
-        reference=reference(samples),
-        noise=rng.normal(size=(samples, 2)) * 1e-4,
-        disturbance=rng.normal(size=(samples, 8)) * 2.0,
-        parameters=PARAMETERS,
-        gains=GAINS,
-    )
 
 
 @pytest.fixture(scope="module")
@@ -210,45 +180,6 @@ def test_outputs_that_are_not_wanted_are_absent(kernel: LoopKernel) -> None:
     assert full.states is None
     assert lean.tool_pose is None
     np.testing.assert_array_equal(lean.encoder, full.encoder)
-
-
-def unstable() -> LoopFunctions:
-    """dx/dt = p x^3: reaches infinity in finite time."""
-    x, u, w, p = ca.SX.sym("x"), ca.SX.sym("u"), ca.SX.sym("w", 6), ca.SX.sym("p")
-    base = integrator()
-    return replace(
-        base,
-        derivative=ca.Function("derivative", [x, u, w, p], [p * x**3]),
-        tool_pose=ca.Function("tool_pose", [x, p], [ca.vertcat(x, 0, 0, 0, 0, 0, 1)]),
-    )
-
-
-def test_run_ends_at_the_first_state_that_is_not_finite() -> None:
-    kernel = compile_loop(unstable(), sample_time=0.1)
-    inputs = LoopInputs(reference=np.zeros((1, 1)), parameters=np.array([1.0]))
-    result = kernel.run(kernel.initial_state([1.0]), 50, inputs)
-    bad = int(result.diverged)
-    assert 4 < bad < 20
-    assert np.isfinite(result.encoder[:bad]).all()
-    assert np.isnan(result.encoder[bad:]).all()
-    assert not np.isfinite(result.final.plant).all()
-
-
-def test_divergence_is_counted_from_the_start_of_a_sliced_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    kernel = compile_loop(unstable(), sample_time=0.1)
-    inputs = LoopInputs(reference=np.zeros((1, 1)), parameters=np.array([1.0]))
-    whole = kernel.run(kernel.initial_state([1.0]), 50, inputs)
-    monkeypatch.setattr(loop_module, "_SLICE_WORK", 3)
-    assert kernel.run(kernel.initial_state([1.0]), 50, inputs).diverged == whole.diverged
-
-
-def test_a_lane_that_diverges_does_not_stop_the_others() -> None:
-    kernel = compile_loop(unstable(), sample_time=0.1, lanes=4)
-    inputs = LoopInputs(reference=np.zeros((1, 1)), parameters=np.array([[0.0, 1.0, -1.0, 2.0]]))
-    result = kernel.run(kernel.initial_state([1.0]), 50, inputs)
-    assert result.diverged[0] == result.diverged[2] == -1
-    assert 0 < result.diverged[3] < result.diverged[1] < 50
-    assert np.isfinite(result.encoder[:, 0, [0, 2]]).all()
 
 
 def test_sensor_acts_on_the_noisy_value() -> None:

@@ -11,8 +11,7 @@ from flexros.compile.machine_code_loop import MachineCodeLoop
 from flexros.compile.virtual_machine import VirtualMachineLoop
 from flexros.robot import load_robot
 
-from .conftest import GAINS, PARAMETERS, SAMPLE_TIME, STATE
-from .test_loop import reference, rich_inputs, unstable
+from .conftest import GAINS, PARAMETERS, SAMPLE_TIME, STATE, reference, rich_inputs, unstable
 
 TIMINGS = [
     {"delay": 0.0, "substeps": 1},
