@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.metadata import PackageNotFoundError, version
@@ -19,6 +20,8 @@ from flexros.simulate.signals import plant_signals
 from flexros.trajectory import JOINTS, JointMove, Move, TimeLaw, Trajectory, build_trajectory
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from flexros.arrays import FloatArray
     from flexros.config.scenario import Scenario
     from flexros.feedforward.motion import Reference
@@ -74,7 +77,10 @@ class Experiment:
                 f"{source}: {duration:g} s at a sample time of {sample_time:g} s are {n_samples} samples, allowed are "
                 f"{MOST_SAMPLES}; shorten the duration or raise the sample time"
             )
-        return cls(scenario, nominal, plant, sample_time, trajectory, n_samples)
+        experiment = cls(scenario, nominal, plant, sample_time, trajectory, n_samples)
+        with _telling(source):  # what is cheap to check is refused before anything costly is made
+            _ = experiment.gains, experiment.signals(scenario.seed)
+        return experiment
 
     @property
     def duration(self) -> float:
@@ -158,12 +164,10 @@ class Experiment:
 
     def _reference(self, duration: float) -> Reference:
         scenario = self.scenario
-        try:
+        with _telling(f"scenario {scenario.name}"):
             reference = compute_reference(
                 self.nominal, self.trajectory, scenario.feedforward, self.sample_time, duration, self.start
             )
-        except InputError as error:
-            raise InputError(f"scenario {scenario.name}: {error}") from error
         if scenario.feedforward_torque:
             return reference
         return replace(reference, torque=np.zeros_like(reference.torque))
@@ -179,24 +183,33 @@ def _version(package: str) -> str:
         return "not installed"
 
 
+@contextmanager
+def _telling(source: str) -> Iterator[None]:
+    """Put the source before the text of an error."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from error
+
+
 def _trajectory(scenario: Scenario, robot: Robot, source: str) -> Trajectory:
     """Plan the scenario's motion from its start pose."""
     near = robot.home
     if scenario.start is not None:
-        try:
+        with _telling(f"{source}, key start"):
             near = robot.check_arm(scenario.start)
-        except InputError as error:
-            raise InputError(f"{source}, key start: {error}") from error
     gears = near[list(robot.chain.geared)]
     if scenario.trajectory is None:
         return _rest(gears)
     if scenario.trajectory.joints:
         return build_trajectory(scenario.trajectory, gears, source=f"{source}, key trajectory")
     output = scenario.feedforward.output or robot.controlled
-    pose = robot.spec.outputs[output].pose if output in robot.spec.outputs else ()
+    with _telling(f"{source}, key feedforward.output"):
+        begin = robot.forward_kinematics(near, output)
+    pose = robot.spec.outputs[output].pose
     return build_trajectory(
         scenario.trajectory,
-        robot.forward_kinematics(near, output),
+        begin,
         output=output,
         n_position=len([component for component in pose if component in ("x", "y", "z")]) or None,
         source=f"{source}, key trajectory",

@@ -95,6 +95,22 @@ def test_plant_hash_tells_a_changed_plant() -> None:
         ),
         ({"plant": {"values": {"body_3.mass": -1}}}, r"scenario mine, key plant\.values.*-1"),
         ({"start": [0.1]}, r"scenario mine, key start: 1 arm coordinates were given, but robot e12 has 3"),
+        ({"controller": {"kind": "pid", "kp": [1, 2, 3]}}, r"scenario mine: controller\.kp has 3 values"),
+        (
+            {"disturbances": [{"kind": "step", "at": "motor_9", "amplitude": 1}]},
+            r"scenario mine: unknown place 'motor_9' in disturbances\[0\]\.at",
+        ),
+        (
+            {
+                "duration": None,
+                "feedforward": {"method": "dae", "output": "toool"},
+                "trajectory": {
+                    "path": {"type": "circle", "radius": 0.01},
+                    "time_law": {"type": "quintic", "duration": 1},
+                },
+            },
+            r"scenario mine, key feedforward\.output: unknown output of robot e12 'toool': did you mean 'tool'\?",
+        ),
         ({"duration": 1e6}, r"scenario mine: 1e\+06 s .* are 2000000001 samples, allowed are 20000000; shorten"),
     ],
 )
@@ -108,9 +124,3 @@ def test_circle_out_of_reach_names_the_place() -> None:
     far = load_scenario("circle_pd").with_values({"trajectory.path.centre_from_start": [0.05, 0]})
     with pytest.raises(InputError, match=r"scenario circle_pd: .*out of reach.* t = 0\.\d+ s, .* % of move 1"):
         _ = Experiment.prepare(far).reference
-
-
-def test_feedforward_that_cannot_work_is_told_with_the_scenario() -> None:
-    wrong = load_scenario("circle_dae").with_values({"feedforward": {"method": "dae", "output": "toool"}})
-    with pytest.raises(InputError, match=r"unknown output.*'toool'"):
-        _ = Experiment.prepare(wrong).reference
