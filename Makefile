@@ -20,7 +20,7 @@ test: EXTRAS = test
 test: environment
 	@$(BIN)/python -m pytest $(PYTEST_OPTIONS)
 
-lint: EXTRAS = dev
+lint: EXTRAS = dev test
 lint: environment
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
