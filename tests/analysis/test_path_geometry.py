@@ -50,13 +50,13 @@ def test_circle_is_recognised_with_centre_and_radius():
     np.testing.assert_allclose(circle.centre, centre, atol=1e-12)
 
 
-@pytest.mark.parametrize("sense", [-1.0, 1.0])
-def test_position_on_a_circle_grows_in_the_sense_of_travel(sense):
-    angle = sense * np.linspace(0.0, 2 * np.pi, 400)
-    points = np.column_stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)])
-    circle = circle_behind(path_through(points))
+@pytest.mark.parametrize("seed", range(8))
+def test_position_on_a_circle_grows_in_the_sense_of_travel(seed):
+    angle = np.linspace(0.0, 2 * np.pi, 400)
+    frame, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    circle = circle_behind(path_through(np.outer(np.cos(angle), frame[0]) + np.outer(np.sin(angle), frame[1])))
     assert circle is not None
-    projection = circle.project(np.array([[0.0, 1.1 * sense, 0.2]]))
+    projection = circle.project((1.1 * frame[1] + 0.2 * frame[2])[None])
     assert projection.position[0] == pytest.approx(np.pi / 2, abs=1e-9)
     assert projection.distance[0] == pytest.approx(np.hypot(0.1, 0.2), abs=1e-12)
 

@@ -132,7 +132,9 @@ def test_a_report_is_replaced(runs, page):
 
 def test_a_folder_that_is_absent_is_named(runs, tmp_path):
     file = tmp_path / "absent" / "report.html"
-    with pytest.raises(InputError, match=r"cannot be written to '.*absent.report\.html' \(No such file.*give another file"):
+    with pytest.raises(
+        InputError, match=r"cannot be written to '.*absent.report\.html' \(No such file.*give another file"
+    ):
         write_report(runs, file)
 
 
