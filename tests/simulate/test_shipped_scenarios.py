@@ -19,7 +19,7 @@ LARGEST_ERROR = {
     "circle_pd": 0.053,
     "elbow_moves": 5e-5,
     "regulator_four_mass": 0.3,
-    "six_axis_moves": 6e-3,
+    "six_axis_moves": 3e-5,
     "smooth_dae": 3e-4,
     "smooth_dae2": 1e-5,
     "two_mass_step": 0.02,
