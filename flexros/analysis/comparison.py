@@ -135,7 +135,7 @@ class Comparison:
 
         table = Table(box=None, pad_edge=False, header_style="bold", title="Maximum path error", title_justify="left")
         for place, heading in enumerate(HEADINGS):
-            table.add_column(heading, justify="left" if place < 2 else "right")
+            table.add_column(heading, justify="left" if place < 2 else "right", no_wrap=place < 2)
         method = ""
         for row in self.rows():
             texts = row.texts()

@@ -24,6 +24,7 @@ def analyze(
 ) -> None:
     """Show path error, tracking and loop timing of recorded runs."""
     from flexros.analysis import analyse
+    from flexros.analysis.figures_table import terminal_table
     from flexros.analysis.report import write_report
     from flexros.logs.reader import read_log
 
@@ -38,10 +39,10 @@ def analyze(
         dicts = [analysis.as_dict() for analysis in analyses]
         print_json(dicts[0] if len(dicts) == 1 else dicts)
         return
+    console.print(terminal_table(analyses))
     for analysis in analyses:
-        console.print(analysis.table())
         for warning in analysis.warnings:
-            console.print(f"warning: {warning}")
+            console.print(f"warning, {analysis.label}: {warning}")
     if report:
         console.print(f"report: {report}")
 
