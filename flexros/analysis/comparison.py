@@ -75,7 +75,7 @@ class ComparisonRow:
         return (self.method, self.case, sizes[0], sizes[1], sizes[2], deviation)
 
 
-HEADINGS = ("Method", "Case", "published [mm]", "our reading, independent [mm]", "this run [mm]", "to published [%]")
+HEADINGS = ("Method", "Case", "published [mm]", "our reading [mm]", "this run [mm]", "to published [%]")
 """Headings of `ComparisonRow.texts`."""
 
 
@@ -131,11 +131,12 @@ class Comparison:
 
     def table(self) -> Table:
         """Return the table for the terminal."""
+        from rich.markup import escape
         from rich.table import Table
 
         table = Table(box=None, pad_edge=False, header_style="bold", title="Maximum path error", title_justify="left")
         for place, heading in enumerate(HEADINGS):
-            table.add_column(heading, justify="left" if place < 2 else "right", no_wrap=place < 2)
+            table.add_column(escape(heading), justify="left" if place < 2 else "right", no_wrap=place < 2)
         method = ""
         for row in self.rows():
             texts = row.texts()
