@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import casadi as ca
@@ -99,6 +100,25 @@ def test_stepping_sample_by_sample_gives_the_same_bits(chain: LoopFunctions, ker
         step.advance()
     np.testing.assert_array_equal(step.plant, whole.final.plant)
     np.testing.assert_array_equal(step.line, whole.final.line)
+
+
+def test_threads_share_a_kernel(kernel: LoopKernel) -> None:
+    inputs = [rich_inputs(50, seed) for seed in range(8)]
+    expected = [kernel.run(kernel.initial_state(STATE), 50, one).encoder for one in inputs]
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda one: kernel.run(kernel.initial_state(STATE), 50, one).encoder, inputs))
+    np.testing.assert_array_equal(found, expected)
+
+
+def test_lanes_are_stepped_together(chain: LoopFunctions) -> None:
+    kernel = compile_loop(chain, sample_time=SAMPLE_TIME, lanes=4)
+    step = kernel.stepper(kernel.initial_state(STATE), np.outer(PARAMETERS, [1.0, 1.1, 1.2, 1.0]))
+    assert step.command.shape == step.encoder.shape == (2, 4)
+    for _ in range(3):
+        step.measure()
+        step.advance()
+    np.testing.assert_array_equal(step.plant[:, 0], step.plant[:, 3])
+    assert (step.plant[:, 0] != step.plant[:, 1]).any()
 
 
 @pytest.mark.parametrize("limit", [0, 10_000])
