@@ -13,7 +13,7 @@ from rclpy.task import Future
 
 from flexros.errors import FlexrosError
 from flexros_nodes.interruption import interruption
-from flexros_nodes.report import NodeReport
+from flexros_nodes.report import ERROR_PREFIX, NodeReport
 from flexros_nodes.spinning import make_executor, spin
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def run_node(node_class: type[FlexrosNode], arguments: list[str] | None = None) 
         finally:
             rclpy.try_shutdown()
     if report.exit_code:
-        print(f"error: {report.message}", file=sys.stderr)
+        print(f"{ERROR_PREFIX}{report.message}", file=sys.stderr)
     return report.exit_code
 
 

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import flexros_nodes
-from flexros_nodes.report import NodeReport, read_report
+from flexros.errors import InputError, RunError
+from flexros_nodes.report import ERROR_PREFIX, NodeReport, read_report
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -73,8 +74,16 @@ class NodeProcess:
         return (self._process.poll() or 0) < 0
 
     def report(self) -> NodeReport | None:
-        """Give the report that the node left, None if there is none."""
-        return read_report(self._report_file)
+        """Give the report that the node left; of one that refused to begin, what it printed; else None."""
+        if (report := read_report(self._report_file)) is not None:
+            return report
+        code, lines = self._process.poll(), self._last_lines()
+        if code in (InputError.exit_code, RunError.exit_code) and lines and lines[-1].startswith(ERROR_PREFIX):
+            return NodeReport(self.name, code, lines[-1].removeprefix(ERROR_PREFIX))
+        return None
+
+    def _last_lines(self) -> list[str]:
+        return self._output.read_text(encoding="utf-8", errors="replace").strip().splitlines()[-_LAST_LINES:]
 
     def death(self) -> str:
         """Say how the process died, nothing if it ended with a report."""
@@ -82,7 +91,7 @@ class NodeProcess:
         if code is None or self.report() is not None:
             return ""
         how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
-        lines = self._output.read_text(encoding="utf-8", errors="replace").strip().splitlines()[-_LAST_LINES:]
+        lines = self._last_lines()
         said = f", its last words: {' | '.join(lines)}" if lines and code > 0 else ""
         return f"the process of node {self.name} {how}{said}"
 

@@ -11,6 +11,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
+ERROR_PREFIX = "error: "
+"""Begins the line that a node prints when it ends with an error."""
+
+
 @dataclass(frozen=True)
 class NodeReport:
     """End of a node.

@@ -17,12 +17,13 @@ except ImportError:  # rclpy before 7.1.4
     EventsExecutor = None
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from rclpy.context import Context
     from rclpy.executors import Executor
     from rclpy.task import Future
 
+    from flexros_nodes.interruption import Interruption
     from flexros_nodes.plant import PlantNode
 
 SLICE = 0.2
@@ -42,15 +43,16 @@ def make_executor(context: Context | None) -> Executor:
     return EventsExecutor(context=context)
 
 
-def spin(executor: Executor, stop: Future, interrupted: Callable[[], bool], plant: PlantNode | None = None) -> None:
+def spin(executor: Executor, stop: Future, interrupted: Interruption, plant: PlantNode | None = None) -> None:
     """Spin until a future is done.
 
     Args:
         executor: Holds the nodes.
         stop: Ends the spinning when it gets a result.
-        interrupted: Tells whether to end anyway; asked at least every 0.2 s.
+        interrupted: Ends the spinning too.
         plant: Plant to pace by the wall clock, where the run is in real time.
     """
+    interrupted.ends(stop)
     if plant is None:
         while not (stop.done() or interrupted()):
             executor.spin_until_future_complete(stop, timeout_sec=SLICE)

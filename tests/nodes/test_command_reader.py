@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from flexros_nodes.command_reader import CommandReader, silence_text
 
 from flexros.errors import RunError
 from flexros.logs.joint_state_message import JointStateTemplate
+from flexros_nodes.command_reader import CommandReader, silence_text
 
 NAMES = ("motor_1", "motor_2")
 
@@ -29,7 +29,9 @@ def test_joints_may_come_in_another_order(reader: CommandReader) -> None:
 @pytest.mark.parametrize("bad", [float("nan"), float("inf"), -float("inf")])
 def test_torque_that_is_not_finite_is_refused(reader: CommandReader, bad: float) -> None:
     message = JointStateTemplate(NAMES, effort=True).fill(10**9, effort=[1.0, bad])
-    with pytest.raises(RunError, match=r"sample 17 is refused: its effort is \[1\.0, -?(nan|inf)\]; needed is one finite"):
+    with pytest.raises(
+        RunError, match=r"sample 17 is refused: its effort is \[1\.0, -?(nan|inf)\]; needed is one finite"
+    ):
         reader.read(message, 17)
 
 
@@ -58,5 +60,7 @@ def test_bytes_that_are_no_message_are_refused(reader: CommandReader) -> None:
 
 def test_silence_is_told_with_sample_time_and_resends() -> None:
     text = silence_text(12, 1_006_000_000, 5.0, 249)
-    assert text.startswith("no command for sample 12 (stamp 1.0060 s) within 5 s although the state was sent again 249 times")
+    assert text.startswith(
+        "no command for sample 12 (stamp 1.0060 s) within 5 s although the state was sent again 249 times"
+    )
     assert "the log is readable up to there" in text

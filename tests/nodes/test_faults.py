@@ -44,9 +44,17 @@ def bad_controller(bad_message: JointStateTemplate | None, effort: tuple[float, 
 @pytest.mark.parametrize(
     ("bad_message", "effort", "sentence"),
     [
-        (JointStateTemplate(NAMES, effort=True), (1.0, float("nan")), r"its effort is \[1\.0, nan\]; needed is one finite"),
+        (
+            JointStateTemplate(NAMES, effort=True),
+            (1.0, float("nan")),
+            r"its effort is \[1\.0, nan\]; needed is one finite",
+        ),
         (JointStateTemplate(("motor_1",), effort=True), (1.0,), "a JointState lacks motor_2; it has motor_1; needed"),
-        (JointStateTemplate(("motor_1", "wrist"), effort=True), (1.0, 1.0), "a JointState lacks motor_2; it has motor_1, wrist"),
+        (
+            JointStateTemplate(("motor_1", "wrist"), effort=True),
+            (1.0, 1.0),
+            "a JointState lacks motor_2; it has motor_1, wrist",
+        ),
         (None, (), r"no command for sample 100 \(stamp 1\.0500 s\) within 0\.3 s although the state was sent again"),
     ],
     ids=["nan", "size", "name", "silence"],
@@ -118,4 +126,7 @@ def test_plant_without_partners_says_what_it_lacks(monkeypatch: pytest.MonkeyPat
     parameters = {"plant": {"start_timeout": 0.2, "observers": 3}}
     summary = run_scenario("circle_dae", None, parameters=parameters)
     assert summary.exit_code == 3
-    assert "no partners within 0.2 s: joint_states has 1 subscriptions, needed are a controller and 3 recorders" in summary.message
+    assert (
+        "no partners within 0.2 s: joint_states has 1 subscriptions, needed are a controller and 3 recorders"
+        in summary.message
+    )

@@ -10,9 +10,9 @@ import threading
 from pathlib import Path
 
 import pytest
-from flexros_nodes.interruption import interruption
 
 from flexros.logs.reader import read_log
+from flexros_nodes.interruption import interruption
 
 CHECKOUT = Path(__file__).parents[2]
 TIMEOUT = 60.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from flexros_nodes.pacing import Schedule
 
 T = 5e-4

@@ -5,19 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from flexros_nodes.parameters import ParameterSpecification, check_value, node_parameters, read_parameters
-from flexros_nodes.run_plan import NODES
 
 from flexros.errors import InputError
+from flexros_nodes.parameters import ParameterSpecification, check_value, node_parameters, read_parameters
+from flexros_nodes.run_plan import NODES
 
 SPECIFICATIONS = {
     "timeout": ParameterSpecification(
         type="double", default=0.5, bounds=(0.1, 2.0), unit="s", description="Time to wait."
     ),
     "count": ParameterSpecification(type="int", default=1, bounds=(0, 5), unit="", description="How many."),
-    "kind": ParameterSpecification(
-        type="string", default="a", allowed=("a", "b"), unit="", description="Which."
-    ),
+    "kind": ParameterSpecification(type="string", default="a", allowed=("a", "b"), unit="", description="Which."),
 }
 
 
@@ -32,7 +30,11 @@ def test_shipped_parameters_are_valid_and_described(node: str) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "sentence"),
     [
-        ("timeout", float("nan"), "parameter timeout of node plant is nan, allowed is a finite number from 0.1 to 2 s; Time"),
+        (
+            "timeout",
+            float("nan"),
+            "parameter timeout of node plant is nan, allowed is a finite number from 0.1 to 2 s; Time",
+        ),
         ("timeout", 3.0, "parameter timeout of node plant is 3 s, allowed is a number from 0.1 to 2 s"),
         ("timeout", "fast", "is 'fast', allowed is a number from 0.1 to 2 s"),
         ("count", 1.5, "is 1.5, allowed is a whole number from 0 to 5"),

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from flexros_nodes.recording import EventRecording, TopicRecording
-
 from flexros.logs.joint_state_message import JointStateTemplate
 from flexros.logs.stamps import stamp_ns
+from flexros_nodes.recording import EventRecording, TopicRecording
 
 T = 5e-4
 TEMPLATE = JointStateTemplate(("motor_1",), position=True)

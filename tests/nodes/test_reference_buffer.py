@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from flexros_nodes.reference_buffer import ReferenceBuffer
 
 from flexros.arrays import FloatArray
 from flexros.errors import RunError
 from flexros.logs.joint_trajectory_message import JointTrajectoryChunk
 from flexros.logs.stamps import stamp_ns, stamps_ns
+from flexros_nodes.reference_buffer import ReferenceBuffer
 
 T = 5e-4
 NAMES = ("motor_1", "motor_2")
@@ -20,9 +20,7 @@ def chunk(first: int, n: int, values: FloatArray) -> JointTrajectoryChunk:
     """Samples first ... first + n - 1 of values (n_all, 6)."""
     stamps = stamps_ns(first + n, T)[first:]
     rows = values[first : first + n]
-    return JointTrajectoryChunk(
-        int(stamps[0]), NAMES, stamps - stamps[0], rows[:, :2], rows[:, 2:4], None, rows[:, 4:]
-    )
+    return JointTrajectoryChunk(int(stamps[0]), NAMES, stamps - stamps[0], rows[:, :2], rows[:, 2:4], None, rows[:, 4:])
 
 
 @pytest.fixture

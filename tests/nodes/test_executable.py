@@ -1,0 +1,65 @@
+"""Nodes as executables, the way `ros2 run` starts them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from flexros.logs.reader import read_log
+
+CHECKOUT = Path(__file__).parents[2]
+TIMEOUT = 60.0
+
+pytestmark = pytest.mark.usefixtures("ros_domain")
+
+
+def start(node: str, *parameters: str) -> subprocess.Popen[str]:
+    arguments = [word for parameter in parameters for word in ("-p", parameter)]
+    return subprocess.Popen(
+        [sys.executable, "-m", f"flexros_nodes.{node}", "--ros-args", *arguments],
+        cwd=CHECKOUT,
+        env={**os.environ, "PYTHONPATH": str(CHECKOUT)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+@pytest.mark.parametrize(
+    ("parameter", "sentence"),
+    [
+        ("resend_timeout:=.nan", "error: parameter resend_timeout of node plant is nan, allowed is a finite number"),
+        ("scenario:=nowhere", "error: unknown scenario 'nowhere'"),
+    ],
+)
+def test_bad_parameter_is_one_sentence_and_exit_code_2(parameter: str, sentence: str) -> None:
+    process = start("plant", parameter)
+    _, errors = process.communicate(timeout=TIMEOUT)
+    assert process.returncode == 2
+    assert errors.splitlines()[-1].startswith(sentence)
+    assert "Traceback" not in errors
+
+
+def test_four_executables_find_each_other_and_the_plant_ends_the_run(tmp_path: Path) -> None:
+    scenario = "scenario:=circle_dae"
+    plant = start("plant", scenario)
+    others = [start("controller", scenario), start("feedforward", scenario)]
+    recorder = start("recorder", scenario, f"folder:={tmp_path / 'log'}")
+    try:
+        _, errors = plant.communicate(timeout=TIMEOUT)
+        assert plant.returncode == 0, errors
+        for process in (*others, recorder):
+            process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=TIMEOUT)
+            assert process.returncode == 0, errors
+    finally:
+        for process in (plant, *others, recorder):
+            process.kill()
+    log = read_log(tmp_path / "log")
+    assert log.warnings == ()
+    assert len(log.joint_states.stamp) == 762
