@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import typer
 from rich.table import Table
@@ -21,7 +22,7 @@ FOLDER = Path(__file__).resolve().parents[2] / "tests" / "bench"
 
 def bench(
     name: list[str] = typer.Argument(None, help="Benchmarks to run, e.g. compile nodes; default: all."),
-    out: Path = typer.Option(None, "--out", help="Write the rows with machine and versions to this JSON file."),
+    out: Path = typer.Option(None, "--out", help="Write the rows with machine and versions to this .json or .md file."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Measure speed beside peers (MuJoCo, SciPy, CasADi) in the same run; needs a checkout and the extra 'test'."""
@@ -42,9 +43,10 @@ def bench(
         if not as_json:
             console.print(f"measuring {one} ...")
         results[one] = _measure(one, available[one])
-    content = {"machine": machine(), "results": results}
+    content: dict[str, Any] = {"machine": machine(), "results": results}
     if out:
-        write_result(out, json.dumps(content, indent=1) + "\n", "result")
+        text = markdown(content["machine"], results) if out.suffix == ".md" else json.dumps(content, indent=1) + "\n"
+        write_result(out, text, "result")
     if as_json:
         print_json(content)
         return
@@ -92,6 +94,29 @@ def machine() -> dict[str, object]:
         "python": platform.python_version(),
         "versions": {d.name: d.version for d in distributions() if d.name in wanted},
     }
+
+
+def markdown(described: dict[str, object], results: dict[str, list[dict[str, object]]]) -> str:
+    """Write results as a page that says where they were measured.
+
+    Args:
+        described: The machine, as from `machine`.
+        results: Rows by benchmark.
+
+    Returns:
+        Markdown.
+    """
+    note = "Written by `make bench`. Peers are measured in the same run: compare ratios, absolute times vary."
+    lines = ["# Benchmarks", "", note, ""]
+    versions = described["versions"]
+    assert isinstance(versions, dict)
+    lines += [f"- {key}: {value}" for key, value in described.items() if key != "versions"]
+    lines += ["- versions: " + ", ".join(f"{name} {version}" for name, version in sorted(versions.items()))]
+    for name, rows in results.items():
+        keys = list(dict.fromkeys(key for row in rows for key in row))
+        lines += ["", f"## {name}", "", "| " + " | ".join(keys) + " |", "|" + "---|" * len(keys)]
+        lines += ["| " + " | ".join(_cell(row.get(key)) for key in keys) + " |" for row in rows]
+    return "\n".join(lines) + "\n"
 
 
 def _table(name: str, rows: list[dict[str, object]]) -> Table:
