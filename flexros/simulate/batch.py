@@ -15,6 +15,7 @@ from flexros.errors import InputError, unknown_name
 from flexros.simulate.loop import loop_functions
 from flexros.simulate.plant import delayed_start
 from flexros.simulate.rest import Rest, RestFinder
+from flexros.simulate.sample_blocks import Zeros
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -22,9 +23,10 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from flexros.arrays import FloatArray
+    from flexros.compile.loop_arrays import LoopResult
     from flexros.robot.model import SymbolicModel
     from flexros.simulate.experiment import Experiment
-    from flexros.simulate.signals import PlantSignals
+    from flexros.simulate.sample_blocks import SampleBlocks
 
 LANES = 8
 """Runs side by side in one thread, where there are as many: as wide as the widest vector registers [1]."""
@@ -103,7 +105,7 @@ def batch(
     Raises:
         InputError: Unknown names, or different numbers of values.
     """
-    model = experiment.plant.symbolic(tuple(values or {}))
+    model = experiment.plant.symbolic(tuple(values)) if values else experiment.plant.model
     sets = batch_sets(experiment, model, values or {}, gains or {}, seeds)
     lanes = min(LANES, 1 << (len(sets) - 1).bit_length())
     law, plant = experiment.scenario.controller, experiment.plant
@@ -158,7 +160,10 @@ def batch_sets(
             raise unknown_name(f"gain of controller {law.kind}", name, gain_names, "the batch")
         all_gains[:, gain_names.index(name)] = arrays[f"gains {name}"]
     parameters = np.array([arrays[f"values of {name}"] for name in values]).reshape(len(values), n_runs).T
-    own_seeds = (experiment.scenario.seed,) * n_runs if seeds is None else tuple(int(seed) for seed in seeds)
+    random = experiment.scenario.noise or experiment.scenario.disturbances
+    own_seeds = (
+        (experiment.scenario.seed,) * n_runs if seeds is None or not random else tuple(int(seed) for seed in seeds)
+    )
     return BatchSets(tuple(values), parameters, all_gains, own_seeds, _rests(experiment, model, parameters))
 
 
@@ -181,8 +186,8 @@ def _run_group(
     members = [*group, *[group[-1]] * (kernel.lanes - len(group))]
     n, law, plant = experiment.n_samples, experiment.scenario.controller, experiment.plant
     rests = [sets.rests[run] for run in members]
-    signals = {seed: experiment.signals(seed) for seed in dict.fromkeys(sets.seeds[run] for run in members)}
-    of_lanes = [signals[sets.seeds[run]] for run in members]
+    of_seed = {seed: experiment.signals(seed) for seed in dict.fromkeys(sets.seeds[run] for run in members)}
+    signals = [of_seed[sets.seeds[run]] for run in members]
     result = kernel.run(
         delayed_start(
             _lanes([rest.state for rest in rests]),
@@ -193,23 +198,27 @@ def _run_group(
         n,
         LoopInputs(
             reference=experiment.reference_signal,
-            noise=_rows([signal.encoder_noise.rows(0, n) for signal in _distinct(of_lanes)]),
-            disturbance=_rows([signal.disturbance.rows(0, n) for signal in _distinct(of_lanes)]),
+            noise=_signal([signal.encoder_noise for signal in signals], n),
+            disturbance=_signal([signal.disturbance for signal in signals], n),
             parameters=_lanes([sets.parameters[run] for run in members]),
             gains=_lanes([sets.gains[run] for run in members]),
         ),
     )
+    return {
+        run: figure(_record(result, lane, kernel.lanes, signals[lane].tool_noise)) for lane, run in enumerate(group)
+    }
+
+
+def _record(result: LoopResult, lane: int, lanes: int, tool_noise: SampleBlocks) -> RunRecord:
+    """Take the signals of one lane, up to where it diverged."""
     assert result.tool_pose is not None
-    figures = {}
-    for lane, run in enumerate(group):
-        pick = ... if kernel.lanes == 1 else (..., lane)
-        diverged = int(result.diverged[pick])
-        end = n if diverged < 0 else diverged
-        pose = np.array(result.tool_pose[pick][:end])
-        pose[:, :3] += signals[sets.seeds[run]].tool_noise.rows(0, end)
-        encoder, command = (np.array(signal[pick][:end]) for signal in (result.encoder, result.command))
-        figures[run] = figure(RunRecord(encoder, command, pose, diverged))
-    return figures
+    pick = ... if lanes == 1 else (..., lane)
+    diverged = int(result.diverged[pick])
+    end = len(result.encoder) if diverged < 0 else diverged
+    encoder, command, pose = (np.array(one[pick][:end]) for one in (result.encoder, result.command, result.tool_pose))
+    if not isinstance(tool_noise, Zeros):
+        pose[:, :3] += tool_noise.rows(0, end)
+    return RunRecord(encoder, command, pose, diverged)
 
 
 def _lanes(columns: Sequence[FloatArray]) -> FloatArray:
@@ -217,11 +226,10 @@ def _lanes(columns: Sequence[FloatArray]) -> FloatArray:
     return columns[0] if len(columns) == 1 else np.stack(columns, axis=-1)
 
 
-def _distinct(signals: list[PlantSignals]) -> list[PlantSignals]:
-    """Keep one signal where all lanes share it."""
-    return signals[:1] if all(signal is signals[0] for signal in signals) else signals
-
-
-def _rows(signals: list[FloatArray]) -> FloatArray:
-    """Put signals of the lanes side by side, shape (n, width, lanes), or (n, width) where they share one."""
-    return signals[0] if len(signals) == 1 else np.stack(signals, axis=-1)
+def _signal(lanes: list[SampleBlocks], n: int) -> FloatArray | None:
+    """Put signals of the lanes side by side, shape (n, width, lanes); (n, width) where all share one, None for zero."""
+    if all(isinstance(signal, Zeros) for signal in lanes):
+        return None
+    if all(signal is lanes[0] for signal in lanes):
+        return lanes[0].rows(0, n)
+    return np.stack([signal.rows(0, n) for signal in lanes], axis=-1)

@@ -87,14 +87,14 @@ def seconds(work: Callable[[], object], repeats: int) -> float:
 
 def loop_rows(case: Case) -> Iterator[dict[str, Any]]:
     """Time one closed-loop step, alone and on lanes."""
-    n = 20_000 if case.name == "e12" else 4000
+    n = 10_000 if case.name == "e12" else 1000
     references = case.references(n)
     for lanes in (1, 8):
         begin = time.perf_counter()
         kernel = case.kernel(lanes)
         case.run(kernel, references[:1])
         yield row(case.name, f"first result, {lanes} lanes", time.perf_counter() - begin, "s", 0.5)
-        took = seconds(lambda kernel=kernel: case.run(kernel, references), 7)
+        took = seconds(lambda kernel=kernel: case.run(kernel, references), 40)
         what = "closed-loop step" if lanes == 1 else f"closed-loop step per lane, {lanes} lanes"
         yield row(case.name, what, 1e9 * took / (n * lanes), "ns", GOAL_NS[case.name, lanes])
 
@@ -149,12 +149,12 @@ def node_rows(case: Case) -> Iterator[dict[str, Any]]:
     reference = case.references(1)[0]
 
     def step() -> None:
-        for _ in range(2000):
+        for _ in range(500):
             command = controller.step(plant.measure(), reference)
             plant.tool_pose()
             plant.advance(command)
 
-    yield row(case.name, "plant and controller, one sample, noise on", 1e6 * seconds(step, 7) / 2000, "us")
+    yield row(case.name, "plant and controller, one sample, noise on", 1e6 * seconds(step, 20) / 500, "us")
 
 
 def batch_rows() -> Iterator[dict[str, Any]]:
