@@ -39,7 +39,7 @@ setup(
         "numpy>=1.26",
         "scipy>=1.11",
         "casadi>=3.6.7",
-        "llvmlite>=0.44",
+        "llvmlite>=0.45",
         "pydantic>=2.6",
         "ruamel.yaml>=0.18",
         "typer>=0.12",

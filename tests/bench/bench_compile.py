@@ -149,15 +149,14 @@ def call_rows() -> Iterator[dict[str, Any]]:
 
 def row(case: str, what: str, value: float, unit: str, goal: float | None = None) -> dict[str, Any]:
     """Make one row of the results."""
-    return {"bench": "compile", "case": case, "what": what, "value": float(f"{value:.4g}"), "unit": unit, "goal": goal}
+    return {"case": case, "what": what, "value": float(f"{value:.4g}"), "unit": unit, "goal": goal}
 
 
 def main() -> None:
     """Print all rows."""
-    rows = [function_rows("e12"), function_rows("six_axis"), latency_rows("e12"), latency_rows("six_axis")]
-    for some in (*rows, solver_rows(), sine_rows(), call_rows()):
-        for one in some:
-            print(json.dumps(one), flush=True)
+    parts = [function_rows("e12"), function_rows("six_axis"), latency_rows("e12"), latency_rows("six_axis")]
+    rows = [one for part in (*parts, solver_rows(), sine_rows(), call_rows()) for one in part]
+    print(json.dumps(rows, indent=1))
 
 
 if __name__ == "__main__":
