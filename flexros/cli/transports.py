@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from flexros.cli.output import progress_bar
-from flexros.errors import InputError
+from flexros.errors import InputError, RunError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -85,14 +85,14 @@ def run_direct(scenario: Scenario, out: Path) -> RunResult:
         out: Folder of the log, to be made.
 
     Returns:
-        What came of it.
+        What came of it; exit code 3 when the state became infinite, the log holds what came before.
 
     Raises:
         InputError: Scenario or folder are not allowed.
-        RunError: The run broke off.
+        RunError: The log cannot be written.
     """
     from flexros.logs.write_log import write_log
-    from flexros.simulate.closed_loop import closed_loop
+    from flexros.simulate.closed_loop import DivergedRunError, closed_loop
     from flexros.simulate.experiment import Experiment
 
     if out.exists():
@@ -101,10 +101,16 @@ def run_direct(scenario: Scenario, out: Path) -> RunResult:
     start = time.perf_counter()
     with progress_bar() as progress:
         task = progress.add_task("simulating", total=experiment.n_samples)
-        log = closed_loop(experiment, progress=lambda samples: progress.update(task, completed=samples))
+        message = ""
+        try:
+            log = closed_loop(experiment, progress=lambda samples: progress.update(task, completed=samples))
+        except DivergedRunError as error:
+            log, message = error.log, f"{error}; the log up to there is {out}"
     wall = time.perf_counter() - start
     write_log(log, out)
-    return RunResult(0, "", "direct", out, experiment.n_samples, experiment.duration, wall)
+    samples = len(log.joint_states.stamp)
+    code = RunError.exit_code if message else 0
+    return RunResult(code, message, "direct", out, samples, (samples - 1) * experiment.sample_time, wall)
 
 
 def run_ros(

@@ -44,6 +44,7 @@ def validate(model: type[Model], data: Mapping[str, Any], source: str) -> Model:
 def _sentence(model: type[BaseModel], error: ValidationError, source: str, data: Mapping[str, Any]) -> str:
     """Say the most telling of the problems found: of a union's branches the one that got deepest."""
     problems = error.errors(include_url=False)
+    problems.sort(key=lambda problem: problem["type"] != "extra_forbidden")  # a misspelt key explains a missing one
     first = problems[0]["loc"][:1]
     problem = max((p for p in problems if p["loc"][:1] == first), key=lambda p: len(p["loc"]))
     key = _key(problem["loc"], data)

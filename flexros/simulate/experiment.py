@@ -17,7 +17,7 @@ from flexros.feedforward.reference import compute_reference
 from flexros.robot import load_robot
 from flexros.simulate.plant import Plant
 from flexros.simulate.signals import plant_signals
-from flexros.trajectory import JOINTS, JointMove, Move, TimeLaw, Trajectory, build_trajectory
+from flexros.trajectory import JOINTS, JointMove, Move, TimeLaw, Trajectory, build_trajectory, check_reachable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -95,6 +95,8 @@ class Experiment:
     @cached_property
     def reference(self) -> Reference:
         """References and feedforward torques of all samples; the torques are zero where the scenario says so."""
+        with _telling(f"scenario {self.scenario.name}"):
+            _check_reachable(self.trajectory, self.nominal, self.start)
         return self._reference(self.duration)
 
     @cached_property
@@ -203,8 +205,9 @@ def _trajectory(scenario: Scenario, robot: Robot, source: str) -> Trajectory:
         return _rest(gears)
     if scenario.trajectory.joints:
         return build_trajectory(scenario.trajectory, gears, source=f"{source}, key trajectory")
-    output = scenario.feedforward.output or robot.controlled
-    with _telling(f"{source}, key feedforward.output"):
+    output = scenario.trajectory.output_of(scenario.feedforward.output or robot.controlled)
+    key = "trajectory.output" if scenario.trajectory.output else "feedforward.output"
+    with _telling(f"{source}, key {key}"):
         begin = robot.forward_kinematics(near, output)
     pose = robot.spec.outputs[output].pose
     return build_trajectory(
@@ -213,6 +216,26 @@ def _trajectory(scenario: Scenario, robot: Robot, source: str) -> Trajectory:
         output=output,
         n_position=len([component for component in pose if component in ("x", "y", "z")]) or None,
         source=f"{source}, key trajectory",
+    )
+
+
+def _check_reachable(trajectory: Trajectory, robot: Robot, near: FloatArray) -> None:
+    """Refuse a tool path that leaves the reach of the rigid arm or passes a singularity; names the place."""
+    if trajectory.joints or not robot.spec.outputs[trajectory.output].pose:
+        return
+    gears = list(robot.chain.geared)
+    slope = robot.model.output_with_slope(trajectory.output)
+
+    def arm(joints: FloatArray) -> FloatArray:
+        q = np.zeros(robot.n_arm)
+        q[gears] = joints
+        return q
+
+    check_reachable(
+        trajectory,
+        lambda target, close: robot.inverse_kinematics(target, arm(close), trajectory.output)[gears],
+        lambda joints: np.asarray(slope(arm(joints))[1], dtype=float),
+        near[gears],
     )
 
 

@@ -51,7 +51,10 @@ def test_scenarios_are_listed(flexros: Flexros) -> None:
         (["circle_pd", "--set", "sample_time=.nan"], "finite"),
         (["circle_pd", "--set", "plant.values.body_3.mass=-1"], "must be at least 0 kg"),
         (["circle_pd", "--set", "plant.values.body_3.mass=.nan"], "finite"),
-        (["circle_dae", "--set", "trajectory.path.centre_from_start=[0.5, 0]"], "out of reach or singular at t = "),
+        (
+            ["circle_dae", "--set", "trajectory.path.centre_from_start=[0.5, 0]"],
+            "the trajectory is out of reach at t = ",
+        ),
         (["circle_pd", "--effect", "payload_error@arm:relative=1"], "unknown location"),
         (["circle_pd", "--model", "e21"], "unknown robot 'e21'"),
         (["circle_pd", "--realtime"], "belong to the ROS nodes"),
@@ -75,6 +78,14 @@ def test_non_minimum_phase_feedforward_is_refused(flexros: Flexros, tmp_path: Pa
     )  # fmt: skip
     assert ended.code == 2
     assert "minimum phase" in ended.err.replace("-", " ")
+
+
+def test_unstable_loop_ends_with_code_3_and_a_log(flexros: Flexros, tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    ended = flexros("run", "circle_pd", "--transport", "direct", "--out", str(bag), "--set", "controller.kd=9e6")
+    assert ended.code == 3
+    assert "the simulated state is not finite at sample 12" in ended.err
+    assert flexros("analyze", str(bag), "--json").code == 0
 
 
 def test_existing_folder_is_kept(flexros: Flexros, tmp_path: Path) -> None:

@@ -35,6 +35,7 @@ class Drawing(Settings):
             {"title": "t", "scal": 1},
             "a.yaml: unknown key 'scal': did you mean 'scale'? allowed are title, shapes, scale",
         ),
+        ({"titel": "t"}, "a.yaml: unknown key 'titel': did you mean 'title'?"),
         ({"title": 3}, "a.yaml: key 'title' is 3, but input should be a valid string; correct the value"),
         (
             {"title": "t", "shapes": [{"type": "square", "side": -1}]},

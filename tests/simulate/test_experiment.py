@@ -120,7 +120,7 @@ def test_what_is_impossible_is_said_in_one_sentence(settings: dict[str, object],
     assert "\n" not in str(caught.value)
 
 
-def test_circle_out_of_reach_names_the_place() -> None:
+def test_circle_through_a_singularity_names_the_place() -> None:
     far = load_scenario("circle_pd").with_values({"trajectory.path.centre_from_start": [0.05, 0]})
-    with pytest.raises(InputError, match=r"scenario circle_pd: .*out of reach.* t = 0\.\d+ s, .* % of move 1"):
+    with pytest.raises(InputError, match=r"scenario circle_pd: .*passes a singularity.* t = 0\.\d+ s, .* % of move 1"):
         _ = Experiment.prepare(far).reference
