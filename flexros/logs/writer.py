@@ -113,8 +113,7 @@ class LogWriter:
     @property
     def counts(self) -> dict[str, int]:
         """Number of messages that are safe in the file, by absolute topic name."""
-        counts = dict(self._file.counts)
-        return {topic.name: counts.get(number, 0) for number, topic in enumerate(self._topics, 1)}
+        return {topic.name: self._file.counts.get(number, 0) for number, topic in enumerate(self._topics, 1)}
 
     def add_topic(self, topic: Topic) -> int:
         """Take a further topic into the log.
