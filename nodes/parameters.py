@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from flexros.config.location import data_folder
 from flexros.config.validation import Settings, validate
 from flexros.config.yaml_file import read_yaml
-from flexros.errors import InputError
+from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -111,8 +111,10 @@ def check_value(node: str, name: str, value: object, specifications: Mapping[str
         The value; a whole number given for a double becomes a double.
 
     Raises:
-        InputError: The value is not allowed.
+        InputError: There is no such parameter, or the value is not allowed.
     """
+    if name not in specifications:
+        raise unknown_name(f"parameter of node {node}", name, specifications)
     specification = specifications[name]
     if problem := specification.problem(value):
         raise InputError(f"parameter {name} of node {node} {problem}; {specification.description}")

@@ -13,8 +13,9 @@ from flexros.errors import InputError, unknown_name
 from flexros_nodes.composed import run_composed
 from flexros_nodes.domain import environment, run_environment
 from flexros_nodes.interruption import interruption
+from flexros_nodes.parameters import check_value, node_parameters
 from flexros_nodes.processes import run_processes
-from flexros_nodes.run_plan import RunPlan, RunSummary
+from flexros_nodes.run_plan import NODES, RunPlan, RunSummary
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -52,7 +53,7 @@ def run_scenario(
     """
     if layout not in LAYOUTS:
         raise unknown_name("layout", layout, LAYOUTS)
-    given = {node: dict(values) for node, values in (parameters or {}).items()}
+    given = {node: _checked(node, values) for node, values in (parameters or {}).items()}
     if real_time:
         given.setdefault("plant", {})["real_time"] = True
     folder = None if out is None else Path(out).absolute()
@@ -66,6 +67,14 @@ def run_scenario(
     if summary.exit_code == InputError.exit_code:
         raise InputError(summary.message)
     return summary
+
+
+def _checked(node: str, values: Mapping[str, Value]) -> dict[str, Value]:
+    """Check the parameters given for a node before anything starts."""
+    if node not in NODES:
+        raise unknown_name("node", node, NODES)
+    specifications = node_parameters(node)
+    return {name: check_value(node, name, value, specifications) for name, value in values.items()}
 
 
 def _scenario_file(scenario: Scenario | str | Path, scratch: Path) -> str:

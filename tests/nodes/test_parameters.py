@@ -66,3 +66,10 @@ def test_row_that_is_no_mapping_is_refused(tmp_path: Path) -> None:
     file.write_text("speed: 3")
     with pytest.raises(InputError, match="key speed: allowed is a mapping"):
         read_parameters(file)
+
+
+def test_unknown_parameter_offers_the_nearest() -> None:
+    with pytest.raises(
+        InputError, match="unknown parameter of node plant 'resend_tmeout': did you mean 'resend_timeout'"
+    ):
+        check_value("plant", "resend_tmeout", 0.1, node_parameters("plant"))
