@@ -51,6 +51,8 @@ def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport
     node = node_class()
     stop: Future = Future()
     node.on_end = lambda _: stop.set_result(None)
+    if niceness := node.value("niceness"):
+        os.nice(niceness)
     if parent := node.value("parent_process"):
         node.create_timer(PARENT_PERIOD, lambda: None if os.getppid() == parent else stop.set_result(None))
     executor = make_executor(None)

@@ -9,8 +9,8 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 import rclpy
-from lifecycle_msgs.msg import Transition
-from lifecycle_msgs.srv import ChangeState
+from lifecycle_msgs.msg import State, Transition
+from lifecycle_msgs.srv import ChangeState, GetState
 from rclpy.context import Context
 from rclpy.node import Node
 
@@ -24,9 +24,11 @@ from flexros_nodes.spinning import make_executor
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.client import Client
     from rclpy.task import Future
 
     from flexros_nodes.interruption import Interruption
+    from flexros_nodes.parameters import Value
     from flexros_nodes.run_plan import RunPlan
 
 CONFIGURE_TIMEOUT = 120.0
@@ -34,6 +36,18 @@ CONFIGURE_TIMEOUT = 120.0
 
 GOODBYE_TIMEOUT = 5.0
 """Longest time for the plant to brake after its partner died, and for a node to shut down [s], chosen."""
+
+ANSWER_TIMEOUT = 2.0
+"""Time after which a lifecycle service is asked again [s], chosen."""
+
+_STATES = {
+    Transition.TRANSITION_CONFIGURE: (State.PRIMARY_STATE_UNCONFIGURED, State.PRIMARY_STATE_INACTIVE),
+    Transition.TRANSITION_ACTIVATE: (State.PRIMARY_STATE_INACTIVE, State.PRIMARY_STATE_ACTIVE),
+}
+"""State before and after a transition."""
+
+NICENESS = 10
+"""How far the recorder steps back for the loop in real time, chosen: it has until the end to catch up."""
 
 SLICE = 0.05
 """Period at which the processes are looked after [s]."""
@@ -56,8 +70,13 @@ class ProcessManager:
         self._node = Node(f"flexros_run_{os.getpid()}", context=self._context, start_parameter_services=False)
         self._executor = make_executor(self._context)
         self._executor.add_node(self._node)
-        self._clients = {name: self._node.create_client(ChangeState, f"/{name}/change_state") for name in plan.nodes}
-        self.processes = {name: NodeProcess(name, plan.values(name), scratch) for name in plan.nodes}
+        self._changers = {name: self._node.create_client(ChangeState, f"/{name}/change_state") for name in plan.nodes}
+        self._watchers = {name: self._node.create_client(GetState, f"/{name}/get_state") for name in plan.nodes}
+        self.processes = {name: NodeProcess(name, self._values(name), scratch) for name in plan.nodes}
+
+    def _values(self, name: str) -> dict[str, Value]:
+        steps_back = name == "recorder" and self._plan.real_time
+        return {**({"niceness": NICENESS} if steps_back else {}), **self._plan.values(name)}
 
     def run(self) -> None:
         """Bring all nodes up and wait until the run is over."""
@@ -77,21 +96,52 @@ class ProcessManager:
         return 2.0 * float(values.get("partner_timeout", GOODBYE_TIMEOUT)) + GOODBYE_TIMEOUT
 
     def _change(self, name: str, transition: int, timeout: float) -> bool:
-        """Ask a node for a transition; False when it refused, ended or the user wants an end."""
-        client, process = self._clients[name], self.processes[name]
-        deadline = monotonic() + timeout
-        ready = self._wait(lambda: client.service_is_ready() or process.ended, timeout)
-        if process.ended or self._interrupted():
-            return False
-        if not ready:
-            raise RunError(f"the process of node {name} does not offer its services within {timeout:g} s; try again")
+        """Ask a node for a transition; False when it refused, ended or the user wants an end.
+
+        An answer can be lost when the service knew the client's request before its reply channel. After a while without
+        an answer the node is asked for its state, and once more for the transition if it never heard of it.
+        """
+        process = self.processes[name]
+        origin, target = _STATES[transition]
         request = ChangeState.Request()
         request.transition.id = transition
-        answer: Future = client.call_async(request)
-        self._wait(lambda: answer.done() or process.ended, deadline - monotonic())
-        if not answer.done() and not process.ended and not self._interrupted():
-            raise RunError(f"node {name} did not finish a transition within {timeout:g} s; try again")
-        return bool(answer.done() and answer.result() is not None and answer.result().success)
+        deadline = monotonic() + timeout
+        answer = self._ask(name, self._changers[name], request, deadline)
+        while answer is not None and monotonic() < deadline:
+            self._wait_for_answer(name, answer)
+            if process.ended or self._interrupted():
+                return False
+            if answer.done():
+                return bool(answer.result().success)
+            state = self._state(name, deadline)
+            if state == target:
+                return True
+            if state == origin:
+                answer = self._ask(name, self._changers[name], request, deadline)
+        if process.ended or self._interrupted():
+            return False
+        raise RunError(f"node {name} did not finish a transition within {timeout:g} s; try again")
+
+    def _ask(self, name: str, client: Client, request: object, deadline: float) -> Future | None:
+        """Send a request once the service is there; None when the node ended or the user wants an end."""
+        process = self.processes[name]
+        self._wait(lambda: client.service_is_ready() or process.ended, deadline - monotonic())
+        if process.ended or self._interrupted():
+            return None
+        if not client.service_is_ready():
+            raise RunError(f"the process of node {name} does not offer its services; try again")
+        return client.call_async(request)
+
+    def _state(self, name: str, deadline: float) -> int | None:
+        """Ask a node for its lifecycle state; None when it does not answer."""
+        answer = self._ask(name, self._watchers[name], GetState.Request(), deadline)
+        if answer is None:
+            return None
+        self._wait_for_answer(name, answer)
+        return answer.result().current_state.id if answer.done() else None
+
+    def _wait_for_answer(self, name: str, answer: Future) -> None:
+        self._wait(lambda: answer.done() or self.processes[name].ended, ANSWER_TIMEOUT)
 
     def _wait(self, condition: Callable[[], bool], timeout: float | None) -> bool:
         """Spin until a condition holds, the time is over, or the user wants an end; tell whether it holds."""

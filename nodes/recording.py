@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from flexros.logs.joint_state_message import stamp_of
+from flexros_nodes.header_stamp import header_stamp
 
 
 class MessageSink(Protocol):
@@ -42,7 +42,7 @@ class TopicRecording:
         Args:
             message: Serialised message that begins with a std_msgs/Header.
         """
-        stamp = stamp_of(message)
+        stamp = header_stamp(message)
         if stamp <= self.last:
             self.repeated += 1
             return
@@ -81,6 +81,6 @@ class EventRecording:
 
     def take(self, message: bytes) -> None:
         """Write a message that begins with a std_msgs/Header."""
-        stamp = stamp_of(message)
+        stamp = header_stamp(message)
         self.count += 1
         self._sink.write(self._topic_id, stamp, stamp, message)

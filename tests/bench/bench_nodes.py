@@ -1,0 +1,138 @@
+"""Speed of the loop over ROS 2 topics, and how well real time is kept, beside peers measured in the same run.
+
+Prints one JSON list. The peer of lock-step is the executor that rclpy uses by default; that of real time is a bare
+loop that sleeps and does nothing else, which shows what the machine itself allows at that moment.
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+from statistics import median
+from time import perf_counter, sleep
+from typing import TYPE_CHECKING
+
+from flexros.config.scenario import load_scenario
+from flexros_nodes import spinning
+from flexros_nodes.pacing import Schedule
+from flexros_nodes.run import run_scenario
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flexros.config.scenario import Scenario
+    from flexros_nodes.run_plan import RunSummary
+
+T = 5e-4
+REPEATS = 3
+DURATION = 8.0
+
+
+def scenario(name: str, duration: float) -> Scenario:
+    """Load a scenario and give it a length [s]."""
+    return load_scenario(name).with_values({"duration": duration})
+
+
+def run(what: Scenario, layout: str, *, record: bool = True, real_time: bool = False) -> RunSummary:
+    """Run once, with the log in a folder that is removed."""
+    with tempfile.TemporaryDirectory() as name:
+        summary = run_scenario(what, Path(name) / "log" if record else None, layout, real_time=real_time)
+    if summary.exit_code or (summary.missing and not real_time):
+        raise RuntimeError(f"the run failed: {summary.message or f'{summary.missing} samples are missing'}")
+    return summary
+
+
+@contextmanager
+def default_executor() -> Iterator[None]:
+    """Use rclpy's SingleThreadedExecutor in the block."""
+    ours = spinning.EventsExecutor
+    spinning.EventsExecutor = None
+    try:
+        yield
+    finally:
+        spinning.EventsExecutor = ours
+
+
+def speed_row(what: str, given: Scenario, layout: str, goal: float | None, *, record: bool = True) -> dict[str, object]:
+    """Measure samples per second, the median and the best of several runs."""
+    speeds = [run(given, layout, record=record).samples_per_second for _ in range(REPEATS)]
+    return {"what": what, "value": median(speeds), "best": max(speeds), "unit": "samples/s", "goal": goal}
+
+
+def lock_step_rows() -> list[dict[str, object]]:
+    """Lock-step in both layouts."""
+    circle = scenario("circle_dae", 10.0)
+    composed = speed_row("lock-step, composed, 5 topics recorded", circle, "composed", 15_000)
+    without = speed_row("lock-step, composed, not recorded", circle, "composed", None, record=False)
+    with default_executor():
+        peer = speed_row(
+            "lock-step, composed, 5 topics recorded, SingleThreadedExecutor",
+            scenario("circle_dae", 1.0),
+            "composed",
+            None,
+        )
+    cost = 1e6 * (1.0 / float(str(composed["best"])) - 1.0 / float(str(without["best"])))
+    return [
+        composed,
+        peer,
+        without,
+        {"what": "recorder per sample, 5 topics, composed", "value": cost, "unit": "us", "goal": None},
+        speed_row("lock-step, composed, six_axis", scenario("six_axis_moves", 5.0), "composed", None),
+        speed_row("lock-step, one process per node, 5 topics recorded", circle, "processes", 4_000),
+        speed_row("lock-step, one process per node, not recorded", circle, "processes", None, record=False),
+    ]
+
+
+def bare_loop() -> dict[str, object]:
+    """Keep the schedule with nothing to do."""
+    n = round(DURATION / T)
+    schedule = Schedule(T, n)
+    with spinning.precise_timing():
+        schedule.begin(perf_counter() + T)
+        for _ in range(n):
+            remaining = schedule.due - perf_counter() - spinning.BUSY
+            if remaining > 0.0:
+                sleep(remaining)
+            while (now := perf_counter()) < schedule.due:
+                pass
+            schedule.started(now)
+    statistics = schedule.statistics()
+    assert statistics is not None
+    return timing_row("real time, bare loop without nodes", statistics.as_dict(), None)
+
+
+def timing_row(what: str, timing: dict[str, float], goal: float | None) -> dict[str, object]:
+    """Lay out the figures of a real-time run; the goal is that of the late cycles."""
+    return {
+        "what": what,
+        "value": timing["late_percent"],
+        "unit": "% late",
+        "goal": goal,
+        "rate_hz": timing["rate_hz"],
+        "period_p99_us": timing["period_p99_us"],
+        "period_max_us": timing["period_max_us"],
+        "missed_commands": timing.get("missed_commands"),
+    }
+
+
+def real_time_rows() -> list[dict[str, object]]:
+    """Real time at 2 kHz in both layouts, each with and without a recorder."""
+    circle = scenario("circle_dae", DURATION)
+    rows = [bare_loop()]
+    for layout in ("composed", "processes"):
+        for record, goal in ((False, 1.0), (True, 5.0)):
+            summary = run(circle, layout, record=record, real_time=True)
+            what = f"real time, {layout}, {'5 topics recorded' if record else 'not recorded'}"
+            rows.append(timing_row(what, dict(summary.timing), goal))
+    return [*rows, bare_loop()]
+
+
+def main() -> None:
+    """Print all rows."""
+    print(json.dumps([*lock_step_rows(), *real_time_rows()]))
+
+
+if __name__ == "__main__":
+    main()
