@@ -44,10 +44,12 @@ class PlantNode(FlexrosNode):
     node calls `cycle` at the times of `schedule`; then it never waits, holds the last command and counts the miss.
 
     Attributes:
+        prioritised: Whether the thread that paces the node has real-time priority.
         schedule: Due times of a real-time run, None in lock-step and before the handshake is over.
     """
 
     node_name = "plant"
+    prioritised = False
     schedule: Schedule | None = None
 
     def configure(self) -> None:
@@ -117,7 +119,7 @@ class PlantNode(FlexrosNode):
             "braked_samples": self._braked,
         }
         if self._real_time:
-            figures["missed_commands"] = self._missed
+            figures |= {"missed_commands": self._missed, "real_time_priority": self.prioritised}
             statistics = self._timing.statistics() if self._began else None
             figures |= statistics.as_dict() if statistics else {}
         return figures

@@ -17,6 +17,7 @@ from rclpy.node import Node
 from flexros.errors import RunError
 from flexros_nodes.domain import DOMAIN_VARIABLE
 from flexros_nodes.node_process import NodeProcess
+from flexros_nodes.precise_timing import PRIORITY
 from flexros_nodes.run_plan import RunSummary, summarise
 from flexros_nodes.shared_memory import remove_segments_without_owner
 from flexros_nodes.spinning import make_executor
@@ -46,8 +47,8 @@ _STATES = {
 }
 """State before and after a transition."""
 
-NICENESS = 10
-"""How far the recorder steps back for the loop in real time, chosen: it has until the end to catch up."""
+IN_REAL_TIME: dict[str, dict[str, Value]] = {"recorder": {"niceness": 10}, "controller": {"priority": PRIORITY}}
+"""How nodes stand to each other in real time, chosen: the recorder has until the end to catch up."""
 
 SLICE = 0.05
 """Period at which the processes are looked after [s]."""
@@ -75,8 +76,8 @@ class ProcessManager:
         self.processes = {name: NodeProcess(name, self._values(name), scratch) for name in plan.nodes}
 
     def _values(self, name: str) -> dict[str, Value]:
-        steps_back = name == "recorder" and self._plan.real_time
-        return {**({"niceness": NICENESS} if steps_back else {}), **self._plan.values(name)}
+        standing = IN_REAL_TIME.get(name, {}) if self._plan.real_time else {}
+        return {**standing, **self._plan.values(name)}
 
     def run(self) -> None:
         """Bring all nodes up and wait until the run is over."""

@@ -93,7 +93,7 @@ class RunSummary:
     reports: Mapping[str, NodeReport] = field(default_factory=dict)
 
 
-_TIMING = (*(field.name for field in fields(PeriodStatistics)), "missed_commands")
+_TIMING = (*(field.name for field in fields(PeriodStatistics)), "missed_commands", "real_time_priority")
 
 
 def summarise(

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import ctypes
-import gc
-import sys
-from contextlib import contextmanager
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 from rclpy.executors import SingleThreadedExecutor
+
+from flexros_nodes.precise_timing import precise_timing
 
 try:
     from rclpy.experimental.events_executor import EventsExecutor
@@ -17,8 +15,6 @@ except ImportError:  # rclpy before 7.1.4
     EventsExecutor = None
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from rclpy.context import Context
     from rclpy.executors import Executor
     from rclpy.task import Future
@@ -31,9 +27,6 @@ SLICE = 0.2
 
 BUSY = 40e-6
 """Time before a cycle is due from which the paced loop watches the clock instead of sleeping [s], chosen."""
-
-_PR_SET_TIMERSLACK = 29
-_SWITCH_INTERVAL = 1e-4
 
 
 def make_executor(context: Context | None) -> Executor:
@@ -57,7 +50,7 @@ def spin(executor: Executor, stop: Future, interrupted: Interruption, plant: Pla
         while not (stop.done() or interrupted()):
             executor.spin_until_future_complete(stop, timeout_sec=SLICE)
         return
-    with precise_timing():
+    with precise_timing() as plant.prioritised:
         while not (stop.done() or interrupted()):
             schedule = plant.schedule
             remaining = SLICE if schedule is None else schedule.due - BUSY - perf_counter()
@@ -68,29 +61,3 @@ def spin(executor: Executor, stop: Future, interrupted: Interruption, plant: Pla
                 pass
             schedule.started(now)
             plant.cycle()
-
-
-@contextmanager
-def precise_timing() -> Iterator[None]:
-    """Let this thread, and those it starts, wake up on time: no timer slack, no collections of garbage in between.
-
-    The slack of 50 us that Linux adds to every sleep is half a loop's lateness; other systems keep theirs.
-    """
-    slack = ctypes.CDLL(None).prctl if sys.platform == "linux" else None
-    interval = sys.getswitchinterval()
-    was_enabled = gc.isenabled()
-    gc.collect()
-    gc.freeze()
-    gc.disable()
-    sys.setswitchinterval(_SWITCH_INTERVAL)
-    if slack:
-        slack(_PR_SET_TIMERSLACK, 1, 0, 0, 0)
-    try:
-        yield
-    finally:
-        if slack:
-            slack(_PR_SET_TIMERSLACK, 0, 0, 0, 0)  # 0 restores the default
-        sys.setswitchinterval(interval)
-        if was_enabled:
-            gc.enable()
-        gc.unfreeze()

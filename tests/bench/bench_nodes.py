@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from flexros.config.scenario import load_scenario
 from flexros_nodes import spinning
 from flexros_nodes.pacing import Schedule
+from flexros_nodes.precise_timing import precise_timing
 from flexros_nodes.run import run_scenario
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ def bare_loop() -> dict[str, object]:
     """Keep the schedule with nothing to do."""
     n = round(DURATION / T)
     schedule = Schedule(T, n)
-    with spinning.precise_timing():
+    with precise_timing():
         schedule.begin(perf_counter() + T)
         for _ in range(n):
             remaining = schedule.due - perf_counter() - spinning.BUSY
@@ -114,6 +115,7 @@ def timing_row(what: str, timing: dict[str, float], goal: float | None) -> dict[
         "period_p99_us": timing["period_p99_us"],
         "period_max_us": timing["period_max_us"],
         "missed_commands": timing.get("missed_commands"),
+        "real_time_priority": timing.get("real_time_priority"),
     }
 
 
