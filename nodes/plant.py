@@ -227,8 +227,15 @@ class PlantNode(FlexrosNode):
         self._timing.begin(self._began + self._sample_time)
         self.schedule = self._timing
 
+    @property
+    def answered(self) -> bool:
+        """Whether the command of the present sample is there; also when no answer is awaited any more."""
+        return self._fresh is not None or self._finishing
+
     def cycle(self) -> None:
         """Do the cycle that is due: move by the newest command, measure, publish. Called by whoever paces the node."""
+        if self._finishing:
+            return
         try:
             if self._fresh is None:
                 self._missed += 1

@@ -29,6 +29,10 @@ BUSY = 40e-6
 """Time before a cycle is due from which the paced loop watches the clock instead of sleeping [s], chosen."""
 
 
+MOST_EVENTS = 16
+"""Events in the queue that a late cycle looks through for its command, chosen: all that one sample makes."""
+
+
 def make_executor(context: Context | None) -> Executor:
     """Make the executor that suits the loop best: EventsExecutor where there is one, else SingleThreadedExecutor."""
     if EventsExecutor is None:
@@ -57,7 +61,11 @@ def spin(executor: Executor, stop: Future, interrupted: Interruption, plant: Pla
             if remaining > 0.0:
                 executor.spin_once(timeout_sec=min(remaining, SLICE))
                 continue
-            while (now := perf_counter()) < schedule.due:
+            while perf_counter() < schedule.due:
                 pass
-            schedule.started(now)
+            for _ in range(MOST_EVENTS):  # after a delay the answer may lie in the queue already
+                if plant.answered or stop.done():
+                    break
+                executor.spin_once(timeout_sec=0.0)
+            schedule.started(perf_counter())
             plant.cycle()
