@@ -71,7 +71,12 @@ def _work(plan: RunPlan, nodes: Sequence[FlexrosNode], executor: Executor, inter
     plant = nodes[-1]
     for node in nodes:
         node.on_end = lambda _: stop.set_result(None)
-    plant.on_end = lambda _: (plant_over.set_result(None), stop.set_result(None))
+
+    def end_all(_: FlexrosNode) -> None:
+        plant_over.set_result(None)
+        stop.set_result(None)
+
+    plant.on_end = end_all
     for node in nodes:
         node.trigger_configure()
         if node.report is not None or interrupted():
@@ -80,7 +85,6 @@ def _work(plan: RunPlan, nodes: Sequence[FlexrosNode], executor: Executor, inter
         node.trigger_activate()
         if node.report is not None:
             return
-    paced = plant if plan.real_time else None
-    spin(executor, stop, interrupted, paced)
+    spin(executor, stop, interrupted, plant.paced)
     if plan.folder is None or nodes[0].report is None:
-        spin(executor, plant_over, interrupted, paced)
+        spin(executor, plant_over, interrupted, plant.paced)

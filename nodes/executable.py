@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -43,6 +44,8 @@ def run_node(node_class: type[FlexrosNode], arguments: list[str] | None = None) 
             report = NodeReport(node_class.node_name, error.exit_code, str(error))
         finally:
             rclpy.try_shutdown()
+    # ros2 launch sends the SIGINT of the terminal a second time, which must not spoil a clean end
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     if report.exit_code:
         print(f"{ERROR_PREFIX}{report.message}", file=sys.stderr)
     return report.exit_code
@@ -63,7 +66,7 @@ def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport
     if node.value("autostart"):
         bring_up(node)
     if node.report is None:
-        spin(executor, stop, interrupted, node if node.paced else None)
+        spin(executor, stop, interrupted, node.paced)
     report = close(node)
     if path := node.value("report_file"):
         report.write(Path(path))

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from rclpy.publisher import Publisher
     from rclpy.timer import Timer
 
+    from flexros_nodes.pacing import Paced
     from flexros_nodes.parameters import Value
 
 _TYPES = {
@@ -104,9 +105,9 @@ class FlexrosNode(LifecycleNode):
     # What a node provides.
 
     @property
-    def paced(self) -> bool:
-        """Whether whoever spins the node has to call it at the times of its schedule."""
-        return False
+    def paced(self) -> Paced | None:
+        """The node itself if whoever spins it has to start its cycles at the times of a schedule."""
+        return None
 
     @abstractmethod
     def configure(self) -> None:

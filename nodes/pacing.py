@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -42,6 +43,25 @@ class PeriodStatistics:
     def as_dict(self) -> dict[str, float]:
         """Give the figures by name."""
         return asdict(self)
+
+
+class Paced(Protocol):
+    """A node whose work whoever spins it has to start at the times of a schedule.
+
+    Attributes:
+        schedule: Due times, None while there is nothing to pace.
+        prioritised: Whether the thread that paces has real-time priority; set by whoever spins.
+    """
+
+    schedule: Schedule | None
+    prioritised: bool
+
+    @property
+    def answered(self) -> bool:
+        """Whether what the next cycle needs is there."""
+
+    def cycle(self) -> None:
+        """Do the cycle that is due."""
 
 
 class Schedule:

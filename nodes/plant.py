@@ -86,9 +86,9 @@ class PlantNode(FlexrosNode):
         self._window = RecorderWindow(window - stamp_ns(0, self._sample_time))
 
     @property
-    def paced(self) -> bool:
-        """Whether the run is in real time."""
-        return bool(self.value("real_time"))
+    def paced(self) -> PlantNode | None:
+        """The node itself in real time."""
+        return self if self.value("real_time") else None
 
     def start(self) -> None:
         """Look for the partners; the first state goes out when they are there."""

@@ -10,7 +10,7 @@ from flexros.errors import RunError
 from flexros.logs.stamps import START_NS, sample_number, stamp_ns
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import FloatArray, IntArray
     from flexros.logs.joint_trajectory_message import JointTrajectoryChunk
 
 
@@ -120,7 +120,7 @@ class ReferenceBuffer:
         return rows
 
 
-def _interpolate(at: FloatArray, times: FloatArray, rows: FloatArray, n_motors: int, *, smooth: bool) -> FloatArray:
+def _interpolate(at: IntArray, times: IntArray, rows: FloatArray, n_motors: int, *, smooth: bool) -> FloatArray:
     """Evaluate the points at stamps [ns]; outside the points the nearest one holds at rest."""
     if len(times) == 1:
         sampled = np.repeat(rows, len(at), axis=0)

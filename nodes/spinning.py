@@ -12,7 +12,7 @@ from flexros_nodes.precise_timing import precise_timing
 try:
     from rclpy.experimental.events_executor import EventsExecutor
 except ImportError:  # rclpy before 7.1.4
-    EventsExecutor = None
+    EventsExecutor = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
     from rclpy.context import Context
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rclpy.task import Future
 
     from flexros_nodes.interruption import Interruption
-    from flexros_nodes.plant import PlantNode
+    from flexros_nodes.pacing import Paced, Schedule
 
 SLICE = 0.2
 """Longest wait of an executor [s]: signals are seen after it, and unbounded waits of EventsExecutor can hang."""
@@ -40,32 +40,37 @@ def make_executor(context: Context | None) -> Executor:
     return EventsExecutor(context=context)
 
 
-def spin(executor: Executor, stop: Future, interrupted: Interruption, plant: PlantNode | None = None) -> None:
+def spin(executor: Executor, stop: Future, interrupted: Interruption, paced: Paced | None = None) -> None:
     """Spin until a future is done.
 
     Args:
         executor: Holds the nodes.
         stop: Ends the spinning when it gets a result.
         interrupted: Ends the spinning too.
-        plant: Plant to pace by the wall clock, where the run is in real time.
+        paced: Node to call at the times of its schedule, where the run is in real time.
     """
     interrupted.ends(stop)
-    if plant is None:
+    if paced is None:
         while not (stop.done() or interrupted()):
             executor.spin_until_future_complete(stop, timeout_sec=SLICE)
         return
-    with precise_timing() as plant.prioritised:
+    with precise_timing() as paced.prioritised:
         while not (stop.done() or interrupted()):
-            schedule = plant.schedule
+            schedule = paced.schedule
             remaining = SLICE if schedule is None else schedule.due - BUSY - perf_counter()
-            if remaining > 0.0:
+            if schedule is None or remaining > 0.0:
                 executor.spin_once(timeout_sec=min(remaining, SLICE))
-                continue
-            while perf_counter() < schedule.due:
-                pass
-            for _ in range(MOST_EVENTS):  # after a delay the answer may lie in the queue already
-                if plant.answered or stop.done():
-                    break
-                executor.spin_once(timeout_sec=0.0)
-            schedule.started(perf_counter())
-            plant.cycle()
+            else:
+                _start_cycle(executor, paced, schedule)
+
+
+def _start_cycle(executor: Executor, paced: Paced, schedule: Schedule) -> None:
+    """Start the cycle that is about to be due."""
+    while perf_counter() < schedule.due:
+        pass
+    for _ in range(MOST_EVENTS):  # after a delay the answer may lie in the queue already
+        if paced.answered:
+            break
+        executor.spin_once(timeout_sec=0.0)
+    schedule.started(perf_counter())
+    paced.cycle()
