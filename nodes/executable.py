@@ -14,7 +14,7 @@ from rclpy.task import Future
 
 from flexros.errors import FlexrosError
 from flexros_nodes.interruption import interruption
-from flexros_nodes.precise_timing import take_priority
+from flexros_nodes.precise_timing import own_threads, take_priority
 from flexros_nodes.report import ERROR_PREFIX, NodeReport
 from flexros_nodes.spinning import make_executor, spin
 
@@ -58,7 +58,7 @@ def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport
     if niceness := node.value("niceness"):
         os.nice(niceness)
     if priority := node.value("priority"):
-        take_priority(priority)
+        take_priority(priority, own_threads())
     if parent := node.value("parent_process"):
         node.create_timer(PARENT_PERIOD, lambda: None if os.getppid() == parent else stop.set_result(None))
     executor = make_executor(None)

@@ -9,13 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import (
-    FloatingPointRange,
-    IntegerRange,
-    ParameterDescriptor,
-    ParameterType,
-    SetParametersResult,
-)
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidHandle
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
@@ -23,6 +17,7 @@ from rclpy.parameter import Parameter
 
 from flexros.errors import FlexrosError, InputError
 from flexros.logs.stamps import NANOSECONDS, START_NS
+from flexros_nodes.parameter_descriptor import parameter_descriptor
 from flexros_nodes.parameters import ParameterSpecification, check_value, node_parameters
 from flexros_nodes.report import NodeReport
 from flexros_nodes.topic_interface import message_class, qos_profile, topic
@@ -37,31 +32,6 @@ if TYPE_CHECKING:
 
     from flexros_nodes.pacing import Paced
     from flexros_nodes.parameters import Value
-
-_TYPES = {
-    "bool": ParameterType.PARAMETER_BOOL,
-    "int": ParameterType.PARAMETER_INTEGER,
-    "double": ParameterType.PARAMETER_DOUBLE,
-    "string": ParameterType.PARAMETER_STRING,
-}
-
-
-def _descriptor(name: str, specification: ParameterSpecification) -> ParameterDescriptor:
-    unit = f" [{specification.unit}]" if specification.unit else ""
-    descriptor = ParameterDescriptor(
-        name=name,
-        type=_TYPES[specification.type],
-        description=specification.description + unit,
-        additional_constraints="" if specification.allowed is None else "one of " + ", ".join(specification.allowed),
-        read_only=specification.read_only,
-    )
-    if specification.bounds is not None:
-        low, high = specification.bounds
-        if specification.type == "int":
-            descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=0)]
-        else:
-            descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high, step=0.0)]
-    return descriptor
 
 
 class FlexrosNode(LifecycleNode):
@@ -143,7 +113,7 @@ class FlexrosNode(LifecycleNode):
             value = check_value(self.node_name, name, given, self._specifications)
             if type(value) is not type(given):
                 self.set_parameters([Parameter(name, value=value)])
-            self.set_descriptor(name, _descriptor(name, specification))
+            self.set_descriptor(name, parameter_descriptor(name, specification))
 
     def value(self, name: str) -> Any:
         """Give the value of a parameter, in the unit of its file."""

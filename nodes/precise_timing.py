@@ -7,10 +7,11 @@ import gc
 import os
 import sys
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
 PRIORITY = 10
 """Real-time priority of the loop, 1 to 99: above all ordinary processes, below what a system needs for itself."""
@@ -19,11 +20,12 @@ _PR_SET_TIMERSLACK = 29
 _SWITCH_INTERVAL = 1e-4
 
 
-def take_priority(priority: int = PRIORITY) -> bool:
-    """Let this thread go before all ordinary ones (SCHED_FIFO), if the system permits it.
+def take_priority(priority: int = PRIORITY, threads: Iterable[int] = (0,)) -> bool:
+    """Let threads go before all ordinary ones (SCHED_FIFO), if the system permits it.
 
     Args:
         priority: Real-time priority, 1 to 99; 0 gives it back.
+        threads: Numbers of the threads; 0 is the present one.
 
     Returns:
         Whether the system permitted it: root, or a user with a limit of `ulimit -r` above the priority.
@@ -32,10 +34,17 @@ def take_priority(priority: int = PRIORITY) -> bool:
         return False
     policy = os.SCHED_FIFO if priority else os.SCHED_OTHER
     try:
-        os.sched_setscheduler(0, policy, os.sched_param(priority))
+        for thread in threads:
+            os.sched_setscheduler(thread, policy, os.sched_param(priority))
     except OSError:
         return False
     return True
+
+
+def own_threads() -> list[int]:
+    """List the threads of this process; those of the middleware carry the messages. Only the present one elsewhere."""
+    tasks = Path("/proc/self/task")
+    return sorted(int(task.name) for task in tasks.iterdir()) if tasks.is_dir() else [0]
 
 
 @contextmanager

@@ -47,7 +47,11 @@ _STATES = {
 }
 """State before and after a transition."""
 
-IN_REAL_TIME: dict[str, dict[str, Value]] = {"recorder": {"niceness": 10}, "controller": {"priority": PRIORITY}}
+IN_REAL_TIME: dict[str, dict[str, Value]] = {
+    "plant": {"priority": PRIORITY},
+    "controller": {"priority": PRIORITY},
+    "recorder": {"niceness": 10},
+}
 """How nodes stand to each other in real time, chosen: the recorder has until the end to catch up."""
 
 SLICE = 0.05
