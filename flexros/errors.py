@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, ClassVar
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C or termination."""
+
+INTERNAL_ERROR = 70
+"""Exit code of a fault in FlexROS itself, with a traceback (EX_SOFTWARE of sysexits.h)."""
 
 
 class FlexrosError(Exception):
@@ -25,6 +32,22 @@ class RunError(FlexrosError):
     """A run broke off: the message says what happened, when, and where the log up to there lies."""
 
     exit_code: ClassVar[int] = 3
+
+
+@contextmanager
+def source_named(source: str) -> Iterator[None]:
+    """Put the source before the text of an InputError that is raised inside.
+
+    Args:
+        source: Where the input came from, e.g. "scenario circle_pd, key start".
+
+    Raises:
+        InputError: "<source>: <text>".
+    """
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from error
 
 
 def unknown_name(kind: str, given: str, allowed: Iterable[str], source: str = "") -> InputError:

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import platform
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flexros.control.controller import Controller
-from flexros.errors import InputError
+from flexros.errors import InputError, source_named
 from flexros.feedforward.reference import compute_reference
+from flexros.provenance import versions
 from flexros.robot import load_robot
 from flexros.simulate.plant import Plant
 from flexros.simulate.signals import plant_signals
 from flexros.trajectory import JOINTS, JointMove, Move, TimeLaw, Trajectory, build_trajectory, check_reachable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from flexros.arrays import FloatArray
     from flexros.config.scenario import Scenario
     from flexros.feedforward.motion import Reference
@@ -78,7 +74,7 @@ class Experiment:
                 f"{MOST_SAMPLES}; shorten the duration or raise the sample time"
             )
         experiment = cls(scenario, nominal, plant, sample_time, trajectory, n_samples)
-        with _telling(source):  # what is cheap to check is refused before anything costly is made
+        with source_named(source):  # what is cheap to check is refused before anything costly is made
             _ = experiment.gains, experiment.signals(scenario.seed)
         return experiment
 
@@ -95,7 +91,7 @@ class Experiment:
     @cached_property
     def reference(self) -> Reference:
         """References and feedforward torques of all samples; the torques are zero where the scenario says so."""
-        with _telling(f"scenario {self.scenario.name}"):
+        with source_named(f"scenario {self.scenario.name}"):
             _check_reachable(self.trajectory, self.nominal, self.start)
         return self._reference(self.duration)
 
@@ -161,12 +157,12 @@ class Experiment:
             "n_samples": self.n_samples,
             "model_hash": self.nominal.model_hash,
             "plant_hash": self.plant.model_hash,
-            "versions": {"python": platform.python_version(), **{name: _version(name) for name in _VERSIONED}},
+            "versions": versions(),
         }
 
     def _reference(self, duration: float) -> Reference:
         scenario = self.scenario
-        with _telling(f"scenario {scenario.name}"):
+        with source_named(f"scenario {scenario.name}"):
             reference = compute_reference(
                 self.nominal, self.trajectory, scenario.feedforward, self.sample_time, duration, self.start
             )
@@ -175,30 +171,11 @@ class Experiment:
         return replace(reference, torque=np.zeros_like(reference.torque))
 
 
-_VERSIONED = ("flexros", "casadi", "llvmlite", "numpy", "scipy")
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "not installed"
-
-
-@contextmanager
-def _telling(source: str) -> Iterator[None]:
-    """Put the source before the text of an error."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"{source}: {error}") from error
-
-
 def _trajectory(scenario: Scenario, robot: Robot, source: str) -> Trajectory:
     """Plan the scenario's motion from its start pose."""
     near = robot.home
     if scenario.start is not None:
-        with _telling(f"{source}, key start"):
+        with source_named(f"{source}, key start"):
             near = robot.check_arm(scenario.start)
     gears = near[list(robot.chain.geared)]
     if scenario.trajectory is None:
@@ -207,7 +184,7 @@ def _trajectory(scenario: Scenario, robot: Robot, source: str) -> Trajectory:
         return build_trajectory(scenario.trajectory, gears, source=f"{source}, key trajectory")
     output = scenario.trajectory.output_of(scenario.feedforward.output or robot.controlled)
     key = "trajectory.output" if scenario.trajectory.output else "feedforward.output"
-    with _telling(f"{source}, key {key}"):
+    with source_named(f"{source}, key {key}"):
         begin = robot.forward_kinematics(near, output)
     pose = robot.spec.outputs[output].pose
     return build_trajectory(
@@ -224,13 +201,7 @@ def _check_reachable(trajectory: Trajectory, robot: Robot, near: FloatArray) -> 
     if trajectory.joints or not robot.spec.outputs[trajectory.output].pose:
         return
     gears = list(robot.chain.geared)
-    slope = robot.model.output_with_slope(trajectory.output)
-
-    def arm(joints: FloatArray) -> FloatArray:
-        q = np.zeros(robot.n_arm)
-        q[gears] = joints
-        return q
-
+    slope, arm = robot.model.output_with_slope(trajectory.output), robot.chain.arm_from_gears
     check_reachable(
         trajectory,
         lambda target, close: robot.inverse_kinematics(target, arm(close), trajectory.output)[gears],

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import Field
 
 from flexros.config.validation import Settings, validate
-from flexros.errors import InputError
+from flexros.errors import InputError, source_named
 from flexros.trajectory.limits import LIMIT_NAMES, Limits, check_limits
 from flexros.trajectory.path import point, text
 from flexros.trajectory.path_specification import JointMovesSpecification, PathSpecification
@@ -17,7 +16,7 @@ from flexros.trajectory.time_law_specification import TimeLawSpecification
 from flexros.trajectory.trajectory import JOINTS, Move, Trajectory
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
 
     from numpy.typing import ArrayLike
 
@@ -139,7 +138,7 @@ def build_trajectory(
         InputError: Impossible geometry, limits that cannot be met, a repetition of an open path, a motion of more than
             an hour, or a path for another output than that of the start.
     """
-    with _telling(f"{source}.path"):
+    with source_named(f"{source}.path"):
         if output == JOINTS and not specification.joints:
             raise InputError(
                 f"the path type {specification.path.type} moves the tool but the output is '{JOINTS}', allowed is an "
@@ -153,11 +152,11 @@ def build_trajectory(
         origin = point(start, "start of the trajectory").copy()
         positions = min(3, origin.size) if n_position is None else n_position
         paths = specification.path.paths(origin, positions)
-    with _telling(f"{source}.time_law"):
+    with source_named(f"{source}.time_law"):
         cycle = [Move(path, specification.time_law.law(path, specification.joints)) for path in paths]
     if specification.return_to_start:
         cycle += [Move(move.path, move.law.mirrored()) for move in reversed(cycle)]
-    with _telling(source):
+    with source_named(source):
         trajectory = Trajectory(_repeated(specification, cycle), JOINTS if specification.joints else output)
         if trajectory.duration > LONGEST:
             raise InputError(
@@ -184,12 +183,3 @@ def _repeated(specification: TrajectorySpecification, cycle: list[Move]) -> tupl
     moves += later * (specification.repeat - 1)
     moves[-1] = Move(moves[-1].path, moves[-1].law.held(after=specification.hold_after))
     return tuple(moves)
-
-
-@contextmanager
-def _telling(source: str) -> Iterator[None]:
-    """Put the source before the text of an error."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"{source}: {error}") from error

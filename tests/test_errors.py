@@ -1,0 +1,23 @@
+from __future__ import annotations
+
+import pytest
+
+from flexros.errors import InputError, RunError, source_named, unknown_name
+
+
+def test_source_stands_before_the_text_of_an_input_error():
+    with (
+        pytest.raises(InputError, match=r"^file x.yaml, key mass: is negative$"),
+        source_named("file x.yaml, key mass"),
+    ):
+        raise InputError("is negative")
+
+
+def test_other_errors_keep_their_text():
+    with pytest.raises(RunError, match=r"^broke off$"), source_named("file x.yaml"):
+        raise RunError("broke off")
+
+
+def test_an_unknown_name_offers_the_nearest():
+    error = unknown_name("robot", "e21", ["e12", "emps"], "--model")
+    assert str(error) == "unknown robot 'e21' in --model: did you mean 'e12'? allowed are e12, emps"
