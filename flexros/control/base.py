@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from abc import ABC, abstractmethod
 from functools import cache
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 import flexros.control
 from flexros.config.validation import Settings, validate
-from flexros.errors import InputError, unknown_name
+from flexros.discovery import members
+from flexros.errors import unknown_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -32,12 +30,13 @@ class AbstractControlLaw(Settings, ABC):
     1. `kind`, a class variable: the name by which scenarios choose it.
     2. Its settings as pydantic fields with description, unit and bounds. Records are frozen, unknown keys refused.
     3. `state_size` and, where it does not start from zeros, `initial_state`: its memory between samples.
-    4. `gain_names` and `gains`: every number that may change while running or be swept, as one vector. Limits of the
-       command are named "motor_1.torque_limit", ...: by these names the controller tells which motors saturate.
+    4. `gain_names` and `gains`: every number that may change while running or be swept, as one vector.
     5. `function`: the pure update `(c, r, y, g) -> (u, c_next)` as a CasADi SX function with the shapes
        c (state_size,), r (3 M,) = [motor position, motor velocity, feedforward torque], y (M,) measured motor
        position, g (n_gains,), u (M,) torque command. No clock, no randomness: sample time is an argument.
-    6. `bumpless_state`, if it can take over from another controller without a step in the torque.
+
+    A law that treats each motor for itself, with gains per motor and a torque limit, derives from
+    `flexros.control.motorwise.AbstractMotorwiseLaw`, which leaves only its gains and its update to write.
     """
 
     kind: ClassVar[str]
@@ -78,49 +77,11 @@ class AbstractControlLaw(Settings, ABC):
         """Give the memory before the first sample, shape (state_size,)."""
         return np.zeros(self.state_size(n_motors))
 
-    def bumpless_state(
-        self,
-        gains: FloatArray,
-        sample_time: float,
-        position: FloatArray,
-        reference: FloatArray,
-        torque: FloatArray,
-    ) -> FloatArray:
-        """Give the memory with which the next command continues `torque`, as far as the law can.
-
-        Args:
-            gains: Gain vector, shape (n_gains,).
-            sample_time: Time between two samples [s].
-            position: Measured motor position of the next sample [rad or m], shape (M,).
-            reference: Reference of the next sample, shape (3 M,).
-            torque: Torque to continue from [Nm], shape (M,).
-
-        Returns:
-            Memory, shape (state_size,).
-
-        Raises:
-            InputError: The law has no state that could hold a torque.
-        """
-        raise InputError(
-            f"controller '{self.kind}' cannot take over a torque without a step; start it from its initial state"
-        )
-
 
 @cache
 def control_laws() -> Mapping[str, type[AbstractControlLaw]]:
     """Find all control laws in this package, by `kind`."""
-    for module in pkgutil.iter_modules(flexros.control.__path__):
-        importlib.import_module(f"flexros.control.{module.name}")
-    found: dict[str, type[AbstractControlLaw]] = {}
-    for law in AbstractControlLaw.__subclasses__():
-        if law.__module__.startswith("flexros.control."):
-            if law.kind in found:
-                raise InputError(
-                    f"two controllers are named '{law.kind}': {found[law.kind].__module__} and {law.__module__}; "
-                    "give one of them another kind"
-                )
-            found[law.kind] = law
-    return MappingProxyType(dict(sorted(found.items())))
+    return members(flexros.control, AbstractControlLaw, "kind")  # type: ignore[type-abstract]
 
 
 def control_law(settings: Mapping[str, Any], source: str = "controller") -> AbstractControlLaw:

@@ -14,7 +14,7 @@ from flexros.errors import InputError, RunError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flexros.arrays import BoolArray, FloatArray
+    from flexros.arrays import FloatArray
     from flexros.control.base import AbstractControlLaw
 
 
@@ -44,7 +44,6 @@ class Controller:
         self.n_motors = n_motors
         self.sample_time = sample_time
         self._gains = law.gains(n_motors, torque_limits)
-        self._limit = np.full(n_motors, np.inf) if torque_limits is None else np.array(torque_limits, dtype=float)
         self._state = law.initial_state(n_motors)
         self._next_state = np.empty_like(self._state)
         self._reference = np.zeros(3 * n_motors)
@@ -92,16 +91,6 @@ class Controller:
         """Go back to the state before the first sample."""
         self._state[:] = self.law.initial_state(self.n_motors)
 
-    def take_over(self, position: FloatArray, reference: FloatArray, torque: FloatArray) -> None:
-        """Set the state so that the next command continues `torque` without a step, as far as the law can.
-
-        Args:
-            position: Measured motor positions of the next sample [rad or m], shape (M,).
-            reference: Reference of the next sample, shape (3 M,).
-            torque: Torque that acted so far [Nm or N], shape (M,).
-        """
-        self._state[:] = self.law.bumpless_state(self._gains, self.sample_time, position, reference, torque)
-
     @property
     def gains(self) -> FloatArray:
         """Gains by the names of `law.gain_names`, shape (n_gains,), a copy."""
@@ -129,17 +118,6 @@ class Controller:
     def state(self, state: FloatArray) -> None:
         """Restore a memory."""
         self._state[:] = state
-
-    @property
-    def saturated(self) -> BoolArray:
-        """Motors whose last command was at the robot's or the law's limit, shape (M,)."""
-        saturated: BoolArray = np.abs(self._command) >= np.minimum(self._limit, self._law_limit())
-        return saturated
-
-    def _law_limit(self) -> FloatArray:
-        names = self.law.gain_names(self.n_motors)
-        limits = [gain for name, gain in zip(names, self._gains, strict=True) if name.endswith(".torque_limit")]
-        return np.array(limits or [np.inf] * self.n_motors)
 
     def _what_is_not_finite(self) -> str:
         for name, values in (("measured position", self._position), ("reference", self._reference)):

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cache
-from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 import flexros.effects
 from flexros.config.validation import Settings, validate
+from flexros.discovery import members
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -20,7 +18,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
-class AbstractEffect(Settings):
+class AbstractEffect(Settings, ABC):
     """An effect that changes numbers of the plant's model.
 
     How to add one: write one file in `flexros/effects` with one final subclass; it is then found by its name in
@@ -70,10 +68,7 @@ class PlacedEffect:
 @cache
 def effects() -> Mapping[str, type[AbstractEffect]]:
     """Find all effects in this package, by name."""
-    for module in pkgutil.iter_modules(flexros.effects.__path__):
-        importlib.import_module(f"flexros.effects.{module.name}")
-    found = AbstractEffect.__subclasses__()
-    return MappingProxyType({effect.name: effect for effect in sorted(found, key=lambda effect: effect.name)})
+    return members(flexros.effects, AbstractEffect)  # type: ignore[type-abstract]
 
 
 def parse_effect(text: str, source: str) -> PlacedEffect:
@@ -98,8 +93,20 @@ def parse_effect(text: str, source: str) -> PlacedEffect:
         )
     if name not in effects():
         raise unknown_name("effect", name, effects(), source)
-    parameters = dict(part.partition("=")[::2] for part in tail.split(",") if part)
-    return PlacedEffect(validate(effects()[name], parameters, f"{source} {name}"), location)
+    return PlacedEffect(validate(effects()[name], _parameters(tail, f"{source} {name}"), f"{source} {name}"), location)
+
+
+def _parameters(text: str, source: str) -> dict[str, str]:
+    """Split parameter=value,... and refuse a parameter that is given twice."""
+    parameters: dict[str, str] = {}
+    for part in (part for part in text.split(",") if part):
+        name, _, value = part.partition("=")
+        if name in parameters:
+            raise InputError(
+                f"{source}: parameter '{name}' is given twice, as {parameters[name]} and {value}; remove one of them"
+            )
+        parameters[name] = value
+    return parameters
 
 
 def plant_values(robot: Robot, placed: Iterable[PlacedEffect]) -> dict[str, float]:

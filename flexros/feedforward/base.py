@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from abc import ABC, abstractmethod
 from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 import flexros.feedforward
+from flexros.discovery import members
 from flexros.errors import unknown_name
 
 if TYPE_CHECKING:
@@ -62,10 +61,8 @@ class AbstractFeedforward(ABC):
 @cache
 def feedforward_methods() -> Mapping[str, AbstractFeedforward]:
     """Find all methods in this package, by name."""
-    for module in pkgutil.iter_modules(flexros.feedforward.__path__):
-        importlib.import_module(f"flexros.feedforward.{module.name}")
-    found = {method.name: method() for method in AbstractFeedforward.__subclasses__()}
-    return MappingProxyType(dict(sorted(found.items())))
+    found = members(flexros.feedforward, AbstractFeedforward)  # type: ignore[type-abstract]
+    return MappingProxyType({name: method() for name, method in found.items()})
 
 
 def feedforward_method(name: str) -> AbstractFeedforward:

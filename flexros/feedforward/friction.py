@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from flexros.errors import InputError
+from flexros.config.per_motor import per_motor
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -35,7 +35,7 @@ def friction_torque(friction: FrictionCompensation, velocity: FloatArray) -> Flo
         InputError: A coefficient has neither one value nor one per motor.
     """
     n_motors = velocity.shape[1]
-    values = {name: _per_motor(name, getattr(friction, name), n_motors) for name in NAMES}
+    values = {name: per_motor(f"feedforward.friction.{name}", getattr(friction, name), n_motors) for name in NAMES}
     v, c = ca.SX.sym("v"), ca.SX.sym("c", len(NAMES))
     viscous, coulomb, stribeck, v_s, v_0 = (c[i] for i in range(len(NAMES)))
     value = viscous * v + (coulomb + stribeck * ca.exp(-((v / v_s) ** 2))) * ca.tanh(v / v_0)
@@ -45,13 +45,3 @@ def friction_torque(friction: FrictionCompensation, velocity: FloatArray) -> Flo
     for i in range(n_motors):
         torque[:, i] = np.array(law(velocity[:, [i]].T, np.tile(columns[:, [i]], len(velocity)))).ravel()
     return torque
-
-
-def _per_motor(name: str, value: float | tuple[float, ...], n_motors: int) -> FloatArray:
-    array = np.atleast_1d(np.asarray(value, dtype=np.float64))
-    if len(array) not in (1, n_motors):
-        raise InputError(
-            f"feedforward.friction.{name} has {len(array)} values, but the robot has {n_motors} motors; give one value "
-            "or one per motor"
-        )
-    return np.asarray(np.broadcast_to(array, (n_motors,)).copy())

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from flexros.config.per_motor import NotNegativePerMotor, Positive, PositivePerMotor
 from flexros.config.validation import Settings
-
-NotNegative: TypeAlias = Annotated[float, Field(ge=0.0)]
-Positive: TypeAlias = Annotated[float, Field(gt=0.0)]
 
 
 class FrictionCompensation(Settings):
     """Friction of the motors that the feedforward torque makes up for; one value, or one per motor."""
 
-    viscous: NotNegative | tuple[NotNegative, ...] = Field(0.0, description="[Nm s/rad, or N s/m]")
-    coulomb: NotNegative | tuple[NotNegative, ...] = Field(0.0, description="level [Nm, or N]")
-    stribeck: NotNegative | tuple[NotNegative, ...] = Field(0.0, description="extra level near standstill [Nm, or N]")
-    stribeck_velocity: Positive | tuple[Positive, ...] = Field(
+    viscous: NotNegativePerMotor = Field(0.0, description="[Nm s/rad, or N s/m]")
+    coulomb: NotNegativePerMotor = Field(0.0, description="level [Nm, or N]")
+    stribeck: NotNegativePerMotor = Field(0.0, description="extra level near standstill [Nm, or N]")
+    stribeck_velocity: PositivePerMotor = Field(
         0.1, description="motor speed at which the extra level has fallen to 1/e [rad/s, or m/s]"
     )
-    smoothing_velocity: Positive | tuple[Positive, ...] = Field(
+    smoothing_velocity: PositivePerMotor = Field(
         0.01, description="motor speed at which the smoothed sign reaches tanh(1) = 0.76 [rad/s, or m/s]"
     )
 

@@ -43,11 +43,3 @@ def test_constant_speed_is_followed_without_position_error_torque() -> None:
     commands = run(Cascade(position_gain=20.0, speed_gain=3.0), references, 2.0 * time[:, None])
     np.testing.assert_allclose(commands[1:], 0.0, atol=1e-9)
     assert commands[0] == 6.0  # the speed is not known before the second sample
-
-
-def test_bumpless_state_continues_the_torque() -> None:
-    law = Cascade(position_gain=20.0, speed_gain=3.0, integral_gain=40.0)
-    reference, position, torque = np.array([0.3, 0.0, 4.0]), np.array([0.1]), np.array([-7.5])
-    state = law.bumpless_state(law.gains(1), T, position, reference, torque)
-    command, _ = law.function(1, T)(state, reference, position, law.gains(1))
-    np.testing.assert_allclose(float(command), torque, rtol=1e-13)

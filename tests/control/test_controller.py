@@ -44,13 +44,6 @@ def test_commands_of_earlier_samples_are_kept() -> None:
     assert first.tolist() == [1.0]
 
 
-def test_take_over_is_bumpless() -> None:
-    controller = Controller(Pid(kp=10.0, ki=5.0, kd=1.0), 1, T)
-    reference = np.array([1.0, 0.0, 2.0])
-    controller.take_over(np.array([0.5]), reference, np.array([-3.0]))
-    np.testing.assert_allclose(controller.step([0.5], reference), [-3.0], rtol=1e-13)
-
-
 def test_gains_change_from_the_next_sample_on() -> None:
     controller = Controller(Pid(kp=1.0), 1, T)
     controller.gains = Pid(kp=5.0).gains(1)
@@ -61,15 +54,6 @@ def test_wrong_gains_are_refused_with_their_names() -> None:
     controller = Controller(Pid(kp=1.0), 1, T)
     with pytest.raises(InputError, match=r"allowed are 5 numbers \(motor_1\.kp, motor_1\.ki"):
         controller.gains = np.zeros(3)
-
-
-def test_saturated_motors_are_flagged() -> None:
-    controller = Controller(Pid(kp=1.0, torque_limit=25.0), 2, T, LIMITS)
-    assert controller.saturated.tolist() == [False, False]
-    controller.step([0.0, 0.0], [19.9, 26.0, 0, 0, 0, 0])
-    assert controller.saturated.tolist() == [False, True]
-    controller.step([0.0, 0.0], [-20.0, 0.0, 0, 0, 0, 0])
-    assert controller.saturated.tolist() == [True, False]
 
 
 @pytest.mark.parametrize(

@@ -111,21 +111,6 @@ def test_integral_unwinds_while_the_feedforward_holds_the_limit() -> None:
     np.testing.assert_allclose(commands[-1, 0], -100.0 * 10 * T, rtol=1e-12)
 
 
-def test_bumpless_state_continues_the_torque_exactly() -> None:
-    law = Pid(kp=50.0, ki=20.0, kd=3.0, derivative_filter=1e-3)
-    reference, position, torque = np.array([0.3, 0.0, 4.0]), np.array([0.1]), np.array([-7.5])
-    state = law.bumpless_state(law.gains(1), T, position, reference, torque)
-    command = run(law, reference[None], position[None], state=state)
-    np.testing.assert_allclose(command[0], torque, rtol=1e-13)
-
-
-def test_bumpless_state_of_a_pd_holds_no_torque() -> None:
-    law = Pid(kp=50.0, kd=3.0)
-    reference, position = np.array([0.3, 0.0, 4.0]), np.array([0.1])
-    state = law.bumpless_state(law.gains(1), T, position, reference, np.array([-7.5]))
-    np.testing.assert_allclose(run(law, reference[None], position[None], state=state)[0], 4.0 + 50.0 * 0.2)
-
-
 def test_gains_change_while_running_without_a_step_from_memory() -> None:
     law = Pid(kp=0.0, ki=10.0)
     update = law.function(1, T)

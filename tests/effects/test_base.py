@@ -61,6 +61,10 @@ def test_effects_on_one_number_act_one_after_the_other() -> None:
         ("payload_error@tool:mass=1", "unknown key 'mass'.*allowed are relative"),
         ("payload_error@tool:relative=nan", "finite number"),
         ("payload_error@tool:relative=-2", "greater than -1"),
+        (
+            "payload_error@tool:relative=0.1,relative=0.2",
+            r"^--effect payload_error: parameter 'relative' is given twice, as 0\.1 and 0\.2; remove one of them$",
+        ),
     ],
 )
 def test_wrong_effect_is_refused(text: str, message: str) -> None:

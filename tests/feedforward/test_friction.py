@@ -30,6 +30,6 @@ def test_one_value_per_motor() -> None:
 
 def test_wrong_number_of_values() -> None:
     with pytest.raises(
-        InputError, match=r"feedforward.friction.coulomb has 3 values, but the robot has 2 motors; give one"
+        InputError, match=r"feedforward.friction.coulomb has 3 values, allowed is one, or one for each of the 2 motors"
     ):
         friction_torque(FrictionCompensation(coulomb=(1.0, 2.0, 3.0)), np.ones((4, 2)))

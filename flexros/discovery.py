@@ -1,0 +1,57 @@
+"""Finding the members of a package by their names: one member per file, no list to keep."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import pkgutil
+from types import MappingProxyType
+from typing import TYPE_CHECKING, TypeVar
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from types import ModuleType
+
+Base = TypeVar("Base")
+
+
+def members(package: ModuleType, base: type[Base], key: str = "name") -> Mapping[str, type[Base]]:
+    """Find all final subclasses of a base class in the files of a package.
+
+    Args:
+        package: Package whose modules are imported.
+        base: What the members derive from, directly or through an abstract class between.
+        key: Class variable that holds a member's name.
+
+    Returns:
+        Classes by name, in alphabetical order; abstract classes and classes from elsewhere are left out.
+
+    Raises:
+        InputError: Two members have the same name.
+    """
+    for module in pkgutil.iter_modules(package.__path__):
+        importlib.import_module(f"{package.__name__}.{module.name}")
+    found: dict[str, type[Base]] = {}
+    for member in _subclasses(base):
+        if inspect.isabstract(member) or not member.__module__.startswith(f"{package.__name__}."):
+            continue
+        name = getattr(member, key)
+        if name in found:
+            first, second = sorted((found[name].__module__, member.__module__))
+            raise InputError(f"'{name}' is the {key} of both {first} and {second}; give one of them another {key}")
+        found[name] = member
+    return MappingProxyType(dict(sorted(found.items())))
+
+
+def _subclasses(base: type[Base]) -> Iterator[type[Base]]:
+    """Go through all classes below another, each once."""
+    seen: set[type[Base]] = set()
+    waiting = [base]
+    while waiting:
+        for member in waiting.pop().__subclasses__():
+            if member not in seen:
+                seen.add(member)
+                waiting.append(member)
+                yield member
