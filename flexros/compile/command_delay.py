@@ -28,16 +28,31 @@ class CommandDelay:
     """The command of sample k acts from t_k + delay on.
 
     Attributes:
-        pieces: The parts of every sample, one or two.
-        line_length: Number of past commands to remember.
+        whole: Whole samples of the delay.
+        fraction: The rest, as a fraction of a sample, 0 or more and less than 1.
+        sample_time: Time between two samples [s].
     """
 
-    pieces: tuple[CommandPiece, ...]
-    line_length: int
+    whole: int
+    fraction: float
+    sample_time: float
+
+    @property
+    def line_length(self) -> int:
+        """Number of past commands to remember."""
+        return self.whole + (1 if self.fraction > 0.0 else 0)
+
+    @property
+    def pieces(self) -> tuple[CommandPiece, ...]:
+        """The parts of every sample, one or two."""
+        if self.fraction == 0.0:
+            return (CommandPiece(self.whole, self.sample_time),)
+        old = CommandPiece(self.whole + 1, self.fraction * self.sample_time)
+        return old, CommandPiece(self.whole, self.sample_time - old.duration)
 
 
 def split_delay(delay: float, sample_time: float) -> CommandDelay:
-    """Split a delay into remembered commands and the parts of a sample.
+    """Split a delay into whole samples and a fraction of one.
 
     Args:
         delay: Delay [s], zero or more.
@@ -50,9 +65,7 @@ def split_delay(delay: float, sample_time: float) -> CommandDelay:
         raise InputError(f"sample time {sample_time} s is not possible: it must be positive")
     if not (math.isfinite(delay) and delay >= 0.0):
         raise InputError(f"command delay {delay} s is not possible: it must be zero or positive")
-    whole = math.floor(delay / sample_time + _SAME)
-    fraction = delay / sample_time - whole
-    if fraction <= _SAME:
-        return CommandDelay((CommandPiece(whole, sample_time),), whole)
-    old = CommandPiece(whole + 1, fraction * sample_time)
-    return CommandDelay((old, CommandPiece(whole, sample_time - old.duration)), whole + 1)
+    samples = delay / sample_time
+    whole = math.floor(samples + _SAME)
+    fraction = samples - whole
+    return CommandDelay(whole, fraction if fraction > _SAME else 0.0, sample_time)

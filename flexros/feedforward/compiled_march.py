@@ -130,10 +130,9 @@ class CompiledMarch:
         lu = add_lu_solver(builder, equations.n_unknowns)
         self.layout = MarchLayout(equations.n_unknowns, equations.n_coordinates, lu.work_size)
         self._n_motors = equations.n_motors
-        for part in (functions.predict, functions.residual, functions.newton_matrix):
-            builder.add_function(part)
-        for part in (functions.correct, functions.finish):
-            builder.add_function(part)
+        steps = (functions.predict, functions.residual, functions.newton_matrix, functions.correct, functions.finish)
+        for function in steps:
+            builder.add_function(function)
         builder.add_text(_driver(self.layout, self._n_motors, lu))
         self._code = builder.build()
         prototype = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.compile.command_delay import split_delay
+
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
@@ -20,8 +22,7 @@ def samples_ahead(sample_time: float, delay: float) -> int:
     Returns:
         Number of samples.
     """
-    whole, rest = _split(sample_time, delay)
-    return whole + (2 if rest > 0.0 else 1)
+    return split_delay(delay, sample_time).line_length + 1
 
 
 def held_torque(load: FloatArray, momentum: FloatArray, sample_time: float, delay: float) -> FloatArray:
@@ -42,7 +43,8 @@ def held_torque(load: FloatArray, momentum: FloatArray, sample_time: float, dela
     Returns:
         Torque to command, shape (n, M).
     """
-    whole, rest = _split(sample_time, delay)
+    split = split_delay(delay, sample_time)
+    whole, rest = split.whole, split.fraction
     n = len(load) - samples_ahead(sample_time, delay)
     means = (0.5 * (1.0 - rest) ** 2, 0.5 + rest - rest**2, 0.5 * rest**2)
     slopes = ((rest - 1.0) / sample_time, (1.0 - 2.0 * rest) / sample_time, rest / sample_time)
@@ -51,11 +53,3 @@ def held_torque(load: FloatArray, momentum: FloatArray, sample_time: float, dela
         rows = slice(whole + offset, whole + offset + n)
         torque += means[offset] * load[rows] + slopes[offset] * momentum[rows]
     return torque
-
-
-def _split(sample_time: float, delay: float) -> tuple[int, float]:
-    """Delay as whole samples and the rest as a fraction of one."""
-    samples = delay / sample_time
-    whole = int(np.floor(samples + 1e-9))
-    rest = samples - whole
-    return whole, rest if rest > 1e-9 else 0.0

@@ -27,6 +27,13 @@ def test_delay_is_split_into_whole_samples_and_a_fraction(
     assert split.line_length == length
 
 
+def test_whole_samples_and_fraction_add_up_to_the_delay() -> None:
+    split = split_delay(1.3, 0.5)
+    assert split.whole == 2
+    assert (split.whole + split.fraction) * 0.5 == pytest.approx(1.3, rel=1e-15)
+    assert split_delay(1.5, 0.5).fraction == 0.0
+
+
 @pytest.mark.parametrize("samples", [1, 3, 7, 1000])
 def test_rounding_of_a_whole_number_of_samples_is_no_fraction(samples: int) -> None:
     for delay in (samples * 1e-3 / 3, math.nextafter(samples * 1e-3 / 3, 1), math.nextafter(samples * 1e-3 / 3, 0)):

@@ -3,6 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexros.compile.command_delay import split_delay
+from flexros.errors import InputError
 from flexros.feedforward.hold import held_torque, samples_ahead
 
 T = 0.01
@@ -38,3 +40,13 @@ def test_impulse_is_kept_where_the_acceleration_jumps() -> None:
 @pytest.mark.parametrize(("delay", "ahead"), [(0.0, 1), (0.004, 2), (T, 2), (1.2 * T, 3), (3 * T, 4)])
 def test_samples_needed_ahead(delay: float, ahead: int) -> None:
     assert samples_ahead(T, delay) == ahead
+
+
+def test_looks_exactly_as_far_ahead_as_the_loop_remembers_commands() -> None:
+    for samples in (0.0, 5e-10, 2e-9, 0.3, 1.0 - 5e-10, 1.0, 2.7, 3.0):
+        assert samples_ahead(T, samples * T) == split_delay(samples * T, T).line_length + 1
+
+
+def test_impossible_delay_is_refused() -> None:
+    with pytest.raises(InputError, match="command delay -0.001 s is not possible"):
+        samples_ahead(T, -1e-3)
