@@ -131,15 +131,15 @@ class Comparison:
 
     def table(self) -> Table:
         """Return the table for the terminal."""
-        from rich.markup import escape
         from rich.table import Table
+        from rich.text import Text
 
         table = Table(box=None, pad_edge=False, header_style="bold", title="Maximum path error", title_justify="left")
         for place, heading in enumerate(HEADINGS):
-            table.add_column(escape(heading), justify="left" if place < 2 else "right", no_wrap=place < 2)
+            table.add_column(Text(heading), justify="left" if place < 2 else "right", no_wrap=place < 2)
         method = ""
         for row in self.rows():
             texts = row.texts()
-            table.add_row(texts[0] if texts[0] != method else "", *texts[1:])
+            table.add_row(*map(Text, (texts[0] if texts[0] != method else "", *texts[1:])))
             method = texts[0]
         return table

@@ -66,15 +66,16 @@ def terminal_table(analyses: Sequence[Analysis]) -> Table:
         The table.
     """
     from rich.table import Table
+    from rich.text import Text
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     for heading in ("", "figure", "unit"):
         table.add_column(heading, no_wrap=True)
     for analysis in analyses:
-        table.add_column(analysis.label, justify="right")
+        table.add_column(Text(analysis.label), justify="right")
     group = ""
     for row in figure_rows(analyses):
-        table.add_row(row.group if row.group != group else "", row.name, row.unit, *row.values)
+        table.add_row(*map(Text, (row.group if row.group != group else "", row.name, row.unit, *row.values)))
         group = row.group
     return table
 

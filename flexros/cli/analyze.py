@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from flexros.cli.output import console, print_json
+from flexros.cli.output import console, print_json, say
 from flexros.errors import FlexrosError
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def analyze(
         for warning in analysis.warnings:
             console.print(f"warning, {analysis.label}: {warning}")
     if report:
-        console.print(f"report: {report}")
+        say(f"report: {report}")
 
 
 def _robot(model: str, log: Log) -> Robot | None:

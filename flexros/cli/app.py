@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import functools
+import os
 import sys
+import traceback
 from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from flexros.cli import analyze, bench, demo, robots, run
-from flexros.errors import FlexrosError
+from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C."""
+READER_GONE = 141
+"""Exit code when nobody reads the output any more, as for a program that SIGPIPE ends."""
 
 app = typer.Typer(
     name="flexros", no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False
@@ -30,19 +32,32 @@ def reported(command: Callable[..., Any]) -> Callable[..., None]:
         command: The command; what it returns is the exit code, None counts as 0.
 
     Returns:
-        The wrapped command: 0 done, 1 a gap was found, 2 bad input, 3 a run broke off, 130 Ctrl-C.
+        The wrapped command: 0 done, 1 a gap was found, 2 bad input, 3 a run broke off, 70 a fault in FlexROS (with a
+        traceback), 130 Ctrl-C, 141 nobody reads the output any more.
     """
 
     @functools.wraps(command)
     def wrapped(*args: Any, **kwargs: Any) -> None:
         try:
             code = command(*args, **kwargs) or 0
+            sys.stdout.flush()
         except FlexrosError as error:
             print(f"flexros: {error}", file=sys.stderr)
             code = error.exit_code
         except KeyboardInterrupt:
             print("flexros: interrupted by Ctrl-C", file=sys.stderr)
             code = INTERRUPTED
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else Python complains when it ends
+            code = READER_GONE
+        except OSError as error:
+            place = f"'{error.filename}': " if error.filename else ""
+            print(f"flexros: {place}{error.strerror or error}; give a path that can be used", file=sys.stderr)
+            code = InputError.exit_code
+        except Exception:  # noqa: BLE001 - uncaught it would end with 1, which says "a gap was found"
+            traceback.print_exc()
+            print("flexros: this is a fault in FlexROS, please report it with the lines above", file=sys.stderr)
+            code = INTERNAL_ERROR
         raise SystemExit(code)
 
     return wrapped
@@ -84,6 +99,6 @@ def main(arguments: list[str] | None = None) -> None:
         arguments: Arguments after the command's name; default: those of the process.
 
     Raises:
-        SystemExit: Always; the code is 0 done, 1 a gap was found, 2 bad input, 3 a run broke off, 130 Ctrl-C.
+        SystemExit: Always; the codes are those of `reported`.
     """
     app(args=arguments)

@@ -13,11 +13,15 @@ import typer
 from rich.table import Table
 
 from flexros.cli.output import console, print_json
-from flexros.errors import InputError, RunError
+from flexros.errors import InputError, RunError, unknown_name
+from flexros.provenance import NUMERIC_PACKAGES, machine, versions
 from flexros.whole_file import write_result
 
 FOLDER = Path(__file__).resolve().parents[2] / "tests" / "bench"
 """Benchmarks lie with the tests, because their peers are test dependencies."""
+
+PACKAGES = (*NUMERIC_PACKAGES, "mujoco", "pin", "ros-jazzy-rclpy", "rclpy")
+"""Packages whose versions are told beside the results: ours, the peers, and ROS from either source."""
 
 
 def bench(
@@ -37,15 +41,16 @@ def bench(
     chosen = name or list(available)
     unknown = [one for one in chosen if one not in available]
     if unknown:
-        raise InputError(f"unknown benchmark '{unknown[0]}': allowed are {', '.join(available)}")
+        raise unknown_name("benchmark", unknown[0], available)
     results = {}
     for one in chosen:
         if not as_json:
             console.print(f"measuring {one} ...")
         results[one] = _measure(one, available[one])
-    content: dict[str, Any] = {"machine": machine(), "results": results}
+    described = {**machine(), "versions": versions(PACKAGES)}
+    content: dict[str, Any] = {"machine": described, "results": results}
     if out:
-        text = markdown(content["machine"], results) if out.suffix == ".md" else json.dumps(content, indent=1) + "\n"
+        text = markdown(described, results) if out.suffix == ".md" else json.dumps(content, indent=1) + "\n"
         write_result(out, text, "result")
     if as_json:
         print_json(content)
@@ -64,43 +69,17 @@ def _measure(name: str, file: Path) -> list[dict[str, object]]:
         check=False,
     )
     if done.returncode:
-        raise RunError(f"benchmark {name} ended with code {done.returncode}: {done.stderr.strip().splitlines()[-1:]}")
+        last = (done.stderr.strip().splitlines() or ["it printed no error"])[-1]
+        raise RunError(f"benchmark {name} ended with code {done.returncode}: {last}")
     rows: list[dict[str, object]] = json.loads(done.stdout)
     return rows
-
-
-def machine() -> dict[str, object]:
-    """Describe processor, system and versions for results that are kept.
-
-    Returns:
-        Names and values.
-    """
-    import os
-    import platform
-    from importlib.metadata import distributions
-
-    wanted = {"casadi", "llvmlite", "numpy", "scipy", "mujoco", "pin", "ros-jazzy-rclpy", "rclpy"}
-    processor = platform.processor()
-    cpu = Path("/proc/cpuinfo")
-    if cpu.exists():
-        names = [
-            line.split(":", 1)[1].strip() for line in cpu.read_text().splitlines() if line.startswith("model name")
-        ]
-        processor = names[0] if names else processor
-    return {
-        "processor": processor,
-        "cores": os.cpu_count(),
-        "system": platform.platform(),
-        "python": platform.python_version(),
-        "versions": {d.name: d.version for d in distributions() if d.name in wanted},
-    }
 
 
 def markdown(described: dict[str, object], results: dict[str, list[dict[str, object]]]) -> str:
     """Write results as a page that says where they were measured.
 
     Args:
-        described: The machine, as from `machine`.
+        described: The machine, as from `flexros.provenance.machine`, and versions by package under "versions".
         results: Rows by benchmark.
 
     Returns:
@@ -108,10 +87,10 @@ def markdown(described: dict[str, object], results: dict[str, list[dict[str, obj
     """
     note = "Written by `make bench`. Peers are measured in the same run: compare ratios, absolute times vary."
     lines = ["# Benchmarks", "", note, ""]
-    versions = described["versions"]
-    assert isinstance(versions, dict)
+    versions_used = described["versions"]
+    assert isinstance(versions_used, dict)
     lines += [f"- {key}: {value}" for key, value in described.items() if key != "versions"]
-    lines += ["- versions: " + ", ".join(f"{name} {version}" for name, version in sorted(versions.items()))]
+    lines += ["- versions: " + ", ".join(f"{name} {version}" for name, version in versions_used.items())]
     for name, rows in results.items():
         keys = list(dict.fromkeys(key for row in rows for key in row))
         lines += ["", f"## {name}", "", "| " + " | ".join(keys) + " |", "|" + "---|" * len(keys)]

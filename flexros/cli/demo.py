@@ -12,9 +12,9 @@ import typer
 from rich.table import Table
 
 from flexros.cli import transports
-from flexros.cli.output import console, print_json, progress_bar
-from flexros.cli.run import default_transport
-from flexros.errors import RunError
+from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.run import choose_transport
+from flexros.errors import INTERRUPTED, InputError, RunError
 
 if TYPE_CHECKING:
     from flexros.analysis import Analysis
@@ -95,8 +95,10 @@ def demo(
     """Run the circle test of Moberg (2007, Paper B): record, analyse, and compare with the published figures."""
     from flexros.analysis.report import write_comparison, write_report
 
-    transport = transport or default_transport(quiet=as_json)
+    transport = choose_transport(transport, quiet=as_json)
     folder = out or Path("bags") / f"demo_{datetime.datetime.now().astimezone():%Y%m%d_%H%M%S}"
+    if folder.exists():
+        raise InputError(f"the folder {folder} exists already; give another one with --out")
     folder.mkdir(parents=True)
     results = []
     with progress_bar() as progress:
@@ -137,8 +139,11 @@ def run_case(case: Case, folder: Path, transport: str) -> CaseResult:
 
     scenario = load_scenario(case.scenario).with_values(case.settings, f"demo, {case.label}")
     bag = folder / case.label
-    run = transports.run_direct(scenario, bag) if transport == "direct" else transports.run_ros(scenario, bag)
-    if run.exit_code == 130:
+    if transport == "direct":
+        run = transports.run_direct(scenario, bag, show_progress=False)
+    else:
+        run = transports.run_ros(scenario, bag)
+    if run.exit_code == INTERRUPTED:
         raise KeyboardInterrupt
     if run.exit_code:
         raise RunError(f"{case.label}: {run.message}")
@@ -204,4 +209,4 @@ def _print(results: list[CaseResult], comparison: Comparison, folder: Path, tran
             resends = f"{run.figures.get('resends', 0):.0f}"
             table.add_row(result.case.label, str(run.samples), speed, resends, "yes" if result.equal else "NO")
         console.print(table)
-    console.print(f"Logs and report: {folder}; open {folder / 'report.html'} and {folder / 'circle_dae2.html'}")
+    say(f"Logs and report: {folder}; open {folder / 'report.html'} and {folder / 'circle_dae2.html'}")

@@ -9,13 +9,38 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
-console = Console(highlight=False)
+
+class _Terminal(Console):
+    """Standard output; a reader that went away (`| head`) is left to the command's end."""
+
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError
 
 
-def progress_bar() -> Progress:
-    """Make a progress bar on stderr that leaves nothing behind, and is not there when nobody watches."""
+console = _Terminal(highlight=False, markup=False, emoji=False)
+"""Prints texts as they are: brackets in names of files and labels are no markup."""
+
+
+def say(text: str) -> None:
+    """Print a line that is never broken, so that a path in it can be copied.
+
+    Args:
+        text: The line.
+    """
+    console.print(text, soft_wrap=True)
+
+
+def progress_bar(shown: bool = True) -> Progress:
+    """Make a progress bar on stderr that leaves nothing behind, and is not there when nobody watches.
+
+    Args:
+        shown: False for work within other work that has a bar already.
+
+    Returns:
+        The bar.
+    """
     stderr = Console(stderr=True)
-    return Progress(console=stderr, transient=True, disable=not stderr.is_terminal)
+    return Progress(console=stderr, transient=True, disable=not (shown and stderr.is_terminal))
 
 
 def print_json(content: Any) -> None:

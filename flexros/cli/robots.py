@@ -9,7 +9,7 @@ import numpy as np
 import typer
 from rich.table import Table
 
-from flexros.cli.output import console, print_json
+from flexros.cli.output import console, print_json, say
 from flexros.errors import InputError
 from flexros.whole_file import write_result
 
@@ -77,7 +77,7 @@ def robot(
         return
     _print_robot(content, linear, verdict)
     if bode:
-        console.print(f"Bode picture: {bode}")
+        say(f"Bode picture: {bode}")
 
 
 def import_urdf(
@@ -91,7 +91,7 @@ def import_urdf(
     if out.exists():
         raise InputError(f"{out} exists already; give another name or remove it")
     write_result(out, text, "robot file")
-    console.print(f"{out} written; replace each 'rigid' by the stiffness of the gear, then: flexros robot {out}")
+    say(f"{out} written; replace each 'rigid' by the stiffness of the gear, then: flexros robot {out}")
 
 
 def parse_numbers(text: str, option: str) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -120,7 +120,7 @@ def _entries(values: ComplexArray) -> list[dict[str, float]]:
 
 
 def _print_robot(content: dict[str, Any], linear: LinearModel, verdict: ZeroDynamics) -> None:
-    console.print(f"[bold]{content['robot']}[/bold] at rest, q = {np.round(verdict.pose, 6).tolist()}")
+    console.print(f"{content['robot']} at rest, q = {np.round(verdict.pose, 6).tolist()}")
     table = Table("", "frequency [Hz] (damping ratio); real: [1/s]")
     table.add_row("poles", _readable(content["poles"]))
     for source in linear.input_names:

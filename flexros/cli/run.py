@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
 from flexros.cli import transports
-from flexros.cli.output import console, print_json
+from flexros.cli.output import console, print_json, say
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -20,6 +21,25 @@ if TYPE_CHECKING:
     from flexros.config.scenario import Scenario
 
 TRANSPORTS = ("ros", "direct")
+
+FIGURES = {
+    "resends": ("states sent again", ""),
+    "dropped_on_purpose": ("messages lost on purpose", ""),
+    "missing_in_log": ("samples missing in the log", ""),
+    "samples_per_second": ("speed of the loop", "samples/s"),
+    "cycles": ("paced cycles", ""),
+    "rate_hz": ("mean rate", "Hz"),
+    "period_p50_us": ("period, median", "µs"),
+    "period_p99_us": ("period, 99 %", "µs"),
+    "period_max_us": ("period, longest", "µs"),
+    "lateness_p99_us": ("start after due, 99 %", "µs"),
+    "lateness_max_us": ("start after due, longest", "µs"),
+    "late": ("cycles late by more than a tenth", ""),
+    "late_percent": ("share of late cycles", "%"),
+    "missed_commands": ("samples without command", ""),
+    "real_time_priority": ("real-time priority", ""),
+}
+"""Name in words and unit of each figure of a run, by its key in the JSON output."""
 
 
 def scenarios(as_json: bool = typer.Option(False, "--json", help="Print JSON.")) -> None:
@@ -57,9 +77,7 @@ def run(
 ) -> int:
     """Run a scenario and record it."""
     chosen = changed_scenario(scenario, model, setting, effect, seed)
-    if transport and transport not in TRANSPORTS:
-        raise unknown_name("transport", transport, TRANSPORTS, "--transport")
-    transport = transport or default_transport(quiet=as_json)
+    transport = choose_transport(transport, quiet=as_json)
     folder = out or default_folder(chosen.name, transport)
     if transport == "direct":
         if realtime or parameter or layout != "composed":
@@ -166,18 +184,26 @@ def node_parameters(texts: list[str]) -> dict[str, dict[str, Any]]:
     return sorted_values
 
 
-def default_transport(quiet: bool = False) -> str:
-    """Choose the nodes where they are installed, else the direct run, and say so.
+def choose_transport(given: str, quiet: bool = False) -> str:
+    """Take the transport that was given; else the nodes where they are installed, else the direct run, and say so.
 
     Args:
+        given: What was given, empty for nothing.
         quiet: Say nothing.
 
     Returns:
         "ros" or "direct".
+
+    Raises:
+        InputError: There is no such transport.
     """
+    if given and given not in TRANSPORTS:
+        raise unknown_name("transport", given, TRANSPORTS, "--transport")
+    if given:
+        return given
     runner, why = transports.ros_runner()
     if runner is None and not quiet:
-        console.print(f"Running in-process: {why}.")
+        say(f"Running in-process: {why}.")
     return "ros" if runner else "direct"
 
 
@@ -213,8 +239,17 @@ def print_result(name: str, result: RunResult) -> None:
     table.add_row("simulated time", f"{result.simulated_time:.4g} s")
     table.add_row("wall time", f"{result.wall_time:.4g} s")
     for key, value in result.figures.items():
-        table.add_row(key.replace("_", " "), f"{value:.6g}")
-    table.add_row("log", str(result.log_folder))
+        table.add_row(*_figure(key, value))
     console.print(table)
-    if result.log_folder is not None and not result.exit_code:
-        console.print(f"Analyse it: flexros analyze {result.log_folder} --report report.html")
+    if result.log_folder is not None:
+        say(f"Log: {result.log_folder}")
+        if not result.exit_code:
+            say(f"Analyse it: flexros analyze {shlex.quote(str(result.log_folder))} --report report.html")
+
+
+def _figure(key: str, value: float) -> tuple[str, str]:
+    """Write a figure of a run with its name in words and its unit."""
+    name, unit = FIGURES.get(key, (key.replace("_", " "), ""))
+    if isinstance(value, bool):
+        return name, "yes" if value else "no"
+    return name, f"{value:.6g} {unit}".rstrip()

@@ -31,7 +31,7 @@ class RunResult:
         transport: "direct", or "ros" with its layout.
         log_folder: Folder of the log.
         samples: Samples of the loop.
-        simulated_time: Time that the run covers [s].
+        simulated_time: Number of samples times the sample time [s].
         wall_time: Time that the loop took [s]; in-process with feedforward and compilation.
         figures: Further figures by name: resends, messages dropped on purpose, missing samples, timing.
     """
@@ -77,12 +77,13 @@ def ros_runner() -> tuple[Callable[..., Any] | None, str]:
     return runner, ""
 
 
-def run_direct(scenario: Scenario, out: Path) -> RunResult:
+def run_direct(scenario: Scenario, out: Path, show_progress: bool = True) -> RunResult:
     """Run a scenario in this process and write its log.
 
     Args:
         scenario: The scenario.
         out: Folder of the log, to be made.
+        show_progress: Whether a bar shows how far it is.
 
     Returns:
         What came of it; exit code 3 when the state became infinite, the log holds what came before.
@@ -99,7 +100,7 @@ def run_direct(scenario: Scenario, out: Path) -> RunResult:
         raise InputError(f"the log folder {out} exists already; give another one with --out")
     experiment = Experiment.prepare(scenario)
     start = time.perf_counter()
-    with progress_bar() as progress:
+    with progress_bar(show_progress) as progress:
         task = progress.add_task("simulating", total=experiment.n_samples)
         message = ""
         try:
@@ -110,7 +111,7 @@ def run_direct(scenario: Scenario, out: Path) -> RunResult:
     write_log(log, out)
     samples = len(log.joint_states.stamp)
     code = RunError.exit_code if message else 0
-    return RunResult(code, message, "direct", out, samples, (samples - 1) * experiment.sample_time, wall)
+    return RunResult(code, message, "direct", out, samples, samples * experiment.sample_time, wall)
 
 
 def run_ros(

@@ -61,3 +61,12 @@ def test_published_figures_of_the_circle_test_are_those_of_the_thesis():
 
 def test_the_flexible_joint_caveat_is_stated():
     assert any("not fully determined by the text" in caveat for caveat in circle_test.CAVEATS)
+
+
+def test_brackets_in_names_are_printed_as_they_are(make_run):
+    run = MethodRun("[bold]DAE[/b]", "load [x]", analyse(make_run()))
+    console = Console(file=io.StringIO(), width=140)
+    console.print(Comparison((run,)).table())
+    printed = console.file.getvalue()
+    assert "published [mm]" in printed
+    assert "[bold]DAE[/b]  load [x]" in printed

@@ -59,3 +59,10 @@ def test_terminal_table_prints_the_figures(make_run):
     text = console.file.getvalue()
     assert "circle_dae" in text
     assert number(1e3 * analysis.path.path.maximum) in text
+
+
+@pytest.mark.parametrize("label", ["[red]x", "[/b]", "a[b]c"])
+def test_a_label_with_brackets_is_printed_as_it_is(make_run, label):
+    console = Console(file=io.StringIO(), width=100)
+    console.print(terminal_table([analyse(make_run(), label=label)]))
+    assert console.file.getvalue().splitlines()[0].split() == ["figure", "unit", label]

@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
+
+from flexros.cli import demo
+from flexros.cli.output import progress_bar
+
+Flexros = Callable[..., "object"]
 
 
 @pytest.fixture(scope="module")
@@ -49,3 +56,30 @@ def test_agreement_with_an_independent_program(
     rows: dict[tuple[str, str], float], method: str, case: str, reading: float
 ) -> None:
     assert rows[method, case] == pytest.approx(reading, rel=0.01)
+
+
+def test_existing_folder_is_kept(flexros: Flexros, tmp_path: Path) -> None:
+    (tmp_path / "precious").write_text("data")
+    ended = flexros("demo", "--transport", "direct", "--out", str(tmp_path))
+    assert ended.code == 2
+    assert ended.err == f"flexros: the folder {tmp_path} exists already; give another one with --out\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["precious"]
+
+
+def test_unknown_transport_is_refused_before_anything_is_made(flexros: Flexros, tmp_path: Path) -> None:
+    ended = flexros("demo", "--transport", "nonsense", "--out", str(tmp_path / "out"))
+    assert ended.code == 2
+    assert "unknown transport 'nonsense' in --transport: allowed are direct, ros" in ended.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_case_shows_no_bar_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = []
+
+    def bar(wanted: bool = True) -> object:
+        shown.append(wanted)
+        return progress_bar(wanted)
+
+    monkeypatch.setattr("flexros.cli.transports.progress_bar", bar)
+    demo.run_case(demo.cases()[0], tmp_path, "direct")
+    assert shown == [False]

@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from flexros.cli.run import print_result
+from flexros.cli.transports import RunResult
+
 Flexros = Callable[..., "object"]
 
 
@@ -100,3 +103,37 @@ def test_analyze_names_a_missing_log(flexros: Flexros, tmp_path: Path) -> None:
     ended = flexros("analyze", str(tmp_path / "nothing"))
     assert ended.code == 2
     assert "nothing" in ended.err
+
+
+@pytest.mark.parametrize("name", ["[/b]", "[red]x", ":warning:"])
+def test_brackets_in_a_path_are_printed_as_they_are(
+    flexros: Flexros, tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+    folder = Path("logs") / name
+    folder.parent.mkdir(parents=True)
+    ended = flexros("run", "circle_pd", "--transport", "direct", "--out", str(folder))
+    assert ended.code == 0
+    assert f"Log: {folder}\n" in ended.out
+    ended = flexros("analyze", str(folder), str(folder))
+    assert ended.code == 0
+    assert ended.out.splitlines()[0].split() == ["figure", "unit", folder.name, folder.name]
+
+
+def test_samples_times_sample_time_is_the_simulated_time(flexros: Flexros, tmp_path: Path) -> None:
+    ended = flexros("run", "circle_pd", "--transport", "direct", "--out", str(tmp_path / "bag"), "--json")
+    content = json.loads(ended.out)
+    assert content["simulated_time_s"] == pytest.approx(content["samples"] * 5e-4, rel=1e-12)
+
+
+def test_figures_are_named_in_words_with_their_units(capsys: pytest.CaptureFixture[str]) -> None:
+    figures = {"period_p50_us": 500.25, "samples_per_second": 2000.0, "real_time_priority": False, "new_figure": 3}
+    print_result("circle_pd", RunResult(0, "", "ros, composed", Path("a b"), 762, 0.381, 0.4, figures))
+    printed = capsys.readouterr().out
+    rows = {cells[1].strip(): cells[2].strip() for line in printed.splitlines() if len(cells := line.split("│")) == 4}
+    assert rows["period, median"] == "500.25 µs"
+    assert rows["speed of the loop"] == "2000 samples/s"
+    assert rows["real-time priority"] == "no"
+    assert rows["new figure"] == "3"
+    assert printed.endswith("Log: a b\nAnalyse it: flexros analyze 'a b' --report report.html\n")
