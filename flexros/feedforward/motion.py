@@ -70,7 +70,7 @@ class Reference:
         motor_velocity: Its rate [rad/s or m/s], shape (n, M).
         torque: Motor torque to add to the feedback, held from its instant to the next [Nm or N], shape (n, M).
         output: Controlled output as commanded [m or rad], shape (n, n_out).
-        tool_pose: Pose that the tool takes if the model is right: x, y, z [m] and quaternion x, y, z, w, shape (n, 7).
+        tool_pose: Commanded tool pose: x, y, z [m] and quaternion x, y, z, w, shape (n, 7).
     """
 
     time: FloatArray

@@ -102,9 +102,13 @@ class FeedforwardProblem:
 
     def arm_position(self, gears: FloatArray) -> FloatArray:
         """Arm coordinates [rad or m], shape (n, N), from gear coordinates, shape (n, M); elastic directions at zero."""
-        arm = np.zeros((len(gears), self.robot.n_arm))
-        arm[:, list(self.robot.chain.geared)] = gears
-        return arm
+        return self.robot.chain.arm_from_gears(gears)
+
+    @cached_property
+    def commanded_pose(self) -> FloatArray:
+        """Commanded tool pose, that of the rigid arm on the trajectory, whatever the method, shape (n, 7)."""
+        arm, model = self.arm_position(self.gear_motion(0)[0]), self.robot.model
+        return np.array(model.tool_pose(arm.T, model.parameter_values), dtype=float).T
 
     @cached_property
     def rigid_start(self) -> FloatArray:
@@ -130,8 +134,5 @@ class FeedforwardProblem:
     def _rigid_kinematics(self, output: str) -> ca.Function:
         """Output as a function of the gear coordinates theta (M,), elastic directions at zero."""
         theta = ca.SX.sym("theta", self.robot.n_motors)
-        arm = ca.SX.zeros(self.robot.n_arm)
-        for number, place in enumerate(self.robot.chain.geared):
-            arm[place] = theta[number]
-        model = self.robot.model
+        arm, model = self.robot.chain.arm_from_gears(theta), self.robot.model
         return ca.Function("gamma", [theta], [model.output(output)(arm, model.parameter_values)])

@@ -100,7 +100,7 @@ def reference_chunks(
             motor_velocity=now.motor_velocity,
             torque=held_torque(motion.load, motion.momentum, sample_time, robot.delay) if hold else now.torque,
             output=problem.desired[rows],
-            tool_pose=np.array(robot.model.tool_pose(now.arm_position.T, robot.model.parameter_values)).T,
+            tool_pose=problem.commanded_pose[rows],
         )
         done += n
 

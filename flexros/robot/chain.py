@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, overload
+
+import casadi as ca
+import numpy as np
 
 if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
     from flexros.robot.specification import Direction, Motor, RobotSpecification
 
 
@@ -55,6 +59,52 @@ class Chain:
     def geared(self) -> tuple[int, ...]:
         """Arm coordinate of each motor, shape (M,)."""
         return tuple(index for index, joint in enumerate(self.joints) if joint.motor is not None)
+
+    @property
+    def flexible_motors(self) -> tuple[int, ...]:
+        """Numbers of the motors behind flexible gears, in the order of their own coordinates."""
+        return tuple(k for k, arm in enumerate(self.geared) if self.joints[arm].motor_coordinate is not None)
+
+    @property
+    def stiff_motors(self) -> tuple[int, ...]:
+        """Numbers of the motors behind rigid gears, which move with their arm coordinates."""
+        return tuple(k for k, arm in enumerate(self.geared) if self.joints[arm].motor_coordinate is None)
+
+    @property
+    def sprung(self) -> tuple[int, ...]:
+        """Arm coordinates that hang on a spring: all but those behind a rigid gear."""
+        stiff = {self.geared[number] for number in self.stiff_motors}
+        return tuple(index for index in range(len(self.joints)) if index not in stiff)
+
+    @property
+    def motor_places(self) -> tuple[int, ...]:
+        """Place of each motor's position among the coordinates q = [q_a, q_m], shape (M,)."""
+        own = {number: len(self.joints) + place for place, number in enumerate(self.flexible_motors)}
+        return tuple(own.get(number, arm) for number, arm in enumerate(self.geared))
+
+    @overload
+    def arm_from_gears(self, gears: FloatArray) -> FloatArray: ...
+
+    @overload
+    def arm_from_gears(self, gears: ca.SX) -> ca.SX: ...
+
+    def arm_from_gears(self, gears: Any) -> Any:
+        """Put gear coordinates (or their rates) into arm coordinates, elastic directions at zero.
+
+        Args:
+            gears: Gear coordinates [rad or m], shape (..., M), or SX (M, 1).
+
+        Returns:
+            Arm coordinates [rad or m], shape (..., N), or SX (N, 1).
+        """
+        if isinstance(gears, ca.SX):
+            symbolic = ca.SX.zeros(len(self.joints))
+            for number, place in enumerate(self.geared):
+                symbolic[place] = gears[number]
+            return symbolic
+        arm = np.zeros((*gears.shape[:-1], len(self.joints)))
+        arm[..., list(self.geared)] = gears
+        return arm
 
     def motor(self, number: int) -> Motor:
         """Return the entry of a motor in the robot file."""

@@ -5,11 +5,14 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
+from flexros.config.scenario import Scenario, load_scenario
+from flexros.config.validation import validate
 from flexros.errors import InputError
 from flexros.feedforward.motion import Reference
 from flexros.feedforward.reference import compute_reference, reference_chunks
 from flexros.feedforward.specification import FeedforwardSpecification
 from flexros.robot import Robot, load_robot
+from flexros.simulate.experiment import Experiment
 from flexros.trajectory import Trajectory
 from tests.feedforward.cases import CIRCLE, SMOOTH, joint_trajectory, tool_trajectory
 
@@ -108,3 +111,29 @@ def test_bad_numbers(
 ) -> None:
     with pytest.raises(InputError, match=sentence):
         list(reference_chunks(e12, smooth, FeedforwardSpecification(), sample_time, duration, chunk))
+
+
+@pytest.mark.parametrize("scenario", ["circle_dae", "six_axis_moves", "elbow_moves", "regulator_four_mass"])
+def test_commanded_pose_does_not_depend_on_the_method(scenario: str) -> None:
+    poses = []
+    for method in ("none", "rigid", "flexible_joint", "dae"):
+        changed = load_scenario(scenario).with_values({"feedforward.method": method, "duration": 0.3})
+        poses.append(Experiment.prepare(changed).reference.tool_pose)
+    for pose in poses[1:]:
+        np.testing.assert_allclose(pose, poses[0], atol=1e-12)
+
+
+def test_commanded_pose_of_a_tool_path_with_another_output_lies_on_the_path() -> None:
+    settings = {
+        "robot": "six_axis",
+        "trajectory": {
+            "output": "tool",
+            "path": {"type": "line", "end_from_start": [0, 0.1, 0]},
+            "time_law": {"type": "ninth_degree", "duration": 0.4},
+        },
+        "feedforward": {"method": "dae", "order": 2, "output": "joints"},
+        "controller": {"kind": "pid", "kp": 1e5, "kd": 1e3},
+    }
+    pose = Experiment.prepare(validate(Scenario, settings, "test")).reference.tool_pose
+    np.testing.assert_allclose(pose[-1, :3] - pose[0, :3], [0, 0.1, 0], atol=1e-9)
+    np.testing.assert_allclose(np.ptp(pose[:, [0, 2]], axis=0), 0, atol=1e-9)
