@@ -116,12 +116,11 @@ class ProcessManager:
             self._wait_for_answer(name, answer)
             if process.ended or self._interrupted():
                 return False
-            if answer.done():
-                return bool(answer.result().success)
-            state = self._state(name, deadline)
+            state = target if answer.done() and answer.result().success else self._state(name, deadline)
             if state == target:
                 return True
-            if state == origin:
+            if state == origin:  # it refused, and ends with its reason; or it never heard
+                self._wait(lambda: process.ended, SLICE)
                 answer = self._ask(name, self._changers[name], request, deadline)
         if process.ended or self._interrupted():
             return False

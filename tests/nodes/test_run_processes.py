@@ -18,6 +18,11 @@ from flexros.simulate.experiment import Experiment
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
+from lifecycle_msgs.srv import ChangeState
+from rclpy.client import Client
+from rclpy.task import Future
+
+from flexros_nodes import processes
 from flexros_nodes.processes import ProcessManager
 from flexros_nodes.run import run_scenario
 from flexros_nodes.shared_memory import remove_segments_without_owner
@@ -58,7 +63,7 @@ def test_killed_node_breaks_the_run_off(
     monkeypatch.setattr(ProcessManager, "_wait", kill_and_wait)
     parameters = {"plant": {"partner_timeout": 0.5, "brake_duration": 0.01}}
     summary = run_scenario(long_scenario, tmp_path / "log", "processes", parameters=parameters)
-    assert summary.exit_code == 3
+    assert summary.exit_code == 3, summary.message
     assert f"the process of node {victim} was killed by SIGKILL" in summary.message
     log = read_log(tmp_path / "log")
     assert len(log.joint_states.stamp) > 500
@@ -73,3 +78,25 @@ def test_bad_parameter_of_a_process_is_bad_input(tmp_path: Path) -> None:
     parameters = {"controller": {"drop_fraction": 2.0}}
     with pytest.raises(InputError, match="drop_fraction of node controller is 2, allowed is a number from 0 to 0.9"):
         run_scenario("circle_dae", tmp_path / "log", "processes", parameters=parameters)
+
+
+def test_lost_answers_of_lifecycle_services_are_asked_for_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ask = ProcessManager._ask
+    lost: list[object] = []
+
+    def ask_and_lose(
+        self: ProcessManager, name: str, client: Client, request: object, deadline: float
+    ) -> Future | None:
+        answer = ask(self, name, client, request, deadline)
+        if len(lost) < 2 and isinstance(request, ChangeState.Request):
+            lost.append(answer)
+            return Future()
+        return answer
+
+    monkeypatch.setattr(ProcessManager, "_ask", ask_and_lose)
+    monkeypatch.setattr(processes, "ANSWER_TIMEOUT", 0.3)
+    summary = run_scenario("circle_dae", tmp_path / "log", "processes")
+    assert (summary.exit_code, summary.samples) == (0, 762), summary.message
+    assert len(lost) == 2
