@@ -39,9 +39,7 @@ def consistent_start(robot: Robot, equations: DaeEquations, output: FloatArray, 
     rest, zero = np.zeros(equations.n_coordinates), np.zeros(equations.n_unknowns)
     z = zero.copy()
     z[: robot.n_arm] = rigid
-    for joint, place in zip(robot.chain.joints, range(robot.n_arm), strict=True):
-        if joint.motor_coordinate is not None:
-            z[robot.n_arm + joint.motor_coordinate] = rigid[place]
+    z[list(robot.chain.motor_places)] = rigid[list(robot.chain.geared)]
     weight = 1.0 / _stiffness_scale(equations, z)
     for _ in range(MAX_ITERATIONS):
         matrix = np.array(equations.newton_matrix(zero, z, rest, rest, 0.0, weight))

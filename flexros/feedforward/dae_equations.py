@@ -66,9 +66,9 @@ def arm_residual(model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX, u: ca.SX) -
     if model.specification.inertial_coupling:
         return (model.mass_matrix(q, p) @ a - model.force(q, v, u, ca.SX.zeros(6), p))[:n]
     need = model.arm_inverse_dynamics(q[:n], v[:n], a[:n], p) - model.transmission_force(q[:n], v[:n], q[n:], v[n:], p)
-    for number, arm in enumerate(model.chain.geared):
-        if model.chain.joints[arm].motor_coordinate is None:
-            need[arm] += model.chain.motor(number).inertia.value * a[arm] - u[number]
+    for number in model.chain.stiff_motors:
+        arm = model.chain.geared[number]
+        need[arm] += model.chain.motor(number).inertia.value * a[arm] - u[number]
     return need
 
 
@@ -107,7 +107,7 @@ def build_equations(model: SymbolicModel, output: str | None = None, exact: bool
     """
     exact = model.n_arm <= LARGE_MODEL if exact is None else exact
     n, nq = model.n_arm, model.n_coordinates
-    stiff = _stiff_gears(model)
+    stiff = model.chain.stiff_motors
     x, z_0 = ca.SX.sym("x", nq + len(stiff)), ca.SX.sym("z_0", nq + len(stiff))
     v_0, a_0 = ca.SX.sym("v_0", nq), ca.SX.sym("a_0", nq)
     gamma, weight = ca.SX.sym("gamma"), ca.SX.sym("weight")
@@ -132,20 +132,13 @@ def build_equations(model: SymbolicModel, output: str | None = None, exact: bool
     )
 
 
-def _stiff_gears(model: SymbolicModel) -> list[int]:
-    """Numbers of the motors behind stiff gears."""
-    joints = model.chain.joints
-    return [number for number, arm in enumerate(model.chain.geared) if joints[arm].motor_coordinate is None]
-
-
 def _motor_motion(model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX, u: ca.SX) -> list[ca.SX]:
     """Torque, load, momentum, encoder position and rate of all motors; u holds the torque of stiff gears."""
-    n, stiff = model.n_arm, _stiff_gears(model)
-    flexible = [number for number in range(model.n_motors) if number not in stiff]
+    n = model.n_arm
     torque, load, momentum = ca.SX(u), ca.SX(u), ca.SX.zeros(model.n_motors)
     inertia = model.motor_inertia(model.parameter_values)
     from_motor = motor_torque(model, q, v, a)
-    for place, number in enumerate(flexible):
+    for place, number in enumerate(model.chain.flexible_motors):
         torque[number] = from_motor[place]
         load[number] = from_motor[place] - inertia[place] * a[n + place]
         momentum[number] = inertia[place] * v[n + place]
@@ -163,7 +156,7 @@ def _mass_based_matrix(model: SymbolicModel, x: ca.SX, q: ca.SX, gamma: ca.SX, w
     D = ca.jacobian(springs, rate)
     M = model.mass_matrix(q, p)[:n, :]
     rows = ca.horzcat(M * gamma**2 + D * gamma + K, ca.SX.zeros(n, x.shape[0] - nq))
-    for column, number in enumerate(_stiff_gears(model)):
+    for column, number in enumerate(model.chain.stiff_motors):
         rows[model.chain.geared[number], nq + column] = -1
     return ca.vertcat(weight * rows, ca.jacobian(output, x))
 

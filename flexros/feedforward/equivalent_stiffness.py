@@ -49,7 +49,7 @@ def equivalent_compliance(robot: Robot, state: FloatArray, output: str | None = 
     evaluate = ca.Function("springs", [q], [ca.densify(stiffness), ca.densify(slope)])
     K, slopes = (np.array(part) for part in evaluate(state[: robot.n_coordinates]))
     joints = robot.chain.joints
-    elastic = [i for i, joint in enumerate(joints) if joint.motor is None or joint.motor_coordinate is not None]
+    elastic = robot.chain.sprung
     soft = [joints[i].name for i in elastic if not K[i, i] > 0.0]
     if soft:
         raise InputError(
@@ -86,6 +86,6 @@ def gear_compliance(robot: Robot, state: FloatArray, output: str, given: Mapping
     for number, name in enumerate(robot.joint_names):
         if name in given:
             compliance[number] = 1.0 / given[name]
-        if robot.chain.joints[robot.chain.geared[number]].motor_coordinate is None:
+        if number in robot.chain.stiff_motors:
             compliance[number] = 0.0
     return compliance

@@ -33,23 +33,10 @@ class RigidArm:
         pairs = zip(self._theta, self._theta[1:])
         return sum((ca.jtimes(expression, low, high) for low, high in pairs), start=ca.SX.zeros(expression.shape[0]))
 
-    def _arm(self, theta: ca.SX) -> ca.SX:
-        """Arm coordinates (or rates) with all elastic directions at zero."""
-        arm = ca.SX.zeros(self._robot.n_arm)
-        for number, place in enumerate(self._robot.chain.geared):
-            arm[place] = theta[number]
-        return arm
-
     def _coordinates(self, theta: ca.SX, motor: ca.SX) -> ca.SX:
         """All coordinates [q_a, q_m] from gear coordinates and motor coordinates."""
-        return ca.vertcat(self._arm(theta), *[motor[number] for number in self.flexible])
-
-    @property
-    def flexible(self) -> list[int]:
-        """Numbers of the motors behind flexible gears."""
-        joints = self._robot.chain.joints
-        geared = enumerate(self._robot.chain.geared)
-        return [number for number, place in geared if joints[place].motor_coordinate is not None]
+        chain = self._robot.chain
+        return ca.vertcat(chain.arm_from_gears(theta), *[motor[number] for number in chain.flexible_motors])
 
     def inverse_dynamics(self, motion: FloatArray, compliance: FloatArray | None = None) -> Motion:
         """Motor motion and torque for a motion of the gears, rigid or through a compliance.
@@ -83,12 +70,12 @@ class RigidArm:
         )
         inertia = model.motor_inertia(model.parameter_values)
         torque, load, momentum = ca.SX(tau), ca.SX(tau), ca.SX.zeros(robot.n_motors)
-        for place, number in enumerate(self.flexible):
+        for place, number in enumerate(robot.chain.flexible_motors):
             torque[number] += drive[place]
             load[number] = torque[number] - inertia[place] * motor[2][number]
             momentum[number] = inertia[place] * motor[1][number]
         encoders = [model.encoder(self._coordinates(gear, part)) for gear, part in zip(theta, motor[:2])]
-        results = [self._arm(theta[0]), *encoders, torque, load, momentum]
+        results = [robot.chain.arm_from_gears(theta[0]), *encoders, torque, load, momentum]
         evaluate = ca.Function(
             "inverse_dynamics", theta[: len(motion)], [ca.densify(part) for part in results], {"cse": True}
         )

@@ -69,7 +69,7 @@ def build_geometry(specification: RobotSpecification, chain: Chain, value: Calla
     carried: list[list[Mass]] = [[] for _ in chain.joints]
     current = -1
     reach = ca.SX.zeros(3)
-    for body_index, body in enumerate(specification.bodies):
+    for body_index in range(len(specification.bodies)):
         name = f"body_{body_index + 1}"
         if body_index in joint_of_body:
             current = joint_of_body[body_index]
@@ -87,7 +87,6 @@ def build_geometry(specification: RobotSpecification, chain: Chain, value: Calla
         else:
             tool = tip
         reach = tip
-        del body
     frames = tuple(Frame(offset, tuple(masses)) for offset, masses in zip(offsets, carried))
     return Geometry(frames, tool)
 

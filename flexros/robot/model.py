@@ -78,14 +78,9 @@ class SymbolicModel:
         return build_transmission(self.chain, self._values, self._q, self._v)
 
     @cached_property
-    def _flexible_motors(self) -> list[int]:
-        return [
-            joint.motor for joint in self.chain.joints if joint.motor is not None and joint.motor_coordinate is not None
-        ]
-
-    @cached_property
     def _motor_inertia(self) -> ca.SX:
-        return ca.vertcat(*[ca.SX(self._values[f"motor_{number + 1}.inertia"]) for number in self._flexible_motors])
+        names = [f"motor_{number + 1}.inertia" for number in self.chain.flexible_motors]
+        return ca.vertcat(*[ca.SX(self._values[name]) for name in names])
 
     @cached_property
     def _coupling(self) -> ca.SX:
@@ -97,12 +92,12 @@ class SymbolicModel:
         M_a = dynamics.inertia_matrix(self.chain, self._geometry, self._qa) + ca.diag(
             ca.vertcat(*self._transmission.armature)
         )
-        if not self._flexible_motors:
+        if not self.chain.flexible_motors:
             return M_a
         S = (
             self._coupling
             if self.specification.inertial_coupling
-            else ca.SX.zeros(self.n_arm, len(self._flexible_motors))
+            else ca.SX.zeros(self.n_arm, len(self.chain.flexible_motors))
         )
         return ca.vertcat(ca.horzcat(M_a, S), ca.horzcat(S.T, ca.diag(self._motor_inertia)))
 
@@ -114,13 +109,13 @@ class SymbolicModel:
         arm = self._transmission.arm + self._transmission.drive @ self._u - need
         motor = self._transmission.motor + self._flexible_torque
         force = ca.vertcat(arm, motor)
-        if self.specification.inertial_coupling and self._flexible_motors:
+        if self.specification.inertial_coupling and self.chain.flexible_motors:
             force = force - inertial_coupling.velocity_force(self._coupling, self._qa, self._va, self._v[self.n_arm :])
         return force
 
     @property
     def _flexible_torque(self) -> ca.SX:
-        return ca.vertcat(*[self._u[number] for number in self._flexible_motors])
+        return ca.vertcat(*[self._u[number] for number in self.chain.flexible_motors])
 
     @cached_property
     def _acceleration(self) -> ca.SX:
@@ -132,7 +127,7 @@ class SymbolicModel:
         )
         motor = (
             (self._transmission.motor + self._flexible_torque) / self._motor_inertia
-            if self._flexible_motors
+            if self.chain.flexible_motors
             else ca.SX(0, 1)
         )
         return ca.vertcat(arm, motor)

@@ -21,7 +21,7 @@ def test_residual_is_the_equation_of_motion(robot: Robot) -> None:
     z, v, u = RNG.normal(0, 0.2, nq), RNG.normal(0, 0.5, nq), RNG.normal(0, 10, robot.n_motors)
     p = model.parameter_values
     a = np.array(model.acceleration(z, v, u, np.zeros(6), p)).ravel()
-    stiff = [k for k, place in enumerate(robot.chain.geared) if robot.chain.joints[place].motor_coordinate is None]
+    stiff = list(robot.chain.stiff_motors)
     unknowns = np.concatenate([z, u[stiff]])
     Z = np.array(model.output()(z[:n], p)).ravel()
     zero = np.zeros(len(unknowns))
