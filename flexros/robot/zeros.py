@@ -76,8 +76,10 @@ def transmission_zeros(linear: LinearModel) -> ComplexArray:
 def zero_dynamics(robot: Robot, q_a: ArrayLike | None = None, output: str | None = None) -> ZeroDynamics:
     """Internal motion of the arm with the output held, the gear torques being free (Moberg 2007, Paper B, section 3.2).
 
-    They are the zeros from gear torques to the output of the arm alone; gear dampers add zeros at -stiffness/damping
-    to the transmission zeros, which are always stable.
+    Without inertial coupling they are the zeros from gear torques to the output of the arm alone; gear dampers add
+    zeros at -stiffness/damping to the transmission zeros, which are always stable. With inertial coupling the rotors'
+    accelerations act on the arm, also on its elastic directions, and cannot be taken out: the transmission zeros from
+    motor torques to the output are what remains.
 
     Args:
         robot: The robot.
@@ -91,6 +93,24 @@ def zero_dynamics(robot: Robot, q_a: ArrayLike | None = None, output: str | None
         InputError: Wrong pose, unknown output, or no rest there.
     """
     linear = linear_model(robot, q_a, output)
+    if robot.spec.inertial_coupling:
+        A, B, C, D = linear.matrices()
+        C, D = C[len(linear.encoder) :], D[len(linear.encoder) :]
+    else:
+        A, B, C, D = _arm_alone(robot, linear)
+    solvable = C.shape[0] == B.shape[1] and _invertible(A, B, C)
+    eigenvalues = invariant_zeros(A, B, C, D) if solvable else np.zeros(0, dtype=complex)
+    return ZeroDynamics(
+        eigenvalues=eigenvalues,
+        unstable=eigenvalues[eigenvalues.real > 1e-6 * (1.0 + np.abs(eigenvalues))],
+        solvable=solvable,
+        output=output or robot.controlled,
+        pose=linear.state[: robot.n_arm],
+    )
+
+
+def _arm_alone(robot: Robot, linear: LinearModel) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """First-order form of the arm from gear torques to the output, the motors taken away."""
     N = robot.n_arm
     gear_torque = np.eye(N)[:, list(robot.chain.geared)]
     inverse = np.linalg.inv(linear.mass[:N, :N])
@@ -99,16 +119,7 @@ def zero_dynamics(robot: Robot, q_a: ArrayLike | None = None, output: str | None
     )
     B = np.vstack([np.zeros_like(gear_torque), inverse @ gear_torque])
     C = np.hstack([linear.output[:, :N], np.zeros((len(linear.output), N))])
-    solvable = C.shape[0] == B.shape[1] and _invertible(A, B, C)
-    D = np.zeros((C.shape[0], B.shape[1]))
-    eigenvalues = invariant_zeros(A, B, C, D) if solvable else np.zeros(0, dtype=complex)
-    return ZeroDynamics(
-        eigenvalues=eigenvalues,
-        unstable=eigenvalues[eigenvalues.real > 1e-6 * (1.0 + np.abs(eigenvalues))],
-        solvable=solvable,
-        output=output or robot.controlled,
-        pose=linear.state[:N],
-    )
+    return A, B, C, np.zeros((C.shape[0], B.shape[1]))
 
 
 def _invertible(A: FloatArray, B: FloatArray, C: FloatArray) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from flexros.robot import load_robot
+from flexros.robot import load_robot, robot_from_data
 from flexros.robot.linearise import linear_model
 from flexros.robot.zeros import channel_zeros, invariant_zeros, poles, transmission_zeros, zero_dynamics
 
@@ -53,6 +53,32 @@ def test_flexible_joint_robot_has_no_zero_dynamics() -> None:
     verdict = zero_dynamics(load_robot("elbow"))
     assert verdict.eigenvalues.size == 0
     assert verdict.minimum_phase
+
+
+def test_coupled_rotors_can_make_a_robot_non_minimum_phase() -> None:
+    """Two axes at right angles; the second rotor is turned by the elastic direction before it."""
+    motor = {"inertia": 10, "gear_ratio": 2}
+    turning = {"spring": 1e5, "damper": 50, "motor": motor}
+    first = {"mass": 20, "center_of_mass": [0.2, 0, 0], "inertia": {"xx": 1, "yy": 1, "zz": 1}, "length": [0.5, 0, 0]}
+    second = {"mass": 10, "center_of_mass": [-0.25, 0, 0], "inertia": {"xx": 0.1, "yy": 0.1, "zz": 0.1}}
+    bodies = [
+        {**first, "directions": {"rz": turning, "ry": {"spring": 2e4, "damper": 10}}},
+        {**second, "directions": {"ry": {**turning, "spring": 5e4}}},
+    ]
+    outputs = {"joints": {"coordinates": ["body_1.rz", "body_2.ry"]}}
+    data = {"name": "two rotors", "bodies": bodies, "outputs": outputs, "controlled": "joints"}
+    assert zero_dynamics(robot_from_data(data, "plain")).minimum_phase
+    coupled = robot_from_data({**data, "inertial_coupling": True}, "coupled")
+    verdict = zero_dynamics(coupled)
+    assert verdict.solvable
+    assert not verdict.minimum_phase
+    np.testing.assert_allclose(verdict.unstable, [261.949], atol=1e-3)
+    np.testing.assert_allclose(verdict.eigenvalues, transmission_zeros(linear_model(coupled)), rtol=1e-9)
+    model = linear_model(coupled)
+    s, held = verdict.unstable.real[0], [1, 3, 4]  # columns of the elastic direction and the motors; gears stand still
+    arm = (model.stiffness + s * model.damping + s**2 * model.mass)[:3, held]
+    singular = np.linalg.svd(arm, compute_uv=False)
+    assert singular[-1] < 1e-9 * singular[0]
 
 
 def test_outstretched_arm_cannot_be_inverted() -> None:
