@@ -161,17 +161,21 @@ def _common_run(pose: PoseSeries, reference: PoseSeries, start: int) -> Cycle:
 def _orientations(
     pose: PoseSeries, reference: PoseSeries, rows: IntArray, at: FloatArray, known: FloatArray
 ) -> tuple[FloatArray | None, FloatArray | None]:
-    """Bring both orientations to the same stamps; a reference that stays at identity commands none."""
+    """Bring both orientations to the same stamps; none where either is no rotation or the command is identity."""
     quaternion = np.asarray(reference.orientation, dtype=np.float64)
-    vector_part = np.abs(quaternion[:, :3])
-    if not np.all(np.isfinite(quaternion)) or float(np.max(vector_part)) < 1e-9 or len(known) < 2:
-        return None, None
     attained = np.asarray(pose.orientation, dtype=np.float64)[rows]
-    if not np.all(np.isfinite(attained)) or np.any(np.linalg.norm(attained, axis=1) < 0.5):
+    if not _are_rotations(quaternion) or not _are_rotations(attained):
+        return None, None
+    if float(np.max(np.abs(quaternion[:, :3]))) < 1e-9 or len(known) < 2:
         return None, None
     commanded = Slerp(known, Rotation.from_quat(quaternion))(at).as_quat()
     # Both in the same half of the quaternion sphere as their neighbours, so that rows can be interpolated.
     return _continuous(commanded), _continuous(attained)
+
+
+def _are_rotations(quaternion: FloatArray) -> bool:
+    """Tell whether all quaternions are near unit length; a sender that knows no orientation leaves zeros."""
+    return bool(np.all(np.isfinite(quaternion)) and np.all(np.linalg.norm(quaternion, axis=1) >= 0.5))
 
 
 def _continuous(quaternion: FloatArray) -> FloatArray:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 STANDARD_CYCLES = 10
 """Number of cycles the standard asks for."""
+POINTS = 200
+"""Number of points along the path that are evaluated (chosen)."""
 _SAME_PLACE = 1e-9
 """Rounding of positions [m]."""
 
@@ -93,7 +95,7 @@ class _Crossings:
     rotation: FloatArray | None
 
 
-def path_performance(cycles: Sequence[Cycle], points: int = 200) -> PathPerformance:
+def path_performance(cycles: Sequence[Cycle], points: int = POINTS) -> PathPerformance:
     """Evaluate path accuracy, repeatability and velocity over repeated cycles of one path.
 
     At each of m points P_i of the commanded path the attained path of cycle j is cut by the plane through P_i normal to

@@ -10,16 +10,21 @@ from flexros.analysis.cycles import split_cycles
 from flexros.analysis.elapsed_time import start_stamp
 from flexros.analysis.loop_timing import LoopTiming, loop_timing
 from flexros.analysis.path_error import AXES, PathError, path_error
-from flexros.analysis.path_performance import STANDARD_CYCLES, PathPerformance, path_performance
-from flexros.analysis.tracking import Drive, MotorTracking, motor_tracking
+from flexros.analysis.path_performance import POINTS, STANDARD_CYCLES, PathPerformance, path_performance
+from flexros.analysis.tracking import Drive, MotorTracking, assign_drives, motor_tracking
+from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from rich.table import Table
 
+    from flexros.analysis.cycles import Cycle
     from flexros.logs.time_series import Log
     from flexros.robot import Robot
+
+_FOLLOWED = 0.95
+"""A tool that crosses fewer of the planes along the path than this share does not follow it (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +91,7 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
     start = start_stamp(log)
     warnings = list(log.warnings)
     path, performance, corners = _tool(log, start, robot, warnings)
-    drives = None if robot is None else _drives(robot)
+    drives = None if robot is None else assign_drives(_drives(robot), log.joint_states.names, warnings)
     motors = motor_tracking(log, start, drives)
     if not any(motor.tracking is not None for motor in motors):
         warnings.append("the log has no joint_reference with positions, so motor tracking cannot be told")
@@ -124,7 +129,8 @@ def _drives(robot: Robot) -> tuple[Drive, ...]:
     """Return limit and kind of each motor, in the order of the chain."""
     moved = [axis for body in robot.spec.bodies for axis, direction in body.directions.items() if direction.motor]
     return tuple(
-        Drive(float(limit), linear=axis.startswith("t")) for limit, axis in zip(robot.torque_limits, moved, strict=True)
+        Drive(joint, float(limit), linear=axis.startswith("t"))
+        for joint, limit, axis in zip(robot.joint_names, robot.torque_limits, moved, strict=True)
     )
 
 
@@ -152,7 +158,21 @@ def _tool(
         warnings.append("the commanded tool position never moves, so path accuracy cannot be told")
         return error, None, ()
     cycles = split_cycles(error.run)
-    performance = path_performance(cycles)
+    return error, _performance(cycles, warnings), corner_deviations(cycles)
+
+
+def _performance(cycles: Sequence[Cycle], warnings: list[str]) -> PathPerformance | None:
+    """Evaluate path performance; where the tool does not follow the path (a run that broke off), say so."""
+    try:
+        performance = path_performance(cycles)
+    except InputError as error:
+        warnings.append(f"path accuracy cannot be told: {error}")
+        return None
+    if performance.points < _FOLLOWED * POINTS:
+        warnings.append(
+            f"the tool crosses only {performance.points} of {POINTS} planes normal to the commanded path, so path "
+            "accuracy is that of a part of it"
+        )
     if 1 < performance.cycles < STANDARD_CYCLES:
         warnings.append(f"repeatability is from {performance.cycles} cycles; ISO 9283 asks for {STANDARD_CYCLES}")
-    return error, performance, corner_deviations(cycles)
+    return performance

@@ -12,7 +12,7 @@ from flexros.analysis.error_statistics import ErrorStatistics, error_statistics
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from flexros.arrays import FloatArray, IntArray
     from flexros.logs.time_series import JointSeries, Log
@@ -75,15 +75,46 @@ class Drive:
     """What the robot file says about a motor.
 
     Attributes:
+        joint: Name of its joint.
         torque_limit: Largest absolute torque [Nm, or N]; inf where none.
         linear: Whether it moves in metres.
     """
 
+    joint: str
     torque_limit: float
     linear: bool = False
 
 
-def motor_tracking(log: Log, start: int, drives: Sequence[Drive] | None = None) -> tuple[MotorTracking, ...]:
+def assign_drives(drives: Sequence[Drive], joints: Sequence[str], warnings: list[str]) -> dict[str, Drive]:
+    """Tell which motor of the robot moves which joint of the log: by name, by place where the names differ.
+
+    Args:
+        drives: The motors of the robot, in the order of the chain.
+        joints: Joint names of the log.
+        warnings: Gets a sentence where the names differ.
+
+    Returns:
+        Motor by joint of the log.
+
+    Raises:
+        InputError: The robot has another number of motors than the log.
+    """
+    if len(drives) != len(joints):
+        raise InputError(
+            f"the robot has {len(drives)} motors and the log has {len(joints)} joints ({', '.join(joints)}): "
+            "they must be the same; give the robot that made the log"
+        )
+    named = {drive.joint: drive for drive in drives}
+    if set(named) == set(joints):
+        return {joint: named[joint] for joint in joints}
+    warnings.append(
+        f"the log names its joints {', '.join(joints)} and the robot {', '.join(named)}, so torque limits were "
+        "assigned in the order of the log"
+    )
+    return dict(zip(joints, drives, strict=True))
+
+
+def motor_tracking(log: Log, start: int, drives: Mapping[str, Drive] | None = None) -> tuple[MotorTracking, ...]:
     """Evaluate tracking and torques of every motor of a log.
 
     A reference of another rate is interpolated linearly to the stamps of the measurement and of the command.
@@ -91,24 +122,13 @@ def motor_tracking(log: Log, start: int, drives: Sequence[Drive] | None = None) 
     Args:
         log: The log.
         start: Stamp that counts as time 0 [ns].
-        drives: The motors of the robot, in the order of the joints; None where not known.
+        drives: The motor of each joint; None where not known.
 
     Returns:
         One result per joint of joint_states, in its order.
-
-    Raises:
-        InputError: The robot has another number of motors than the log.
     """
-    names = log.joint_states.names
-    known: dict[str, Drive] = {}
-    if drives is not None:
-        if len(drives) != len(names):
-            raise InputError(
-                f"the robot has {len(drives)} motors and the log has {len(names)} joints ({', '.join(names)}): "
-                "they must be the same; give the robot that made the log"
-            )
-        known = dict(zip(names, drives, strict=True))
-    return tuple(_motor(log, joint, start, known.get(joint)) for joint in names)
+    known = {} if drives is None else drives
+    return tuple(_motor(log, joint, start, known.get(joint)) for joint in log.joint_states.names)
 
 
 def _motor(log: Log, joint: str, start: int, drive: Drive | None) -> MotorTracking:

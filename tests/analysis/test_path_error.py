@@ -116,6 +116,19 @@ def test_a_reference_at_identity_commands_no_orientation():
     assert path_error(series(ring(angle), None, turned), series(ring(angle))).orientation is None
 
 
+@pytest.mark.parametrize("side", ["pose", "reference"])
+@pytest.mark.parametrize("broken", [np.zeros(4), np.full(4, np.nan)])
+def test_one_orientation_that_is_none_leaves_the_position_error(side, broken):
+    angle = np.linspace(0.0, 1.0, 101)
+    turned = Rotation.from_euler("y", angle[:, None]).as_quat()
+    spoilt = turned.copy()
+    spoilt[50] = broken
+    pose, reference = (series(ring(angle), None, spoilt if name == side else turned) for name in ("pose", "reference"))
+    error = path_error(pose, reference)
+    assert error.orientation is None
+    assert error.path.maximum == pytest.approx(0.0, abs=1e-12)
+
+
 def test_stamps_since_1970_keep_their_nanoseconds():
     t = np.arange(401) * 5e-4
     line = np.column_stack([t, 0 * t, 0 * t])

@@ -104,3 +104,32 @@ def test_json_holds_the_same_figures(make_run):
     assert written["motors"]["motor_2"]["feedback_share"] == analysis.motors[1].feedback_share
     assert written["timing"]["topics"]["joint_states"]["count"] == len(analysis.path.run.time)
     assert written["provenance"]["robot"]["name"] == "e12"
+
+
+def test_torque_limits_follow_the_names_of_the_joints(make_run):
+    log, robot = make_run(), load_robot("elbow")
+    swapped = replace(log.joint_states, names=("motor_2", "motor_1"), position=log.joint_states.position[:, ::-1])
+    motors = analyse(replace(log, joint_states=swapped), robot=robot).motors
+    assert {motor.joint: motor.torque_limit for motor in motors} == {"motor_2": 2000.0, "motor_1": 3000.0}
+
+
+def test_a_tool_that_never_follows_its_path_is_analysed_all_the_same(make_run):
+    log = make_run()
+    away = replace(log.tool_pose, position=np.repeat(log.tool_pose.position[:1] + 1.0, 1001, axis=0))
+    analysis = analyse(replace(log, tool_pose=away))
+    assert analysis.path is not None
+    assert analysis.path.path.maximum > 1.0
+    assert analysis.performance is None
+    (warning,) = analysis.warnings
+    assert warning.startswith("path accuracy cannot be told: tool_pose crosses no plane normal to the commanded path")
+
+
+def test_a_path_followed_in_part_says_how_much(make_run):
+    log = make_run()
+    points = log.tool_pose.position.copy()
+    points[500:] = points[500]
+    analysis = analyse(replace(log, tool_pose=replace(log.tool_pose, position=points)))
+    assert analysis.performance is not None
+    assert 80 < analysis.performance.points < 120
+    (warning,) = analysis.warnings
+    assert f"crosses only {analysis.performance.points} of 200 planes" in warning

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.analysis.tracking import Drive, motor_tracking
+from flexros.analysis.tracking import Drive, assign_drives, motor_tracking
 from flexros.errors import InputError
 from flexros.logs.time_series import JointSeries, Log
 
@@ -66,9 +66,9 @@ def test_torque_without_feedforward_is_all_feedback():
 def test_share_of_the_time_at_the_torque_limit():
     torque = np.clip(np.linspace(-10.0, 10.0, 1001), -8.0, 8.0)
     log = Log(series(1001, position=column(torque)), joint_commands=series(1001, effort=column(torque)))
-    (motor,) = motor_tracking(log, START, [Drive(8.0)])
+    (motor,) = motor_tracking(log, START, {"motor_1": Drive("motor_1", 8.0)})
     assert motor.saturated_share == pytest.approx(np.mean(np.abs(torque) == 8.0))
-    (motor,) = motor_tracking(log, START, [Drive(np.inf)])
+    (motor,) = motor_tracking(log, START, {"motor_1": Drive("motor_1", np.inf)})
     assert motor.saturated_share == 0.0
 
 
@@ -88,6 +88,26 @@ def test_a_log_with_positions_alone_gives_no_figures():
 
 
 def test_a_robot_with_another_number_of_motors_is_refused():
-    log = Log(series(10, position=np.zeros((10, 1))))
     with pytest.raises(InputError, match=r"the robot has 2 motors and the log has 1 joints \(motor_1\)"):
-        motor_tracking(log, START, [Drive(1.0), Drive(1.0)])
+        assign_drives([Drive("motor_1", 1.0), Drive("motor_2", 1.0)], ["motor_1"], [])
+
+
+def test_drives_are_assigned_by_name():
+    drives, warnings = [Drive("motor_1", 1.0), Drive("motor_2", 2.0)], []
+    limits = {
+        joint: drive.torque_limit for joint, drive in assign_drives(drives, ["motor_2", "motor_1"], warnings).items()
+    }
+    assert limits == {"motor_2": 2.0, "motor_1": 1.0}
+    assert warnings == []
+
+
+def test_drives_are_assigned_by_place_where_the_names_differ_and_that_is_said():
+    drives, warnings = [Drive("motor_1", 1.0), Drive("motor_2", 2.0)], []
+    limits = {
+        joint: drive.torque_limit for joint, drive in assign_drives(drives, ["elbow", "motor_1"], warnings).items()
+    }
+    assert limits == {"elbow": 1.0, "motor_1": 2.0}
+    assert warnings == [
+        "the log names its joints elbow, motor_1 and the robot motor_1, motor_2, so torque limits were assigned in the "
+        "order of the log"
+    ]

@@ -48,8 +48,8 @@ class Page:
 
     def html(self) -> str:
         """Return the whole page."""
-        # "</" inside the data would end the script element.
-        data = json.dumps(self._pictures, separators=(",", ":")).replace("</", "<\\/")
+        # A "</script" or "<!--" inside the data would change where the script element ends.
+        data = json.dumps(self._pictures, separators=(",", ":")).replace("<", "\\u003c")
         library = f"<script>{get_plotlyjs()}</script>" if self._pictures else ""
         script = f'<script type="application/json" id="pictures">{data}</script><script>{SCRIPT}</script>'
         return (

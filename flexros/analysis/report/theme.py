@@ -101,7 +101,7 @@ def curve(
     legend: bool = True,
     group: str = "",
     width: float = 1.6,
-) -> go.Scattergl:
+) -> go.Scatter:
     """Make one line of a picture, reduced to what a screen shows.
 
     Args:

@@ -159,3 +159,15 @@ def test_comparison_shows_quoted_figures_this_run_and_caveats(make_run, tmp_path
 def test_a_comparison_of_no_run_is_refused(tmp_path):
     with pytest.raises(InputError, match="no run was given for the comparison"):
         write_comparison(Comparison(()), tmp_path / "comparison.html")
+
+
+@pytest.mark.parametrize("label", ["<!--<script>", "</script><b>x", "<![CDATA["])
+def test_a_hostile_label_neither_ends_nor_swallows_the_page(make_run, tmp_path, label):
+    file = tmp_path / "report.html"
+    write_report([analyse(make_run(), label=label)], file)
+    text = file.read_text(encoding="utf-8")
+    start = text.index('id="pictures">') + len('id="pictures">')
+    data = text[start : text.index("</script>", start)]
+    assert "<" not in data
+    assert label in json.dumps(json.loads(data), ensure_ascii=False)
+    assert parsed(file).tags[-1][0] == "script"
