@@ -90,15 +90,3 @@ def _options(
     ),
 ) -> None:
     """Modelling, control, identification and gap diagnosis of flexible robot manipulators."""
-
-
-def main(arguments: list[str] | None = None) -> None:
-    """Run the command line.
-
-    Args:
-        arguments: Arguments after the command's name; default: those of the process.
-
-    Raises:
-        SystemExit: Always; the codes are those of `reported`.
-    """
-    app(args=arguments)
