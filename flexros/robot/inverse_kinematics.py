@@ -41,12 +41,14 @@ def solve(robot: Robot, target: FloatArray, near: FloatArray, output: str | None
             f"the target {target.tolist()} of output '{output or robot.controlled}' of robot {robot.name} "
             f"must be {n_out} finite numbers; correct it"
         )
+    pose = robot.spec.outputs[output or robot.controlled].pose
+    angles = [index for index, component in enumerate(pose) if component.startswith("r")]
     error = np.inf
     limit = TOLERANCE * (1.0 + float(np.max(np.abs(target))))
-    damping = 0.0
     for _ in range(200):
         value, slope = (np.asarray(part, dtype=float) for part in evaluate(q))
         residual = target - value.ravel()
+        residual[angles] = np.remainder(residual[angles] + np.pi, 2 * np.pi) - np.pi  # the short way round
         error = float(np.max(np.abs(residual)))
         if error <= limit:
             return q
