@@ -61,7 +61,7 @@ def test_killed_node_breaks_the_run_off(
         return wait(self, check, timeout)
 
     monkeypatch.setattr(ProcessManager, "_wait", kill_and_wait)
-    parameters = {"plant": {"partner_timeout": 0.5, "brake_duration": 0.01}}
+    parameters = {"plant": {"partner_timeout": 1.0, "brake_duration": 0.01}}
     summary = run_scenario(long_scenario, tmp_path / "log", "processes", parameters=parameters)
     assert summary.exit_code == 3, summary.message
     assert f"the process of node {victim} was killed by SIGKILL" in summary.message
