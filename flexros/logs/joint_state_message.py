@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from flexros.logs.cdr_cursor import CdrBuilder, CdrCursor, MessageError
-from flexros.logs.message_layout import STAMP_OFFSET, MessageLayout, Span
+from flexros.logs.message_layout import MessageLayout, Span
 from flexros.logs.stamps import NANOSECONDS
+from flexros.logs.stamps import stamp_of as stamp_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -223,13 +224,3 @@ class JointStateView:
             self._pick(values, velocity),
             self._pick(values, effort),
         )
-
-
-def stamp_of(payload: bytes | memoryview) -> int:
-    """Read header.stamp of any message that begins with a std_msgs/Header [ns]."""
-    if len(payload) < STAMP_OFFSET + 8:
-        raise MessageError(f"a message of {len(payload)} bytes has no header.stamp")
-    order = "<" if payload[1] & 1 else ">"
-    sec, nanosec = struct.unpack_from(f"{order}iI", payload, STAMP_OFFSET)
-    stamp: int = sec * NANOSECONDS + nanosec
-    return stamp

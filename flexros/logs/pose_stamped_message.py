@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,22 +29,6 @@ class PoseStampedLayout(NamedTuple):
 
     message: MessageLayout
     frame_id: str
-
-
-class PoseSample(NamedTuple):
-    """One decoded message.
-
-    Attributes:
-        stamp_ns: header.stamp [ns].
-        frame_id: Frame in which the pose is given.
-        position: Position [m], 3 numbers.
-        orientation: Quaternion x, y, z, w [-], 4 numbers.
-    """
-
-    stamp_ns: int
-    frame_id: str
-    position: tuple[float, ...]
-    orientation: tuple[float, ...]
 
 
 def pose_stamped_layout(frame_id: str) -> PoseStampedLayout:
@@ -121,40 +105,3 @@ class PoseStampedTemplate:
                 f"a PoseStamped cannot hold the stamp {stamp_ns}, position {position}, "
                 f"orientation {orientation}: {error}"
             ) from error
-
-
-class PoseStampedView:
-    """Reads PoseStamped messages of one topic, remembering the layout of the last one."""
-
-    def __init__(self) -> None:
-        self._learn(pose_stamped_layout(""))
-
-    def _learn(self, layout: PoseStampedLayout) -> None:
-        self._frame_id = layout.frame_id
-        self._unpack, self._known, self._pick_constants, self._stamp, (self._pose,) = layout.message.unpacking
-
-    def unpack(self, payload: bytes | memoryview) -> PoseSample:
-        """Decode a message.
-
-        Args:
-            payload: Serialised message of any ROS 2 sender.
-
-        Returns:
-            Stamp, frame and pose.
-
-        Raises:
-            MessageError: The bytes are not a PoseStamped.
-        """
-        values = self._values(payload)
-        if values is None:
-            self._learn(read_pose_stamped_layout(payload))
-            values = self._unpack.unpack_from(payload)
-        pose = values[self._pose]
-        stamp = values[self._stamp] * NANOSECONDS + values[self._stamp + 1]
-        return PoseSample(stamp, self._frame_id, pose[:3], pose[3:])
-
-    def _values(self, payload: bytes | memoryview) -> tuple[Any, ...] | None:
-        if len(payload) < self._unpack.size:
-            return None
-        values = self._unpack.unpack_from(payload)
-        return values if self._pick_constants(values) == self._known else None

@@ -1,16 +1,22 @@
-"""Stamps of samples: the one place that maps sample k to simulated time and back."""
+"""Stamps of samples and messages: the one place that maps sample k to simulated time and back."""
 
 from __future__ import annotations
 
+import struct
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from flexros.logs.cdr_cursor import MessageError
 
 if TYPE_CHECKING:
     from flexros.arrays import IntArray
 
 NANOSECONDS = 1_000_000_000
 """Nanoseconds in a second."""
+
+_LITTLE_ENDIAN = struct.Struct("<4xiI").unpack_from
+_BIG_ENDIAN = struct.Struct(">4xiI").unpack_from
 
 START_NS = NANOSECONDS
 """Stamp of sample 0 [ns]: simulated time starts at 1 s, because 0 means "not set" in ROS."""
@@ -54,3 +60,23 @@ def sample_number(stamp: int, sample_time: float) -> int:
         k, negative before the start.
     """
     return round((stamp - START_NS) / (sample_time * 1e9))
+
+
+def stamp_of(payload: bytes | memoryview) -> int:
+    """Read header.stamp of any message that begins with a std_msgs/Header; called for every message of the loop.
+
+    Args:
+        payload: Serialised message.
+
+    Returns:
+        Stamp [ns].
+
+    Raises:
+        MessageError: The message is too short to hold a stamp.
+    """
+    try:
+        sec, nanosec = _LITTLE_ENDIAN(payload) if payload[1] & 1 else _BIG_ENDIAN(payload)
+    except (struct.error, IndexError) as error:
+        raise MessageError(f"a message of {len(payload)} bytes has no header.stamp") from error
+    stamp: int = sec * NANOSECONDS + nanosec
+    return stamp

@@ -129,9 +129,7 @@ class LogWriter:
             RunError: The disk refuses it.
         """
         schema = message_schema(topic.type, self._share_folders)
-        name = (
-            topic.name if topic.name.startswith("/") else "/".join(("", *filter(None, (self._namespace, topic.name))))
-        )
+        name = topic.name if topic.name.startswith("/") else f"/{self._namespace}/{topic.name}".replace("//", "/")
         entry = BagTopic(name, topic.type, topic.qos, schema.type_hash)
         channel_metadata = {
             "offered_qos_profiles": as_yaml([offered_qos(topic.qos)]),
@@ -163,7 +161,7 @@ class LogWriter:
             payload: Serialised message.
 
         Raises:
-            RunError: An earlier chunk could not be written; the log up to there is closed and readable.
+            RunError: An earlier chunk could not be written, the log up to there is readable; or the log is closed.
         """
         self._n_bytes += len(payload)
         if not self._from_time <= log_time_ns <= self._to_time or self._n_bytes > MAX_CHUNK_SIZE:
@@ -171,10 +169,7 @@ class LogWriter:
         self._append((topic_id, log_time_ns, publish_time_ns, payload))
 
     def _next_chunk(self, log_time: int, n_bytes: int) -> None:
-        if self._failure:
-            raise self._failure
-        if self._closed:
-            raise ValueError(f"the log {self.folder} is closed")
+        self._check_open()
         if not 0 <= log_time <= _LATEST_TIME:
             raise ValueError(f"a log time is {log_time} ns, allowed is 0 to {_LATEST_TIME} ns")
         self._submit()
@@ -191,16 +186,21 @@ class LogWriter:
             payloads: Serialised messages, length n.
 
         Raises:
-            RunError: An earlier chunk could not be written; the log up to there is closed and readable.
+            RunError: An earlier chunk could not be written, the log up to there is readable; or the log is closed.
         """
         if not len(payloads):
             return
         if np.ptp(log_time) > MAX_CHUNK_DURATION:
             raise ValueError(f"the messages of a chunk span {np.ptp(log_time)} ns, allowed is {MAX_CHUNK_DURATION} ns")
+        self._check_open()
         self._submit()
+        self._hand_over(topic_id, log_time, log_time, payloads)
+
+    def _check_open(self) -> None:
         if self._failure:
             raise self._failure
-        self._hand_over(topic_id, log_time, log_time, payloads)
+        if self._closed:
+            raise RunError(f"the log {self.folder} is closed and takes no more messages; write before it is closed")
 
     def _submit(self) -> None:
         """Hand the gathered messages to the thread."""
@@ -223,10 +223,9 @@ class LogWriter:
         """Write all messages taken so far; afterwards they survive the end of the process.
 
         Raises:
-            RunError: They could not be written.
+            RunError: They could not be written, or the log is closed.
         """
-        if self._failure:
-            raise self._failure
+        self._check_open()
         self._submit()
         try:
             self._thread.wait()

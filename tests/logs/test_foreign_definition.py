@@ -9,7 +9,7 @@ from flexros.errors import InputError
 from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.foreign_definition import is_common, translator
 from flexros.logs.joint_state_message import JointStateView
-from flexros.logs.pose_stamped_message import PoseStampedView
+from flexros.logs.pose_stamped_message import PoseStampedTemplate
 from flexros.logs.schemas import message_schema
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -71,8 +71,8 @@ def test_pose_of_another_definition(store):
         types["geometry_msgs/msg/Point"](1.0, 2.0, 3.0), types["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.6, 0.8)
     )
     payload = bytes(foreign.serialize_cdr(types[POSE](header, pose, 0.5), POSE))
-    sample = PoseStampedView().unpack(translator(schema(text, POSE), "x.mcap")(payload))
-    assert sample == (1_000_000_002, "base", (1.0, 2.0, 3.0), (0.0, 0.0, 0.6, 0.8))
+    translated = translator(schema(text, POSE), "x.mcap")(payload)
+    assert translated == PoseStampedTemplate("base").fill(1_000_000_002, (1.0, 2.0, 3.0), (0.0, 0.0, 0.6, 0.8))
 
 
 def test_message_that_does_not_fit():

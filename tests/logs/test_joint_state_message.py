@@ -12,7 +12,6 @@ from flexros.logs.joint_state_message import (
     JointStateView,
     joint_state_layout,
     read_joint_state_layout,
-    stamp_of,
 )
 
 TYPE = "sensor_msgs/msg/JointState"
@@ -138,15 +137,6 @@ def test_claimed_size_is_not_allocated(joint_state):
     payload[-16:-12] = (2**32 - 1).to_bytes(4, "little")
     with pytest.raises(MessageError, match="claims 4294967295 entries of name"):
         JointStateView([]).unpack(bytes(payload))
-
-
-def test_stamp_of_any_message(joint_state):
-    assert stamp_of(joint_state(12_345_678_901, ["a"])[1]) == 12_345_678_901
-
-
-def test_stamp_of_a_stub_is_refused():
-    with pytest.raises(MessageError, match="8 bytes has no header.stamp"):
-        stamp_of(bytes(8))
 
 
 def test_unknown_field_is_refused():

@@ -139,10 +139,32 @@ def test_provenance_that_is_no_json_is_refused(tmp_path, value):
 
 def test_closing_twice_does_nothing(tmp_path):
     writer = LogWriter(tmp_path / "log", [TOPICS["joint_states"]], {})
+    write_states(writer, 3)
     writer.close()
+    content = (tmp_path / "log" / "log_0.mcap").read_bytes()
     writer.close()
-    with pytest.raises(ValueError, match="is closed"):
-        writer.write(1, 10**9, 10**9, b"x")
+    assert (tmp_path / "log" / "log_0.mcap").read_bytes() == content
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda writer: writer.write(1, 10**9, 10**9, b"x"),
+        lambda writer: writer.write_many(np.array([1]), np.array([10**9]), [b"x"]),
+        lambda writer: writer.add_topic(TOPICS["tool_pose"]),
+        lambda writer: writer.flush(),
+    ],
+    ids=["write", "write_many", "add_topic", "flush"],
+)
+def test_a_closed_log_says_so(tmp_path, use):
+    writer = LogWriter(tmp_path / "log", [TOPICS["joint_states"]], {})
+    write_states(writer, 3)
+    writer.close()
+    with pytest.raises(
+        RunError, match=r"the log .*log is closed and takes no more messages; write before it is closed"
+    ):
+        use(writer)
+    assert len(read_log(tmp_path / "log").joint_states.stamp) == 3
 
 
 @pytest.mark.parametrize(("number", "time"), [(0, 10**9), (2, 10**9), (1, -5), (1, 2**63)])
