@@ -15,7 +15,7 @@ from flexros.provenance import versions
 from flexros.robot import load_robot
 from flexros.simulate.plant import Plant
 from flexros.simulate.signals import plant_signals
-from flexros.trajectory import JOINTS, JointMove, Move, TimeLaw, Trajectory, build_trajectory, check_reachable
+from flexros.trajectory import Trajectory, build_trajectory, check_reachable
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -179,7 +179,7 @@ def _trajectory(scenario: Scenario, robot: Robot, source: str) -> Trajectory:
             near = robot.check_arm(scenario.start)
     gears = near[list(robot.chain.geared)]
     if scenario.trajectory is None:
-        return _rest(gears)
+        return Trajectory.at_rest(gears)
     if scenario.trajectory.joints:
         return build_trajectory(scenario.trajectory, gears, source=f"{source}, key trajectory")
     output = scenario.trajectory.output_of(scenario.feedforward.output or robot.controlled)
@@ -208,9 +208,3 @@ def _check_reachable(trajectory: Trajectory, robot: Robot, near: FloatArray) -> 
         lambda joints: np.asarray(slope(arm(joints))[1], dtype=float),
         near[gears],
     )
-
-
-def _rest(gears: FloatArray) -> Trajectory:
-    """Make the trajectory that stays where it is."""
-    law = TimeLaw(np.array([0.0, 1.0]), np.zeros(1), np.zeros((1, 1)), 0.0, 0.0, bounded_derivatives=5, name="rest")
-    return Trajectory((Move(JointMove(gears, gears + 1.0), law),), JOINTS)

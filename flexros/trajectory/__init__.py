@@ -2,15 +2,16 @@
 
 from flexros.trajectory.arc import Arc, circle
 from flexros.trajectory.bang_bang_snap import SnapProfile, bang_bang_snap, snap_profile
-from flexros.trajectory.joint_derivatives import OutputDerivatives, joint_derivatives, output_derivatives
+from flexros.trajectory.joint_derivatives import OutputDerivatives, joint_derivatives
 from flexros.trajectory.limits import Limits, check_limits, joint_limits
 from flexros.trajectory.line import JointMove, Line
 from flexros.trajectory.orientation import Extended, RollPitchYaw
 from flexros.trajectory.path import AbstractPath
 from flexros.trajectory.polynomial import ninth_degree, quintic
 from flexros.trajectory.reachability import Reachability, check_reachable
+from flexros.trajectory.rest import Rest
 from flexros.trajectory.sequence import Sequence
-from flexros.trajectory.specification import TrajectorySpecification, build_trajectory, read_trajectory
+from flexros.trajectory.specification import TrajectorySpecification, build_trajectory
 from flexros.trajectory.time_law import TimeLaw, concatenated
 from flexros.trajectory.trajectory import JOINTS, Move, Place, Trajectory
 
@@ -26,6 +27,7 @@ __all__ = [
     "OutputDerivatives",
     "Place",
     "Reachability",
+    "Rest",
     "RollPitchYaw",
     "Sequence",
     "SnapProfile",
@@ -41,8 +43,6 @@ __all__ = [
     "joint_derivatives",
     "joint_limits",
     "ninth_degree",
-    "output_derivatives",
     "quintic",
-    "read_trajectory",
     "snap_profile",
 ]

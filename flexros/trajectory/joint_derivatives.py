@@ -1,4 +1,4 @@
-"""Exact derivatives of joint motion from those of the tool motion, and back."""
+"""Exact derivatives of joint motion from those of the tool motion."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from flexros.errors import InputError
 from flexros.trajectory.path import MAX_DERIVATIVES
@@ -145,38 +146,6 @@ def joint_derivatives(
     return motion
 
 
-def output_derivatives(
-    trajectory: Trajectory,
-    gamma: ca.Function | OutputDerivatives,
-    t: FloatArray,
-    derivatives: int = MAX_DERIVATIVES,
-) -> FloatArray:
-    """Give the tool motion of a joint trajectory with its exact time derivatives.
-
-    Args:
-        trajectory: Joint trajectory; of a tool trajectory the motion itself is returned.
-        gamma: Output function q -> Z, or its derivatives made before.
-        t: Times [s], any order, shape (n,).
-        derivatives: Highest derivative, 0 to 4.
-
-    Returns:
-        Z, dZ/dt, ..., shape (derivatives + 1, n, n_out).
-
-    Raises:
-        InputError: The function has another number of joints than the trajectory.
-    """
-    motion = trajectory.evaluate(t, derivatives)
-    if not trajectory.joints:
-        return motion
-    output = gamma if isinstance(gamma, OutputDerivatives) else OutputDerivatives.of(gamma)
-    if output.size != trajectory.n_out:
-        raise InputError(
-            f"the trajectory moves {trajectory.n_out} joints and the output function has {output.size}, allowed are "
-            "equal numbers; give every joint a value in the trajectory's points"
-        )
-    return output.along(motion)
-
-
 def _followed(trajectory: Trajectory, output: OutputDerivatives, near: FloatArray, t: FloatArray) -> FloatArray:
     """Follow the joint position from the start in coarse steps and interpolate at the times, shape (n, n_joints)."""
     end = min(max(float(np.max(t)), 0.0), trajectory.duration)
@@ -191,9 +160,10 @@ def _followed(trajectory: Trajectory, output: OutputDerivatives, near: FloatArra
         positions.append(q)
         speeds.append(_speed(trajectory, output, q, wanted[1, k], float(grid[k])))
     if grid.size == 1:
-        result: FloatArray = np.tile(positions[0], (t.size, 1))
-        return result
-    return _hermite(grid, np.array(positions), np.array(speeds), np.clip(t, 0.0, end))
+        return np.tile(positions[0], (t.size, 1))
+    curve = CubicHermiteSpline(grid, np.array(positions), np.array(speeds))
+    result: FloatArray = curve(np.clip(t, 0.0, end))
+    return result
 
 
 def _advance(
@@ -258,19 +228,6 @@ def _speed(
     _check_regular(trajectory, slope, np.array([time]))
     result: FloatArray = np.linalg.solve(slope[0], speed)
     return result
-
-
-def _hermite(grid: FloatArray, q: FloatArray, speed: FloatArray, t: FloatArray) -> FloatArray:
-    """Interpolate positions and speeds on a grid by cubics, shape (n, n_joints)."""
-    i = np.clip(np.searchsorted(grid, t, side="right") - 1, 0, grid.size - 2)
-    h = (grid[i + 1] - grid[i])[:, None]
-    x = (t - grid[i])[:, None] / h
-    return (
-        (1.0 + 2.0 * x) * (1.0 - x) ** 2 * q[i]
-        + x * (1.0 - x) ** 2 * h * speed[i]
-        + x**2 * (3.0 - 2.0 * x) * q[i + 1]
-        + x**2 * (x - 1.0) * h * speed[i + 1]
-    )
 
 
 def _check_regular(trajectory: Trajectory, slope: FloatArray, t: FloatArray) -> None:

@@ -22,7 +22,7 @@ class AbstractPath(ABC):
     The coordinates are tool coordinates (positions [m], for six coordinates followed by a rotation vector [rad]) or
     joint positions [rad or m]. A new path must provide:
 
-    1. `extent`: largest value of the path parameter (> 0), in `parameter_unit`; the smallest is 0;
+    1. `extent`: largest value of the path parameter, in `parameter_unit`, 0 only for a single point; the smallest is 0;
     2. `parameter_unit`: unit of the parameter, for messages;
     3. `n_out`: number of coordinates;
     4. `pace`: largest length travelled per unit of the parameter, by which limits along the path are converted;

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import Field
 
-from flexros.config.validation import Settings, validate
+from flexros.config.validation import Settings
 from flexros.errors import InputError, source_named
 from flexros.trajectory.limits import LIMIT_NAMES, Limits, check_limits
 from flexros.trajectory.path import point, text
@@ -16,8 +16,6 @@ from flexros.trajectory.time_law_specification import TimeLawSpecification
 from flexros.trajectory.trajectory import JOINTS, Move, Trajectory
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from numpy.typing import ArrayLike
 
 LONGEST = 3600.0
@@ -95,22 +93,6 @@ class TrajectorySpecification(Settings):
             "joints" for joint moves, else the key `output`, else the controlled output.
         """
         return JOINTS if self.joints else self.output or controlled
-
-
-def read_trajectory(data: Mapping[str, Any], source: str) -> TrajectorySpecification:
-    """Validate what a user wrote under the key `trajectory`.
-
-    Args:
-        data: Plain data from YAML.
-        source: Where it came from, e.g. "scenario.yaml, key trajectory".
-
-    Returns:
-        The specification.
-
-    Raises:
-        InputError: Unknown, missing or wrong keys.
-    """
-    return validate(TrajectorySpecification, data, source)
 
 
 def build_trajectory(

@@ -89,10 +89,10 @@ class TimeLaw:
         for name, (time, _) in rests.items():
             if not (np.isfinite(time) and time >= 0.0):
                 raise InputError(f"the hold {name} the move is {time:g} s, allowed is 0 or a finite time; correct it")
-        pieces = [_rest(self, *rests["before"])] if before > 0.0 else []
+        pieces = [rest(*rests["before"], self.bounded_derivatives)] if before > 0.0 else []
         pieces.append(self)
         if after > 0.0:
-            pieces.append(_rest(self, *rests["after"]))
+            pieces.append(rest(*rests["after"], self.bounded_derivatives))
         return concatenated(pieces)
 
     def mirrored(self) -> TimeLaw:
@@ -144,15 +144,24 @@ def concatenated(laws: Sequence[TimeLaw]) -> TimeLaw:
     )
 
 
-def _rest(law: TimeLaw, duration: float, value: float) -> TimeLaw:
-    """Give the law that rests at a value for a time [s]."""
+def rest(duration: float, value: float = 0.0, bounded_derivatives: int = 5) -> TimeLaw:
+    """Give the law that rests at a value.
+
+    Args:
+        duration: How long [s].
+        value: The value [p].
+        bounded_derivatives: What the law shall say about its derivatives; all are zero.
+
+    Returns:
+        The law.
+    """
     return TimeLaw(
         knots=np.array([0.0, duration]),
         origins=np.zeros(1),
         coefficients=np.array([[value]]),
         start=value,
         end=value,
-        bounded_derivatives=law.bounded_derivatives,
+        bounded_derivatives=bounded_derivatives,
         name="rest",
     )
 

@@ -7,10 +7,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from flexros.errors import InputError
 from flexros.trajectory.path import MAX_DERIVATIVES, text
+from flexros.trajectory.rest import Rest
+from flexros.trajectory.time_law import rest
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -69,7 +70,7 @@ class Place:
         move: Number of the move, from 1.
         parameter: Path parameter.
         parameter_unit: Its unit.
-        percent: Share of the move's path [%].
+        percent: Share of the move's path [%]; 0 at rest.
         coordinates: Point, tool coordinates or joint positions.
     """
 
@@ -114,6 +115,22 @@ class Trajectory:
                     f"{text(start)}, allowed is a move that begins where the one before ends; return to the start or "
                     "add a move between"
                 )
+
+    @classmethod
+    def at_rest(cls, where: FloatArray, output: str = JOINTS) -> Trajectory:
+        """Make the trajectory that stays at a point.
+
+        Args:
+            where: The point, shape (n_out,).
+            output: What the coordinates are: name of a robot output, or "joints".
+
+        Returns:
+            A rest of 1 s (chosen), which goes on for all times.
+
+        Raises:
+            InputError: Not a vector of finite numbers.
+        """
+        return cls((Move(Rest(where), rest(1.0)),), output)
 
     @property
     def joints(self) -> bool:
@@ -175,30 +192,6 @@ class Trajectory:
             result[:, chosen] = self.moves[i].evaluate(t[chosen] - self.begins[i], derivatives)
         return result
 
-    def poses(self, t: FloatArray) -> FloatArray:
-        """Give the tool pose, where the trajectory has six tool coordinates [x y z roll pitch yaw].
-
-        Args:
-            t: Times [s], shape (n,).
-
-        Returns:
-            [x y z qx qy qz qw], the quaternion without jumps of sign, shape (n, 7).
-
-        Raises:
-            InputError: The trajectory has no orientation.
-        """
-        if self.joints or self.n_out != 6:
-            raise InputError(
-                f"the trajectory of output '{self.output}' has {self.n_out} coordinates without orientation, allowed "
-                "are six tool coordinates (x, y, z, roll, pitch, yaw); take the pose from the robot's forward "
-                "kinematics"
-            )
-        coordinates = self.evaluate(t, derivatives=0)[0]
-        quaternions: FloatArray = Rotation.from_euler("xyz", coordinates[:, 3:]).as_quat()
-        signs = np.where(np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0.0, -1.0, 1.0)
-        quaternions[1:] *= np.cumprod(signs)[:, None]
-        return np.hstack((coordinates[:, :3], quaternions))
-
     def sample_times(self, per_move: int) -> FloatArray:
         """Give times at which a check looks at the trajectory: equally many on every move, repeated moves once.
 
@@ -221,7 +214,8 @@ class Trajectory:
         i = int(self._move_at(times)[0])
         path, law = self.moves[i].path, self.moves[i].law
         s = float(law.evaluate(times - self.begins[i], 0)[0, 0])
-        share = abs(s - law.start) / abs(law.end - law.start)
+        way = abs(law.end - law.start)
+        share = abs(s - law.start) / way if way > 0.0 else 0.0
         return Place(float(t), i + 1, s, path.parameter_unit, 100.0 * share, tuple(path.point_at(s).tolist()))
 
     def _move_at(self, t: FloatArray) -> FloatArray:

@@ -21,6 +21,7 @@ import casadi as ca
 import numpy as np
 from scipy.optimize import fsolve
 
+from flexros.config.validation import validate
 from flexros.feedforward.compiled_march import CompiledMarch
 from flexros.feedforward.consistent_start import consistent_start
 from flexros.feedforward.dae import output_drift
@@ -33,7 +34,7 @@ from flexros.feedforward.reference import compute_reference
 from flexros.feedforward.specification import FeedforwardSpecification
 from flexros.feedforward.step_functions import StepFunctions
 from flexros.robot import Robot, load_robot
-from flexros.trajectory import Trajectory, build_trajectory, read_trajectory
+from flexros.trajectory import Trajectory, TrajectorySpecification, build_trajectory
 from tests.feedforward.cases import subdivided_e12
 
 if TYPE_CHECKING:
@@ -64,13 +65,20 @@ class Case:
     @classmethod
     def e12(cls, robot: Robot, name: str, output: str = "tool") -> Case:
         start = robot.forward_kinematics(robot.home)
-        return cls(name, robot, build_trajectory(read_trajectory(CIRCLE, "bench"), start, output="tool"), output)
+        return cls(
+            name,
+            robot,
+            build_trajectory(validate(TrajectorySpecification, CIRCLE, "bench"), start, output="tool"),
+            output,
+        )
 
     @classmethod
     def six_axis(cls) -> Case:
         robot = load_robot("six_axis")
         start = robot.home[list(robot.chain.geared)]
-        return cls("six_axis", robot, build_trajectory(read_trajectory(JOINTS, "bench"), start), "joints")
+        return cls(
+            "six_axis", robot, build_trajectory(validate(TrajectorySpecification, JOINTS, "bench"), start), "joints"
+        )
 
     @cached_property
     def problem(self) -> FeedforwardProblem:

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from flexros.arrays import FloatArray
+from flexros.config.validation import validate
 from flexros.config.yaml_file import read_yaml
 from flexros.feedforward.problem import FeedforwardProblem
 from flexros.feedforward.specification import FeedforwardSpecification
 from flexros.robot import Robot, load_robot, robot_from_data
 from flexros.robot.robot import LIBRARY
-from flexros.trajectory import Trajectory, build_trajectory, read_trajectory
+from flexros.trajectory import Trajectory, TrajectorySpecification, build_trajectory
 
 CIRCLE = {"type": "circle", "centre_from_start": [-0.025, 0]}
 CENTRE = np.array([2.146403786951 - 0.025, -0.354624247994])
@@ -24,7 +25,9 @@ BANG_BANG = {"type": "bang_bang_snap", "limits_of": "angle", "speed": 20, "accel
 
 def tool_trajectory(robot: Robot, path: Mapping[str, Any], law: Mapping[str, Any], output: str = "tool") -> Trajectory:
     start = robot.forward_kinematics(robot.home, output)
-    return build_trajectory(read_trajectory({"path": path, "time_law": law}, "test"), start, output=output)
+    return build_trajectory(
+        validate(TrajectorySpecification, {"path": path, "time_law": law}, "test"), start, output=output
+    )
 
 
 def joint_trajectory(robot: Robot, change: list[float], duration: float) -> Trajectory:
@@ -32,7 +35,7 @@ def joint_trajectory(robot: Robot, change: list[float], duration: float) -> Traj
         "path": {"type": "joint_moves", "points_from_start": [change]},
         "time_law": {"type": "ninth_degree", "duration": duration},
     }
-    return build_trajectory(read_trajectory(data, "test"), robot.home[list(robot.chain.geared)])
+    return build_trajectory(validate(TrajectorySpecification, data, "test"), robot.home[list(robot.chain.geared)])
 
 
 def edited_robot(name: str, change: Callable[[dict[str, Any]], None]) -> Robot:

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from flexros.config.validation import validate
 from flexros.errors import InputError
 from flexros.trajectory.arc import Arc
 from flexros.trajectory.path import AbstractPath
 from flexros.trajectory.sequence import Sequence
-from flexros.trajectory.specification import read_trajectory
+from flexros.trajectory.specification import TrajectorySpecification
 
 PLANE = np.array([2.0, -0.3])
 SPACE = np.array([1.0, 0.2, 0.7])
@@ -18,7 +19,7 @@ TURNED = Rotation.from_euler("xyz", [-0.8, 0.6, 1.2]).as_quat().tolist()
 
 def paths(start: np.ndarray, n_position: int | None = None, **path: object) -> tuple[AbstractPath, ...]:
     data = {"path": path, "time_law": {"type": "ninth_degree", "duration": 1.0}}
-    specification = read_trajectory(data, "scenario.yaml, key trajectory")
+    specification = validate(TrajectorySpecification, data, "scenario.yaml, key trajectory")
     return specification.path.paths(start, min(3, start.size) if n_position is None else n_position)
 
 

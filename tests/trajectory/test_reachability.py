@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pytest
 
@@ -10,13 +8,11 @@ from flexros.errors import InputError
 from flexros.trajectory.arc import circle
 from flexros.trajectory.bang_bang_snap import bang_bang_snap
 from flexros.trajectory.limits import Limits
-from flexros.trajectory.line import JointMove, Line
+from flexros.trajectory.line import Line
 from flexros.trajectory.polynomial import ninth_degree
 from flexros.trajectory.reachability import Reachability, check_reachable
-from flexros.trajectory.trajectory import JOINTS, Move, Trajectory
-
-if TYPE_CHECKING:
-    from tests.trajectory.conftest import TwoLinkArm
+from flexros.trajectory.trajectory import Move, Trajectory
+from tests.trajectory.conftest import TwoLinkArm
 
 ELBOW = np.array([0.0, 0.3])
 
@@ -35,9 +31,10 @@ def test_inward_circle_is_reachable(arm: TwoLinkArm, start: FloatArray) -> None:
     np.testing.assert_allclose(found.joints[0], ELBOW, atol=1e-11)
     np.testing.assert_allclose(found.joints[-1], ELBOW, atol=1e-11)
     around = circle(start, 0.025).derivatives(np.linspace(0.0, 2 * np.pi, 2001), 0)[0]
-    sizes = [np.linalg.svd(arm.jacobian(arm.inverse_kinematics(z, ELBOW)), compute_uv=False)[-1] for z in around]
-    assert found.smallest_singular_value == pytest.approx(min(sizes), rel=1e-4)
-    assert found.nearest_singularity.percent == pytest.approx(100.0 * np.argmin(sizes) / 2000, abs=0.5)
+    sizes = np.linalg.svd([arm.jacobian(arm.inverse_kinematics(z, ELBOW)) for z in around], compute_uv=False)
+    ratios = sizes[:, 1] / np.maximum.accumulate(sizes[:, 0])
+    assert found.smallest_singular_value == pytest.approx(min(ratios), rel=1e-4)
+    assert found.nearest_singularity.percent == pytest.approx(100.0 * np.argmin(ratios) / 2000, abs=0.5)
     assert found.joints.shape == (found.time.size, 2)
 
 
@@ -46,11 +43,10 @@ def test_circle_with_start_angle_of_90_degrees_meets_the_singularity(arm: TwoLin
         InputError,
         match=r"the trajectory passes a singularity of the robot at t = 0\.\d+ s, \d+\.\d % of move 1 \(path "
         r"parameter .* "
-        r"rad\), point \(2\.1\d+, -0\.[34]\d+\): the smallest singular value of the Jacobian is 0.0\d+, allowed are "
-        r"at least "
-        r"0.05; move the path away from there",
+        r"rad\), point \(2\.1\d+, -0\.[34]\d+\): the smallest singular value of the Jacobian is 0.0\d+ of the "
+        r"largest, allowed are at least 0.02; move the path away from there",
     ):
-        check(arm, circle_test(start, np.pi / 2), singular_value=0.05)
+        check(arm, circle_test(start, np.pi / 2), singular_value=0.02)
 
 
 def test_the_same_circle_is_out_of_reach_behind_it(arm: TwoLinkArm, start: FloatArray) -> None:
@@ -82,38 +78,26 @@ def test_line_through_the_folded_arm_jumps(arm: TwoLinkArm) -> None:
         check_reachable(trajectory, flipping, arm.jacobian, ELBOW)
 
 
-def test_joint_speed_limit_names_joint_and_place(arm: TwoLinkArm, start: FloatArray) -> None:
-    peak = check(arm, circle_test(start, 0.0)).peak_speed
-    check(arm, circle_test(start, 0.0), speed_limits=peak * 1.01)
-    with pytest.raises(
-        InputError, match=r"joint 2 would move at .* at t = .* allowed are .*; lower the speed of the time law"
-    ):
-        check(arm, circle_test(start, 0.0), speed_limits=peak * [1.01, 0.9])
-
-
-def test_joint_speeds_agree_with_differences(arm: TwoLinkArm, start: FloatArray) -> None:
-    found = check(arm, circle_test(start, 0.0), samples=4001)
-    speed = np.max(np.abs(np.diff(found.joints, axis=0) / np.diff(found.time)[:, None]), axis=0)
-    np.testing.assert_allclose(found.peak_speed, speed, rtol=1e-3)
-
-
-def test_joint_range_names_joint_and_place(arm: TwoLinkArm, start: FloatArray) -> None:
-    with pytest.raises(
-        InputError, match=r"joint 1 would be at -0.0\d* rad .* at t = .* allowed are -0.05 to 1; move the path"
-    ):
-        check(arm, circle_test(start, 0.0), joint_range=(np.array([-0.05, -3.0]), np.array([1.0, 3.0])))
-
-
 def test_inverse_kinematics_without_finite_solution_counts_as_out_of_reach(arm: TwoLinkArm, start: FloatArray) -> None:
     with pytest.raises(InputError, match="out of reach at t = 0.0000 s, .* has no finite solution"):
         check_reachable(circle_test(start, 0.0), lambda _target, _near: np.full(2, np.nan), arm.jacobian, ELBOW)
 
 
-def test_joint_trajectories_need_no_kinematics(arm: TwoLinkArm) -> None:
-    trajectory = Trajectory((Move(JointMove(ELBOW, np.array([0.5, -0.4])), ninth_degree(1.0, 1.0)),), JOINTS)
-    found = check(arm, trajectory)
-    np.testing.assert_allclose(found.joints[-1], [0.5, -0.4])
-    np.testing.assert_allclose(found.peak_speed, [0.5 * 630 / 256, 0.7 * 630 / 256], rtol=1e-4)
-    assert found.smallest_singular_value == np.inf
-    with pytest.raises(InputError, match="joint 2 would move at"):
-        check(arm, trajectory, speed_limits=np.array([2.0, 1.0]))
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_verdict_does_not_depend_on_the_size_of_the_arm(start: FloatArray, scale: float) -> None:
+    arm = TwoLinkArm(scale, 1.2 * scale)
+    law = bang_bang_snap(2 * np.pi, Limits(20.0, 600.0, 36000.0, 2.16e6))
+    inward, outward = (
+        Trajectory((Move(circle(scale * start, scale * radius, angle), law),), "tool")
+        for radius, angle in ((0.025, 0.0), (0.05, np.pi))
+    )
+    assert check(arm, inward).smallest_singular_value > 0.05
+    with pytest.raises(InputError, match="passes a singularity of the robot|is out of reach"):
+        check(arm, outward)
+
+
+def test_one_joint_is_singular_where_it_moves_its_output_no_more() -> None:
+    line = Line(np.zeros(1), np.ones(1))  # height of a link of 1 m, which stands upright at the end
+    trajectory = Trajectory((Move(line, ninth_degree(line.extent, 1.0)),), "tool")
+    with pytest.raises(InputError, match=r"passes a singularity of the robot at .* point \((0\.99\d*|1)\)"):
+        check_reachable(trajectory, lambda z, _near: np.arcsin(z), lambda q: np.cos(q)[:, None], np.zeros(1))

@@ -1,15 +1,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import get_args
 
 import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
+from flexros.config.validation import validate
 from flexros.errors import InputError
 from flexros.trajectory.path_specification import PathSpecification
-from flexros.trajectory.specification import TotalLimits, TrajectorySpecification, build_trajectory, read_trajectory
+from flexros.trajectory.specification import TotalLimits, TrajectorySpecification, build_trajectory
 from flexros.trajectory.time_law_specification import TimeLawSpecification
 from flexros.trajectory.trajectory import Trajectory
 
@@ -20,8 +22,12 @@ SMOOTH = {"type": "ninth_degree", "duration": 0.8}
 SOURCE = "scenario.yaml: trajectory"
 
 
+def read(keys: Mapping[str, object]) -> TrajectorySpecification:
+    return validate(TrajectorySpecification, keys, SOURCE)
+
+
 def build(start: FloatArray, **keys: object) -> Trajectory:
-    return build_trajectory(read_trajectory(keys, SOURCE), start, source=SOURCE)
+    return build_trajectory(read(keys), start, source=SOURCE)
 
 
 def test_circle_test_of_paper_b(start: FloatArray) -> None:
@@ -75,7 +81,7 @@ def test_joint_moves_stop_at_their_points_and_dwell() -> None:
     assert trajectory.joints
     assert trajectory.duration == pytest.approx(1.8)
     np.testing.assert_allclose(trajectory.evaluate(np.array([0.9]))[:2, 0], [[0.5, 0.3], [0.0, 0.0]])
-    assert read_trajectory({"path": path, "time_law": SMOOTH}, SOURCE).joints
+    assert read({"path": path, "time_law": SMOOTH}).joints
 
 
 def test_joint_moves_with_limits_per_joint_keep_them() -> None:
@@ -89,13 +95,13 @@ def test_joint_moves_with_limits_per_joint_keep_them() -> None:
 
 def test_output_is_joints_for_joint_moves_else_the_key_else_the_controlled_one() -> None:
     moves = {"type": "joint_moves", "points": [[0.5, 0.3]]}
-    assert read_trajectory({"path": moves, "time_law": SMOOTH}, SOURCE).output_of("tool") == "joints"
-    assert read_trajectory({"path": LINE, "time_law": SMOOTH}, SOURCE).output_of("tip") == "tip"
-    assert read_trajectory({"path": LINE, "time_law": SMOOTH, "output": "tool"}, SOURCE).output_of("joints") == "tool"
+    assert read({"path": moves, "time_law": SMOOTH}).output_of("tool") == "joints"
+    assert read({"path": LINE, "time_law": SMOOTH}).output_of("tip") == "tip"
+    assert read({"path": LINE, "time_law": SMOOTH, "output": "tool"}).output_of("joints") == "tool"
 
 
 def test_tool_path_for_joints_is_refused(start: FloatArray) -> None:
-    specification = read_trajectory({"path": LINE, "time_law": SMOOTH}, SOURCE)
+    specification = read({"path": LINE, "time_law": SMOOTH})
     with pytest.raises(
         InputError, match="the path type line moves the tool but the output is 'joints', .* or use joint_moves"
     ):
@@ -164,12 +170,12 @@ def test_start_must_be_finite(start: FloatArray) -> None:
 )
 def test_bad_keys_are_refused_with_their_source(keys: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=f"{re.escape(SOURCE)}: {message}"):
-        read_trajectory(keys, SOURCE)
+        read(keys)
 
 
 def test_specification_survives_plain_data() -> None:
-    specification = read_trajectory({"path": CIRCLE, "time_law": LIMITS, "repeat": 2}, SOURCE)
-    assert read_trajectory(specification.model_dump(mode="json", exclude_unset=True), SOURCE) == specification
+    specification = read({"path": CIRCLE, "time_law": LIMITS, "repeat": 2})
+    assert read(specification.model_dump(mode="json", exclude_unset=True)) == specification
 
 
 def test_every_key_says_what_it_means_and_in_which_unit() -> None:

@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from flexros.config.validation import validate
 from flexros.errors import InputError
 from flexros.trajectory.arc import circle
 from flexros.trajectory.line import JointMove, Line
-from flexros.trajectory.specification import read_trajectory
+from flexros.trajectory.specification import TrajectorySpecification
 from flexros.trajectory.time_law import TimeLaw
 
 CIRCLE = circle(np.array([2.0, -0.3]), 0.025)
@@ -17,7 +18,7 @@ MOVE = JointMove(np.zeros(2), np.array([1.0, 0.5]))
 
 def law(path: object, joints: bool = False, **time_law: object) -> TimeLaw:
     data = {"path": {"type": "circle", "radius": 1.0}, "time_law": time_law}
-    return read_trajectory(data, "scenario.yaml, key trajectory").time_law.law(path, joints)  # type: ignore[arg-type]
+    return validate(TrajectorySpecification, data, "scenario.yaml, key trajectory").time_law.law(path, joints)  # type: ignore[arg-type]
 
 
 def test_limits_hold_along_the_path() -> None:

@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 from flexros.arrays import FloatArray
 from flexros.errors import InputError
@@ -10,7 +9,6 @@ from flexros.trajectory.arc import circle
 from flexros.trajectory.bang_bang_snap import bang_bang_snap
 from flexros.trajectory.limits import Limits
 from flexros.trajectory.line import JointMove, Line
-from flexros.trajectory.orientation import RollPitchYaw, rotation_vectors
 from flexros.trajectory.polynomial import ninth_degree, quintic
 from flexros.trajectory.sequence import Sequence
 from flexros.trajectory.trajectory import JOINTS, Move, Trajectory
@@ -95,24 +93,6 @@ def test_quintic_gives_three_derivatives_and_refuses_the_fourth() -> None:
 def test_number_of_derivatives_is_checked(circle_test: Trajectory, derivatives: int) -> None:
     with pytest.raises(InputError, match=f"{derivatives} derivatives were asked for, allowed are 0 to 4"):
         circle_test.evaluate(np.zeros(1), derivatives)
-
-
-def test_poses_of_six_coordinates() -> None:
-    first, last = Rotation.from_euler("xyz", [0.3, 0.2, -0.5]), Rotation.from_euler("xyz", [-0.8, 0.6, 1.2])
-    vector = rotation_vectors(first.as_quat(), [last.as_quat()])[0]
-    path = RollPitchYaw(Line(np.zeros(6), np.concatenate(([2.0, 0.0, 0.0], vector))), first.as_quat())
-    poses = Trajectory((Move(path, ninth_degree(2.0, 1.0)),), "tool").poses(np.linspace(0.0, 1.0, 101))
-    np.testing.assert_allclose(poses[0, :3], 0.0)
-    for row, rotation in ((poses[0], first), (poses[-1], last)):
-        assert abs(row[3:] @ rotation.as_quat()) == pytest.approx(1.0, abs=1e-14)
-    assert np.all(np.sum(poses[1:, 3:] * poses[:-1, 3:], axis=1) > 0.99)
-
-
-def test_poses_without_orientation_are_refused(circle_test: Trajectory) -> None:
-    with pytest.raises(
-        InputError, match="output 'tool' has 2 coordinates without orientation, allowed are six .* take the"
-    ):
-        circle_test.poses(np.zeros(1))
 
 
 def test_place_names_time_share_and_point(circle_test: Trajectory) -> None:
