@@ -23,7 +23,7 @@ def frequency_response(linear: LinearModel, frequency: FloatArray) -> ComplexArr
         frequency: Frequencies [Hz], shape (n,).
 
     Returns:
-        Response [rad/Nm, m/Nm], shape (n, M + n_out, M).
+        Response [rad/Nm, m/Nm, rad/N, m/N], shape (n, M + n_out, M).
     """
     s = 2j * np.pi * frequency[:, None, None]
     dynamic = linear.stiffness + s * linear.damping + s**2 * linear.mass
@@ -56,15 +56,17 @@ def write_bode(linear: LinearModel, file: Path, title: str, low: float = 0.5, hi
         shared_xaxes=True,
         vertical_spacing=0.04,
         subplot_titles=[
-            text for name in inputs for text in (f"torque of {name}: magnitude", f"torque of {name}: phase")
+            f"{'torque' if unit == 'Nm' else 'force'} of {name}: {what}"
+            for name, unit in zip(inputs, linear.input_units)
+            for what in ("magnitude", "phase")
         ],
     )
     colours = ["#1f5fa8", "#c8541b", "#2a8a57", "#8c4fa8", "#b8902c", "#3a9bb0", "#a33a55", "#5d6d7e"]
     for column in range(len(inputs)):
         for row, name in enumerate(outputs):
             line = {"color": colours[row % len(colours)], "width": 1.5}
-            unit = "rad" if row < len(inputs) or "." in name or name.startswith("r") else "m"
-            label = {"name": f"{name} [{unit}/s²/Nm]", "legendgroup": name, "showlegend": column == 0, "line": line}
+            unit = f"{linear.measurement_units[row]}/s²/{linear.input_units[column]}"
+            label = {"name": f"{name} [{unit}]", "legendgroup": name, "showlegend": column == 0, "line": line}
             channel = response[:, row, column]
             magnitude = 20 * np.log10(np.maximum(np.abs(channel), 1e-300))
             figure.add_trace(go.Scatter(x=frequency, y=magnitude, **label), row=2 * column + 1, col=1)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from flexros.robot.quantity import unit_of
+
 if TYPE_CHECKING:
     import control
     from numpy.typing import ArrayLike
@@ -29,6 +31,8 @@ class LinearModel:
         output: Controlled output = output @ dq, shape (n_out, n).
         input_names: motor_1, ..., length M.
         output_names: Names of the components of the controlled output, length n_out.
+        input_units: Units of the motor torques, "Nm" or for a linear motor "N", length M.
+        measurement_units: Units of motor positions and components of the output, "rad" or "m", length M + n_out.
         state: The equilibrium, shape (2 n,).
     """
 
@@ -40,6 +44,8 @@ class LinearModel:
     output: FloatArray
     input_names: tuple[str, ...]
     output_names: tuple[str, ...]
+    input_units: tuple[str, ...]
+    measurement_units: tuple[str, ...]
     state: FloatArray
 
     @property
@@ -107,6 +113,10 @@ def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None 
         output=slope,
         input_names=robot.joint_names,
         output_names=_component_names(robot, output),
+        input_units=tuple(unit_of("torque", rotary) for rotary in _rotary_motors(robot)),
+        measurement_units=tuple(
+            unit_of("position", rotary) for rotary in (*_rotary_motors(robot), *_rotary_components(robot, output))
+        ),
         state=state,
     )
 
@@ -114,3 +124,12 @@ def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None 
 def _component_names(robot: Robot, output: str | None) -> tuple[str, ...]:
     entry = robot.spec.outputs[output or robot.controlled]
     return entry.coordinates or tuple(entry.pose)
+
+
+def _rotary_motors(robot: Robot) -> tuple[bool, ...]:
+    return tuple(robot.chain.joints[arm].rotary for arm in robot.chain.geared)
+
+
+def _rotary_components(robot: Robot, output: str | None) -> tuple[bool, ...]:
+    """Whether each component of an output is an angle: pose component rx or arm coordinate body_1.rx."""
+    return tuple(name.rsplit(".", 1)[-1].startswith("r") for name in _component_names(robot, output))

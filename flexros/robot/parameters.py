@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from flexros.errors import unknown_name
-from flexros.robot.quantity import Quantity, Vector
+from flexros.robot.quantity import Quantity, Vector, unit_of
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def _quantities(
             rotary = axis_name.startswith("r")
             if isinstance(direction.spring, Spring):
                 yield f"{name}.stiffness", (*here, "spring"), _stiffness(direction.spring, rotary), 0
-                damper = direction.damper.model_copy(update={"unit": "Nm s/rad" if rotary else "N s/m"})
+                damper = direction.damper.model_copy(update={"unit": unit_of("damping", rotary)})
                 yield f"{name}.damping", (*here, "damper"), damper, 0
             if direction.motor:
                 motor_number += 1
@@ -87,7 +87,7 @@ def _quantities(
 def _stiffness(spring: Spring, rotary: bool) -> Quantity:
     """Return the stiffness of a linear spring, or the factor (nominally 1) on a nonlinear law."""
     if spring.stiffness is not None:
-        return spring.stiffness.model_copy(update={"unit": "Nm/rad" if rotary else "N/m"})
+        return spring.stiffness.model_copy(update={"unit": unit_of("stiffness", rotary)})
     law = spring.piecewise_linear or spring.cubic
     assert law is not None
     return Quantity(value=1.0, unit="1", source=law.source, tolerance=law.tolerance)
@@ -109,9 +109,9 @@ def _of_body(
 def _of_motor(
     name: str, place: tuple[str | int, ...], motor: Motor, rotary: bool
 ) -> Iterator[tuple[str, tuple[str | int, ...], Quantity | Vector, int]]:
-    unit = {"inertia": "kg m2", "friction": "Nm s/rad"} if rotary else {"inertia": "kg", "friction": "N s/m"}
-    yield f"{name}.inertia", (*place, "inertia"), motor.inertia.model_copy(update={"unit": unit["inertia"]}), 0
-    friction = motor.viscous_friction.model_copy(update={"unit": unit["friction"]})
+    inertia = motor.inertia.model_copy(update={"unit": unit_of("inertia", rotary)})
+    yield f"{name}.inertia", (*place, "inertia"), inertia, 0
+    friction = motor.viscous_friction.model_copy(update={"unit": unit_of("damping", rotary)})
     yield f"{name}.viscous_friction", (*place, "viscous_friction"), friction, 0
 
 

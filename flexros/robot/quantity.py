@@ -53,18 +53,35 @@ class _Checked:
         return quantity.model_copy(update={"unit": self.unit})
 
 
-def check_unit(quantity: Quantity | Vector, unit: str) -> None:
+UNITS = {
+    "position": ("rad", "m"),
+    "inertia": ("kg m2", "kg"),
+    "torque": ("Nm", "N"),
+    "stiffness": ("Nm/rad", "N/m"),
+    "damping": ("Nm s/rad", "N s/m"),
+}
+"""SI units of what belongs to one direction of motion: of a rotation, of a translation."""
+
+
+def unit_of(kind: str, rotary: bool) -> str:
+    """Return the SI unit of a kind of `UNITS` for a rotation or a translation."""
+    return UNITS[kind][0 if rotary else 1]
+
+
+def check_unit(quantity: Quantity | Vector, unit: str, key: str = "") -> None:
     """Refuse a quantity that states another unit than the one of its key.
 
     Args:
         quantity: What the file gives.
         unit: SI unit of the key.
+        key: Where the quantity stands; opens the error text.
 
     Raises:
         ValueError: The units differ.
     """
     if quantity.unit and _canonical(quantity.unit) != _canonical(unit):
-        raise ValueError(f"has unit '{quantity.unit}', but the unit here is '{unit}'; convert the value")
+        place = f"{key} " if key else ""
+        raise ValueError(f"{place}has unit '{quantity.unit}', but the unit here is '{unit}'; convert the value")
 
 
 def _canonical(unit: str) -> str:
@@ -82,6 +99,9 @@ def _checked_vector(unit: str) -> Any:
 Plain = BeforeValidator(_from_plain)
 Mass = Annotated[Quantity, Plain, AfterValidator(_Checked("kg", 0.0))]
 Inertia = Annotated[Quantity, Plain, AfterValidator(_Checked("kg m2", 0.0))]
+InertiaProduct = Annotated[Quantity, Plain, AfterValidator(_Checked("kg m2", None))]
+Length = Annotated[Quantity, Plain, AfterValidator(_Checked("m", 0.0))]
+RotaryFriction = Annotated[Quantity, Plain, AfterValidator(_Checked("Nm s/rad", 0.0))]
 Seconds = Annotated[Quantity, Plain, AfterValidator(_Checked("s", 0.0))]
 Ratio = Annotated[Quantity, Plain, AfterValidator(_Checked("1", None))]
 AnyUnit = Annotated[Quantity, Plain]

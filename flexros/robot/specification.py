@@ -10,16 +10,19 @@ from pydantic import AfterValidator, Field, model_validator
 from flexros.config.validation import Settings
 from flexros.robot.quantity import (
     Acceleration,
-    AnyUnit,
     Inertia,
+    InertiaProduct,
+    Length,
     Mass,
     Plain,
     Position,
     Quantity,
     Ratio,
+    RotaryFriction,
     Seconds,
     Vector,
     check_unit,
+    unit_of,
 )
 from flexros.robot.spring import Spring
 
@@ -37,19 +40,40 @@ def _not_negative(quantity: Quantity) -> Quantity:
     return quantity
 
 
+def _positive(quantity: Quantity) -> Quantity:
+    if quantity.value <= 0:
+        raise ValueError(f"is {quantity.value:g}, but must be positive")
+    return quantity
+
+
 NotNegative = Annotated[Quantity, Plain, AfterValidator(_not_negative)]
+Positive = Annotated[Quantity, Plain, AfterValidator(_positive)]
+PositiveRatio = Annotated[Ratio, AfterValidator(_positive)]
 
 
 class Motor(Settings):
     """Motor behind the gear of one direction, placed on the preceding body."""
 
-    inertia: Inertia = Field(default_factory=lambda: _zero("kg m2"), description="rotor inertia [kg m2, or kg]")
-    gear_ratio: Ratio = Field(
+    inertia: NotNegative = Field(default_factory=lambda: _zero(""), description="rotor inertia [kg m2, or kg]")
+    gear_ratio: PositiveRatio = Field(
         default_factory=lambda: Quantity(value=1.0, unit="1"), description="motor turns per arm turn"
     )
     viscous_friction: NotNegative = Field(default_factory=lambda: _zero(""), description="[Nm s/rad, or N s/m]")
-    torque_limit: AnyUnit | None = Field(None, description="largest torque either way [Nm, or N]; none: unlimited")
+    torque_limit: Positive | None = Field(None, description="largest torque either way [Nm, or N]; none: unlimited")
     encoder_noise: NotNegative | None = Field(None, description="rms [rad, or m]; default: sensors.encoder_noise")
+
+    def check_units(self, rotary: bool, key: str) -> None:
+        """Refuse units that do not belong to a motor that turns (rotary) or slides; see `check_unit`."""
+        kinds = {
+            "inertia": "inertia",
+            "viscous_friction": "damping",
+            "torque_limit": "torque",
+            "encoder_noise": "position",
+        }
+        for field, kind in kinds.items():
+            quantity = getattr(self, field)
+            if quantity is not None:
+                check_unit(quantity, unit_of(kind, rotary), f"{key}.{field}")
 
 
 class Direction(Settings):
@@ -73,9 +97,9 @@ class InertiaTensor(Settings):
     xx: Inertia = Field(default_factory=lambda: _zero("kg m2"))
     yy: Inertia = Field(default_factory=lambda: _zero("kg m2"))
     zz: Inertia = Field(default_factory=lambda: _zero("kg m2"))
-    xy: AnyUnit = Field(default_factory=lambda: _zero("kg m2"))
-    xz: AnyUnit = Field(default_factory=lambda: _zero("kg m2"))
-    yz: AnyUnit = Field(default_factory=lambda: _zero("kg m2"))
+    xy: InertiaProduct = Field(default_factory=lambda: _zero("kg m2"))
+    xz: InertiaProduct = Field(default_factory=lambda: _zero("kg m2"))
+    yz: InertiaProduct = Field(default_factory=lambda: _zero("kg m2"))
 
     def matrix(self) -> np.ndarray[Any, np.dtype[np.float64]]:
         """Return the tensor as a matrix [kg m2], shape (3, 3)."""
@@ -93,7 +117,7 @@ class Body(Settings):
     center_of_mass: Position = Field(default_factory=lambda: Vector(value=(0, 0, 0)), description="[m]")
     inertia: InertiaTensor = Field(default_factory=InertiaTensor)
     length: Position = Field(default_factory=lambda: Vector(value=(0, 0, 0)), description="to the next body [m]")
-    viscous_friction: NotNegative = Field(
+    viscous_friction: RotaryFriction = Field(
         default_factory=lambda: _zero("Nm s/rad"), description="against the absolute rotation of the body [Nm s/rad]"
     )
     directions: dict[Axis, Direction] = Field(default_factory=dict, description="in the order in which they follow")
@@ -106,11 +130,12 @@ class Body(Settings):
                 f"directions {', '.join(geared)} have motors, but a body has at most one actuated direction"
             )
         for axis, direction in self.directions.items():
-            rotary = axis.startswith("r")
-            spring = direction.spring
+            rotary, key, spring = axis.startswith("r"), f"directions.{axis}", direction.spring
             if isinstance(spring, Spring) and spring.stiffness is not None:
-                check_unit(spring.stiffness, "Nm/rad" if rotary else "N/m")
-            check_unit(direction.damper, "Nm s/rad" if rotary else "N s/m")
+                check_unit(spring.stiffness, unit_of("stiffness", rotary), f"{key}.spring")
+            check_unit(direction.damper, unit_of("damping", rotary), f"{key}.damper")
+            if direction.motor is not None:
+                direction.motor.check_units(rotary, f"{key}.motor")
         return self
 
 
@@ -146,7 +171,7 @@ class Sensors(Settings):
     """Noise of the sensors, white, rms."""
 
     encoder_noise: NotNegative = Field(default_factory=lambda: _zero(""), description="[rad, or m] in the coordinate")
-    tool_noise: NotNegative = Field(default_factory=lambda: Quantity(value=20e-6, unit="m"), description="tracker [m]")
+    tool_noise: Length = Field(default_factory=lambda: Quantity(value=20e-6, unit="m"), description="tracker [m]")
 
 
 class Defaults(Settings):
@@ -187,6 +212,7 @@ class RobotSpecification(Settings):
                     f"bodies[{index}] names parent '{body.parent}', but the chain is serial and the body before is "
                     f"'{before}': the chain is disconnected; reorder the bodies"
                 )
+        self._check_encoder_noise()
         if self.sample_time.value <= 0:
             raise ValueError(f"sample_time is {self.sample_time.value:g} s, but must be positive")
         if self.controlled not in self.outputs:
@@ -201,6 +227,15 @@ class RobotSpecification(Settings):
         if not names:
             raise ValueError("the robot has no direction of motion; give at least one body a direction")
         return self
+
+    def _check_encoder_noise(self) -> None:
+        """Refuse a common encoder noise whose unit is not that of every motor that has none of its own."""
+        for index, body in enumerate(self.bodies):
+            for axis, direction in body.directions.items():
+                if direction.motor is not None and direction.motor.encoder_noise is None:
+                    unit = unit_of("position", axis.startswith("r"))
+                    key = f"sensors.encoder_noise, which also holds for the motor of body_{index + 1}.{axis},"
+                    check_unit(self.sensors.encoder_noise, unit, key)
 
     @staticmethod
     def _known(given: tuple[str, ...], allowed: tuple[str, ...], key: str) -> None:

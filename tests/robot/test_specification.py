@@ -78,6 +78,63 @@ def test_wrong_unit_of_a_spring(e12_data: dict[str, Any]) -> None:
     assert "has unit 'N/m', but the unit here is 'Nm/rad'" in _refused(e12_data)
 
 
+@pytest.mark.parametrize(
+    ("key", "given", "message"),
+    [
+        ("torque_limit", {"value": 0.35, "unit": "kN"}, "has unit 'kN', but the unit here is 'Nm'"),
+        ("encoder_noise", {"value": 1, "unit": "um"}, "has unit 'um', but the unit here is 'rad'"),
+        ("viscous_friction", {"value": 1, "unit": "N s/m"}, "has unit 'N s/m', but the unit here is 'Nm s/rad'"),
+        ("inertia", {"value": 100, "unit": "kg"}, "has unit 'kg', but the unit here is 'kg m2'"),
+    ],
+)
+def test_wrong_unit_at_a_motor_is_named(
+    e12_data: dict[str, Any], key: str, given: dict[str, Any], message: str
+) -> None:
+    e12_data["bodies"][0]["directions"]["ry"]["motor"][key] = given
+    assert f"key 'bodies[0]': directions.ry.motor.{key} {message}" in _refused(e12_data)
+
+
+def test_units_of_a_linear_motor_are_those_of_a_translation() -> None:
+    data = copy.deepcopy(read_yaml(LIBRARY / "emps.yaml"))
+    motor = data["bodies"][0]["directions"]["tx"]["motor"]
+    motor["inertia"] = {"value": 1, "unit": "kg"}
+    assert robot_from_data(data, "emps").parameters["motor_1.inertia"].value == 1
+    motor["inertia"] = {"value": 1, "unit": "kg m2"}
+    assert "directions.tx.motor.inertia has unit 'kg m2', but the unit here is 'kg'" in _refused(data)
+
+
+@pytest.mark.parametrize(("key", "value"), [("torque_limit", -5), ("torque_limit", 0), ("gear_ratio", 0)])
+def test_torque_limit_and_gear_ratio_are_positive(e12_data: dict[str, Any], key: str, value: float) -> None:
+    e12_data["bodies"][0]["directions"]["ry"]["motor"][key] = value
+    text = _refused(e12_data)
+    assert f"bodies[0].directions.ry.motor.{key}" in text
+    assert f"is {value}, but must be positive" in text
+
+
+def test_wrong_unit_of_a_product_of_inertia(e12_data: dict[str, Any]) -> None:
+    e12_data["bodies"][0]["inertia"]["xy"] = {"value": 1, "unit": "g mm2"}
+    assert "has unit 'g mm2', but the unit here is 'kg m2'" in _refused(e12_data)
+
+
+def test_wrong_unit_of_the_friction_of_a_body(e12_data: dict[str, Any]) -> None:
+    e12_data["bodies"][0]["viscous_friction"] = {"value": 1, "unit": "N s/m"}
+    assert "has unit 'N s/m', but the unit here is 'Nm s/rad'" in _refused(e12_data)
+
+
+def test_wrong_unit_of_the_tool_noise(e12_data: dict[str, Any]) -> None:
+    e12_data["sensors"]["tool_noise"] = {"value": 20, "unit": "um"}
+    assert "has unit 'um', but the unit here is 'm'" in _refused(e12_data)
+
+
+def test_unit_of_the_encoder_noise_is_that_of_the_motors(e12_data: dict[str, Any]) -> None:
+    e12_data["sensors"]["encoder_noise"] = {"value": 1e-6, "unit": "m"}
+    text = _refused(e12_data)
+    assert "sensors.encoder_noise, which also holds for the motor of body_1.ry, has unit 'm'" in text
+    for body in e12_data["bodies"][:2]:
+        body["directions"]["ry"]["motor"]["encoder_noise"] = {"value": 2e-6, "unit": "rad"}
+    assert robot_from_data(e12_data, "own").encoder_noise.tolist() == [2e-6, 2e-6]
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_not_a_finite_number(e12_data: dict[str, Any], value: float) -> None:
     e12_data["bodies"][2]["directions"]["ry"]["damper"] = value
