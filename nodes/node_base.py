@@ -15,7 +15,7 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 
-from flexros.errors import FlexrosError, InputError
+from flexros.errors import INTERNAL_ERROR, FlexrosError, InputError
 from flexros.logs.stamps import NANOSECONDS, START_NS
 from flexros_nodes.parameter_descriptor import parameter_descriptor
 from flexros_nodes.parameters import ParameterSpecification, check_value, node_parameters
@@ -32,6 +32,12 @@ if TYPE_CHECKING:
 
     from flexros_nodes.pacing import Paced
     from flexros_nodes.parameters import Value
+
+
+class NodeFaultError(FlexrosError):
+    """A fault in a node itself; its traceback is in the node's output."""
+
+    exit_code = INTERNAL_ERROR
 
 
 class FlexrosNode(LifecycleNode):
@@ -243,7 +249,9 @@ class FlexrosNode(LifecycleNode):
             return TransitionCallbackReturn.FAILURE
         except Exception as error:  # noqa: BLE001 - rclpy would swallow it; it ends the node, with its traceback
             self.get_logger().error(traceback.format_exc())
-            self.end(FlexrosError(f"{self.node_name} failed inside: {type(error).__name__}: {error}"))
+            self.end(
+                NodeFaultError(f"node {self.node_name} has a fault: {type(error).__name__}: {error}; please report it")
+            )
             return TransitionCallbackReturn.FAILURE
         return TransitionCallbackReturn.SUCCESS
 

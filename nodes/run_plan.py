@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
 
+from flexros.errors import INTERRUPTED
 from flexros_nodes.pacing import PeriodStatistics
 
 if TYPE_CHECKING:
@@ -16,9 +17,6 @@ if TYPE_CHECKING:
 
 NODES = ("recorder", "feedforward", "controller", "plant")
 """Nodes in the order in which they come up; they go down the other way."""
-
-INTERRUPTED = 130
-"""Exit code after Ctrl-C or termination."""
 
 
 @dataclass(frozen=True)
