@@ -56,7 +56,7 @@ class NodeProcess:
                 env=environment,
                 start_new_session=True,
             )
-        self._stopped = False
+        self._asked_to_stop = False
 
     @property
     def pid(self) -> int:
@@ -86,9 +86,9 @@ class NodeProcess:
         return self._output.read_text(encoding="utf-8", errors="replace").strip().splitlines()[-_LAST_LINES:]
 
     def death(self) -> str:
-        """Say how the process died, nothing if it ended with a report."""
+        """Say how the process died, nothing if it ended with a report or because it was asked to."""
         code = self._process.poll()
-        if code is None or self.report() is not None:
+        if code is None or self.report() is not None or (self._asked_to_stop and code == -signal.SIGINT):
             return ""
         how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
         lines = self._last_lines()
@@ -98,6 +98,7 @@ class NodeProcess:
     def ask_to_stop(self) -> None:
         """Tell the process to shut its node down, without waiting for it."""
         if not self.ended:
+            self._asked_to_stop = True
             self._process.send_signal(signal.SIGINT)
 
     def stop(self, timeout: float) -> None:
