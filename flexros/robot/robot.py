@@ -18,6 +18,7 @@ from flexros.robot.chain import Chain, build_chain
 from flexros.robot.model import SymbolicModel
 from flexros.robot.parameters import Parameter, list_parameters, with_values
 from flexros.robot.physical import check_physical
+from flexros.robot.rest import RestFinder
 from flexros.robot.specification import RobotSpecification, arm_names
 
 if TYPE_CHECKING:
@@ -121,6 +122,16 @@ class Robot:
     def model(self) -> SymbolicModel:
         """Symbolic model with every number put in."""
         return SymbolicModel(self.spec, self.chain)
+
+    @cached_property
+    def rest_with_motors_held(self) -> RestFinder:
+        """Finder of the rest in which the motors stand still."""
+        return RestFinder(self.model, "motors")
+
+    @cached_property
+    def rest_with_gears_held(self) -> RestFinder:
+        """Finder of the rest in which the arm side of the gears stands still."""
+        return RestFinder(self.model, "gears")
 
     def symbolic(self, parameters: Sequence[str] = ()) -> SymbolicModel:
         """Build the symbolic model with some parameters left free.

@@ -12,9 +12,9 @@ import numpy as np
 from flexros.compile.loop import LoopKernel, compile_loop
 from flexros.compile.loop_arrays import LoopInputs
 from flexros.errors import InputError, unknown_name
+from flexros.robot.rest import Rest, RestFinder
 from flexros.simulate.loop import loop_functions
 from flexros.simulate.plant import delayed_start
-from flexros.simulate.rest import Rest, RestFinder
 from flexros.simulate.sample_blocks import Zeros
 
 if TYPE_CHECKING:
@@ -175,8 +175,8 @@ def _rests(experiment: Experiment, model: SymbolicModel, parameters: FloatArray)
     for name, column in zip(model.parameter_names, parameters.T, strict=True):
         for run in {int(np.argmin(column)), int(np.argmax(column))}:
             experiment.plant.with_values({name: float(column[run])}, f"run {run} of the batch")
-    finder = RestFinder(experiment.plant, model, start.state)
-    return tuple(finder.find(values) for values in parameters)
+    finder, near = RestFinder(model), start.state[: model.n_coordinates]
+    return tuple(finder.find(near, values) for values in parameters)
 
 
 def _run_group(

@@ -44,6 +44,19 @@ def test_torque_of_the_elbow_carries_its_weight() -> None:
     np.testing.assert_allclose(robot.holding_torque(state), np.asarray(expected).ravel(), rtol=1e-10)
 
 
+@pytest.mark.parametrize("position", [[np.nan, 0.0], [0.1], [0.1, 0.2, 0.3]])
+def test_motor_positions_that_are_none_are_refused(position: list[float]) -> None:
+    with pytest.raises(InputError, match=r"robot elbow needs 2 finite numbers \(motor_1, motor_2\)"):
+        load_robot("elbow").equilibrium(motor_position=position)
+
+
+def test_a_search_that_ends_in_nan_is_no_rest() -> None:
+    """A weight beyond all numbers leaves infinity minus infinity."""
+    robot = load_robot("elbow").with_values({"gravity.z": -1e300, "body_1.mass": 1e300})
+    with pytest.raises(InputError, match=r"finds no rest at arm coordinates .* \(a force of nan"):
+        robot.equilibrium()
+
+
 def test_a_body_without_support_is_refused() -> None:
     data = read_yaml(LIBRARY / "elbow.yaml")
     data["bodies"][1]["directions"]["tz"] = {"spring": 0}

@@ -1,0 +1,117 @@
+"""States of rest under gravity: one Newton search, for one robot and for many that differ in parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import casadi as ca
+import numpy as np
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.robot.model import SymbolicModel
+
+TOLERANCE = 1e-9
+"""Force that may be left, relative to the largest stiffness [N or Nm per m or rad]."""
+MAX_ITERATIONS = 100
+LARGEST_STEP = 0.2
+"""Largest change of a coordinate in one step [rad or m] (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """A robot at rest.
+
+    Attributes:
+        state: State x with zero speeds, shape (2 nq,).
+        torque: Motor torque that holds it [Nm or N], shape (M,).
+    """
+
+    state: FloatArray
+    torque: FloatArray
+
+
+class RestFinder:
+    """Finds where gravity and springs balance while motors or gears are held, for any parameters of a model.
+
+    The balance of an arm coordinate behind a rigid gear is left out: its motor carries it.
+
+    Args:
+        model: The symbolic model; its free parameters may differ from search to search.
+        held: What stands still: the "motors", on whose springs the arm hangs, or the arm side of the "gears", whose
+            motors wind up the springs.
+    """
+
+    def __init__(self, model: SymbolicModel, held: Literal["motors", "gears"] = "motors") -> None:
+        chain, nq = model.chain, model.n_coordinates
+        self._name, self._parameter_names = model.specification.name, model.parameter_names
+        self._balanced, self._motors = list(chain.sprung), list(chain.motor_places)
+        still = self._motors if held == "motors" else chain.geared
+        self._free = [place for place in range(nq) if place not in still]
+        q, p = ca.SX.sym("q", nq), ca.SX.sym("p", len(model.parameter_names))
+        force = model.force(q, np.zeros(nq), np.zeros(model.n_motors), np.zeros(6), p)
+        slope = ca.densify(ca.jacobian(force[self._balanced], q)[:, self._free])
+        self._force = ca.Function("rest", [q, p], [ca.densify(force), slope])
+
+    def find(self, start: FloatArray, parameters: FloatArray, place: str = "") -> Rest:
+        """Find the rest for a set of parameters.
+
+        Args:
+            start: Coordinates q = [q_a, q_m] to start from, those held among them [rad or m], shape (nq,).
+            parameters: Values of the model's parameters (SI), shape (n_parameters,).
+            place: What the user asked for, for the error text; default: the parameters.
+
+        Returns:
+            State and holding torque.
+
+        Raises:
+            InputError: The springs do not balance gravity.
+        """
+        q = start.copy()
+        force, slope = self._evaluate(q, parameters)
+        for _ in range(MAX_ITERATIONS):
+            left = force[self._balanced]
+            if not np.any(left) or not np.all(np.isfinite(slope)):
+                break
+            step = np.linalg.lstsq(slope, -left, rcond=None)[0]
+            size = float(np.max(np.abs(step)))
+            q[self._free] += step * min(1.0, LARGEST_STEP / max(size, LARGEST_STEP))
+            force, slope = self._evaluate(q, parameters)
+            if size < 1e-13 * (1.0 + np.max(np.abs(q))):
+                break
+        self._check(force[self._balanced], slope, place or self._listing(parameters))
+        return Rest(np.concatenate([q, np.zeros_like(q)]), self._holding(force))
+
+    def holding_torque(self, q: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Motor torque that keeps coordinates at rest.
+
+        Args:
+            q: Coordinates at rest [rad or m], shape (nq,).
+            parameters: Values of the model's parameters (SI), shape (n_parameters,).
+
+        Returns:
+            Torque [Nm or N], shape (M,).
+        """
+        return self._holding(self._evaluate(q, parameters)[0])
+
+    def _holding(self, force: FloatArray) -> FloatArray:
+        return 0.0 - force[self._motors]  # not -force, which makes -0.0 of nothing
+
+    def _evaluate(self, q: FloatArray, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+        force, slope = self._force(q, parameters)
+        return force.full().ravel(), slope.full()
+
+    def _check(self, left: FloatArray, slope: FloatArray, place: str) -> None:
+        """Refuse a search that ended without balance, also one that ended in NaN."""
+        if left.size and not np.max(np.abs(left)) <= TOLERANCE * (1.0 + np.max(np.abs(slope))):
+            raise InputError(
+                f"robot {self._name} finds no rest {place}: its springs do not balance gravity there "
+                f"(a force of {np.max(np.abs(left)):.3g} N or Nm is left); check stiffness, masses and the pose"
+            )
+
+    def _listing(self, parameters: FloatArray) -> str:
+        pairs = zip(self._parameter_names, parameters, strict=True)
+        return f"with {', '.join(f'{name} = {value:g}' for name, value in pairs)}"

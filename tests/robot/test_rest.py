@@ -1,0 +1,56 @@
+"""States of rest for many parameters equal those of robots built one by one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.errors import InputError
+from flexros.robot import load_robot
+from flexros.robot.rest import RestFinder
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("elbow", {"body_2.mass": 80.0, "body_1.ry.stiffness": 1.5e5}),
+        ("six_axis", {"body_7.mass": 250.0, "body_3.rx.stiffness": 1e6}),
+        ("e12", {"body_3.mass": 250.0}),
+        ("four_mass", {"body_2.rz.stiffness": 100.0}),
+        ("emps", {"body_1.mass": 80.0}),
+    ],
+)
+def test_rest_equals_that_of_the_robot_itself(name: str, values: dict[str, float]) -> None:
+    robot = load_robot(name)
+    near = robot.equilibrium()[: robot.n_coordinates]
+    motors = robot.model.encoder(near).full().ravel()
+    other = robot.with_values(values)
+    expected = other.equilibrium(motor_position=motors)
+    rest = RestFinder(robot.symbolic(tuple(values))).find(near, np.array(list(values.values())))
+    np.testing.assert_allclose(rest.state, expected, atol=1e-12)
+    np.testing.assert_allclose(rest.torque, other.holding_torque(expected), atol=1e-6)
+
+
+def test_held_gears_stand_still_and_held_motors_too() -> None:
+    robot = load_robot("elbow")
+    q = np.array([0.2, 0.3, 0.2, 0.3])
+    none = np.zeros(0)
+    np.testing.assert_array_equal(RestFinder(robot.model, "gears").find(q, none).state[:2], q[:2])
+    np.testing.assert_array_equal(RestFinder(robot.model, "motors").find(q, none).state[2:4], q[2:])
+
+
+def test_search_takes_no_leap_to_a_rest_far_away() -> None:
+    """A shoulder far too soft: the arm falls, for a robot of its own as for one of many."""
+    robot = load_robot("elbow")
+    near, soft = robot.equilibrium(), {"body_1.ry.stiffness": 500.0}
+    with pytest.raises(InputError, match="finds no rest at motor positions"):
+        robot.with_values(soft).equilibrium(motor_position=near[2:4])
+    with pytest.raises(InputError, match=r"finds no rest with body_1\.ry\.stiffness = 500"):
+        RestFinder(robot.symbolic(tuple(soft))).find(near[:4], np.array([500.0]))
+
+
+def test_values_without_a_rest_are_told() -> None:
+    robot = load_robot("elbow")
+    finder = RestFinder(robot.symbolic(("body_1.ry.stiffness",)))
+    with pytest.raises(InputError, match=r"robot elbow finds no rest with body_1\.ry\.stiffness = nan"):
+        finder.find(robot.equilibrium()[:4], np.array([np.nan]))
