@@ -8,7 +8,7 @@ import zlib
 import lz4.frame  # type: ignore[import-untyped]
 import zstandard
 
-MAX_CHUNK_SIZE = 256 * 2**20
+MAX_CHUNK_SIZE = 64 * 2**20
 """Largest chunk that is decompressed [byte]; chosen, common recorders write about 1 MB."""
 
 _CHUNK_HEAD = struct.Struct("<QQQII")
@@ -18,17 +18,23 @@ class DamagedChunkError(Exception):
     """Why a chunk cannot be read; the scan turns it into a warning."""
 
 
-def expand_chunk(record: memoryview) -> bytes:
+class ExpansionLimitError(DamagedChunkError):
+    """A chunk that is larger than what its file may expand to."""
+
+
+def expand_chunk(record: memoryview, room: int = MAX_CHUNK_SIZE) -> bytes:
     """Decompress a Chunk record and check it.
 
     Args:
         record: The record behind opcode and length.
+        room: Largest size that its file leaves for it [byte].
 
     Returns:
         The records in the chunk.
 
     Raises:
         DamagedChunkError: Sizes, compression or checksum are wrong.
+        ExpansionLimitError: It is larger than `room`.
     """
     if len(record) < _CHUNK_HEAD.size:
         raise DamagedChunkError(f"it has only {len(record)} bytes")
@@ -42,6 +48,8 @@ def expand_chunk(record: memoryview) -> bytes:
         raise DamagedChunkError(f"it claims {length} bytes of data and has {len(record) - start}")
     if size > MAX_CHUNK_SIZE:
         raise DamagedChunkError(f"it claims {size} bytes of messages, allowed is {MAX_CHUNK_SIZE}")
+    if size > room:
+        raise ExpansionLimitError(f"it claims {size} bytes of messages, its file leaves {room}")
     data = _expand(compression, bytes(record[start : start + length]), size)
     if len(data) != size:
         raise DamagedChunkError(f"it claims {size} bytes of messages and holds {len(data)}")

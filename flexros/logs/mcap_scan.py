@@ -19,7 +19,7 @@ from mcap.records import Channel, Schema
 
 from flexros.errors import InputError
 from flexros.logs.chunk import LENGTH_FIELD_END, MESSAGE_HEADER, MESSAGE_OPCODE
-from flexros.logs.chunk_expansion import DamagedChunkError, expand_chunk
+from flexros.logs.chunk_expansion import DamagedChunkError, ExpansionLimitError, expand_chunk
 from flexros.logs.mcap_file import MAGIC
 
 if TYPE_CHECKING:
@@ -29,6 +29,14 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _RECORD_HEAD = struct.Struct("<BQ")
+_SHORTEST_MESSAGE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
+
+EXPANSION = 200
+"""Chunks may together be so many times as large as their file (chosen; messages of a robot at rest are 8 times)..."""
+EXPANSION_ALLOWANCE = 16 * 2**20
+"""... and this much larger, for small files [byte] (chosen)."""
+MOST_DEFINITIONS = 10_000
+"""Number of different Schema and Channel records that are read from a file (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +69,8 @@ class McapScan:
     schemas: dict[int, Schema] = field(default_factory=dict)
     channels: dict[int, Channel] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+    _room: int = field(default=0, init=False)
+    _definitions: set[bytes] = field(default_factory=set, init=False)
 
     def blocks(self) -> Iterator[MessageBlock]:
         """Read the file.
@@ -82,41 +92,88 @@ class McapScan:
             raise InputError(
                 f"{self.path} is not an MCAP file (it begins with {content[:8]!r}); give a rosbag2 folder or .mcap"
             )
-        yield from self._records(memoryview(content), len(MAGIC), "")
+        self._room = EXPANSION_ALLOWANCE + EXPANSION * len(content)
+        yield from self._file_records(memoryview(content), len(MAGIC))
 
-    def _records(self, data: memoryview, position: int, inside: str) -> Iterator[MessageBlock]:
+    def _file_records(self, data: memoryview, position: int) -> Iterator[MessageBlock]:
         loose: list[int] = []
-        n_chunks = 0
+        n_chunks, n_beyond = 0, 0
         while position < len(data):
             start = position + _RECORD_HEAD.size
             opcode, length = _RECORD_HEAD.unpack_from(data, position) if start <= len(data) else (0, len(data))
             if start + length > len(data):
                 self.warnings.append(
-                    f"{self.path} is cut off {inside}at byte {position} of {len(data)}: everything before was read"
+                    f"{self.path} is cut off at byte {position} of {len(data)}: everything before was read"
                 )
                 break
             if opcode == MESSAGE_OPCODE:
                 loose.append(position)
-            elif opcode == Opcode.CHUNK and not inside:
-                records = self._chunk(
-                    data[start : start + length], f"chunk {n_chunks} at byte {position} of {self.path}"
-                )
+            elif opcode == Opcode.CHUNK:
+                where = f"chunk {n_chunks} at byte {position} of {self.path}"
                 n_chunks += 1
-                yield from self._records(records, 0, f"inside chunk {n_chunks - 1} ")
+                try:
+                    yield from self._chunk(data[start : start + length], where)
+                except ExpansionLimitError:
+                    n_beyond += 1
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 self._definition(opcode, bytes(data[start : start + length]), position)
             elif opcode in (Opcode.DATA_END, Opcode.FOOTER):
                 break
             position = start + length
         else:
-            if not inside:
-                self.warnings.append(
-                    f"{self.path} has no end mark: its recorder was killed; every complete chunk was read"
-                )
+            self.warnings.append(f"{self.path} has no end mark: its recorder was killed; every complete chunk was read")
+        if n_beyond:
+            self.warnings.append(
+                f"{self.path} has {len(data)} bytes and its chunks expand to more than {EXPANSION} times as much, as "
+                f"no log of a robot does: {n_beyond} of {n_chunks} chunks were left out"
+            )
         if loose:
             yield self._block(data, np.array(loose))
 
+    def _chunk(self, record: memoryview, where: str) -> Iterator[MessageBlock]:
+        """Read the messages of a chunk; none and a warning if it is damaged."""
+        try:
+            data = memoryview(expand_chunk(record, self._room))
+        except ExpansionLimitError:
+            raise
+        except DamagedChunkError as damage:
+            self.warnings.append(f"{where} is damaged and was left out: {damage}")
+            return
+        self._room -= max(0, len(data) - len(record))
+        found: list[int] = []
+        position = 0
+        while position < len(data):
+            start = position + _RECORD_HEAD.size
+            opcode, length = _RECORD_HEAD.unpack_from(data, position) if start <= len(data) else (0, len(data))
+            if start + length > len(data):
+                self.warnings.append(
+                    f"{where} is cut off inside, at its byte {position} of {len(data)}: everything before was read"
+                )
+                break
+            if opcode == MESSAGE_OPCODE and length >= _SHORTEST_MESSAGE:
+                found.append(position)
+            elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                self._definition(opcode, bytes(data[start : start + length]), position)
+            else:
+                self.warnings.append(
+                    f"{where} holds a record that does not belong into a chunk (opcode {opcode}, {length} bytes), what "
+                    "follows it in the chunk was left out"
+                )
+                break
+            position = start + length
+        if found:
+            yield self._block(data, np.array(found))
+
     def _definition(self, opcode: int, record: bytes, position: int) -> None:
+        key = bytes((opcode,)) + record
+        if key in self._definitions or len(self._definitions) > MOST_DEFINITIONS:
+            return
+        self._definitions.add(key)
+        if len(self._definitions) > MOST_DEFINITIONS:
+            self.warnings.append(
+                f"{self.path} defines more than {MOST_DEFINITIONS} types and topics: the rest is unread"
+            )
+            return
         try:
             stream = ReadDataStream(BytesIO(record))
             if opcode == Opcode.SCHEMA:
@@ -137,11 +194,3 @@ class McapScan:
         if (n_short := len(positions) - np.count_nonzero(whole)) > 0:
             self.warnings.append(f"{self.path}: {n_short} message records are too short and were left out")
         return MessageBlock(data, headers[whole], fitting[whole] + size)
-
-    def _chunk(self, record: memoryview, where: str) -> memoryview:
-        """Decompress a chunk; an empty view and a warning if it is damaged."""
-        try:
-            return memoryview(expand_chunk(record))
-        except DamagedChunkError as damage:
-            self.warnings.append(f"{where} is damaged and was left out: {damage}")
-            return memoryview(b"")

@@ -4,10 +4,11 @@ import struct
 
 import numpy as np
 import pytest
+import zstandard
 from mcap.writer import CompressionType, IndexType, Writer
 
 from flexros.errors import InputError
-from flexros.logs.mcap_scan import McapScan
+from flexros.logs.mcap_scan import EXPANSION_ALLOWANCE, MOST_DEFINITIONS, McapScan
 
 N = 60
 
@@ -105,7 +106,9 @@ def test_record_inside_a_chunk_that_claims_too_much(tmp_path):
     path.write_bytes(content[:at] + struct.pack("<Q", 2**62) + content[at + 8 :])
     scan, messages = read(path)
     assert messages == EXPECTED[:10]
-    assert any("is cut off inside chunk 0 at byte" in warning for warning in scan.warnings)
+    (warning,) = scan.warnings
+    assert "chunk 0 at byte" in warning
+    assert "is cut off inside, at its byte" in warning
 
 
 def test_message_too_short_for_its_head(tmp_path):
@@ -124,6 +127,77 @@ def test_damaged_channel_is_named(tmp_path):
     scan, messages = read(path)
     assert messages == EXPECTED
     assert any("the record at byte 8 is damaged and was left out" in warning for warning in scan.warnings)
+
+
+def chunk(records):
+    packed = zstandard.compress(records)
+    head = struct.pack("<QQQII", 0, 0, len(records), 0, 4) + b"zstd" + struct.pack("<Q", len(packed))
+    return struct.pack("<BQ", 6, len(head) + len(packed)) + head + packed
+
+
+def message(payload=b"", channel=1):
+    return struct.pack("<BQHIQQ", 5, 22 + len(payload), channel, 0, 1000, 0) + payload
+
+
+def put_before_the_end(path, addition):
+    content, end = path.read_bytes(), chunk_ends(path)[-1]
+    path.write_bytes(content[:end] + addition + content[end:])
+
+
+@pytest.mark.parametrize(
+    ("foreign", "told"),
+    [
+        (struct.pack("<BQ", 0, 0), "opcode 0, 0 bytes"),
+        (struct.pack("<BQ", 5, 0), "opcode 5, 0 bytes"),
+        (chunk(message()), "opcode 6, "),
+        (struct.pack("<BQ", 0x99, 3) + b"abc", "opcode 153, 3 bytes"),
+    ],
+    ids=["empty", "empty message", "chunk", "unknown"],
+)
+def test_what_does_not_belong_into_a_chunk_ends_it(tmp_path, foreign, told):
+    path = write(tmp_path / "a.mcap", chunk_size=10**6)
+    put_before_the_end(path, chunk(message(b"one") + foreign + message(b"two")))
+    scan, messages = read(path)
+    assert messages == [*EXPECTED, (1, 1000, b"one")]
+    (warning,) = scan.warnings
+    assert "chunk 1 at byte" in warning
+    assert f"holds a record that does not belong into a chunk ({told}" in warning
+
+
+def test_chunks_that_expand_beyond_reason_are_left_out(tmp_path):
+    path = write(tmp_path / "a.mcap", chunk_size=400)
+    n_before = len(chunk_ends(path))
+    bomb = chunk(message(bytes(EXPANSION_ALLOWANCE * 3 // 4)))
+    put_before_the_end(path, 3 * bomb + chunk(message(b"small")))
+    scan, messages = read(path)
+    sizes = [len(payload) for _, _, payload in messages[N:]]
+    assert messages[:N] == EXPECTED
+    assert sizes == [EXPANSION_ALLOWANCE * 3 // 4, 5]
+    (warning,) = scan.warnings
+    assert "its chunks expand to more than 200 times as much" in warning
+    assert warning.endswith(f": 2 of {n_before + 4} chunks were left out")
+
+
+def test_a_chunk_beyond_the_largest_size_is_left_out(tmp_path):
+    path = write(tmp_path / "a.mcap", chunk_size=10**6)
+    put_before_the_end(path, chunk(bytes(2**26 + 1)))
+    scan, messages = read(path)
+    assert messages == EXPECTED
+    assert scan.warnings[0].endswith("it claims 67108865 bytes of messages, allowed is 67108864")
+
+
+def test_the_number_of_definitions_is_bounded(tmp_path):
+    def channel(number):
+        record = struct.pack("<HHIII", number, 1, 0, 0, 0)
+        return struct.pack("<BQ", 4, len(record)) + record
+
+    path = write(tmp_path / "a.mcap", chunk_size=10**6)
+    put_before_the_end(path, chunk(b"".join(channel(10 + k) for k in range(MOST_DEFINITIONS + 1000)) + message(b"x")))
+    scan, messages = read(path)
+    assert messages == [*EXPECTED, (1, 1000, b"x")]
+    assert len(scan.channels) + len(scan.schemas) == MOST_DEFINITIONS
+    (warning,) = scan.warnings
+    assert f"defines more than {MOST_DEFINITIONS} types and topics" in warning
 
 
 @pytest.mark.parametrize(
