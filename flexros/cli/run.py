@@ -108,7 +108,7 @@ def changed_scenario(
         name: Shipped scenario or file.
         model: Robot instead of the scenario's; empty for none.
         settings: Changes as key=value.
-        effects: Effects of the plant as NAME@LOCATION:parameter=value,...
+        effects: Effects of the plant as NAME@LOCATION:parameter=value,..., after those of the scenario.
         seed: Seed instead of the scenario's.
 
     Returns:
@@ -118,8 +118,6 @@ def changed_scenario(
         InputError: Something is unknown or not allowed.
     """
     from flexros.config.scenario import load_scenario
-    from flexros.effects import parse_effect, plant_values
-    from flexros.robot import load_robot
 
     chosen = load_scenario(name)
     changes: dict[str, Any] = {}
@@ -133,10 +131,7 @@ def changed_scenario(
     if changes:
         chosen = chosen.with_values(changes, "command line")
     if effects:
-        parsed = [parse_effect(text, "--effect") for text in effects]
-        plant = load_robot(chosen.robot).with_values({**chosen.model.values, **chosen.plant.values}, "scenario")
-        values = {f"plant.values.{key}": value for key, value in plant_values(plant, parsed).items()}
-        chosen = chosen.with_values(values, "--effect")
+        chosen = chosen.with_values({"plant.effects": [*chosen.plant.effects, *effects]}, "--effect")
     return chosen
 
 

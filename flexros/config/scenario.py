@@ -13,6 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PlainSerializer, mo
 from flexros.config.validation import Settings, validate
 from flexros.config.yaml_file import read_yaml
 from flexros.control.base import AbstractControlLaw, control_law
+from flexros.effects import parse_effect
 from flexros.errors import InputError, unknown_name
 from flexros.feedforward.specification import FeedforwardSpecification
 from flexros.simulate.disturbance import Disturbance
@@ -63,6 +64,29 @@ class ModelSettings(Settings):
     )
 
 
+def _effect(text: str) -> str:
+    """Refuse an effect that is not well-formed; its place is checked when it meets the robot."""
+    try:
+        parse_effect(text, "effect")
+    except InputError as error:
+        raise ValueError(str(error)) from error
+    return text
+
+
+EffectText: TypeAlias = Annotated[str, AfterValidator(_effect)]
+"""An effect as written on the command line, NAME@LOCATION:parameter=value,..."""
+
+
+class PlantSettings(ModelSettings):
+    """How the simulated robot deviates from the nominal one."""
+
+    effects: tuple[EffectText, ...] = Field(
+        default=(),
+        description="effects applied in order after the values, each as NAME@LOCATION:parameter=value,... (units of "
+        "the effect), e.g. payload_error@tool:relative=0.05",
+    )
+
+
 class Scenario(Settings):
     """Everything that determines one run.
 
@@ -77,8 +101,8 @@ class Scenario(Settings):
     model: ModelSettings = Field(
         default_factory=ModelSettings, description="deviations of the nominal robot from its file, also in the plant"
     )
-    plant: ModelSettings = Field(
-        default_factory=ModelSettings, description="deviations of the simulated robot from the nominal one"
+    plant: PlantSettings = Field(
+        default_factory=PlantSettings, description="deviations of the simulated robot from the nominal one"
     )
     sample_time: float | None = Field(
         default=None, gt=0.0, le=1.0, description="time between two samples [s]; the robot's when left out"
@@ -140,6 +164,8 @@ class Scenario(Settings):
     def digest(self) -> str:
         """Give the SHA-256 of everything that determines the run, as sorted JSON; name and description do not."""
         settings = self.model_dump(mode="json", exclude={"name", "description"})
+        if not self.plant.effects:  # none determine nothing: scenarios keep the hash they had without the key
+            del settings["plant"]["effects"]
         return hashlib.sha256(json.dumps(settings, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 
 

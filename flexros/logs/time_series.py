@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray, IntArray
 
+BASE_FRAME = "base"
+"""Frame in which tool poses are given (the contract of the topics)."""
+
 
 def _check_shape(owner: str, name: str, array: FloatArray | None, shape: tuple[int, int]) -> None:
     if array is not None and (array.shape != shape or array.dtype != np.float64):

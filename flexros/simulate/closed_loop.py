@@ -11,7 +11,7 @@ from flexros.compile.loop import compile_loop
 from flexros.compile.loop_arrays import LoopInputs
 from flexros.errors import RunError
 from flexros.logs.stamps import stamps_ns
-from flexros.logs.time_series import JointSeries, Log, PoseSeries
+from flexros.logs.time_series import BASE_FRAME, JointSeries, Log, PoseSeries
 from flexros.simulate.loop import loop_functions
 from flexros.simulate.plant import delayed_start, diverged_text
 
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.simulate.experiment import Experiment
 
-FRAME = "base"
-"""Frame in which tool poses are given (the contract of the topics)."""
+FRAME = BASE_FRAME
+"""The same, for the nodes."""
 
 SLICE = 65_536
 """Samples whose noise and disturbances are made at once [1]."""
@@ -116,8 +116,8 @@ def run_log(experiment: Experiment, encoder: FloatArray, command: FloatArray, po
             velocity=reference.motor_velocity[:n],
             effort=reference.torque[:n],
         ),
-        tool_pose=PoseSeries(stamp, FRAME, pose[:, :3], pose[:, 3:]),
-        tool_reference=PoseSeries(stamp, FRAME, wanted[:, :3], wanted[:, 3:]),
+        tool_pose=PoseSeries(stamp, BASE_FRAME, pose[:, :3], pose[:, 3:]),
+        tool_reference=PoseSeries(stamp, BASE_FRAME, wanted[:, :3], wanted[:, 3:]),
         provenance=experiment.provenance(),
     )
 

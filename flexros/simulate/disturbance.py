@@ -53,6 +53,22 @@ class AbstractDisturbance(Settings, ABC):
         """Give the highest frequency that must stay below half the sampling rate [Hz]."""
         return 0.0
 
+    def require(self, sample_time: float, source: str) -> None:
+        """Check what depends on the sample time.
+
+        Args:
+            sample_time: Time between two samples [s].
+            source: Where the disturbance came from, e.g. "disturbances[0]".
+
+        Raises:
+            InputError: A frequency is above half the sampling rate.
+        """
+        if self.highest_frequency() * sample_time >= 0.5:
+            raise InputError(
+                f"{source} reaches {self.highest_frequency():g} Hz, allowed is less than half the "
+                f"sampling rate, {0.5 / sample_time:g} Hz; lower the frequency or the sample time"
+            )
+
     def elapsed(self, index: IntArray, sample_time: float) -> FloatArray:
         """Give the time since the first sample at or after `start` [s], shape (n,); negative before it."""
         first = sample_index(self.start, sample_time)
@@ -116,20 +132,27 @@ class Noise(AbstractDisturbance):
     period: float = Field(default=60.0, gt=0.0, le=3600.0, description="time after which it repeats itself [s]")
 
     @model_validator(mode="after")
-    def _band_holds_a_line(self) -> Noise:
+    def _band_has_a_width(self) -> Noise:
         if self.high_hz <= self.low_hz:
             raise ValueError(f"high_hz is {self.high_hz:g} Hz, but must lie above low_hz = {self.low_hz:g} Hz")
-        if math.floor(self.high_hz * self.period) <= max(math.ceil(self.low_hz * self.period), 1) - 1:
-            raise ValueError(
-                f"the band from {self.low_hz:g} to {self.high_hz:g} Hz holds no line of a {self.period:g} s period; "
-                "widen it or lengthen the period"
-            )
         return self
+
+    def require(self, sample_time: float, source: str) -> None:
+        """Check frequency and number of lines; see `AbstractDisturbance.require`."""
+        super().require(sample_time, source)
+        samples = self._samples(sample_time)
+        first, last = _lines(samples, self.low_hz * sample_time, self.high_hz * sample_time)
+        if last < first:
+            raise InputError(
+                f"{source}: the band from {self.low_hz:g} to {self.high_hz:g} Hz holds no line of the period of "
+                f"{samples * sample_time:g} s ({samples} samples), allowed is a band with a multiple of "
+                f"{1.0 / (samples * sample_time):.6g} Hz; widen it or lengthen the period"
+            )
 
     def values(self, index: IntArray, sample_time: float, seed: int, number: int) -> FloatArray:
         """Evaluate at sampling instants."""
         time = self.elapsed(index, sample_time)
-        samples = max(sample_index(self.period, sample_time), 2)
+        samples = self._samples(sample_time)
         table = _noise_table(samples, self.low_hz * sample_time, self.high_hz * sample_time, seed, number)
         first = sample_index(self.start, sample_time)
         end = math.inf if self.duration is None else self.duration
@@ -138,6 +161,10 @@ class Noise(AbstractDisturbance):
     def highest_frequency(self) -> float:
         """Give the upper end of the band [Hz]."""
         return self.high_hz
+
+    def _samples(self, sample_time: float) -> int:
+        """Give the period in samples."""
+        return max(sample_index(self.period, sample_time), 2)
 
 
 Disturbance: TypeAlias = Annotated[Step | Pulse | Chirp | Noise, Field(discriminator="kind")]
@@ -149,10 +176,15 @@ def sample_index(time: float, sample_time: float) -> int:
     return math.ceil(time / sample_time - 1e-6)
 
 
+def _lines(samples: int, low: float, high: float) -> tuple[int, int]:
+    """Number the first and the last line of a period between two frequencies, fractions of the sampling rate."""
+    return max(math.ceil(low * samples - 1e-9), 1), math.floor(high * samples + 1e-9)
+
+
 @lru_cache(maxsize=16)
 def _noise_table(samples: int, low: float, high: float, seed: int, number: int) -> FloatArray:
     """Make one period of unit rms from lines between two frequencies, given as fractions of the sampling rate."""
-    first, last = max(math.ceil(low * samples - 1e-9), 1), math.floor(high * samples + 1e-9)
+    first, last = _lines(samples, low, high)
     lines = np.zeros(samples // 2 + 1, dtype=complex)
     phases = generator(seed, Stream.DISTURBANCE, number).uniform(0.0, 2.0 * math.pi, last - first + 1)
     lines[first : last + 1] = np.exp(1j * phases)
@@ -175,18 +207,15 @@ def disturbance_signal(
         Signal with the columns [motor torque (M), wrench at the tool (6)].
 
     Raises:
-        InputError: A place does not exist on this robot, or a frequency is above half the sampling rate.
+        InputError: A place does not exist on this robot, a frequency is above half the sampling rate, or a band holds
+            no line.
     """
     width = n_motors + len(WRENCH)
     if not disturbances:
         return Zeros(width)
     columns = [_column(disturbance, number, n_motors) for number, disturbance in enumerate(disturbances)]
     for number, disturbance in enumerate(disturbances):
-        if disturbance.highest_frequency() * sample_time >= 0.5:
-            raise InputError(
-                f"disturbances[{number}] reaches {disturbance.highest_frequency():g} Hz, allowed is less than half the "
-                f"sampling rate, {0.5 / sample_time:g} Hz; lower the frequency or the sample time"
-            )
+        disturbance.require(sample_time, f"disturbances[{number}]")
 
     def make_block(block: int) -> FloatArray:
         index = np.arange(block * BLOCK, (block + 1) * BLOCK)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.control.controller import Controller
+from flexros.effects import parse_effect, plant_values
 from flexros.errors import InputError, source_named
 from flexros.feedforward.reference import compute_reference
 from flexros.provenance import versions
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
     from flexros.simulate.signals import PlantSignals
 
-MOST_SAMPLES = 20_000_000
-"""Longest run [samples]; a longer one is taken for a mistake in duration or sample time (chosen)."""
+MOST_BYTES = 2_000_000_000
+"""Largest memory for the signals of a run [bytes]; a longer run is taken for a mistake in its duration (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +64,17 @@ class Experiment:
         """
         source = f"scenario {scenario.name}"
         nominal = load_robot(scenario.robot).with_values(scenario.model.values, f"{source}, key model.values")
-        plant = nominal.with_values(scenario.plant.values, f"{source}, key plant.values")
+        plant = _plant(scenario, nominal, source)
         sample_time = nominal.sample_time if scenario.sample_time is None else scenario.sample_time
         trajectory = _trajectory(scenario, nominal, source)
         duration = trajectory.duration if scenario.duration is None else scenario.duration
         n_samples = int(np.floor(duration / sample_time + 1e-6)) + 1
-        if n_samples > MOST_SAMPLES:
+        needed = n_samples * bytes_per_sample(nominal, trajectory.n_out)
+        if needed > MOST_BYTES:
             raise InputError(
-                f"{source}: {duration:g} s at a sample time of {sample_time:g} s are {n_samples} samples, allowed are "
-                f"{MOST_SAMPLES}; shorten the duration or raise the sample time"
+                f"{source}: {duration:g} s at a sample time of {sample_time:g} s are {n_samples} samples, which need "
+                f"some {needed / 1e9:.2g} GB of memory with robot {nominal.name}, allowed are {MOST_BYTES / 1e9:g} GB; "
+                "shorten the duration or raise the sample time"
             )
         experiment = cls(scenario, nominal, plant, sample_time, trajectory, n_samples)
         with source_named(source):  # what is cheap to check is refused before anything costly is made
@@ -169,6 +172,36 @@ class Experiment:
         if scenario.feedforward_torque:
             return reference
         return replace(reference, torque=np.zeros_like(reference.torque))
+
+
+def bytes_per_sample(robot: Robot, n_out: int) -> int:
+    """Give the memory that each sample of a run takes, as all signals are held at once.
+
+    Args:
+        robot: The robot, with M motors.
+        n_out: Number of coordinates of the trajectory.
+
+    Returns:
+        Memory [bytes]: the reference (its parts and the whole), the signal to the controller, the motion with its
+        derivatives that the reference is made from, and the log.
+    """
+    m = robot.n_motors
+    reference, signal, derivatives, log = 8 + 3 * m + n_out, 3 * m, 5 * (m + n_out), 7 + 2 * m
+    return 8 * (2 * reference + signal + derivatives + log)
+
+
+def _plant(scenario: Scenario, nominal: Robot, source: str) -> Robot:
+    """Change the nominal robot by the plant's values, then by its effects."""
+    key = f"{source}, key plant"
+    if "sample_time" in scenario.plant.values:
+        raise InputError(
+            f"{key}.values: sample_time is given, but plant and controller share one sample time; set the scenario's "
+            "key sample_time instead"
+        )
+    plant = nominal.with_values(scenario.plant.values, f"{key}.values")
+    with source_named(f"{key}.effects"):
+        placed = [parse_effect(text, "effect") for text in scenario.plant.effects]
+        return plant.with_values(plant_values(plant, placed), "effects")
 
 
 def _trajectory(scenario: Scenario, robot: Robot, source: str) -> Trajectory:

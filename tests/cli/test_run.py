@@ -36,7 +36,18 @@ def test_set_seed_model_and_effect_reach_the_run(flexros: Flexros, tmp_path: Pat
     provenance = json.loads((bag / "provenance.json").read_text())
     assert provenance["seed"] == 7
     assert provenance["sample_time"] == 0.001
-    assert provenance["scenario"]["plant"]["values"]["body_3.mass"] == pytest.approx(210)
+    assert provenance["scenario"]["plant"] == {"values": {}, "effects": ["payload_error@tool:relative=0.05"]}
+    assert provenance["plant_hash"] != provenance["model_hash"]
+
+
+def test_effects_of_the_command_line_come_after_those_of_the_scenario(flexros: Flexros, tmp_path: Path) -> None:
+    bag, both = tmp_path / "bag", ["payload_error@tool:relative=0.05", "delay@all:time=0.0002"]
+    ended = flexros(
+        "run", "circle_pd", "--transport", "direct", "--out", str(bag), "--json",
+        "--set", f"plant.effects=[{both[0]!r}]", "--effect", both[1],
+    )  # fmt: skip
+    assert ended.code == 0, ended.err
+    assert json.loads((bag / "provenance.json").read_text())["scenario"]["plant"]["effects"] == both
 
 
 def test_scenarios_are_listed(flexros: Flexros) -> None:
@@ -58,7 +69,11 @@ def test_scenarios_are_listed(flexros: Flexros) -> None:
             ["circle_dae", "--set", "trajectory.path.centre_from_start=[0.5, 0]"],
             "the trajectory is out of reach at t = ",
         ),
-        (["circle_pd", "--effect", "payload_error@arm:relative=1"], "unknown location"),
+        (
+            ["circle_pd", "--effect", "payload_error@arm:relative=1"],
+            "scenario circle_pd, key plant.effects: unknown location of payload_error on robot e12 'arm'",
+        ),
+        (["circle_pd", "--effect", "payload_error"], "--effect: key 'plant.effects[0]': effect is 'payload_error'"),
         (["circle_pd", "--model", "e21"], "unknown robot 'e21'"),
         (["circle_pd", "--realtime"], "belong to the ROS nodes"),
     ],

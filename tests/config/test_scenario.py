@@ -109,6 +109,19 @@ def test_values_within_lists_are_set_by_number() -> None:
     assert first.amplitude == 1.5
 
 
+def test_effects_of_the_plant_are_kept_as_written(tmp_path: Path) -> None:
+    text = "payload_error@tool:relative=0.05"
+    scenario = load_scenario(write(tmp_path, MINIMAL + f"plant: {{effects: ['{text}']}}\n"))
+    assert scenario.plant.effects == (text,)
+    assert scenario.settings()["plant"] == {"effects": [text]}
+
+
+def test_digest_tells_effects_but_not_that_there_are_none() -> None:
+    scenario = load_scenario("circle_dae")
+    assert scenario.with_values({"plant.effects": []}).digest() == scenario.digest()
+    assert scenario.with_values({"plant.effects": ["delay@all:time=0.001"]}).digest() != scenario.digest()
+
+
 def test_digest_changes_with_the_settings() -> None:
     scenario = load_scenario("circle_dae")
     assert scenario.with_values({"seed": 2}).digest() != scenario.digest()
@@ -136,6 +149,17 @@ def test_unknown_scenario_offers_the_nearest() -> None:
         (MINIMAL + "sample_time: -1\n", r"mine\.yaml: key 'sample_time' is -1, but input should be greater than 0"),
         (MINIMAL + "plant: {values: {body_3.mass: .nan}}\n", r"mine\.yaml: key 'plant\.values.*nan.*finite"),
         (MINIMAL + "seed: -1\n", r"mine\.yaml: key 'seed' is -1"),
+        (
+            MINIMAL + "plant: {effects: [delay@all, payload_error]}\n",
+            r"mine\.yaml: key 'plant\.effects\[1\]': effect is 'payload_error', but must be NAME@LOCATION",
+        ),
+        (
+            MINIMAL + "plant: {effects: ['payload@tool:relative=1']}\n",
+            r"key 'plant\.effects\[0\]': unknown effect 'payload' in effect: did you mean 'payload_error'\?",
+        ),
+        (MINIMAL + "plant: {effects: ['delay@all:time=2']}\n", r"effect delay: key 'time' is '2', but .* less than"),
+        (MINIMAL + "plant: {effects: delay@all}\n", r"key 'plant\.effects' is 'delay@all', but .* correct the value"),
+        (MINIMAL + "model: {effects: []}\n", r"unknown key 'model\.effects': allowed are values"),
         (MINIMAL + "plant: {vallues: {}}\n", r"unknown key 'plant\.vallues': did you mean 'values'\?"),
         (
             "robot: e12\nduration: 1\ncontroller: {kind: pdi, kp: 1}\n",

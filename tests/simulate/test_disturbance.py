@@ -103,8 +103,19 @@ def test_frequency_above_half_the_sampling_rate_is_refused() -> None:
 
 
 def test_empty_band_is_refused() -> None:
-    with pytest.raises(ValidationError, match=r"holds no line of a 0\.5 s period; widen it or lengthen the period"):
-        make(kind="noise", rms=1.0, low_hz=10.1, high_hz=11.0, period=0.5)
+    with pytest.raises(InputError, match=r"holds no line of the period of 0\.5 s .* widen it or lengthen the period"):
+        signal(1, make(kind="noise", rms=1.0, low_hz=10.1, high_hz=11.0, period=0.5))
+
+
+def test_band_is_checked_with_the_period_in_whole_samples() -> None:
+    noise = make(kind="noise", rms=1.0, low_hz=1.0001, high_hz=1.0004, period=0.9998)  # its line is at 1.0002 Hz
+    assert np.all(np.isfinite(disturbance_signal((noise,), 1, 1e-4, 1).rows(0, 100)))
+    with pytest.raises(
+        InputError,
+        match=r"^disturbances\[0\]: the band from 1\.0001 to 1\.0004 Hz holds no line of the period of 1 s \(2000 "
+        r"samples\), allowed is a band with a multiple of 1 Hz; widen it or lengthen the period$",
+    ):
+        signal(1, noise)
 
 
 def test_band_upside_down_is_refused() -> None:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+from dataclasses import fields
 
 import numpy as np
 import pytest
 
+from flexros.arrays import FloatArray
 from flexros.config.scenario import Scenario, load_scenario
-from flexros.errors import InputError
-from flexros.simulate.experiment import Experiment
+from flexros.errors import InputError, RunError
+from flexros.feedforward import march as march_room
+from flexros.feedforward.compiled_march import CompiledMarch
+from flexros.simulate.experiment import Experiment, bytes_per_sample
 
 
 def scenario(**settings: object) -> Scenario:
@@ -111,7 +115,20 @@ def test_plant_hash_tells_a_changed_plant() -> None:
             },
             r"scenario mine, key feedforward\.output: unknown output of robot e12 'toool': did you mean 'tool'\?",
         ),
-        ({"duration": 1e6}, r"scenario mine: 1e\+06 s .* are 2000000001 samples, allowed are 20000000; shorten"),
+        (
+            {"duration": 1e6},
+            r"scenario mine: 1e\+06 s .* are 2000000001 samples, which need some 1\.1e\+03 GB of memory with robot "
+            r"e12, allowed are 2 GB; shorten",
+        ),
+        (
+            {"plant": {"values": {"sample_time": 1e-3}}},
+            r"scenario mine, key plant\.values: sample_time is given, but plant and controller share one sample time; "
+            "set the scenario's key sample_time instead",
+        ),
+        (
+            {"plant": {"effects": ["stiffness_error@body_9.ry:relative=0.1"]}},
+            r"scenario mine, key plant\.effects: unknown location of stiffness_error on robot e12 'body_9\.ry'",
+        ),
     ],
 )
 def test_what_is_impossible_is_said_in_one_sentence(settings: dict[str, object], message: str) -> None:
@@ -124,3 +141,50 @@ def test_circle_through_a_singularity_names_the_place() -> None:
     far = load_scenario("circle_pd").with_values({"trajectory.path.centre_from_start": [0.05, 0]})
     with pytest.raises(InputError, match=r"scenario circle_pd: .*passes a singularity.* t = 0\.\d+ s, .* % of move 1"):
         _ = Experiment.prepare(far).reference
+
+
+def test_memory_is_bounded_in_bytes_not_in_samples() -> None:
+    with pytest.raises(InputError, match=r"are 4000001 samples, which need some 2\.2 GB of memory with robot e12"):
+        Experiment.prepare(scenario(duration=2000.0))
+    assert Experiment.prepare(scenario(duration=1000.0)).n_samples == 2_000_001
+    six_axis = {"robot": "six_axis", "controller": {"kind": "pid", "kp": 1e3}}
+    with pytest.raises(InputError, match=r"some 2\.\d GB of memory with robot six_axis"):
+        Experiment.prepare(scenario(**six_axis, duration=1000.0))
+
+
+def test_bytes_per_sample_cover_the_arrays_that_are_held() -> None:
+    experiment = Experiment.prepare(load_scenario("circle_dae"))
+    reference = experiment.reference
+    arrays = [getattr(reference, field.name) for field in fields(reference)]
+    held = sum(array.nbytes for array in (*arrays, experiment.reference_signal)) / experiment.n_samples
+    assert held < bytes_per_sample(experiment.nominal, experiment.trajectory.n_out) < 4 * held
+
+
+def test_effects_change_the_plant_after_its_values() -> None:
+    experiment = Experiment.prepare(
+        scenario(plant={"values": {"body_3.mass": 100}, "effects": ["payload_error@tool:relative=0.1"] * 2})
+    )
+    assert experiment.nominal.parameters["body_3.mass"].value == 200.0
+    assert experiment.plant.parameters["body_3.mass"].value == pytest.approx(121.0)
+    assert experiment.provenance()["scenario"]["plant"]["effects"] == ["payload_error@tool:relative=0.1"] * 2
+
+
+def test_effect_equals_the_same_number_among_the_values() -> None:
+    by_effect, by_value = (
+        Experiment.prepare(scenario(plant=plant)).plant.model_hash
+        for plant in ({"effects": ["delay@all:time=0.001"]}, {"values": {"delay": 0.001}})
+    )
+    assert by_effect == by_value
+
+
+def test_feedforward_that_fails_at_rest_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
+    def give_up(
+        march: CompiledMarch, state: FloatArray, outputs: FloatArray, tolerance: FloatArray
+    ) -> march_room.MarchResult:
+        n = len(outputs)
+        return march_room.MarchResult(state, np.zeros((n, 5)), np.zeros((n, 5, 2)), np.zeros(n, dtype=np.int64), 3)
+
+    monkeypatch.setattr(CompiledMarch, "advance", give_up)
+    experiment = Experiment.prepare(scenario(feedforward={"method": "dae"}))
+    with pytest.raises(RunError, match=r"found no solution at t = 0\.0015 s, 0\.0 % of move 1 .* point \("):
+        _ = experiment.reference
