@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from functools import lru_cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import Field
 
 from flexros.config.location import data_folder
-from flexros.config.yaml_file import read_yaml
-from flexros.errors import InputError, unknown_name
+from flexros.config.validation import Settings, validate
+from flexros.config.yaml_file import read_rows
+from flexros.errors import unknown_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
 
-class QosProfile(BaseModel):
+class QosProfile(Settings):
     """Quality of service of one end of a topic.
 
     Attributes:
@@ -29,8 +30,6 @@ class QosProfile(BaseModel):
         durability: Whether late subscribers get earlier samples.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
     name: str
     description: str = Field(min_length=1)
     history: Literal["keep_last", "keep_all"]
@@ -39,16 +38,14 @@ class QosProfile(BaseModel):
     durability: Literal["volatile", "transient_local"]
 
 
-class FieldUnit(BaseModel):
+class FieldUnit(Settings):
     """Unit and meaning of one message field; unit "" where it has none."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     unit: str
     meaning: str = Field(min_length=1)
 
 
-class Topic(BaseModel):
+class Topic(Settings):
     """One row of `topics.yaml`.
 
     Attributes:
@@ -65,12 +62,10 @@ class Topic(BaseModel):
         fields: Unit and meaning by field.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
     name: str = Field(pattern=r"^/?[a-z][a-z0-9_]*$")
     description: str = Field(min_length=1)
     type: str = Field(pattern=r"^[a-z][a-z0-9_]*/msg/[A-Z][A-Za-z0-9]*$")
-    rate: float | None = Field(gt=0.0, le=1e6, allow_inf_nan=False)
+    rate: float | None = Field(gt=0.0, le=1e6)
     qos: QosProfile
     subscription_qos: QosProfile
     recorded: bool
@@ -78,26 +73,6 @@ class Topic(BaseModel):
     producer: Literal["plant", "controller", "feedforward", "recorder", "user"]
     consumers: tuple[Literal["plant", "controller", "feedforward", "recorder"], ...]
     fields: dict[str, FieldUnit] = Field(min_length=1)
-
-    @field_validator("consumers", mode="before")
-    @classmethod
-    def _as_tuple(cls, value: object) -> object:
-        return tuple(value) if isinstance(value, list) else value
-
-
-def _first_problem(path: Path, row: str, error: ValidationError) -> InputError:
-    problem = error.errors()[0]
-    key = ".".join((row, *(str(part) for part in problem["loc"])))
-    given = "" if problem["type"] == "missing" else f", given was {problem['input']!r}"
-    return InputError(f"{path}, key {key}: {problem['msg'][0].lower()}{problem['msg'][1:]}{given}; correct the file")
-
-
-def _rows(path: Path) -> dict[str, dict[str, Any]]:
-    content = read_yaml(path)
-    for name, row in content.items():
-        if not isinstance(name, str) or not isinstance(row, dict):
-            raise InputError(f"{path}, key {name}: allowed is a name with a mapping of keys; correct the file")
-    return content
 
 
 def read_qos(path: Path) -> dict[str, QosProfile]:
@@ -112,13 +87,10 @@ def read_qos(path: Path) -> dict[str, QosProfile]:
     Raises:
         InputError: The file cannot be read or a value is not allowed.
     """
-    profiles = {}
-    for name, row in _rows(path).items():
-        try:
-            profiles[name] = QosProfile.model_validate({"name": name, **row})
-        except ValidationError as error:
-            raise _first_problem(path, name, error) from error
-    return profiles
+    return {
+        name: validate(QosProfile, {"name": name, **row}, f"{path}, profile {name}")
+        for name, row in read_rows(path).items()
+    }
 
 
 def read_topics(path: Path, profiles: Mapping[str, QosProfile]) -> dict[str, Topic]:
@@ -135,16 +107,13 @@ def read_topics(path: Path, profiles: Mapping[str, QosProfile]) -> dict[str, Top
         InputError: The file cannot be read, a value is not allowed or a profile is unknown.
     """
     topics = {}
-    for name, row in _rows(path).items():
+    for name, row in read_rows(path).items():
         names = {"qos": row.get("qos"), "subscription_qos": row.get("subscription_qos", row.get("qos"))}
         for key, profile in names.items():
             if profile not in profiles:
-                raise unknown_name("QoS profile", str(profile), profiles, f"{path}, key {name}.{key}")
+                raise unknown_name("QoS profile", str(profile), profiles, f"{path}, topic {name}, key {key}")
         resolved = {key: profiles[str(profile)] for key, profile in names.items()}
-        try:
-            topics[name.lstrip("/")] = Topic.model_validate({"name": name, **row, **resolved})
-        except ValidationError as error:
-            raise _first_problem(path, name, error) from error
+        topics[name.lstrip("/")] = validate(Topic, {"name": name, **row, **resolved}, f"{path}, topic {name}")
     return topics
 
 
@@ -152,11 +121,6 @@ def read_topics(path: Path, profiles: Mapping[str, QosProfile]) -> dict[str, Top
 def _installed() -> Mapping[str, Topic]:
     folder = data_folder("msgs_config")
     return MappingProxyType(read_topics(folder / "topics.yaml", read_qos(folder / "qos.yaml")))
-
-
-def load_qos() -> dict[str, QosProfile]:
-    """Read the profiles of the installation, by name."""
-    return read_qos(data_folder("msgs_config") / "qos.yaml")
 
 
 def load_topics() -> dict[str, Topic]:

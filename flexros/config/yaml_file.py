@@ -41,3 +41,22 @@ def read_yaml(path: Path) -> dict[str, Any]:
         given = "nothing" if content is None else f"a {type(content).__name__}"
         raise InputError(f"{path}: the file holds {given}, allowed is a mapping of keys to values; correct the file")
     return content
+
+
+def read_rows(path: Path) -> dict[str, dict[str, Any]]:
+    """Read a YAML file that lists things by name.
+
+    Args:
+        path: File to read.
+
+    Returns:
+        The keys of each thing by its name.
+
+    Raises:
+        InputError: The file cannot be read, or a name is no text or holds no mapping.
+    """
+    content = read_yaml(path)
+    for name, row in content.items():
+        if not isinstance(name, str) or not isinstance(row, dict):
+            raise InputError(f"{path}, key {name}: allowed is a name with a mapping of keys; correct the file")
+    return content

@@ -5,12 +5,12 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from flexros.config.topics import load_qos
+from flexros.config.topics import load_topics
 from flexros.logs.bag_metadata import BagMetadata, BagTopic, as_yaml, offered_qos, write_whole
 
 
 def make():
-    qos = load_qos()["observer"]
+    qos = load_topics()["joint_states"].qos
     topics = (BagTopic("/a", "x/msg/X", qos, "RIHS01_1", 3), BagTopic("/b", "x/msg/X", qos, "RIHS01_1", 4))
     return BagMetadata("log_0.mcap", topics, 1_000, 5_000)
 
@@ -41,7 +41,7 @@ def test_counts_and_times():
 
 
 def test_qos_in_words_and_infinite_times():
-    offered = offered_qos(load_qos()["observer"])
+    offered = offered_qos(load_topics()["joint_states"].qos)
     assert (offered["history"], offered["reliability"], offered["durability"]) == ("keep_last", "reliable", "volatile")
     assert offered["deadline"] == offered["lifespan"] == {"sec": 9223372036, "nsec": 854775807}
 
