@@ -5,8 +5,6 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-
 from flexros.errors import RunError
 from flexros.feedforward.base import AbstractFeedforward
 from flexros.feedforward.compiled_march import CompiledMarch
@@ -21,7 +19,6 @@ from flexros.feedforward.step_functions import StepFunctions
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from flexros.arrays import FloatArray
     from flexros.feedforward.problem import FeedforwardProblem
     from flexros.feedforward.specification import FeedforwardSpecification
     from flexros.robot import Robot
@@ -82,22 +79,6 @@ def dae_march(
     functions = StepFunctions.of(equations, order, sample_time)
     march: March = CompiledMarch(equations, functions) if compiled else InterpretedMarch(equations, functions)
     return equations, functions.gamma, march
-
-
-def output_drift(robot: Robot, output: str, arm_position: FloatArray, desired: FloatArray) -> float:
-    """Largest violation of the output equation, max |Gamma(q_a) - Z|.
-
-    Args:
-        robot: The robot.
-        output: Name of the controlled output.
-        arm_position: Arm coordinates [rad or m], shape (n, N).
-        desired: Desired output [m or rad], shape (n, n_out).
-
-    Returns:
-        The violation [m or rad].
-    """
-    values = np.array(robot.model.output(output)(arm_position.T, robot.model.parameter_values)).T
-    return float(np.max(np.abs(values - desired)))
 
 
 def _failure(problem: FeedforwardProblem, sample: int) -> str:

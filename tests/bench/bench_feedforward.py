@@ -24,9 +24,7 @@ from scipy.optimize import fsolve
 from flexros.config.validation import validate
 from flexros.feedforward.compiled_march import CompiledMarch
 from flexros.feedforward.consistent_start import consistent_start
-from flexros.feedforward.dae import output_drift
 from flexros.feedforward.dae_equations import DaeEquations, arm_residual, build_equations
-from flexros.feedforward.index_one import solve_index_one
 from flexros.feedforward.interpreted_march import InterpretedMarch
 from flexros.feedforward.march import MarchResult, newton_tolerance
 from flexros.feedforward.problem import FeedforwardProblem
@@ -36,6 +34,7 @@ from flexros.feedforward.step_functions import StepFunctions
 from flexros.robot import Robot, load_robot
 from flexros.trajectory import Trajectory, TrajectorySpecification, build_trajectory
 from tests.feedforward.cases import subdivided_e12
+from tests.oracles.index_one import output_drift, solve_index_one
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

@@ -5,8 +5,7 @@ import pytest
 
 from flexros.errors import InputError, RunError
 from flexros.feedforward.base import feedforward_method
-from flexros.feedforward.dae import dae_march, output_drift
-from flexros.feedforward.index_one import solve_index_one
+from flexros.feedforward.dae import dae_march
 from flexros.feedforward.motion import Motion
 from flexros.feedforward.problem import FeedforwardProblem
 from flexros.feedforward.reference import compute_reference
@@ -22,6 +21,7 @@ from tests.feedforward.cases import (
     subdivided_e12,
     tool_trajectory,
 )
+from tests.oracles.index_one import output_drift, solve_index_one
 
 
 def march(problem: FeedforwardProblem) -> Motion:

@@ -5,6 +5,7 @@ import pytest
 
 from flexros.feedforward.dae_equations import LARGE_MODEL, build_equations
 from flexros.robot import Robot, load_robot
+from tests.feedforward.cases import subdivided_e12
 
 GAMMA = 2000.0
 RNG = np.random.default_rng(5)
@@ -62,5 +63,16 @@ def test_mass_based_matrix_is_near_the_exact_one_with_exact_output_rows(robot: R
 
 
 def test_large_models_use_the_mass_based_matrix() -> None:
-    assert load_robot("six_axis").n_arm <= LARGE_MODEL
-    assert build_equations(load_robot("e12").model).exact
+    small, large = (subdivided_e12(pieces).model for pieces in (LARGE_MODEL // 3, LARGE_MODEL // 3 + 1))
+    assert small.n_arm == LARGE_MODEL < large.n_arm
+    assert build_equations(small).exact
+    assert not build_equations(large).exact
+
+
+def test_large_models_have_the_matrix_that_is_asked_for() -> None:
+    large = subdivided_e12(LARGE_MODEL // 3 + 1)
+    chosen, approximate = build_equations(large.model), build_equations(large.model, exact=False)
+    nz, nq = chosen.n_unknowns, large.n_coordinates
+    arguments = (np.zeros(nz), RNG.normal(0, 0.2, nz), RNG.normal(0, 0.1, nq), np.zeros(nq), GAMMA, 1.0 / GAMMA**2)
+    one, other = (np.array(part.newton_matrix(*arguments)) for part in (chosen, approximate))
+    np.testing.assert_array_equal(one, other)

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.feedforward.dae import output_drift
-from flexros.feedforward.index_one import solve_index_one
 from flexros.robot import Robot, load_robot
 from flexros.trajectory import Trajectory
 from tests.feedforward.cases import edited_robot, joint_trajectory, problem_of, tool_trajectory
+from tests.oracles.index_one import output_drift, solve_index_one
 
 
 def test_exact_inverse_dynamics_of_the_smooth_case(e12: Robot, smooth: Trajectory) -> None:

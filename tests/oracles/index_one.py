@@ -17,6 +17,7 @@ from flexros.feedforward.dae_equations import build_equations
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.feedforward.problem import FeedforwardProblem
+    from flexros.robot import Robot
     from flexros.robot.model import SymbolicModel
 
 RANK_TOLERANCE = 1e-12
@@ -47,7 +48,7 @@ def solve_index_one(
 
     The output equation is replaced by its third derivative, so the output drifts from the desired one: any error
     in position, speed or acceleration stays and grows with time squared. Nothing is done about that here; see
-    `flexros.feedforward.dae.output_drift` for how large it becomes.
+    `output_drift` for how large it becomes.
 
     Args:
         problem: Robot, trajectory (in the controlled output) and settings.
@@ -91,6 +92,22 @@ def solve_index_one(
     torque = [right_hand_side(x, z)[1] for x, z in zip(result.y.T.copy(), jerk, strict=True)]
     n, nq = robot.n_arm, robot.n_coordinates
     return IndexOneSolution(result.y[:n].T.copy(), result.y[n:nq].T.copy(), np.array(torque), int(result.nfev))
+
+
+def output_drift(robot: Robot, output: str, arm_position: FloatArray, desired: FloatArray) -> float:
+    """Largest violation of the output equation, max |Gamma(q_a) - Z|.
+
+    Args:
+        robot: The robot.
+        output: Name of the controlled output.
+        arm_position: Arm coordinates [rad or m], shape (n, N).
+        desired: Desired output [m or rad], shape (n, n_out).
+
+    Returns:
+        The violation [m or rad].
+    """
+    values = np.array(robot.model.output(output)(arm_position.T, robot.model.parameter_values)).T
+    return float(np.max(np.abs(values - desired)))
 
 
 def _right_hand_side(model: SymbolicModel, output: str) -> CompiledFunction:
