@@ -1,4 +1,4 @@
-"""What an effect is, how one is found by its name and written on the command line."""
+"""What an effect is, how one is found by its name and written."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class AbstractEffect(Settings, ABC):
     """An effect that changes numbers of the plant's model.
 
     How to add one: write one file in `flexros/effects` with one final subclass; it is then found by its name in
-    `flexros run --effect` and in everything that lists effects. It provides:
+    scenarios (`plant.effects`), in `flexros run --effect` and in everything that lists effects. It provides:
 
     1. `name`, a class variable: the word by which it is chosen.
     2. Its parameters as fields, each with a description that states unit and meaning; the default is the neutral
@@ -72,7 +72,7 @@ def effects() -> Mapping[str, type[AbstractEffect]]:
 
 
 def parse_effect(text: str, source: str) -> PlacedEffect:
-    """Read an effect as written on the command line: NAME@LOCATION:parameter=value,...
+    """Read an effect as written in a scenario or on the command line: NAME@LOCATION:parameter=value,...
 
     Args:
         text: What was given, e.g. "payload_error@tool:relative=0.05".
