@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, TypeVar
 
 import casadi as ca
 import numpy as np
 
+from flexros.arrays import FloatArray
+
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
     from flexros.robot.specification import Direction, Motor, RobotSpecification
+
+Coordinates = TypeVar("Coordinates", FloatArray, ca.SX)
+"""Numbers or symbols."""
 
 
 @dataclass(frozen=True)
@@ -82,13 +86,7 @@ class Chain:
         own = {number: len(self.joints) + place for place, number in enumerate(self.flexible_motors)}
         return tuple(own.get(number, arm) for number, arm in enumerate(self.geared))
 
-    @overload
-    def arm_from_gears(self, gears: FloatArray) -> FloatArray: ...
-
-    @overload
-    def arm_from_gears(self, gears: ca.SX) -> ca.SX: ...
-
-    def arm_from_gears(self, gears: Any) -> Any:
+    def arm_from_gears(self, gears: Coordinates) -> Coordinates:
         """Put gear coordinates (or their rates) into arm coordinates, elastic directions at zero.
 
         Args:
@@ -98,11 +96,11 @@ class Chain:
             Arm coordinates [rad or m], shape (..., N), or SX (N, 1).
         """
         if isinstance(gears, ca.SX):
-            symbolic = ca.SX.zeros(len(self.joints))
+            symbolic: Coordinates = ca.SX.zeros(len(self.joints))
             for number, place in enumerate(self.geared):
                 symbolic[place] = gears[number]
             return symbolic
-        arm = np.zeros((*gears.shape[:-1], len(self.joints)))
+        arm: Coordinates = np.zeros((*gears.shape[:-1], len(self.joints)))
         arm[..., list(self.geared)] = gears
         return arm
 

@@ -4,44 +4,86 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import casadi as ca
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.robot.kinematics import build_geometry
+from flexros.robot.parameters import list_parameters
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
+    from flexros.robot.chain import Chain
     from flexros.robot.robot import Robot
+    from flexros.robot.specification import RobotSpecification
 
 TOLERANCE = 1e-12
 """Largest remaining error of the output, relative to 1 m + its size [m or rad]."""
+ELBOW_OUTPUT = ("x", "z")
+"""Components of an output for which a two-link elbow has a closed form."""
 
 
-def solve(robot: Robot, target: FloatArray, near: FloatArray, output: str | None = None) -> FloatArray:
+def solve(
+    robot: Robot, target: FloatArray, near: FloatArray, output: str | None = None, configuration: int | None = None
+) -> FloatArray:
     """Find arm coordinates with rigid elastic directions, nearest to a given configuration (Moberg 2007, eq. 3.3).
+
+    Closed form where the robot file names one and the output fits it, numerical otherwise.
 
     Args:
         robot: The robot.
         target: Value of the output [m, rad], shape (n_out,).
         near: Arm coordinates to start from, shape (N,); choose the configuration (elbow up or down) by it.
         output: Name of the output; default: the controlled one.
+        configuration: Sign +1 or -1 of a closed form (elbow up or down); default: the one nearest to `near`.
 
     Returns:
         Arm coordinates [rad or m], shape (N,); directions without motor keep the value 0.
 
     Raises:
-        InputError: The target has the wrong size, is not finite or is out of reach.
+        InputError: The target has the wrong size, is not finite or is out of reach; or there is no such configuration.
     """
-    evaluate = robot.model.output_with_slope(output)
-    geared = list(robot.chain.geared)
-    q = np.zeros(robot.n_arm)
-    q[geared] = near[geared]
-    n_out = evaluate.size1_out(0)
+    name = output or robot.controlled
+    n_out = robot.model.output_with_slope(name).size1_out(0)
     if target.shape != (n_out,) or not np.all(np.isfinite(target)):
         raise InputError(
-            f"the target {target.tolist()} of output '{output or robot.controlled}' of robot {robot.name} "
+            f"the target {target.tolist()} of output '{name}' of robot {robot.name} "
             f"must be {n_out} finite numbers; correct it"
         )
-    pose = robot.spec.outputs[output or robot.controlled].pose
+    if robot.elbow_links is not None and robot.spec.outputs[name].pose == ELBOW_OUTPUT:
+        return _closed_form(robot, robot.elbow_links, target, near, configuration)
+    if configuration is not None:
+        raise InputError(
+            f"configuration {configuration} was given for output '{name}' of robot {robot.name}, but it is solved "
+            "numerically, which finds the configuration nearest to a pose; give near instead"
+        )
+    return _numerical(robot, target, near, name)
+
+
+def _closed_form(
+    robot: Robot, lengths: tuple[float, float], target: FloatArray, near: FloatArray, configuration: int | None
+) -> FloatArray:
+    """Take the asked for, else the nearest of the two configurations, each in the turn nearest to a pose."""
+    if configuration not in (1, -1, None):
+        raise InputError(
+            f"configuration is {configuration}, but robot {robot.name} has the configurations 1 and -1 (elbow up or "
+            "down); give one of them"
+        )
+    here = near[list(robot.chain.geared)]
+    found = []
+    for sign in (1, -1) if configuration is None else (configuration,):
+        angles = two_link_elbow(*lengths, target, sign)
+        found.append(angles + 2 * np.pi * np.round((here - angles) / (2 * np.pi)))
+    nearest = min(found, key=lambda angles: float(np.linalg.norm(angles - here)))
+    return robot.chain.arm_from_gears(nearest)
+
+
+def _numerical(robot: Robot, target: FloatArray, near: FloatArray, output: str) -> FloatArray:
+    """Search by damped Newton steps from a pose."""
+    evaluate = robot.model.output_with_slope(output)
+    geared = list(robot.chain.geared)
+    q = robot.chain.arm_from_gears(near[geared])
+    pose = robot.spec.outputs[output].pose
     angles = [index for index, component in enumerate(pose) if component.startswith("r")]
     error = np.inf
     limit = TOLERANCE * (1.0 + float(np.max(np.abs(target))))
@@ -58,8 +100,8 @@ def solve(robot: Robot, target: FloatArray, near: FloatArray, output: str | None
     if error <= 1e3 * limit:
         return q
     raise InputError(
-        f"the point {np.round(target, 6).tolist()} of output '{output or robot.controlled}' is out of reach of robot "
-        f"{robot.name}: the nearest found misses it by {error:.3g} m or rad; move the target"
+        f"the point {np.round(target, 6).tolist()} of output '{output}' is out of reach of robot {robot.name}: "
+        f"the nearest found misses it by {error:.3g} m or rad; move the target"
     )
 
 
@@ -67,6 +109,37 @@ def _damped_step(slope: FloatArray, residual: FloatArray, damping: float) -> Flo
     """Levenberg-Marquardt step."""
     normal = slope.T @ slope + damping * np.eye(slope.shape[1])
     return np.asarray(np.linalg.lstsq(normal, slope.T @ residual, rcond=None)[0], dtype=float)
+
+
+def link_lengths(specification: RobotSpecification, chain: Chain, source: str) -> tuple[float, float]:
+    """Measure the two links of a robot that declares itself a two-link elbow.
+
+    Args:
+        specification: The robot file.
+        chain: Its joints.
+        source: File or name; opens the error text.
+
+    Returns:
+        Lengths l_1 and l_2 [m].
+
+    Raises:
+        InputError: The chain is no two-link elbow.
+    """
+    axes = [(chain.joints[arm].rotary, chain.joints[arm].axis) for arm in chain.geared]
+    outputs = [output.pose for output in specification.outputs.values()]
+    if axes == [(True, 1), (True, 1)] and specification.tool.linear is None and ELBOW_OUTPUT in outputs:
+        values = {name: parameter.value for name, parameter in list_parameters(specification).items()}
+        geometry = build_geometry(specification, chain, values.__getitem__)
+        steps = np.array([ca.DM(step).full().ravel() for step in (*(f.offset for f in geometry.frames), geometry.tool)])
+        first, second = (arm + 1 for arm in chain.geared)  # all frames are parallel at zero
+        base, upper, fore = (part.sum(axis=0) for part in (steps[:first], steps[first:second], steps[second:]))
+        if not base.any() and not upper[:2].any() and not fore[1:].any() and upper[2] > 0 and fore[0] > 0:
+            return float(upper[2]), float(fore[0])
+    raise InputError(
+        f"{source}: inverse_kinematics is 'two_link_elbow', but the chain is none: that has two motors, both turning "
+        "about y, at zero angle the first link along +z and the second along +x from the base on, and an output "
+        "{pose: [x, z]}; correct the bodies, or write inverse_kinematics: numerical"
+    )
 
 
 def two_link_elbow(l1: float, l2: float, point: FloatArray, configuration: int) -> FloatArray:

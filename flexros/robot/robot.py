@@ -37,6 +37,7 @@ class Robot:
     Attributes:
         spec: The validated robot file.
         source: File or name that it came from.
+        elbow_links: Lengths of the two links [m] where the robot declares the closed form of an elbow, else None.
     """
 
     def __init__(self, specification: RobotSpecification, source: str) -> None:
@@ -44,6 +45,8 @@ class Robot:
         self.source = source
         self.chain: Chain = build_chain(specification)
         check_physical(specification, self.chain, source)
+        declared = specification.inverse_kinematics == "two_link_elbow"
+        self.elbow_links = inverse_kinematics.link_lengths(specification, self.chain, source) if declared else None
 
     @property
     def name(self) -> str:
@@ -190,12 +193,15 @@ class Robot:
         return value.ravel()
 
     def inverse_kinematics(
-        self, target: ArrayLike, near: ArrayLike | None = None, output: str | None = None
+        self,
+        target: ArrayLike,
+        near: ArrayLike | None = None,
+        output: str | None = None,
+        configuration: int | None = None,
     ) -> FloatArray:
         """Find arm coordinates of the rigid chain for a value of an output; see `inverse_kinematics.solve`."""
-        return inverse_kinematics.solve(
-            self, np.asarray(target, float), self.check_arm(self.home if near is None else near), output
-        )
+        start = self.check_arm(self.home if near is None else near)
+        return inverse_kinematics.solve(self, np.asarray(target, float), start, output, configuration)
 
     def equilibrium(self, q_a: ArrayLike | None = None, *, motor_position: ArrayLike | None = None) -> FloatArray:
         """Find the state of rest under gravity, for given actuated arm coordinates or given motor positions.

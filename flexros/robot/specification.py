@@ -198,6 +198,9 @@ class RobotSpecification(Settings):
     bodies: tuple[Body, ...] = Field(min_length=1, max_length=200)
     tool: Tool = Field(default_factory=Tool)
     outputs: dict[str, Output]
+    inverse_kinematics: Literal["numerical", "two_link_elbow"] = Field(
+        "numerical", description="two_link_elbow: closed form of a tool position [x, z] (Moberg 2007, eq. 3.26 to 3.28)"
+    )
     controlled: str = Field(description="the output that trajectories and feedforward refer to by default")
     home: tuple[float, ...] | None = Field(None, description="arm coordinates of the usual start pose; default: zeros")
     unknown_parameters: tuple[str, ...] = Field((), description="parameters that an identification estimates")
