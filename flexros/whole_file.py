@@ -40,6 +40,8 @@ def write_result(path: Path, text: str, what: str) -> None:
     Raises:
         InputError: It cannot be written there.
     """
+    if not path.name:
+        raise InputError(f"the {what} cannot be written to '{path}', which is a folder; give a file")
     try:
         write_whole(path, text)
     except OSError as error:

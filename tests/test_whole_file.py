@@ -33,3 +33,8 @@ def test_old_file_stands_when_writing_fails(tmp_path: Path, monkeypatch: pytest.
 def test_missing_folder_is_one_sentence(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="the report cannot be written to .*its folder must exist"):
         write_result(tmp_path / "none" / "a.html", "x", "report")
+
+
+def test_a_folder_is_no_file() -> None:
+    with pytest.raises(InputError, match=r"the report cannot be written to '\.', which is a folder; give a file"):
+        write_result(Path(), "x", "report")

@@ -30,8 +30,7 @@ def analyze(
 
     logs = [read_log(path, namespace=namespace or None) for path in bag]
     analyses = [
-        analyse(log, robot=_robot(model, log), label=path.name if len(bag) > 1 else None)
-        for path, log in zip(bag, logs)
+        analyse(log, robot=_robot(model, log), label=label) for label, log in zip(_labels(bag), logs, strict=True)
     ]
     if report:
         write_report(analyses, report)
@@ -45,6 +44,14 @@ def analyze(
             console.print(f"warning, {analysis.label}: {warning}")
     if report:
         say(f"report: {report}")
+
+
+def _labels(bag: list[Path]) -> list[str | None]:
+    """Name runs that are shown side by side by their folders, by the whole path where folders have the same name."""
+    if len(bag) == 1:
+        return [None]
+    names = [path.absolute().name for path in bag]
+    return [str(path) if names.count(name) > 1 else name for path, name in zip(bag, names, strict=True)]
 
 
 def _robot(model: str, log: Log) -> Robot | None:

@@ -42,6 +42,8 @@ def bench(
     unknown = [one for one in chosen if one not in available]
     if unknown:
         raise unknown_name("benchmark", unknown[0], available)
+    if out and not out.absolute().parent.is_dir():
+        raise InputError(f"the result cannot be written to '{out}', its folder does not exist; make it or give another")
     results = {}
     for one in chosen:
         if not as_json:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import typer
+from rich.padding import Padding
 from rich.table import Table
 
 from flexros.cli import transports
@@ -200,7 +201,7 @@ def _row(result: CaseResult) -> dict[str, Any]:
 def _print(results: list[CaseResult], comparison: Comparison, folder: Path, transport: str) -> None:
     console.print(comparison.table())
     for caveat in comparison.caveats:
-        console.print(f"  {caveat}")
+        console.print(Padding(caveat, (0, 0, 0, 2)))
     if transport == "ros":
         table = Table("run over topics", "samples", "samples/s", "resends", "equal to in-process", title="Transport")
         for result in results:

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from flexros.robot.linearise import LinearModel
     from flexros.robot.zeros import ZeroDynamics
 
+_FEW_MOTORS = 2
+"""With more motors than this the table has the zeros of each motor's own channel only (chosen)."""
+
 
 def robots(as_json: bool = typer.Option(False, "--json", help="Print JSON.")) -> None:
     """List the robots that are shipped."""
@@ -123,12 +126,18 @@ def _print_robot(content: dict[str, Any], linear: LinearModel, verdict: ZeroDyna
     console.print(f"{content['robot']} at rest, q = {np.round(verdict.pose, 6).tolist()}")
     table = Table("", "frequency [Hz] (damping ratio); real: [1/s]")
     table.add_row("poles", _readable(content["poles"]))
+    hidden = 0
     for source in linear.input_names:
         for target, entries in content["zeros"][source].items():
-            table.add_row(f"zeros {source} torque -> {target}", _readable(entries))
+            if target == source or len(linear.input_names) <= _FEW_MOTORS:
+                table.add_row(f"zeros {source} torque -> {target}", _readable(entries))
+            else:
+                hidden += 1
     table.add_row(f"zeros torques -> {verdict.output}", _readable(content["transmission_zeros"]))
     table.add_row(f"zero dynamics of {verdict.output}", _readable(content["zero_dynamics"]))
     console.print(table)
+    if hidden:
+        say(f"Zeros from motors to other places, {hidden} channels: --json")
     if verdict.minimum_phase:
         console.print(f"Minimum phase for output '{verdict.output}': causal feedforward exists.")
     elif not verdict.solvable:

@@ -210,9 +210,9 @@ def default_folder(name: str, transport: str) -> Path:
         transport: Its transport.
 
     Returns:
-        bags/NAME_TRANSPORT_<time>, made unique by a number where needed.
+        bags/NAME_TRANSPORT_<time>, made unique by a number where needed; a slash in the name makes no folder.
     """
-    stem = f"{name}_{transport}_{datetime.datetime.now().astimezone():%Y%m%d_%H%M%S}"
+    stem = f"{name.replace('/', '_')}_{transport}_{datetime.datetime.now().astimezone():%Y%m%d_%H%M%S}"
     folder = Path("bags") / stem
     number = 2
     while folder.exists():

@@ -96,8 +96,7 @@ def run_direct(scenario: Scenario, out: Path, show_progress: bool = True) -> Run
     from flexros.simulate.closed_loop import DivergedRunError, closed_loop
     from flexros.simulate.experiment import Experiment
 
-    if out.exists():
-        raise InputError(f"the log folder {out} exists already; give another one with --out")
+    _check_new(out)
     experiment = Experiment.prepare(scenario)
     start = time.perf_counter()
     with progress_bar(show_progress) as progress:
@@ -136,9 +135,13 @@ def run_ros(
     Raises:
         InputError: There are no nodes here, or scenario, parameters or folder are not allowed.
     """
+    from flexros.simulate.experiment import Experiment
+
     runner, why = ros_runner()
     if runner is None:
         raise InputError(f"--transport ros: {why}; give --transport direct")
+    _check_new(out)
+    Experiment.prepare(scenario)  # what is not allowed is said once, and not by each node
     summary = runner(scenario, out, layout, real_time=real_time, parameters=parameters)
     return RunResult(
         exit_code=summary.exit_code,
@@ -156,3 +159,9 @@ def run_ros(
             **summary.timing,
         },
     )
+
+
+def _check_new(folder: Path) -> None:
+    """Refuse to write a log over something."""
+    if folder.exists():
+        raise InputError(f"the log folder {folder} exists already; give another one with --out")

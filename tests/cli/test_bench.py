@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Callable
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -36,6 +37,16 @@ def test_unknown_benchmark_is_refused(flexros: Flexros) -> None:
     ended = flexros("bench", "compil")
     assert ended.code == 2
     assert "unknown benchmark 'compil': did you mean 'compile'?" in ended.err
+
+
+@pytest.mark.usefixtures("peers")
+def test_a_result_without_a_folder_is_refused_before_anything_is_measured(
+    flexros: Flexros, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(subprocess, "run", lambda *args, **kwargs: pytest.fail("it measured"))
+    ended = flexros("bench", "compile", "--out", str(tmp_path / "no" / "a.md"))
+    assert ended.code == 2
+    assert "its folder does not exist; make it or give another" in ended.err
 
 
 def test_page_names_machine_and_versions() -> None:

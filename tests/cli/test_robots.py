@@ -40,6 +40,14 @@ def test_robot_table_states_the_verdict(flexros: Flexros) -> None:
     assert "NOT minimum phase for output 'tool'" in flexros("robot", "six_axis", "--output", "tool").out
 
 
+def test_table_of_many_motors_keeps_to_their_own_channels(flexros: Flexros) -> None:
+    printed = flexros("robot", "six_axis").out
+    assert "zeros motor_3 torque -> motor_3" in printed
+    assert "zeros motor_3 torque -> motor_4" not in printed
+    assert "Zeros from motors to other places, 66 channels: --json" in printed
+    assert "other places" not in flexros("robot", "e12").out
+
+
 def test_robot_at_a_singular_pose(flexros: Flexros) -> None:
     assert "(singular)" in flexros("robot", "e12", "--q", "0,0,0").out
 

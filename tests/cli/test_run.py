@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from flexros.cli.run import print_result
+from flexros.cli.run import default_folder, print_result
 from flexros.cli.transports import RunResult
 
 Flexros = Callable[..., "object"]
@@ -133,7 +133,7 @@ def test_brackets_in_a_path_are_printed_as_they_are(
     assert f"Log: {folder}\n" in ended.out
     ended = flexros("analyze", str(folder), str(folder))
     assert ended.code == 0
-    assert ended.out.splitlines()[0].split() == ["figure", "unit", folder.name, folder.name]
+    assert ended.out.splitlines()[0].split() == ["figure", "unit", str(folder), str(folder)]
 
 
 def test_samples_times_sample_time_is_the_simulated_time(flexros: Flexros, tmp_path: Path) -> None:
@@ -152,3 +152,46 @@ def test_figures_are_named_in_words_with_their_units(capsys: pytest.CaptureFixtu
     assert rows["real-time priority"] == "no"
     assert rows["new figure"] == "3"
     assert printed.endswith("Log: a b\nAnalyse it: flexros analyze 'a b' --report report.html\n")
+
+
+def test_a_slash_in_the_name_makes_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    folder = default_folder("../a/b", "direct")
+    assert folder.parent == Path("bags")
+    assert folder.name.startswith(".._a_b_direct_")
+
+
+def test_logs_of_the_same_name_are_told_apart(
+    flexros: Flexros, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    for folder in ("a", "b"):
+        Path(folder).mkdir()
+        assert flexros("run", "circle_pd", "--transport", "direct", "--out", f"{folder}/log", "--json").code == 0
+    headings = flexros("analyze", "a/log", "b/log").out.splitlines()[0].split()
+    assert headings == ["figure", "unit", "a/log", "b/log"]
+
+
+@pytest.mark.parametrize(
+    ("folder", "model", "message"),
+    [(".", "e12", "the log folder . exists already"), ("log", "e21", "unknown robot 'e21'")],
+)
+def test_bad_input_is_refused_before_any_node_starts(
+    flexros: Flexros, monkeypatch: pytest.MonkeyPatch, folder: str, model: str, message: str
+) -> None:
+    started = []
+    monkeypatch.setattr("flexros.cli.transports.ros_runner", lambda: (lambda *given, **more: started.append(given), ""))
+    ended = flexros("run", "circle_pd", "--transport", "ros", "--out", folder, "--model", model)
+    assert (ended.code, started) == (2, [])
+    assert message in ended.err
+
+
+def test_a_report_into_a_folder_is_refused(flexros: Flexros, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert flexros("run", "circle_pd", "--transport", "direct", "--out", "log", "--json").code == 0
+    ended = flexros("analyze", "log", "--report", ".")
+    assert (ended.code, ended.err) == (
+        2,
+        "flexros: the report cannot be written to '.', which is a folder; give a file\n",
+    )
