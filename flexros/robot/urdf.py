@@ -13,8 +13,10 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from scipy.spatial.transform import Rotation
 
 from flexros.errors import InputError
+from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from flexros.arrays import FloatArray
@@ -28,6 +30,7 @@ LARGEST_FILE = 50_000_000
 class _Joint:
     name: str
     kind: str
+    parent: str
     child: str
     origin: FloatArray
     rotation: FloatArray
@@ -48,11 +51,12 @@ def skeleton_from_urdf(file: Path) -> str:
         Text of the robot file (YAML).
 
     Raises:
-        InputError: No URDF, a branching chain, or a joint axis that is not along a coordinate axis at zero.
+        InputError: No URDF, wrong numbers, a chain that branches or closes, or a joint axis that is not along a
+            coordinate axis at zero.
     """
     root = _parse(file)
     links = {link.get("name", ""): link for link in root.findall("link")}
-    joints = _chain(root, file)
+    joints = _chain(root, links, file)
     bodies = CommentedSeq()
     outputs: list[str] = []
     rotation = np.eye(3)
@@ -64,10 +68,12 @@ def skeleton_from_urdf(file: Path) -> str:
         else:
             length_before = offset
         rotation = rotation @ joint.rotation
-        body = _body(links[joint.child], rotation)
+        body = _body(links[joint.child], rotation, file)
         if joint.kind in MOVABLE:
-            direction = _direction(joint, rotation, file)
-            body["directions"] = CommentedMap({direction: _gear(joint)})
+            axis = _base_axis(joint, rotation, file)
+            index = int(np.argmax(np.abs(axis)))
+            direction = ("t" if joint.kind == "prismatic" else "r") + "xyz"[index]
+            body["directions"] = CommentedMap({direction: _gear(joint, opposite=bool(axis[index] < 0))})
             outputs.append(f"body_{len(bodies) + 1}.{direction}")
         bodies.append(body)
     if not outputs:
@@ -93,32 +99,85 @@ def _parse(file: Path) -> ElementTree.Element:
     return root
 
 
-def _vector(element: ElementTree.Element | None, key: str, default: str) -> FloatArray:
+def _read(element: ElementTree.Element | None, key: str, default: str, count: int, place: str) -> FloatArray:
+    """Read an attribute as finite numbers, shape (count,); what is left out has the default."""
     text = default if element is None else element.get(key, default)
-    return np.array([float(part) for part in text.split()])
+    try:
+        numbers = np.array([float(part) for part in text.split()])
+    except ValueError:
+        numbers = np.zeros(0)
+    if element is not None and (numbers.shape != (count,) or not np.all(np.isfinite(numbers))):
+        wanted = "a finite number" if count == 1 else f"{count} finite numbers"
+        raise InputError(f"{place}: {key} of <{element.tag}> is '{text}', but must be {wanted}; correct the URDF")
+    return numbers
 
 
-def _chain(root: ElementTree.Element, file: Path) -> list[_Joint]:
+def _vector(element: ElementTree.Element | None, key: str, default: str, place: str) -> FloatArray:
+    return _read(element, key, default, 3, place)
+
+
+def _scalar(element: ElementTree.Element | None, key: str, place: str) -> float:
+    return float(_read(element, key, "0", 1, place)[0])
+
+
+def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element], file: Path) -> _Joint:
+    place = f"{file}: joint '{element.get('name')}'"
+    ends: dict[str, str] = {}
+    for end in ("parent", "child"):
+        found = element.find(end)
+        if found is None:
+            raise InputError(f"{place} lacks <{end}>; correct the URDF")
+        ends[end] = found.get("link", "")
+        if ends[end] not in links:
+            raise InputError(
+                f"{place} names the {end} link '{ends[end]}', but the links are {', '.join(links)}; correct the URDF"
+            )
+    origin = element.find("origin")
+    return _Joint(
+        name=element.get("name", ""),
+        kind=element.get("type", "fixed"),
+        parent=ends["parent"],
+        child=ends["child"],
+        origin=_vector(origin, "xyz", "0 0 0", place),
+        rotation=Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0", place)).as_matrix(),
+        axis=_vector(element.find("axis"), "xyz", "1 0 0", place),
+        effort=_scalar(element.find("limit"), "effort", place),
+    )
+
+
+def _refuse_loops(joints: Sequence[_Joint], file: Path) -> None:
+    """Refuse a link with two parents and joints in a circle: what is left is a tree."""
+    above: dict[str, _Joint] = {}
+    for joint in joints:
+        if joint.child in above:
+            raise InputError(
+                f"{file}: joints '{above[joint.child].name}' and '{joint.name}' both carry the link '{joint.child}', "
+                "but each link of a URDF has one parent; remove one of them"
+            )
+        above[joint.child] = joint
+    clear: set[str] = set()
+    for start in above:
+        here, way = start, set[str]()
+        while here in above and here not in clear:
+            if here in way:
+                raise InputError(
+                    f"{file}: joint '{above[here].name}' closes a circle of joints through the link '{here}', but a "
+                    "URDF is a tree and a robot here one serial chain; remove a joint of the circle"
+                )
+            way.add(here)
+            here = above[here].parent
+        clear |= way
+
+
+def _chain(root: ElementTree.Element, links: Mapping[str, ElementTree.Element], file: Path) -> list[_Joint]:
     """Follow the joints from the base link; a side branch without movable joints (tool frames) is left out."""
+    joints = [_joint(element, links, file) for element in root.findall("joint")]
+    _refuse_loops(joints, file)
     children: dict[str, list[_Joint]] = {}
-    is_child = set()
-    for element in root.findall("joint"):
-        parent, child = element.find("parent"), element.find("child")
-        if parent is None or child is None:
-            raise InputError(f"{file}: joint '{element.get('name')}' lacks <parent> or <child>; correct the URDF")
-        origin, limit = element.find("origin"), element.find("limit")
-        joint = _Joint(
-            name=element.get("name", ""),
-            kind=element.get("type", "fixed"),
-            child=child.get("link", ""),
-            origin=_vector(origin, "xyz", "0 0 0"),
-            rotation=Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0")).as_matrix(),
-            axis=_vector(element.find("axis"), "xyz", "1 0 0"),
-            effort=0.0 if limit is None else float(limit.get("effort", "0")),
-        )
-        children.setdefault(parent.get("link", ""), []).append(joint)
-        is_child.add(joint.child)
-    bases = [name for name in (link.get("name", "") for link in root.findall("link")) if name not in is_child]
+    for joint in joints:
+        children.setdefault(joint.parent, []).append(joint)
+    carried = {joint.child for joint in joints}
+    bases = [name for name in links if name not in carried]
     chain: list[_Joint] = []
     here = bases[0] if bases else ""
     while children.get(here):
@@ -135,42 +194,55 @@ def _chain(root: ElementTree.Element, file: Path) -> list[_Joint]:
 
 
 def _movable_below(joint: _Joint, children: dict[str, list[_Joint]]) -> bool:
-    return joint.kind in MOVABLE or any(_movable_below(below, children) for below in children.get(joint.child, []))
+    waiting = [joint]
+    while waiting:  # not by recursion: a chain may be longer than Python's stack
+        here = waiting.pop()
+        if here.kind in MOVABLE:
+            return True
+        waiting += children.get(here.child, [])
+    return False
 
 
-def _direction(joint: _Joint, rotation: FloatArray, file: Path) -> str:
-    axis = rotation @ (joint.axis / np.linalg.norm(joint.axis))
-    index = int(np.argmax(np.abs(axis)))
-    if abs(axis[index]) < 1 - 1e-6:
+def _base_axis(joint: _Joint, rotation: FloatArray, file: Path) -> FloatArray:
+    """Axis of a joint at zero in the base frame, along a coordinate axis, shape (3,)."""
+    length = float(np.linalg.norm(joint.axis))
+    if not length > 0:
+        raise InputError(
+            f"{file}: joint '{joint.name}' has the axis {joint.axis.tolist()}, which has no direction; correct the URDF"
+        )
+    axis: FloatArray = rotation @ (joint.axis / length)
+    if np.max(np.abs(axis)) < 1 - 1e-6:
         raise InputError(
             f"{file}: joint '{joint.name}' turns about {np.round(axis, 4).tolist()} at zero, but axes must lie "
             "along x, y or z of the base; turn the base frame or the zero pose"
         )
-    return ("t" if joint.kind == "prismatic" else "r") + "xyz"[index]
+    return axis
 
 
-def _gear(joint: _Joint) -> CommentedMap:
+def _gear(joint: _Joint, opposite: bool) -> CommentedMap:
     motor = CommentedMap({"inertia": 0, "viscous_friction": 0})
     if joint.effort > 0:
         motor["torque_limit"] = joint.effort
     motor.fa.set_flow_style()
     gear = CommentedMap({"spring": "rigid", "damper": 0, "motor": motor})
-    gear.yaml_add_eol_comment("replace by the gear's stiffness [Nm/rad]; then give damper and motor inertia", "spring")
-    if np.min(joint.axis) < -0.5:
+    unit = unit_of("stiffness", joint.kind != "prismatic")
+    gear.yaml_add_eol_comment(f"replace by the gear's stiffness [{unit}]; then give damper and motor inertia", "spring")
+    if opposite:
         gear.yaml_set_start_comment("the URDF's axis points the other way: its joint angle has the opposite sign")
     return gear
 
 
-def _body(link: ElementTree.Element, rotation: FloatArray) -> CommentedMap:
+def _body(link: ElementTree.Element, rotation: FloatArray, file: Path) -> CommentedMap:
     body = CommentedMap({"label": link.get("name", "")})
+    place = f"{file}: link '{link.get('name', '')}'"
     inertial = link.find("inertial")
     if inertial is None:
         return body
     mass, tensor, origin = inertial.find("mass"), inertial.find("inertia"), inertial.find("origin")
-    body["mass"] = float(mass.get("value", "0")) if mass is not None else 0.0
-    body["center_of_mass"] = _numbers(rotation @ _vector(origin, "xyz", "0 0 0"))
+    body["mass"] = _scalar(mass, "value", place)
+    body["center_of_mass"] = _numbers(rotation @ _vector(origin, "xyz", "0 0 0", place))
     if tensor is not None:
-        entries = {key: float(tensor.get(f"i{key}", "0")) for key in ("xx", "yy", "zz", "xy", "xz", "yz")}
+        entries = {key: _scalar(tensor, f"i{key}", place) for key in ("xx", "yy", "zz", "xy", "xz", "yz")}
         J = np.array(
             [
                 [entries["xx"], entries["xy"], entries["xz"]],
@@ -178,7 +250,7 @@ def _body(link: ElementTree.Element, rotation: FloatArray) -> CommentedMap:
                 [entries["xz"], entries["yz"], entries["zz"]],
             ]
         )
-        turn = rotation @ Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0")).as_matrix()
+        turn = rotation @ Rotation.from_euler("xyz", _vector(origin, "rpy", "0 0 0", place)).as_matrix()
         J = turn @ J @ turn.T
         pairs = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
         inertia = CommentedMap({key: _number(J[place]) for key, place in pairs.items() if abs(J[place]) > 1e-12})
