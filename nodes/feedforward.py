@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from flexros.logs.joint_trajectory_message import JointTrajectoryChunk, serialise_joint_trajectory
 from flexros.logs.pose_stamped_message import PoseStampedTemplate
-from flexros.logs.stamps import sample_number, stamps_ns
+from flexros.logs.stamps import sample_number, stamp_of, stamps_ns
+from flexros.logs.time_series import BASE_FRAME
 from flexros_nodes.chunk_stream import ChunkStream
 from flexros_nodes.executable import run_node
-from flexros_nodes.header_stamp import header_stamp
 from flexros_nodes.node_base import FlexrosNode
-from flexros_nodes.prepared_run import BASE_FRAME, prepared_run
+from flexros_nodes.prepared_run import prepared_run
 from flexros_nodes.topic_interface import topic
 
 FIND_PERIOD = 0.01
@@ -76,7 +76,7 @@ class FeedforwardNode(FlexrosNode):
 
     def _on_clock(self, message: bytes) -> None:
         # rosgraph_msgs/Clock is a time alone, which lies where other messages have header.stamp
-        self.stamp = header_stamp(message)
+        self.stamp = stamp_of(message)
         self._running = True
         self._progress = max(self._progress, sample_number(self.stamp, self._sample_time))
         if self._found:

@@ -10,10 +10,9 @@ import numpy as np
 
 from flexros.errors import FlexrosError, RunError
 from flexros.logs.cdr_cursor import CdrCursor
-from flexros.logs.stamps import NANOSECONDS, stamp_ns
+from flexros.logs.stamps import NANOSECONDS, stamp_ns, stamp_of
 from flexros_nodes.command_reader import BRAKED, CommandReader, silence_text
 from flexros_nodes.executable import run_node
-from flexros_nodes.header_stamp import header_stamp
 from flexros_nodes.lockstep import PlantLockStep, RecorderWindow, Tick
 from flexros_nodes.message_loss import MessageLoss
 from flexros_nodes.node_base import FlexrosNode
@@ -171,7 +170,7 @@ class PlantNode(FlexrosNode):
     def _on_command(self, message: bytes) -> None:
         if self._finishing or (self._drops is not None and self._drops()):
             return
-        if not self._lockstep.answers(header_stamp(message)):
+        if not self._lockstep.answers(stamp_of(message)):
             return
         command = self._reader.read(message, self._k)
         if self._real_time and self.schedule is not None:
@@ -205,7 +204,7 @@ class PlantNode(FlexrosNode):
     def _on_recorded(self, message: bytes) -> None:
         cursor = CdrCursor(message)
         cursor.skip(8, "stamp")
-        self._window.confirm(cursor.string("frame_id"), header_stamp(message))
+        self._window.confirm(cursor.string("frame_id"), stamp_of(message))
         if self._held and self._window.admits(self.stamp):
             self._held = False
             self._lockstep.hold()

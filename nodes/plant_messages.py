@@ -9,7 +9,7 @@ from rosgraph_msgs.msg import Clock
 from flexros.logs.joint_state_message import JointStateTemplate
 from flexros.logs.pose_stamped_message import PoseStampedTemplate
 from flexros.logs.stamps import NANOSECONDS, stamp_ns
-from flexros_nodes.prepared_run import BASE_FRAME
+from flexros.logs.time_series import BASE_FRAME
 from flexros_nodes.topic_interface import topic
 
 if TYPE_CHECKING:

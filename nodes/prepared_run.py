@@ -5,15 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.config.scenario import load_scenario
-from flexros.simulate.closed_loop import FRAME
 from flexros.simulate.experiment import Experiment
 from flexros.simulate.plant import Plant
 
 if TYPE_CHECKING:
     from flexros.config.scenario import Scenario
 
-BASE_FRAME = FRAME
-"""header.frame_id of tool poses."""
 
 _prepared: dict[str, Experiment] = {}
 

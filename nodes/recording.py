@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from flexros_nodes.header_stamp import header_stamp
+from flexros.logs.stamps import stamp_of
 
 
 class MessageSink(Protocol):
@@ -42,7 +42,7 @@ class TopicRecording:
         Args:
             message: Serialised message that begins with a std_msgs/Header.
         """
-        stamp = header_stamp(message)
+        stamp = stamp_of(message)
         if stamp <= self.last:
             self.repeated += 1
             return
@@ -81,6 +81,6 @@ class EventRecording:
 
     def take(self, message: bytes) -> None:
         """Write a message that begins with a std_msgs/Header."""
-        stamp = header_stamp(message)
+        stamp = stamp_of(message)
         self.count += 1
         self._sink.write(self._topic_id, stamp, stamp, message)

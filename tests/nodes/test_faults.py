@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from flexros.config.scenario import load_scenario
-from flexros.logs.joint_state_message import JointStateTemplate, stamp_of
+from flexros.logs.joint_state_message import JointStateTemplate
 from flexros.logs.reader import read_log
+from flexros.logs.stamps import stamp_of
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
