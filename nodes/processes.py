@@ -32,8 +32,11 @@ if TYPE_CHECKING:
     from flexros_nodes.parameters import Value
     from flexros_nodes.run_plan import RunPlan
 
-CONFIGURE_TIMEOUT = 120.0
+CONFIGURE_TIMEOUT = 60.0
 """Longest time for a node to start and to prepare its part of the scenario [s], chosen."""
+
+START_TIMEOUT = 20.0
+"""Time after which a process that offers no services is started once more [s], chosen: discovery takes about one."""
 
 GOODBYE_TIMEOUT = 5.0
 """Longest time for the plant to brake after its partner died, and for a node to shut down [s], chosen."""
@@ -69,6 +72,7 @@ class ProcessManager:
 
     def __init__(self, plan: RunPlan, scratch: Path, interrupted: Interruption) -> None:
         self._plan = plan
+        self._scratch = scratch
         self._interrupted = interrupted
         self._context = Context()
         rclpy.init(context=self._context, args=[], domain_id=int(os.environ[DOMAIN_VARIABLE]))
@@ -85,6 +89,8 @@ class ProcessManager:
 
     def run(self) -> None:
         """Bring all nodes up and wait until the run is over."""
+        for name in self._plan.nodes:
+            self._await_services(name)
         for transition in (Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE):
             for name in self._plan.nodes:
                 if not self._change(name, transition, CONFIGURE_TIMEOUT):
@@ -99,6 +105,14 @@ class ProcessManager:
     def _plant_patience(self) -> float:
         values = self._plan.parameters.get("plant", {})
         return 2.0 * float(values.get("partner_timeout", GOODBYE_TIMEOUT)) + GOODBYE_TIMEOUT
+
+    def _await_services(self, name: str) -> None:
+        """Wait until a node offers its services; one that does not is started once more."""
+        client = self._changers[name]
+        found = self._wait(lambda: client.service_is_ready() or self.processes[name].ended, START_TIMEOUT)
+        if not found and not self._interrupted():
+            self.processes[name].stop(0.0)
+            self.processes[name] = NodeProcess(name, self._values(name), self._scratch)
 
     def _change(self, name: str, transition: int, timeout: float) -> bool:
         """Ask a node for a transition; False when it refused, ended or the user wants an end.
