@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.simulate.experiment import Experiment
 
-FRAME = BASE_FRAME
-"""The same, for the nodes."""
-
 SLICE = 65_536
 """Samples whose noise and disturbances are made at once [1]."""
 
