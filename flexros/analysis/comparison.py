@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from flexros.analysis.figures_table import number
 
@@ -135,11 +135,16 @@ class Comparison:
         from rich.text import Text
 
         table = Table(box=None, pad_edge=False, header_style="bold", title="Maximum path error", title_justify="left")
+        rows = [row.texts() for row in self.rows()]
         for place, heading in enumerate(HEADINGS):
-            table.add_column(Text(heading), justify="left" if place < 2 else "right", no_wrap=place < 2)
+            # In a narrow terminal headings are broken over lines; a name or a number never is.
+            width = max((len(texts[place]) for texts in rows), default=1)
+            justify: Literal["left", "right"] = "left" if place < 2 else "right"
+            table.add_column(
+                Text(heading), justify=justify, no_wrap=place < 2, min_width=0 if place < 2 else width, overflow="fold"
+            )
         method = ""
-        for row in self.rows():
-            texts = row.texts()
+        for texts in rows:
             table.add_row(*map(Text, (texts[0] if texts[0] != method else "", *texts[1:])))
             method = texts[0]
         return table

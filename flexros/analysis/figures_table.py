@@ -69,12 +69,15 @@ def terminal_table(analyses: Sequence[Analysis]) -> Table:
     from rich.text import Text
 
     table = Table(box=None, pad_edge=False, header_style="bold")
+    rows = figure_rows(analyses)
     for heading in ("", "figure", "unit"):
-        table.add_column(heading, no_wrap=True)
-    for analysis in analyses:
-        table.add_column(Text(analysis.label), justify="right")
+        table.add_column(heading, no_wrap=heading != "figure", overflow="fold")
+    for place, analysis in enumerate(analyses):
+        # In a narrow terminal names are broken over lines; a number never is.
+        width = max((len(row.values[place]) for row in rows), default=1)
+        table.add_column(Text(analysis.label), justify="right", min_width=width, overflow="fold")
     group = ""
-    for row in figure_rows(analyses):
+    for row in rows:
         table.add_row(*map(Text, (row.group if row.group != group else "", row.name, row.unit, *row.values)))
         group = row.group
     return table

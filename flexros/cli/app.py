@@ -51,8 +51,9 @@ def reported(command: Callable[..., Any]) -> Callable[..., None]:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else Python complains when it ends
             code = READER_GONE
         except OSError as error:
-            place = f"'{error.filename}': " if error.filename else ""
-            print(f"flexros: {place}{error.strerror or error}; give a path that can be used", file=sys.stderr)
+            text = error.strerror or str(error)
+            place = f"'{error.filename}': {text}; give a path that can be used" if error.filename else text
+            print(f"flexros: {place}", file=sys.stderr)
             code = InputError.exit_code
         except Exception:  # noqa: BLE001 - uncaught it would end with 1, which says "a gap was found"
             traceback.print_exc()

@@ -70,3 +70,12 @@ def test_brackets_in_names_are_printed_as_they_are(make_run):
     printed = console.file.getvalue()
     assert "published [mm]" in printed
     assert "[bold]DAE[/b]  load [x]" in printed
+
+
+def test_no_figure_is_cut_in_a_narrow_terminal(comparison):
+    console = Console(file=io.StringIO(), width=60)
+    console.print(comparison.table())
+    printed = console.file.getvalue()
+    assert "…" not in printed
+    assert all(text in printed for row in comparison.rows() for text in row.texts())
+    assert all(len(line) <= 60 for line in printed.splitlines())

@@ -66,3 +66,15 @@ def test_a_label_with_brackets_is_printed_as_it_is(make_run, label):
     console = Console(file=io.StringIO(), width=100)
     console.print(terminal_table([analyse(make_run(), label=label)]))
     assert console.file.getvalue().splitlines()[0].split() == ["figure", "unit", label]
+
+
+@pytest.mark.parametrize("width", [40, 60, 80])
+def test_no_figure_is_cut_in_a_narrow_terminal(make_run, width):
+    runs = [analyse(make_run(), label="first"), analyse(make_run(2e-4), label="circle_dae2_load_210kg")]
+    console = Console(file=io.StringIO(), width=width)
+    console.print(terminal_table(runs))
+    printed = console.file.getvalue()
+    assert "…" not in printed
+    words = printed.split()
+    assert all(value in words for row in figure_rows(runs) for value in row.values)
+    assert all(len(line) <= width for line in printed.splitlines())

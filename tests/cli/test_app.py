@@ -31,6 +31,7 @@ def end_of(error: BaseException) -> int:
         (RunError("broke off"), 3, "flexros: broke off\n"),
         (KeyboardInterrupt(), 130, "flexros: interrupted by Ctrl-C\n"),
         (FileExistsError(17, "File exists", "bags"), 2, "flexros: 'bags': File exists; give a path that can be used\n"),
+        (OSError(28, "No space left on device"), 2, "flexros: No space left on device\n"),
     ],
 )
 def test_an_expected_error_is_one_sentence(
