@@ -20,8 +20,18 @@ if TYPE_CHECKING:
 READER_GONE = 141
 """Exit code when nobody reads the output any more, as for a program that SIGPIPE ends."""
 
+EXIT_CODES = (
+    "Exit codes: 0 done, 1 a gap was found, 2 bad input, 3 a run broke off, 70 a fault in FlexROS (with a traceback), "
+    "130 Ctrl-C, 141 nobody reads the output any more."
+)
+
 app = typer.Typer(
-    name="flexros", no_args_is_help=True, add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False
+    name="flexros",
+    epilog=EXIT_CODES,
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
 )
 
 
@@ -32,8 +42,7 @@ def reported(command: Callable[..., Any]) -> Callable[..., None]:
         command: The command; what it returns is the exit code, None counts as 0.
 
     Returns:
-        The wrapped command: 0 done, 1 a gap was found, 2 bad input, 3 a run broke off, 70 a fault in FlexROS (with a
-        traceback), 130 Ctrl-C, 141 nobody reads the output any more.
+        The wrapped command, which ends with one of the `EXIT_CODES`.
     """
 
     @functools.wraps(command)

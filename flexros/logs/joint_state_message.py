@@ -10,7 +10,6 @@ import numpy as np
 from flexros.logs.cdr_cursor import CdrBuilder, CdrCursor, MessageError
 from flexros.logs.message_layout import MessageLayout, Span
 from flexros.logs.stamps import NANOSECONDS
-from flexros.logs.stamps import stamp_of as stamp_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -67,3 +67,16 @@ def test_a_reader_that_goes_away_is_no_gap_and_no_fault() -> None:
     program = "import os; r, w = os.pipe(); os.close(r); os.dup2(w, 1); from flexros.cli import main; main(['robots'])"
     done = subprocess.run([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True, check=False)
     assert (done.returncode, done.stderr) == (141, "")
+
+
+def test_help_lists_the_exit_codes(flexros: Flexros) -> None:
+    text = " ".join(flexros("--help").out.split())
+    for code in (
+        "0 done",
+        "1 a gap was found",
+        "2 bad input",
+        "3 a run broke off",
+        "70 a fault in FlexROS",
+        "130 Ctrl-C",
+    ):
+        assert code in text
