@@ -89,7 +89,11 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
         InputError: The log contradicts itself or the robot.
     """
     start = start_stamp(log)
+    stamp = log.joint_states.stamp
     warnings = list(log.warnings)
+    planned = log.provenance.get("n_samples")
+    if isinstance(planned, int) and len(stamp) < planned:
+        warnings.append(f"the log holds {len(stamp)} of the {planned} samples of its run, which broke off or lost some")
     path, performance, corners = _tool(log, start, robot, warnings)
     drives = None if robot is None else assign_drives(_drives(robot), log.joint_states.names, warnings)
     motors = motor_tracking(log, start, drives)
@@ -97,7 +101,6 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
         warnings.append("the log has no joint_reference with positions, so motor tracking cannot be told")
     if not any(motor.feedforward is not None for motor in motors):
         warnings.append("the log has no feedforward torque, so the share of the feedback cannot be told")
-    stamp = log.joint_states.stamp
     return Analysis(
         label=_scenario_name(log.provenance) if label is None else label,
         duration=float((stamp[-1] - stamp[0]) * 1e-9) if len(stamp) else 0.0,

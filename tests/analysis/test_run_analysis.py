@@ -133,3 +133,11 @@ def test_a_path_followed_in_part_says_how_much(make_run):
     assert 80 < analysis.performance.points < 120
     (warning,) = analysis.warnings
     assert f"crosses only {analysis.performance.points} of 200 planes" in warning
+
+
+@pytest.mark.parametrize(("planned", "warned"), [(1001, False), (2000, True), (None, False), ("many", False)])
+def test_a_log_that_ends_early_says_so(make_run, planned, warned):
+    log = make_run()
+    warnings = analyse(replace(log, provenance={**log.provenance, "n_samples": planned})).warnings
+    told = "the log holds 1001 of the 2000 samples of its run, which broke off or lost some"
+    assert warnings == ((told,) if warned else ())

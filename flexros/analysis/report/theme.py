@@ -133,4 +133,5 @@ def curve(
 
 def compact(values: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.float32]]:
     """Return numbers in single precision: seven digits are more than a picture shows, in half the room."""
-    return np.asarray(values, dtype=np.float32)
+    largest = np.finfo(np.float32).max  # the numbers of a run that diverged may be larger
+    return np.asarray(np.clip(values, -largest, largest), dtype=np.float32)
