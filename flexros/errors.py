@@ -50,7 +50,7 @@ def source_named(source: str) -> Iterator[None]:
         raise InputError(f"{source}: {error}") from error
 
 
-def unknown_name(kind: str, given: str, allowed: Iterable[str], source: str = "") -> InputError:
+def unknown_name(kind: str, given: str, allowed: Iterable[str], source: str = "", other: str = "") -> InputError:
     """Make the error for a name that is not known, offering the nearest and listing all.
 
     Args:
@@ -58,6 +58,7 @@ def unknown_name(kind: str, given: str, allowed: Iterable[str], source: str = ""
         given: The name that was given.
         allowed: The names that would have been valid.
         source: Where the name came from, e.g. "scenario circle_pd, key robot".
+        other: What else is allowed, e.g. "or the path of a .yaml file".
 
     Returns:
         The error, to be raised by the caller.
@@ -66,4 +67,4 @@ def unknown_name(kind: str, given: str, allowed: Iterable[str], source: str = ""
     nearest = get_close_matches(given, names, n=1)
     hint = f"did you mean '{nearest[0]}'? " if nearest else ""
     origin = f" in {source}" if source else ""
-    return InputError(f"unknown {kind} '{given}'{origin}: {hint}allowed are {', '.join(names)}")
+    return InputError(f"unknown {kind} '{given}'{origin}: {hint}allowed are {', '.join(names)}{other and ' ' + other}")

@@ -93,7 +93,12 @@ class Scenario(Settings):
     The nominal robot is what the feedforward knows; the plant is the nominal robot with its own deviations on top.
     """
 
-    name: str = Field(default="", description="name of the run; the file's name when left out")
+    name: str = Field(
+        default="",
+        pattern=r"^[\w.+ -]*$",
+        max_length=100,
+        description="name of the run, part of file names; the file's name when left out",
+    )
     description: str = Field(
         default="", description="what the scenario shows, and which numbers are published or chosen"
     )
@@ -200,7 +205,7 @@ def _path(name_or_path: str | Path) -> Path:
         return _FOLDER / f"{text}.yaml"
     if isinstance(name_or_path, Path) or text.endswith((".yaml", ".yml")) or "/" in text:
         return Path(name_or_path)
-    raise unknown_name("scenario", text, scenario_names(), "the shipped scenarios (a file is given as NAME.yaml)")
+    raise unknown_name("scenario", text, scenario_names(), other="or the path of a .yaml file")
 
 
 def _set(container: Any, keys: list[str], value: Any, source: str) -> None:

@@ -106,6 +106,8 @@ def _parameters(text: str, source: str) -> dict[str, str]:
                 f"{source}: parameter '{name}' is given twice, as {parameters[name]} and {value}; remove one of them"
             )
         parameters[name] = value
+    if not parameters:
+        raise InputError(f"{source}: no parameter is given, so it would do nothing; add one, e.g. :relative=0.05")
     return parameters
 
 

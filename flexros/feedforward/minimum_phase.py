@@ -38,10 +38,8 @@ def require_minimum_phase(problem: FeedforwardProblem) -> None:
 
 
 def _sentence(problem: FeedforwardProblem, verdict: ZeroDynamics, pose: FloatArray, time: float) -> str:
-    where = (
-        f"robot {problem.robot.name} with output '{verdict.output}' at t = {time:.4g} s, pose "
-        f"{np.round(pose, 4).tolist()} (arm coordinates, {', '.join(problem.robot.arm_names)})"
-    )
+    gears = np.round(pose[list(problem.robot.chain.geared)], 4).tolist()
+    where = f"robot {problem.robot.name} with output '{verdict.output}' at t = {time:.4g} s, gears at {gears}"
     advice = "choose another output of the robot, another pose, or method flexible_joint or rigid"
     if not verdict.solvable:
         return f"{where} cannot be inverted: the motors do not move all components of the output there; {advice}"

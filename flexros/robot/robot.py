@@ -269,7 +269,7 @@ def load_robot(name_or_path: str | Path) -> Robot:
     if not path.is_file():
         path = Path(name_or_path)
         if path.suffix not in (".yaml", ".yml"):
-            raise unknown_name("robot", str(name_or_path), [*robot_names(), "the path of a .yaml file"])
+            raise unknown_name("robot", str(name_or_path), robot_names(), other="or the path of a .yaml file")
     return robot_from_data(read_yaml(path), str(path) if path.parent != LIBRARY else str(name_or_path))
 
 

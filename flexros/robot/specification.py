@@ -90,6 +90,17 @@ class Direction(Settings):
     def _from_word(cls, data: Any) -> Any:
         return {"spring": "rigid"} if data == "rigid" else data
 
+    @model_validator(mode="after")
+    def _motor_is_connected(self) -> Direction:
+        spring = self.spring
+        loose = isinstance(spring, Spring) and spring.stiffness is not None and spring.stiffness.value == 0
+        if self.motor and loose and self.damper.value == 0:
+            raise ValueError(
+                "has a motor, but neither spring nor damper connects it: the chain is disconnected; give a stiffness, "
+                "or the word 'rigid'"
+            )
+        return self
+
 
 class InertiaTensor(Settings):
     """Inertia tensor about the centre of mass [kg m2]; what is left out is zero."""

@@ -57,6 +57,7 @@ def test_effects_on_one_number_act_one_after_the_other() -> None:
     ("text", "message"),
     [
         ("payload_error", "must be NAME@LOCATION"),
+        ("payload_error@tool", "no parameter is given, so it would do nothing"),
         ("payload@tool:relative=1", "unknown effect 'payload' in --effect: did you mean 'payload_error'"),
         ("payload_error@tool:mass=1", "unknown key 'mass'.*allowed are relative"),
         ("payload_error@tool:relative=nan", "finite number"),

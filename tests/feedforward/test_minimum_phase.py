@@ -20,7 +20,7 @@ def test_six_axis_pose_is_refused_before_marching() -> None:
     robot = load_robot("six_axis")
     path = joint_trajectory(robot, [0.1] * 6, 1.0)
     sentence = (
-        r"robot six_axis with output 'tool' at t = 0 s, pose \[.*\] \(arm coordinates, .*\) is non-minimum phase: "
+        r"robot six_axis with output 'tool' at t = 0 s, gears at \[.*\] is non-minimum phase: "
         r"its zero dynamics have the unstable zero 5\d\d\.\d 1/s, .* choose another output"
     )
     with pytest.raises(InputError, match=sentence):

@@ -159,6 +159,12 @@ def test_motor_behind_a_flexible_gear_needs_inertia(e12_data: dict[str, Any]) ->
     assert "motor of body_1.ry has inertia 0" in _refused(e12_data)
 
 
+def test_motor_that_nothing_connects(e12_data: dict[str, Any]) -> None:
+    gear = e12_data["bodies"][0]["directions"]["ry"]
+    gear["spring"], gear["damper"] = 0, 0
+    assert "the chain is disconnected" in _refused(e12_data)
+
+
 def test_two_motors_on_a_body(e12_data: dict[str, Any]) -> None:
     e12_data["bodies"][0]["directions"]["rz"] = {"spring": 1e5, "motor": {"inertia": 1}}
     assert "at most one actuated direction" in _refused(e12_data)
