@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Protocol
 
-import numpy as np
+from flexros_nodes.period_histogram import PeriodHistogram
 
 LATE = 0.1
 """A cycle is late when it starts more than this share of the sample time after it is due."""
@@ -21,7 +21,7 @@ class PeriodStatistics:
     Attributes:
         cycles: Number of cycles.
         rate_hz: Mean rate [Hz].
-        period_p50_us: Median of the period [us].
+        period_p50_us: Median of the period, to 1/500 of the sample time [us].
         period_p99_us: 99th percentile of the period [us].
         period_max_us: Longest period [us].
         lateness_p99_us: 99th percentile of start after due [us].
@@ -64,6 +64,60 @@ class Paced(Protocol):
         """Do the cycle that is due."""
 
 
+class CycleCounts:
+    """Periods and lateness of cycles, in bounded memory.
+
+    Args:
+        sample_time: T [s].
+    """
+
+    def __init__(self, sample_time: float) -> None:
+        self._sample_time = sample_time
+        self._periods = PeriodHistogram(sample_time)
+        self._lateness = PeriodHistogram(sample_time)
+        self._late = 0
+        self._duration = 0.0
+
+    def add(self, period: float | None, lateness: float) -> None:
+        """Note a cycle.
+
+        Args:
+            period: Time since the cycle before [s], None for the first of all.
+            lateness: Start after due [s].
+        """
+        if period is not None:
+            self._periods.add(period)
+            self._duration += period
+        self._lateness.add(lateness)
+        self._late += lateness > LATE * self._sample_time
+
+    def merged(self, other: CycleCounts) -> CycleCounts:
+        """Give the counts of both together."""
+        both = CycleCounts(self._sample_time)
+        both._periods = self._periods.merged(other._periods)
+        both._lateness = self._lateness.merged(other._lateness)
+        both._late = self._late + other._late
+        both._duration = self._duration + other._duration
+        return both
+
+    def statistics(self) -> PeriodStatistics | None:
+        """Sum up; None without a period."""
+        n, periods = self._lateness.count, self._periods
+        if periods.count == 0:
+            return None
+        return PeriodStatistics(
+            cycles=n,
+            rate_hz=periods.count / self._duration,
+            period_p50_us=1e6 * periods.percentile(50.0),
+            period_p99_us=1e6 * periods.percentile(99.0),
+            period_max_us=1e6 * periods.longest,
+            lateness_p99_us=1e6 * self._lateness.percentile(99.0),
+            lateness_max_us=1e6 * self._lateness.longest,
+            late=self._late,
+            late_percent=100.0 * self._late / n,
+        )
+
+
 class Schedule:
     """Due times k T after a start, and what became of them.
 
@@ -71,12 +125,13 @@ class Schedule:
 
     Args:
         sample_time: T [s].
-        n_cycles: Number of cycles for which space is kept.
     """
 
-    def __init__(self, sample_time: float, n_cycles: int) -> None:
+    def __init__(self, sample_time: float) -> None:
         self._sample_time = sample_time
-        self._starts = np.empty(max(n_cycles, 1))
+        self._before = CycleCounts(sample_time)
+        self._recent = CycleCounts(sample_time)
+        self._last: float | None = None
         self._n = 0
         self._first_due = 0.0
         self._due = 0.0
@@ -96,30 +151,19 @@ class Schedule:
         Args:
             now: Time at which it starts [s].
         """
-        if self._n < len(self._starts):
-            self._starts[self._n] = now
-        self._n += 1
         planned = self._first_due + self._n * self._sample_time
-        self._due = max(planned, now + CATCH_UP * self._sample_time)
+        self._recent.add(None if self._last is None else now - self._last, now - planned)
+        self._last = now
+        self._n += 1
+        self._due = max(planned + self._sample_time, now + CATCH_UP * self._sample_time)
 
     def statistics(self) -> PeriodStatistics | None:
         """Sum up all cycles so far; None before the second."""
-        n = min(self._n, len(self._starts))
-        if n < 2:
-            return None
-        starts = self._starts[:n]
-        periods = np.diff(starts)
-        lateness = starts - (self._first_due + np.arange(n) * self._sample_time)
-        late = int(np.count_nonzero(lateness > LATE * self._sample_time))
-        p50, p99, longest = np.percentile(periods, [50.0, 99.0, 100.0]) * 1e6
-        return PeriodStatistics(
-            cycles=n,
-            rate_hz=float((n - 1) / (starts[-1] - starts[0])),
-            period_p50_us=float(p50),
-            period_p99_us=float(p99),
-            period_max_us=float(longest),
-            lateness_p99_us=float(np.percentile(lateness, 99.0) * 1e6),
-            lateness_max_us=float(lateness.max() * 1e6),
-            late=late,
-            late_percent=100.0 * late / n,
-        )
+        return self._before.merged(self._recent).statistics()
+
+    def recent_statistics(self) -> PeriodStatistics | None:
+        """Sum up the cycles since this was asked for the last time; None where there is no period."""
+        recent = self._recent
+        self._before = self._before.merged(recent)
+        self._recent = CycleCounts(self._sample_time)
+        return recent.statistics()

@@ -6,7 +6,7 @@ import ctypes
 import gc
 import os
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,8 +23,10 @@ _SWITCH_INTERVAL = 1e-4
 def take_priority(priority: int = PRIORITY, threads: Iterable[int] = (0,)) -> bool:
     """Let threads go before all ordinary ones (SCHED_FIFO), if the system permits it.
 
+    Threads that these begin later stand among the ordinary ones: what compresses the log must not delay the loop.
+
     Args:
-        priority: Real-time priority, 1 to 99; 0 gives it back.
+        priority: Real-time priority, 1 to 99.
         threads: Numbers of the threads; 0 is the present one.
 
     Returns:
@@ -32,13 +34,39 @@ def take_priority(priority: int = PRIORITY, threads: Iterable[int] = (0,)) -> bo
     """
     if not hasattr(os, "sched_setscheduler"):
         return False
-    policy = os.SCHED_FIFO if priority else os.SCHED_OTHER
+    policy = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
     try:
         for thread in threads:
-            os.sched_setscheduler(thread, policy, os.sched_param(priority))
+            with suppress(ProcessLookupError):  # it has ended meanwhile
+                os.sched_setscheduler(thread, policy, os.sched_param(priority))
     except OSError:
         return False
     return True
+
+
+@contextmanager
+def priority_in_block() -> Iterator[bool]:
+    """Give the present thread real-time priority while in the block; gives whether the system permitted it.
+
+    Afterwards the thread stands as it was found, also where it had a priority already.
+    """
+    if not hasattr(os, "sched_setscheduler"):
+        yield False
+        return
+    policy, parameter = os.sched_getscheduler(0), os.sched_getparam(0)
+    prioritised = take_priority()
+    try:
+        yield prioritised
+    finally:
+        if prioritised:
+            _give_back(policy, parameter)
+
+
+def _give_back(policy: int, parameter: os.sched_param) -> None:
+    try:
+        os.sched_setscheduler(0, policy, parameter)
+    except PermissionError:  # only root may let the threads begun from here on inherit again
+        os.sched_setscheduler(0, policy | os.SCHED_RESET_ON_FORK, parameter)
 
 
 def own_threads() -> list[int]:
@@ -64,12 +92,10 @@ def precise_timing() -> Iterator[bool]:
     sys.setswitchinterval(_SWITCH_INTERVAL)
     if slack:
         slack(_PR_SET_TIMERSLACK, 1, 0, 0, 0)
-    prioritised = take_priority()
     try:
-        yield prioritised
+        with priority_in_block() as prioritised:
+            yield prioritised
     finally:
-        if prioritised:
-            take_priority(0)
         if slack:
             slack(_PR_SET_TIMERSLACK, 0, 0, 0, 0)  # 0 restores the default
         sys.setswitchinterval(interval)

@@ -89,7 +89,7 @@ def lock_step_rows() -> list[dict[str, object]]:
 def bare_loop() -> dict[str, object]:
     """Keep the schedule with nothing to do."""
     n = round(DURATION / T)
-    schedule = Schedule(T, n)
+    schedule = Schedule(T)
     with precise_timing():
         schedule.begin(perf_counter() + T)
         for _ in range(n):

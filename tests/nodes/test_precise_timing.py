@@ -9,7 +9,11 @@ import threading
 
 import pytest
 
-from flexros_nodes.precise_timing import own_threads, precise_timing, take_priority
+from flexros_nodes.precise_timing import PRIORITY, own_threads, precise_timing, take_priority
+
+
+def policy() -> int:
+    return os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
 
 
 def test_settings_come_back() -> None:
@@ -20,12 +24,49 @@ def test_settings_come_back() -> None:
         assert sys.getswitchinterval() < interval
     assert gc.isenabled()
     assert sys.getswitchinterval() == interval
-    assert os.sched_getscheduler(0) == os.SCHED_OTHER
+    assert policy() == os.SCHED_OTHER
 
 
 def test_priority_is_told_as_it_is() -> None:
     with precise_timing() as prioritised:
-        assert prioritised == (os.sched_getscheduler(0) == os.SCHED_FIFO)
+        assert prioritised == (policy() == os.SCHED_FIFO)
+
+
+def test_threads_begun_with_priority_are_ordinary_ones() -> None:
+    policies: list[int] = []
+    with precise_timing():
+        thread = threading.Thread(target=lambda: policies.append(policy()))
+        thread.start()
+        thread.join()
+    assert policies == [os.SCHED_OTHER]
+
+
+def test_priority_found_before_comes_back() -> None:
+    found: list[tuple[int, int]] = []
+
+    def work() -> None:  # in a thread of its own, which ends with its priority
+        if take_priority(7):
+            with precise_timing():
+                found.append((policy(), os.sched_getparam(0).sched_priority))
+            found.append((policy(), os.sched_getparam(0).sched_priority))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert found in ([], [(os.SCHED_FIFO, PRIORITY), (os.SCHED_FIFO, 7)])
+
+
+def test_thread_that_has_ended_is_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    set_for: list[int] = []
+
+    def scheduler(thread: int, *_: object) -> None:
+        if thread == 1:
+            raise ProcessLookupError
+        set_for.append(thread)
+
+    monkeypatch.setattr(os, "sched_setscheduler", scheduler)
+    assert take_priority(5, (1, 2))
+    assert set_for == [2]
 
 
 def test_threads_of_the_process_are_listed() -> None:
