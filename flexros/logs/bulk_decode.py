@@ -27,6 +27,21 @@ _HEADER_SIZE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
 _MAX_LAYOUTS = 64  # chosen: a topic with more of them changes its constant bytes with every message
 
 
+def payloads_of(block: MessageBlock, rows: IntArray) -> list[bytes]:
+    """Take messages out of a block.
+
+    Args:
+        block: Messages of a chunk.
+        rows: Which of them, shape (n,).
+
+    Returns:
+        Their serialised bytes, length n.
+    """
+    begin = block.offsets[rows]
+    end = begin + block.headers["length"][rows].astype(np.int64) - _HEADER_SIZE
+    return [bytes(block.data[a:b]) for a, b in zip(begin.tolist(), end.tolist(), strict=True)]
+
+
 class TopicLayout(Protocol):
     """Layout of the messages of a type, with what its constant bytes mean."""
 
@@ -84,9 +99,7 @@ class TopicDecoder(Generic[L]):
             rows: Which of them belong to the topic.
             translate: Turns a message of another definition into the common one; None if it has that already.
         """
-        begin = block.offsets[rows]
-        end = begin + block.headers["length"][rows].astype(np.int64) - _HEADER_SIZE
-        payloads = [bytes(block.data[a:b]) for a, b in zip(begin.tolist(), end.tolist(), strict=True)]
+        payloads = payloads_of(block, rows)
         order = self.n_messages + np.arange(len(rows))
         self.n_messages += len(rows)
         log_time = block.headers["log_time"][rows].astype(np.int64)

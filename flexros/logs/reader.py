@@ -11,9 +11,10 @@ import numpy as np
 
 from flexros.config.topics import load_topics
 from flexros.errors import InputError
-from flexros.logs import joint_state_message, pose_stamped_message
+from flexros.logs import diagnostic_array_message, joint_state_message, pose_stamped_message
 from flexros.logs.bag_files import find_bag_files
-from flexros.logs.bulk_decode import TopicDecoder
+from flexros.logs.bulk_decode import TopicDecoder, payloads_of
+from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.foreign_definition import is_common, translator
 from flexros.logs.joint_state_message import read_joint_state_layout
 from flexros.logs.mcap_scan import McapScan
@@ -32,6 +33,9 @@ _LAYOUT_READERS = {
     joint_state_message.TYPE: read_joint_state_layout,
     pose_stamped_message.TYPE: read_pose_stamped_layout,
 }
+_DIAGNOSTICS = "/diagnostics"
+_PLANT = "plant"
+"""Name of the node that tells how the loop ran, behind its namespace."""
 _ASSEMBLIES = {joint_state_message.TYPE: joint_series, pose_stamped_message.TYPE: pose_series}
 
 
@@ -77,7 +81,13 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
         if topic.required and series.get(name) is None:
             raise content.lacking(path, full_name, topic, warnings)
     others = {name: count for name, count in sorted(content.counts.items()) if name not in used}
-    return Log(**series, provenance=bag.provenance, warnings=tuple(warnings), other_topics=others)
+    return Log(
+        **series,
+        provenance=bag.provenance,
+        warnings=tuple(warnings),
+        other_topics=others,
+        plant_figures=content.figures.get(f"{prefix}/{_PLANT}".strip("/"), {}),
+    )
 
 
 @dataclass
@@ -91,6 +101,7 @@ class _BagContent:
         types: Message type of every topic.
         refused: Why a topic with a name of the contract was not decoded.
         warnings: Damage in the files.
+        figures: What each node that is called plant said on /diagnostics: name of the node, then key.
     """
 
     contract: dict[str, Topic]
@@ -99,11 +110,13 @@ class _BagContent:
     types: dict[str, str] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+    figures: dict[str, dict[str, float]] = field(default_factory=dict)
 
     def read(self, scan: McapScan) -> None:
         """Take all messages of a file."""
         translators: dict[int, Callable[[bytes], bytes] | None] = {}
         n_unknown = 0
+        unusable: list[str] = []
         for block in scan.blocks():
             for number in np.unique(block.headers["channel"]).tolist():
                 rows = np.flatnonzero(block.headers["channel"] == number)
@@ -113,7 +126,9 @@ class _BagContent:
                     continue
                 name = "/" + channel.topic.strip("/")
                 self.counts[name] += len(rows)
-                if (schema := self._accept(name, channel, scan)) is not None:
+                if name == _DIAGNOSTICS:
+                    self._take_figures(payloads_of(block, rows), channel, scan, unusable)
+                elif (schema := self._accept(name, channel, scan)) is not None:
                     if schema.id not in translators:
                         translators[schema.id] = self._translator(schema, scan)
                     self.decoders[name].add(block, rows, translators[schema.id])
@@ -124,6 +139,32 @@ class _BagContent:
             self.warnings.append(
                 f"{scan.path}: {n_unknown} messages name a channel that is not defined, they were left out"
             )
+        if unusable:
+            self.warnings.append(
+                f"{_DIAGNOSTICS}: {len(unusable)} messages were left out, so the pace of the loop may be unknown "
+                f"(the first: {unusable[0]})"
+            )
+
+    def _take_figures(self, payloads: list[bytes], channel: Channel, scan: McapScan, unusable: list[str]) -> None:
+        """Note what nodes called plant say of the loop; a later message replaces the values of an earlier one."""
+        schema = scan.schemas.get(channel.schema_id)
+        self.types[_DIAGNOSTICS] = name = schema.name if schema else "unknown type"
+        if schema is None or name != diagnostic_array_message.TYPE or channel.message_encoding != "cdr":
+            unusable += [f"it is a {name} in '{channel.message_encoding}'"] * len(payloads)
+            return
+        if schema.data.strip() and not is_common(schema):
+            unusable += [f"its definition of {name} is not that of ROS 2 Jazzy"] * len(payloads)
+            return
+        for payload in payloads:
+            try:
+                statuses = diagnostic_array_message.read_diagnostic_array(payload)
+            except MessageError as error:
+                unusable.append(str(error))
+                continue
+            for status in statuses:
+                node = status.name.strip("/")
+                if node.rsplit("/", 1)[-1] == _PLANT:
+                    self.figures.setdefault(node, {}).update(status.numbers())
 
     def _translator(self, schema: Schema, scan: McapScan) -> Callable[[bytes], bytes] | None:
         if not schema.data.strip():

@@ -23,9 +23,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """Messages of a topic as rows: stamps increasing, one block of columns per span."""
+    """Messages of a topic as rows: stamps increasing, log times where they differ, one block of columns per span."""
 
     stamp: IntArray
+    received: IntArray | None
     columns: tuple[FloatArray, ...]
 
 
@@ -63,7 +64,7 @@ def _rows(
     if np.any(np.diff(stamp[arrival]) < 0):
         warnings.append(f"{topic}: messages are not in the order of their stamps, they were sorted")
     order = arrival[np.argsort(stamp[arrival], kind="stable")]
-    stamp, merged = stamp[order], [values[order] for values in merged]
+    stamp, log_time, merged = stamp[order], log_time[order], [values[order] for values in merged]
     repeated = np.flatnonzero(np.diff(stamp) == 0) + 1
     if len(repeated):
         keep = np.ones(len(stamp), bool)
@@ -76,8 +77,8 @@ def _rows(
             warnings.append(
                 f"{topic}: {n_unequal} messages repeat a stamp with other values, the first of each was kept"
             )
-        stamp, merged = stamp[keep], [values[keep] for values in merged]
-    return _Rows(stamp, tuple(merged))
+        stamp, log_time, merged = stamp[keep], log_time[keep], [values[keep] for values in merged]
+    return _Rows(stamp, None if np.array_equal(stamp, log_time) else log_time, tuple(merged))
 
 
 def _same(a: FloatArray, b: FloatArray) -> BoolArray:
@@ -121,7 +122,7 @@ def joint_series(topic: str, decoder: TopicDecoder[JointStateLayout], warnings: 
     for i, field in enumerate(FIELDS):
         values[field] = rows.columns[i] if filled[:, i].any() else None
         _report(topic, field, values[field], warnings)
-    return JointSeries(rows.stamp, names, values["position"], values["velocity"], values["effort"])
+    return JointSeries(rows.stamp, names, values["position"], values["velocity"], values["effort"], rows.received)
 
 
 def _in_order(segment: Segment[JointStateLayout], names: Sequence[str]) -> list[FloatArray]:
@@ -151,4 +152,4 @@ def pose_series(topic: str, decoder: TopicDecoder[PoseStampedLayout], warnings: 
     rows = _rows(topic, segments, [segment.numbers for segment in segments], warnings)
     pose = rows.columns[0]
     _report(topic, "pose", pose, warnings)
-    return PoseSeries(rows.stamp, segments[0].layout.frame_id, pose[:, :3].copy(), pose[:, 3:].copy())
+    return PoseSeries(rows.stamp, segments[0].layout.frame_id, pose[:, :3].copy(), pose[:, 3:].copy(), rows.received)

@@ -37,6 +37,14 @@ def _check_stamp(owner: str, stamp: IntArray) -> None:
         raise InputError(f"{owner}.stamp does not increase at row {at}; sort it and drop repeats")
 
 
+def _check_received(owner: str, received: IntArray | None, n: int) -> None:
+    if received is not None and (received.shape != (n,) or received.dtype != np.int64):
+        raise InputError(
+            f"{owner}.received has shape {received.shape} and type {received.dtype}, allowed is ({n},) and int64; "
+            "give nanoseconds as integers, one per stamp"
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class JointSeries:
     """Joint quantities over time; each is None where it was not recorded.
@@ -47,6 +55,7 @@ class JointSeries:
         position: Positions [rad or m], shape (n, n_joints).
         velocity: Velocities [rad/s or m/s], shape (n, n_joints).
         effort: Torques or forces [Nm or N], shape (n, n_joints).
+        received: When the recorder took each message, its log time [ns], shape (n,); None where that is the stamp.
     """
 
     stamp: IntArray
@@ -54,9 +63,11 @@ class JointSeries:
     position: FloatArray | None = None
     velocity: FloatArray | None = None
     effort: FloatArray | None = None
+    received: IntArray | None = None
 
     def __post_init__(self) -> None:
         _check_stamp("JointSeries", self.stamp)
+        _check_received("JointSeries", self.received, len(self.stamp))
         if len(set(self.names)) != len(self.names):
             raise InputError(f"JointSeries.names has a name twice in {self.names}; give each joint a name of its own")
         for name in ("position", "velocity", "effort"):
@@ -72,15 +83,18 @@ class PoseSeries:
         frame_id: Frame in which the poses are given.
         position: Positions [m], shape (n, 3).
         orientation: Quaternions x, y, z, w [-], shape (n, 4).
+        received: When the recorder took each message, its log time [ns], shape (n,); None where that is the stamp.
     """
 
     stamp: IntArray
     frame_id: str
     position: FloatArray
     orientation: FloatArray
+    received: IntArray | None = None
 
     def __post_init__(self) -> None:
         _check_stamp("PoseSeries", self.stamp)
+        _check_received("PoseSeries", self.received, len(self.stamp))
         _check_shape("PoseSeries", "position", self.position, (len(self.stamp), 3))
         _check_shape("PoseSeries", "orientation", self.orientation, (len(self.stamp), 4))
 
@@ -98,6 +112,7 @@ class Log:
         provenance: Scenario, seed, versions and model hash, as written beside the log.
         warnings: What the reader noticed, one sentence each.
         other_topics: Number of messages of every further topic, by name.
+        plant_figures: What the plant node said of the loop on /diagnostics, by key; its last word on each.
     """
 
     joint_states: JointSeries
@@ -108,3 +123,4 @@ class Log:
     provenance: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     other_topics: Mapping[str, int] = field(default_factory=dict)
+    plant_figures: Mapping[str, float] = field(default_factory=dict)

@@ -259,11 +259,11 @@ class LogWriter:
             self._write_metadata()
         except OSError:
             lacking.append("up-to-date metadata.yaml")
-        count, last = sum(self._file.counts.values()), self._file.time_range[1] / NANOSECONDS
+        count, elapsed = sum(self._file.counts.values()), float(np.ptp(self._file.time_range)) / NANOSECONDS
         note = f" (without {' and '.join(lacking)})" if lacking else ""
         self._failure = RunError(
-            f"cannot write the log {self.folder}: {error.strerror}; its {count} messages up to {last:.3f} s "
-            f"are readable{note}; make space and run again"
+            f"cannot write the log {self.folder}: {error.strerror}; its {count} messages up to "
+            f"t = {elapsed:.3f} s of the run are readable{note}; make space and run again"
         )
         raise self._failure from error
 

@@ -57,11 +57,29 @@ def joint_state(store):
     return make
 
 
+@pytest.fixture(scope="session")
+def diagnostics(store):
+    """Make a DiagnosticArray of the oracle from (node, message, values) each."""
+
+    def make(*states: tuple[str, str, dict[str, str]], stamp: int = 10**9) -> Any:
+        types = store.types
+        header = types["std_msgs/msg/Header"](types["builtin_interfaces/msg/Time"](*divmod(stamp, 10**9)), "")
+        pair, status = types["diagnostic_msgs/msg/KeyValue"], types["diagnostic_msgs/msg/DiagnosticStatus"]
+        return types["diagnostic_msgs/msg/DiagnosticArray"](
+            header, [status(1, name, text, "x", [pair(*item) for item in v.items()]) for name, text, v in states]
+        )
+
+    return make
+
+
 def assert_same_series(a, b) -> None:
     assert (a is None) == (b is None)
     if a is None:
         return
     np.testing.assert_array_equal(a.stamp, b.stamp)
+    assert (a.received is None) == (b.received is None)
+    if a.received is not None:
+        np.testing.assert_array_equal(a.received, b.received)
     for name in ("names", "frame_id"):
         assert getattr(a, name, None) == getattr(b, name, None)
     for name in ("position", "velocity", "effort", "orientation"):

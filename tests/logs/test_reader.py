@@ -16,6 +16,7 @@ from flexros.logs.write_log import write_log
 from flexros.logs.writer import LogWriter
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
+DIAGNOSTIC_ARRAY = "diagnostic_msgs/msg/DiagnosticArray"
 TEMPLATE = JointStateTemplate(["a"], position=True)
 
 
@@ -170,6 +171,65 @@ def test_split_log(tmp_path, make_log, assert_same_log):
         f"/{name}: messages are not in the order of their stamps, they were sorted"
         for name in ("joint_states", "joint_commands", "joint_reference", "tool_pose", "tool_reference")
     )
+
+
+def test_times_of_receipt_come_from_the_log_times(tmp_path):
+    log = read_log(foreign(tmp_path / "x.mcap", {"/joint_states": states(1, 2), "/joint_commands": states(7_000)}))
+    assert log.joint_states.received.tolist() == [7_000, 7_001]
+    assert log.joint_commands.received is None
+
+
+def with_diagnostics(path, store, messages, prefix="", **options):
+    payloads = [bytes(store.serialize_cdr(message, DIAGNOSTIC_ARRAY)) for message in messages]
+    topics = {f"{prefix}/joint_states": states(1), "/diagnostics": (DIAGNOSTIC_ARRAY, payloads)}
+    return read_log(foreign(path, topics, **options))
+
+
+def test_the_plant_has_the_last_word_on_each_figure(tmp_path, store, diagnostics):
+    running = diagnostics(("/plant", "running", {"late": "3", "resends": "1"}), ("/camera", "", {"late": "9"}))
+    log = with_diagnostics(tmp_path / "x.mcap", store, [running, diagnostics(("plant", "done", {"late": "5"}))])
+    assert log.plant_figures == {"late": 5.0, "resends": 1.0}
+    assert log.other_topics == {"/diagnostics": 2}
+    assert log.warnings == ()
+
+
+def test_figures_are_those_of_the_plant_in_the_namespace(tmp_path, store, diagnostics):
+    message = diagnostics(("/r1/plant", "", {"late": "1"}), ("/plant", "", {"late": "2"}))
+    assert with_diagnostics(tmp_path / "x.mcap", store, [message], "/r1").plant_figures == {"late": 1.0}
+    assert with_diagnostics(tmp_path / "y.mcap", store, [message]).plant_figures == {"late": 2.0}
+    assert with_diagnostics(tmp_path / "z.mcap", store, [message], "/r2").plant_figures == {}
+
+
+def test_diagnostics_that_cannot_be_read_leave_the_log_readable(tmp_path):
+    junk = {"/joint_states": states(1), "/diagnostics": (DIAGNOSTIC_ARRAY, [b"junk", b"junk"])}
+    log = read_log(foreign(tmp_path / "x.mcap", junk))
+    assert log.plant_figures == {}
+    (warning,) = log.warnings
+    assert warning.startswith(
+        "/diagnostics: 2 messages were left out, so the pace of the loop may be unknown (the first: a message begins"
+    )
+
+
+def test_diagnostics_of_another_type_are_left_out(tmp_path):
+    junk = {"/joint_states": states(1), "/diagnostics": ("std_msgs/msg/Header", [b"junk"])}
+    (warning,) = read_log(foreign(tmp_path / "x.mcap", junk)).warnings
+    assert "(the first: it is a std_msgs/msg/Header in 'cdr')" in warning
+
+
+def test_diagnostics_of_another_definition_are_left_out(tmp_path):
+    path = tmp_path / "x.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="ros2")
+        for name, kind, text, payload in (
+            ("/joint_states", JOINT_STATE, message_schema(JOINT_STATE).text, states(1)[1][0]),
+            ("/diagnostics", DIAGNOSTIC_ARRAY, "string all", b"junk"),
+        ):
+            channel = writer.register_channel(name, "cdr", writer.register_schema(kind, "ros2msg", text.encode()))
+            writer.add_message(channel, 1, payload, 1)
+        writer.finish()
+    (warning,) = read_log(path).warnings
+    assert "(the first: its definition of diagnostic_msgs/msg/DiagnosticArray is not that of ROS 2 Jazzy)" in warning
 
 
 def test_cut_off_log_is_read_up_to_its_last_complete_chunk(tmp_path, make_log):

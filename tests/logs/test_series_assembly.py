@@ -92,6 +92,17 @@ def test_without_stamps_the_log_time_is_used():
     assert warnings == ["/joint_states: no message has a header.stamp, the log time is used instead"]
 
 
+def test_log_times_are_kept_beside_the_stamps_and_sorted_with_them():
+    series, _ = joints((3, {"a": 3.0}), (1, {"a": 1.0}), (2, {"a": 2.0}), (2, {"a": 2.0}))
+    assert series.stamp.tolist() == [1, 2, 3]
+    assert series.received.tolist() == [5001, 5002, 5000]
+
+
+def test_log_times_that_are_the_stamps_are_not_kept():
+    series, _ = joints((5000, {"a": 3.0}), (5001, {"a": 1.0}))
+    assert series.received is None
+
+
 def test_damaged_messages_are_reported_with_the_first_reason():
     series, warnings = assemble([JointStateTemplate(["a"], position=True).fill(1, [1.0]), b"\0\1"])
     assert len(series.stamp) == 1
@@ -116,6 +127,11 @@ def test_poses():
     assert series.position.tolist() == [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [2.0, 0.0, 1.0]]
     assert series.orientation.tolist() == [[0.0, 0.0, 0.0, 1.0]] * 3
     assert warnings == []
+
+
+def test_log_times_of_poses_are_kept():
+    series, _ = poses("base", "base")
+    assert series.received.tolist() == [5000, 5001]
 
 
 def test_poses_in_other_frames_are_left_out():

@@ -33,6 +33,14 @@ def test_stamps_must_be_integers():
         JointSeries(STAMP.astype(float), ("a",))
 
 
+def test_every_stamp_needs_its_time_of_receipt():
+    told = r"received has shape \(2,\) and type int64, allowed is \(3,\) and int64"
+    with pytest.raises(InputError, match=f"JointSeries.{told}"):
+        JointSeries(STAMP, ("a",), received=STAMP[:2])
+    with pytest.raises(InputError, match=f"PoseSeries.{told}"):
+        PoseSeries(STAMP, "base", np.zeros((3, 3)), np.zeros((3, 4)), received=STAMP[:2])
+
+
 @pytest.mark.parametrize(("stamp", "row"), [([1, 2, 2], 2), ([3, 1, 2], 1)])
 def test_stamps_must_increase(stamp, row):
     with pytest.raises(InputError, match=f"does not increase at row {row}; sort it and drop repeats"):

@@ -47,6 +47,23 @@ def test_messages_lie_in_the_order_of_their_stamps(tmp_path, make_log):
     assert max(spans) < MAX_CHUNK_DURATION
 
 
+def test_times_of_receipt_are_written_as_log_times(tmp_path, make_log, assert_same_log):
+    """Two messages arrive in the order opposite to that of their stamps, others up to 0.7 s late."""
+    log = make_log(2000)
+    late = np.linspace(0, 7 * 10**8, 2000).astype(np.int64) + 3_000
+    late[100] += 1_000_000
+    states = dataclasses.replace(log.joint_states, received=log.joint_states.stamp + late)
+    pose = dataclasses.replace(log.tool_pose, received=log.tool_pose.stamp + late)
+    log = dataclasses.replace(log, joint_states=states, tool_pose=pose)
+    write_log(log, tmp_path / "log")
+    again = read_log(tmp_path / "log")
+    assert_same_log(log, again)
+    assert again.warnings == tuple(
+        f"/{name}: messages are not in the order of their stamps, they were sorted"
+        for name in ("joint_states", "tool_pose")
+    )
+
+
 def test_special_numbers_survive(tmp_path):
     values = np.array([[np.nan, -0.0], [np.inf, 5e-324]])
     log = Log(JointSeries(np.array([10**9, 2 * 10**9]), ("a", "b"), values))
