@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections import deque
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexros.errors import RunError
-from flexros.logs.stamps import START_NS, sample_number, stamp_ns
+from flexros.logs.stamps import START_NS
+from flexros_nodes.point_trajectory import PointTrajectory
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray, IntArray
+    from flexros.arrays import FloatArray
     from flexros.logs.joint_trajectory_message import JointTrajectoryChunk
+
+MOST_ROWS = 500_000
+"""Most samples held ahead of the loop, and most points of a trajectory, chosen: more is taken for a mistake."""
 
 
 class ReferenceBuffer:
@@ -30,9 +35,10 @@ class ReferenceBuffer:
         self._n_motors = n_motors
         self._sample_time = sample_time
         self._rows: dict[int, FloatArray] = {}
+        self._order: deque[int] = deque()
         self._used = -1
         self._current: FloatArray | None = None
-        self._final: tuple[int, FloatArray] | None = None
+        self._trajectory: PointTrajectory | None = None
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -44,9 +50,10 @@ class ReferenceBuffer:
             chunk: One point for each sampling instant, with positions; columns in the order of the motors.
 
         Raises:
-            RunError: A point lies between two sampling instants, a value is not finite, or positions are missing.
+            RunError: A point lies between two sampling instants, a value is not finite, positions are missing, or more
+                is held than any loop needs.
         """
-        if self._final is not None:
+        if self._trajectory is not None:
             self.ignored += 1
             return
         stamps = chunk.stamp_ns + chunk.time_from_start
@@ -58,55 +65,66 @@ class ReferenceBuffer:
                 f"a chunk of joint_reference_ahead has a point at {stamps[between][0]} ns, between two sampling "
                 f"instants of {self._sample_time:g} s; stream one point per sample or send it to joint_trajectory"
             )
-        fresh = slice(int(np.searchsorted(stamps, self._used, side="right")), None)
-        self._rows.update(zip(stamps[fresh].tolist(), rows[fresh], strict=True))
+        for stamp, row in zip(stamps.tolist(), rows, strict=True):
+            if stamp > self._used and stamp not in self._rows:
+                self._rows[stamp] = row
+                self._order.append(stamp)
+        if len(self._rows) > MOST_ROWS:
+            raise RunError(
+                f"joint_reference_ahead is {len(self._rows)} samples ahead of the loop, allowed are {MOST_ROWS}; stream "
+                "it later, or send a trajectory of few points to joint_trajectory"
+            )
 
     def replace(self, trajectory: JointTrajectoryChunk) -> None:
         """Drop what is held and follow this trajectory; its end is held.
 
-        Between two points the position is the cubic that fits positions and velocities, or a straight line when the
-        points carry no velocities; torques are interpolated linearly. Before the first point the way leads from the
-        present reference.
+        `PointTrajectory` tells what lies between two points. Before the first point the way leads from the present
+        reference.
 
         Args:
             trajectory: Points in order of time; a stamp of 0 means from now on.
 
         Raises:
-            RunError: Times do not increase, a value is not finite, or positions are missing.
+            RunError: Times do not increase, a value is not finite, positions are missing, or there are too many points.
         """
-        rows = self._filled(trajectory)
-        now = max(self._used, stamp_ns(0, self._sample_time))
-        origin = trajectory.stamp_ns or now
-        times = (origin + trajectory.time_from_start).astype(np.int64)
+        times = trajectory.time_from_start
         if len(times) == 0 or np.any(np.diff(times) <= 0):
             raise RunError("a trajectory on joint_trajectory has no points, or times that do not increase; correct it")
-        smooth = trajectory.velocities is not None
+        if len(times) > MOST_ROWS:
+            raise RunError(
+                f"a trajectory on joint_trajectory has {len(times)} points, allowed are {MOST_ROWS}; send fewer points, "
+                "what lies between them is interpolated"
+            )
+        rows = self._filled(trajectory)
+        now = max(self._used, START_NS)
+        times = ((trajectory.stamp_ns or now) + times).astype(np.int64)
         if self._current is not None and times[0] > now:
             times, rows = np.concatenate([[now], times]), np.vstack([self._current, rows])
-        first, last = sample_number(int(now), self._sample_time) + 1, sample_number(int(times[-1]), self._sample_time)
-        numbers = range(first, last + 1)
-        stamps = np.array([stamp_ns(k, self._sample_time) for k in numbers], dtype=np.int64)
-        sampled = _interpolate(stamps, times, rows, self._n_motors, smooth=smooth)
-        self._rows = dict(zip(stamps.tolist(), sampled, strict=True))
-        rest = rows[-1].copy()
-        rest[self._n_motors : 2 * self._n_motors] = 0.0
-        self._final = (int(times[-1]), rest)
+        self._rows.clear()
+        self._order.clear()
+        self._trajectory = PointTrajectory(times, rows, smooth=trajectory.velocities is not None)
 
     def take(self, stamp: int) -> FloatArray | None:
-        """Hand out the reference of a stamp [ns], shape (3 M,); None if it is not held. Older ones are forgotten."""
-        row = self._rows.pop(stamp, None)
-        if row is None:
-            if self._final is None or stamp < self._final[0]:
-                return None
-            row = self._final[1]
-        self._used = stamp
-        self._current = row
+        """Hand out the reference of a stamp [ns], shape (3 M,); None if it is not held.
+
+        What is older is forgotten, also what a real-time loop has passed without using it.
+        """
+        if self._trajectory is not None:
+            row = self._trajectory.row(stamp) if stamp > self._used else None
+        else:
+            row = self._rows.pop(stamp, None)
+        self._forget_before(stamp)
+        if row is not None:
+            self._used = stamp
+            self._current = row
         return row
 
-    def forget_before(self, stamp: int) -> None:
-        """Drop what a real-time loop has passed without using it [ns]."""
-        self._used = max(self._used, stamp - 1)
-        self._rows = {held: row for held, row in self._rows.items() if held >= stamp}
+    def _forget_before(self, stamp: int) -> None:
+        order = self._order
+        while order and order[0] <= stamp:
+            self._rows.pop(order.popleft(), None)
+        if self._used < stamp - 1:
+            self._used = stamp - 1
 
     def _filled(self, chunk: JointTrajectoryChunk) -> FloatArray:
         if chunk.positions is None:
@@ -118,26 +136,3 @@ class ReferenceBuffer:
         if not np.isfinite(rows).all():
             raise RunError("a reference trajectory has a value that is not a finite number; correct its sender")
         return rows
-
-
-def _interpolate(at: IntArray, times: IntArray, rows: FloatArray, n_motors: int, *, smooth: bool) -> FloatArray:
-    """Evaluate the points at stamps [ns]; outside the points the nearest one holds at rest."""
-    if len(times) == 1:
-        sampled = np.repeat(rows, len(at), axis=0)
-        sampled[:, n_motors : 2 * n_motors] = 0.0
-        return sampled
-    i = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
-    width = ((times[i + 1] - times[i]) * 1e-9)[:, None]
-    s = np.clip((at - times[i])[:, None] * 1e-9 / width, 0.0, 1.0)
-    inside = ((at >= times[0]) & (at <= times[-1]))[:, None]
-    before, after = rows[i], rows[i + 1]
-    p0, p1 = before[:, :n_motors], after[:, :n_motors]
-    torque = before[:, 2 * n_motors :] + s * (after - before)[:, 2 * n_motors :]
-    if not smooth:
-        return np.hstack([p0 + s * (p1 - p0), inside * (p1 - p0) / width, torque])
-    v0, v1 = (width * row[:, n_motors : 2 * n_motors] for row in (before, after))
-    position = (
-        (2 * s**3 - 3 * s**2 + 1) * p0 + (s**3 - 2 * s**2 + s) * v0 + (3 * s**2 - 2 * s**3) * p1 + (s**3 - s**2) * v1
-    )
-    velocity = ((6 * s**2 - 6 * s) * (p0 - p1) + (3 * s**2 - 4 * s + 1) * v0 + (3 * s**2 - 2 * s) * v1) / width
-    return np.hstack([position, inside * velocity, torque])

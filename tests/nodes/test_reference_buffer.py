@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from flexros.arrays import FloatArray
 from flexros.errors import RunError
 from flexros.logs.joint_trajectory_message import JointTrajectoryChunk
 from flexros.logs.stamps import stamp_ns, stamps_ns
+from flexros_nodes import reference_buffer
 from flexros_nodes.reference_buffer import ReferenceBuffer
 
 T = 5e-4
@@ -120,3 +123,40 @@ def test_interpolation_with_velocities_reproduces_a_cubic(buffer: ReferenceBuffe
 def test_trajectory_whose_times_do_not_increase_is_refused(buffer: ReferenceBuffer) -> None:
     with pytest.raises(RunError, match="times that do not increase"):
         buffer.replace(JointTrajectoryChunk(0, NAMES, np.array([10, 10]), np.zeros((2, 2))))
+
+
+def test_long_trajectory_of_two_points_costs_no_memory(buffer: ReferenceBuffer) -> None:
+    tracemalloc.start()
+    buffer.replace(JointTrajectoryChunk(0, NAMES, np.array([0, 10**15]), np.array([[0.0, 0.0], [1.0, 1.0]])))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 1_000_000
+    row = buffer.take(stamp_ns(0, T) + 10**15 // 4)
+    assert row is not None
+    assert row[:2].tolist() == [0.25, 0.25]
+
+
+def test_samples_that_a_real_time_loop_missed_are_forgotten(buffer: ReferenceBuffer, values: FloatArray) -> None:
+    buffer.append(chunk(0, 60, values))
+    assert buffer.take(stamp_ns(40, T)) is not None
+    assert len(buffer) == 19
+    buffer.append(chunk(0, 60, values))
+    assert len(buffer) == 19
+
+
+def test_chunk_that_comes_for_the_sample_in_wait_is_taken(buffer: ReferenceBuffer, values: FloatArray) -> None:
+    assert buffer.take(stamp_ns(20, T)) is None
+    buffer.append(chunk(0, 60, values))
+    assert np.array_equal(buffer.take(stamp_ns(20, T)), values[20])
+
+
+def test_stream_too_far_ahead_is_refused(buffer: ReferenceBuffer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reference_buffer, "MOST_ROWS", 50)
+    with pytest.raises(RunError, match="is 60 samples ahead of the loop, allowed are 50; stream it later"):
+        buffer.append(chunk(0, 60, np.zeros((60, 6))))
+
+
+def test_trajectory_of_too_many_points_is_refused(buffer: ReferenceBuffer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reference_buffer, "MOST_ROWS", 3)
+    with pytest.raises(RunError, match="has 4 points, allowed are 3; send fewer points"):
+        buffer.replace(JointTrajectoryChunk(0, NAMES, np.arange(1, 5), np.zeros((4, 2))))

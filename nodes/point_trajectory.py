@@ -1,0 +1,56 @@
+"""A trajectory of points, evaluated at one instant at a time; free of ROS."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray, IntArray
+
+
+class PointTrajectory:
+    """Positions, velocities and torques between points in time.
+
+    Between two points the position is the cubic that fits positions and velocities, or a straight line when the points
+    carry no velocities; torques are interpolated linearly. Before the first point, and after the last, it rests there.
+
+    Args:
+        times: Increasing stamps of the points [ns], shape (p,).
+        rows: Motor position (M), velocity (M), torque (M) of the points, shape (p, 3 M).
+        smooth: Whether the points carry velocities.
+    """
+
+    def __init__(self, times: IntArray, rows: FloatArray, *, smooth: bool) -> None:
+        self._times: list[int] = times.tolist()
+        self._rows = rows
+        self._n_motors = rows.shape[1] // 3
+        self._smooth = smooth
+
+    def row(self, stamp: int) -> FloatArray:
+        """Give the reference at a stamp [ns], shape (3 M,)."""
+        times = self._times
+        if stamp < times[0] or (stamp >= times[-1] and (stamp > times[-1] or len(times) == 1)):
+            return self._at_rest(0 if stamp < times[0] else -1)
+        i = min(bisect_right(times, stamp) - 1, len(times) - 2)
+        width = (times[i + 1] - times[i]) * 1e-9
+        s = (stamp - times[i]) * 1e-9 / width
+        m = self._n_motors
+        before, after = self._rows[i], self._rows[i + 1]
+        step = after - before
+        row: FloatArray = before + s * step
+        if not self._smooth:
+            row[m : 2 * m] = step[:m] / width
+            return row
+        v0, v1 = width * before[m : 2 * m], width * after[m : 2 * m]
+        bend, turn = v0 + v1 - 2.0 * step[:m], 3.0 * step[:m] - 2.0 * v0 - v1  # of s^3 and of s^2
+        row[:m] = before[:m] + s * (v0 + s * (turn + s * bend))
+        row[m : 2 * m] = (v0 + s * (2.0 * turn + 3.0 * s * bend)) / width
+        return row
+
+    def _at_rest(self, point: int) -> FloatArray:
+        row: FloatArray = self._rows[point].copy()
+        row[self._n_motors : 2 * self._n_motors] = 0.0
+        return row
