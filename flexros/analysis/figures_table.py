@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from flexros.analysis.pace import LOOP_TOPICS
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
@@ -14,12 +16,13 @@ if TYPE_CHECKING:
 
     from flexros.analysis.corners import CornerDeviation
     from flexros.analysis.loop_timing import LoopTiming
+    from flexros.analysis.pace import Pacing
     from flexros.analysis.path_error import PathError
     from flexros.analysis.path_performance import PathPerformance
     from flexros.analysis.run_analysis import Analysis
     from flexros.analysis.tracking import MotorTracking
 
-_Figure: TypeAlias = "tuple[str, str, str, float]"
+_Figure: TypeAlias = "tuple[str, str, str, float | str]"
 """Group, name, unit and value of one figure of one run."""
 
 
@@ -53,7 +56,7 @@ def figure_rows(analyses: Sequence[Analysis]) -> tuple[FigureRow, ...]:
     keys = list(dict.fromkeys(key for column in columns for key in column))
     groups = list(dict.fromkeys(group for group, _, _ in keys))
     keys.sort(key=lambda key: groups.index(key[0]))
-    return tuple(FigureRow(*key, tuple(number(column.get(key)) for column in columns)) for key in keys)
+    return tuple(FigureRow(*key, tuple(_text(column.get(key)) for column in columns)) for key in keys)
 
 
 def terminal_table(analyses: Sequence[Analysis]) -> Table:
@@ -81,6 +84,10 @@ def terminal_table(analyses: Sequence[Analysis]) -> Table:
         table.add_row(*map(Text, (row.group if row.group != group else "", row.name, row.unit, *row.values)))
         group = row.group
     return table
+
+
+def _text(value: float | str | None) -> str:
+    return value if isinstance(value, str) else number(value)
 
 
 def number(value: float | None, digits: int = 4) -> str:
@@ -154,18 +161,48 @@ def _motor(motor: MotorTracking) -> Iterator[_Figure]:
         yield motor.joint, "feedback torque, rms", torque, motor.feedback_rms
     if motor.feedback_share is not None:
         yield motor.joint, "feedback share of torque", "%", 1e2 * motor.feedback_share
+    if motor.torque_limit is not None and np.isfinite(motor.torque_limit):
+        yield motor.joint, "torque limit", torque, motor.torque_limit
     if motor.saturated_share is not None:
         yield motor.joint, "time at torque limit", "%", 1e2 * motor.saturated_share
+    if motor.overload_share:
+        yield motor.joint, "time with feedforward above limit", "%", 1e2 * motor.overload_share
 
 
 def _timing(timing: LoopTiming) -> Iterator[_Figure]:
-    for name in ("joint_states", "joint_commands"):
-        topic = timing.topic(name)
+    if timing.real_time is not None:
+        yield "Timing", "real time (no: lock-step)", "", "yes" if timing.real_time else "no"
+    for name in LOOP_TOPICS:
+        topic, arrival = timing.topic(name), timing.arrival(name)
         if topic is not None:
             yield "Timing", f"{name}, samples", "", float(topic.count)
+        if arrival is not None:
+            yield "Timing", f"{name}, received period, median", "ms", 1e3 * arrival.period_median
+            yield "Timing", f"{name}, received period, 99 %", "ms", 1e3 * arrival.period_p99
+            yield "Timing", f"{name}, received period, max", "ms", 1e3 * arrival.period_max
+            yield "Timing", f"{name}, received jitter std", "µs", 1e6 * arrival.jitter_std
+        elif topic is not None and not (timing.real_time and topic.exact):
             yield "Timing", f"{name}, mean period", "ms", 1e3 * topic.mean_period
             yield "Timing", f"{name}, jitter std", "µs", 1e6 * topic.jitter_std
             yield "Timing", f"{name}, jitter 99 %", "µs", 1e6 * topic.jitter_p99
             yield "Timing", f"{name}, jitter max", "µs", 1e6 * topic.jitter_max
+    if timing.pacing is not None:
+        yield from _pacing(timing.pacing)
     yield "Timing", "missing samples, all topics", "", float(sum(topic.missed for topic in timing.topics))
     yield "Timing", "states without command", "", float(timing.unanswered)
+
+
+def _pacing(pacing: Pacing) -> Iterator[_Figure]:
+    """Give what the plant told of its schedule."""
+    figures = (
+        ("plant, period, median", "ms", 1e3, pacing.period_median),
+        ("plant, period, 99 %", "ms", 1e3, pacing.period_p99),
+        ("plant, period, max", "ms", 1e3, pacing.period_max),
+        ("plant, start after due, 99 %", "µs", 1e6, pacing.lateness_p99),
+        ("plant, start after due, max", "µs", 1e6, pacing.lateness_max),
+        ("plant, late cycles", "%", 1e2, pacing.late_share),
+        ("plant, missed commands", "", 1.0, pacing.missed_commands),
+    )
+    for name, unit, factor, value in figures:
+        if value is not None:
+            yield "Timing", name, unit, factor * value

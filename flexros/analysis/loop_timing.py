@@ -1,4 +1,4 @@
-"""Timing of the control loop by the stamps of a log: period, jitter, misses, order, and which stamps match."""
+"""Timing of the control loop: by its stamps period, misses, order and which match; in real time its pace as well."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.analysis.elapsed_time import elapsed_seconds, start_stamp
+from flexros.analysis.pace import ArrivalTiming, Pacing, loop_arrivals, plant_pacing, ran_in_real_time
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
@@ -99,41 +100,54 @@ class LoopTiming:
         answered: Share of joint_states with a joint_commands message of the same stamp; 1 in lock-step.
         unanswered: Number of joint_states without one.
         unasked: Number of joint_commands without a joint_states message of the same stamp.
+        real_time: Whether the loop ran by the wall clock; False in lock-step or simulated, None where nothing tells.
+        arrivals: When the messages of the loop were received, where that is known.
+        pacing: How the plant kept its schedule; None where it kept none or did not tell.
     """
 
     topics: tuple[TopicTiming, ...]
     answered: float
     unanswered: int
     unasked: int
+    real_time: bool | None = None
+    arrivals: tuple[ArrivalTiming, ...] = ()
+    pacing: Pacing | None = None
 
     @property
     def exact(self) -> bool:
-        """Whether every topic lies on an exact grid and every state has its command: a lock-step log without loss."""
+        """Whether the stamps of every topic lie on an exact grid and every state has its command: nothing was lost."""
         return all(topic.exact for topic in self.topics) and self.unanswered == 0 and self.unasked == 0
 
     def topic(self, name: str) -> TopicTiming | None:
         """Return the timing of one topic, or None where the log does not have it."""
         return next((topic for topic in self.topics if topic.topic == name), None)
 
+    def arrival(self, name: str) -> ArrivalTiming | None:
+        """Return when the messages of a topic of the loop were received, or None where that is not known."""
+        return next((arrival for arrival in self.arrivals if arrival.topic == name), None)
+
     def as_dict(self) -> dict[str, object]:
         """Return the figures as plain numbers with their units in the keys."""
         return {
+            "real_time": self.real_time,
             "exact": self.exact,
             "answered_share": self.answered,
             "states_without_command": self.unanswered,
             "commands_without_state": self.unasked,
             "topics": {topic.topic: topic.as_dict() for topic in self.topics},
+            "received": {arrival.topic: arrival.as_dict() for arrival in self.arrivals},
+            "pacing": None if self.pacing is None else self.pacing.as_dict(),
         }
 
 
 def loop_timing(log: Log) -> LoopTiming:
-    """Evaluate the stamps of a log, from lock-step (exact grid) or real time alike.
+    """Evaluate the stamps of a log, and in real time when messages came and how the plant kept its schedule.
 
     Args:
         log: The log; topics it lacks are left out.
 
     Returns:
-        The timing of each topic and the match of commands with states.
+        The timing of each topic, the match of commands with states, and the pace.
     """
     series: dict[str, JointSeries | PoseSeries | None] = {
         "joint_states": log.joint_states,
@@ -154,6 +168,9 @@ def loop_timing(log: Log) -> LoopTiming:
         answered=matched / len(asked) if len(asked) else 0.0,
         unanswered=len(asked) - matched,
         unasked=int(np.count_nonzero(~np.isin(commands, states))),
+        real_time=ran_in_real_time(log),
+        arrivals=loop_arrivals(log),
+        pacing=plant_pacing(log.plant_figures),
     )
 
 

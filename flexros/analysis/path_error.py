@@ -139,8 +139,8 @@ def _common_run(pose: PoseSeries, reference: PoseSeries, start: int) -> Cycle:
     inside = (pose.stamp >= first) & (pose.stamp <= last)
     if not np.any(inside):
         raise InputError(
-            f"tool_pose covers {pose.stamp[0] * 1e-9:.3f} to {pose.stamp[-1] * 1e-9:.3f} s and tool_reference "
-            f"{first * 1e-9:.3f} to {last * 1e-9:.3f} s: they must share a time; check the clocks of the recording"
+            f"tool_pose has stamps from {pose.stamp[0] * 1e-9:.3f} to {pose.stamp[-1] * 1e-9:.3f} s and tool_reference "
+            f"from {first * 1e-9:.3f} to {last * 1e-9:.3f} s: they must share a time; check the clocks of the recording"
         )
     stamp = pose.stamp[inside]
     # Relative to the first stamp, because a double does not hold nanoseconds since 1970.

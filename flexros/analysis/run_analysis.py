@@ -11,7 +11,8 @@ from flexros.analysis.elapsed_time import start_stamp
 from flexros.analysis.loop_timing import LoopTiming, loop_timing
 from flexros.analysis.path_error import AXES, PathError, path_error
 from flexros.analysis.path_performance import POINTS, STANDARD_CYCLES, PathPerformance, path_performance
-from flexros.analysis.tracking import Drive, MotorTracking, assign_drives, motor_tracking
+from flexros.analysis.torque_limits import limit_warnings, limited_drives
+from flexros.analysis.tracking import Drive, MotorTracking, motor_tracking
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
@@ -95,12 +96,13 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
     if isinstance(planned, int) and len(stamp) < planned:
         warnings.append(f"the log holds {len(stamp)} of the {planned} samples of its run, which broke off or lost some")
     path, performance, corners = _tool(log, start, robot, warnings)
-    drives = None if robot is None else assign_drives(_drives(robot), log.joint_states.names, warnings)
-    motors = motor_tracking(log, start, drives)
+    own = None if robot is None else _drives(robot)
+    motors = motor_tracking(log, start, limited_drives(own, log.joint_states.names, log.provenance, warnings))
     if not any(motor.tracking is not None for motor in motors):
         warnings.append("the log has no joint_reference with positions, so motor tracking cannot be told")
     if not any(motor.feedforward is not None for motor in motors):
         warnings.append("the log has no feedforward torque, so the share of the feedback cannot be told")
+    warnings.extend(limit_warnings(motors))
     return Analysis(
         label=_scenario_name(log.provenance) if label is None else label,
         duration=float((stamp[-1] - stamp[0]) * 1e-9) if len(stamp) else 0.0,

@@ -39,8 +39,10 @@ class MotorTracking:
         feedback_rms: Rms of `feedback` [Nm, or N].
         feedback_share: Rms of `feedback` over rms of `torque`: 0 where the feedforward does it all, 1 where there is
             none; above 1 where the two work against each other.
-        torque_limit: Torque limit of the robot [Nm, or N]; inf where it has none, None where the robot is not known.
+        torque_limit: Torque limit [Nm, or N]; inf where there is none, None where it is not known.
+        limited_by: Where the limit comes from.
         saturated_share: Share of the torque samples at the limit.
+        overload_share: Share of the torque samples whose feedforward alone exceeds the limit.
     """
 
     joint: str
@@ -56,7 +58,9 @@ class MotorTracking:
     feedback_rms: float | None
     feedback_share: float | None
     torque_limit: float | None
+    limited_by: str | None
     saturated_share: float | None
+    overload_share: float | None
 
     def as_dict(self) -> dict[str, object]:
         """Return the figures as plain numbers: rad and Nm; m and N for a linear motor."""
@@ -66,23 +70,27 @@ class MotorTracking:
             "feedback_rms": self.feedback_rms,
             "feedback_share": self.feedback_share,
             "torque_limit": self.torque_limit if self.torque_limit is None or np.isfinite(self.torque_limit) else None,
+            "torque_limited_by": self.limited_by,
             "saturated_share": self.saturated_share,
+            "overload_share": self.overload_share,
         }
 
 
 @dataclass(frozen=True)
 class Drive:
-    """What the robot file says about a motor.
+    """What is known of a motor.
 
     Attributes:
         joint: Name of its joint.
         torque_limit: Largest absolute torque [Nm, or N]; inf where none.
         linear: Whether it moves in metres.
+        limited_by: Where the limit comes from.
     """
 
     joint: str
     torque_limit: float
     linear: bool = False
+    limited_by: str = "robot"
 
 
 def assign_drives(drives: Sequence[Drive], joints: Sequence[str], warnings: list[str]) -> dict[str, Drive]:
@@ -101,7 +109,8 @@ def assign_drives(drives: Sequence[Drive], joints: Sequence[str], warnings: list
     """
     if len(drives) != len(joints):
         raise InputError(
-            f"the robot has {len(drives)} motors and the log has {len(joints)} joints ({', '.join(joints)}): "
+            f"the robot has {_number_of(drives, 'motor')} and the log has {_number_of(joints, 'joint')} "
+            f"({', '.join(joints)}): "
             "they must be the same; give the robot that made the log"
         )
     named = {drive.joint: drive for drive in drives}
@@ -112,6 +121,10 @@ def assign_drives(drives: Sequence[Drive], joints: Sequence[str], warnings: list
         "assigned in the order of the log"
     )
     return dict(zip(joints, drives, strict=True))
+
+
+def _number_of(things: Sequence[object], name: str) -> str:
+    return f"{len(things)} {name}{'' if len(things) == 1 else 's'}"
 
 
 def motor_tracking(log: Log, start: int, drives: Mapping[str, Drive] | None = None) -> tuple[MotorTracking, ...]:
@@ -164,12 +177,15 @@ def _motor(log: Log, joint: str, start: int, drive: Drive | None) -> MotorTracki
         feedback_rms=None if feedback is None or not known else _rms(feedback),
         feedback_share=None if feedback is None or torque is None or not known else _share(feedback, torque),
         torque_limit=limit,
-        saturated_share=(
-            float(np.mean(np.abs(torque) >= limit * (1.0 - _AT_LIMIT)))
-            if torque is not None and known and limit is not None
-            else None
-        ),
+        limited_by=None if drive is None or not np.isfinite(drive.torque_limit) else drive.limited_by,
+        saturated_share=_beyond(torque, limit, -_AT_LIMIT) if known else None,
+        overload_share=_beyond(feedforward, limit, _AT_LIMIT) if known else None,
     )
+
+
+def _beyond(torque: FloatArray | None, limit: float | None, margin: float) -> float | None:
+    """Share of the samples from limit * (1 + margin) on."""
+    return None if torque is None or limit is None else float(np.mean(np.abs(torque) >= limit * (1.0 + margin)))
 
 
 def _rms(values: FloatArray) -> float:

@@ -140,7 +140,7 @@ def test_stamps_since_1970_keep_their_nanoseconds():
 
 def test_series_without_common_time_are_refused():
     points = ring(np.linspace(0, 1, 11))
-    with pytest.raises(InputError, match=r"tool_pose covers 1\.000 .* they must share a time"):
+    with pytest.raises(InputError, match=r"tool_pose has stamps from 1\.000 to .* they must share a time"):
         path_error(series(points), series(points, stamps(11) + 10**10))
 
 

@@ -68,8 +68,24 @@ def test_share_of_the_time_at_the_torque_limit():
     log = Log(series(1001, position=column(torque)), joint_commands=series(1001, effort=column(torque)))
     (motor,) = motor_tracking(log, START, {"motor_1": Drive("motor_1", 8.0)})
     assert motor.saturated_share == pytest.approx(np.mean(np.abs(torque) == 8.0))
+    assert motor.limited_by == "robot"
+    assert motor.overload_share is None, "there is no feedforward"
     (motor,) = motor_tracking(log, START, {"motor_1": Drive("motor_1", np.inf)})
     assert motor.saturated_share == 0.0
+    assert motor.limited_by is None
+
+
+def test_share_of_the_time_in_which_the_feedforward_is_beyond_the_limit():
+    ahead = np.linspace(-10.0, 10.0, 1001)
+    log = Log(
+        series(1001, position=column(ahead)),
+        joint_commands=series(1001, effort=column(np.clip(ahead, -8.0, 8.0))),
+        joint_reference=series(1001, position=column(ahead), effort=column(ahead)),
+    )
+    (motor,) = motor_tracking(log, START, {"motor_1": Drive("motor_1", 8.0)})
+    assert motor.overload_share == pytest.approx(np.mean(np.abs(ahead) > 8.0 + 1e-6))
+    (motor,) = motor_tracking(log, START, {"motor_1": Drive("motor_1", 10.0)})
+    assert motor.overload_share == 0.0, "a feedforward at the limit does not exceed it"
 
 
 def test_joints_are_matched_by_name_and_not_by_order():
@@ -88,8 +104,10 @@ def test_a_log_with_positions_alone_gives_no_figures():
 
 
 def test_a_robot_with_another_number_of_motors_is_refused():
-    with pytest.raises(InputError, match=r"the robot has 2 motors and the log has 1 joints \(motor_1\)"):
+    with pytest.raises(InputError, match=r"the robot has 2 motors and the log has 1 joint \(motor_1\)"):
         assign_drives([Drive("motor_1", 1.0), Drive("motor_2", 1.0)], ["motor_1"], [])
+    with pytest.raises(InputError, match=r"the robot has 1 motor and the log has 2 joints \(motor_1, motor_2\)"):
+        assign_drives([Drive("motor_1", 1.0)], ["motor_1", "motor_2"], [])
 
 
 def test_drives_are_assigned_by_name():
