@@ -5,11 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.analysis.figures_table import number
+from flexros.analysis.pace import Pacing
 from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable, Tiles
+from flexros.analysis.report.pace import missed_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flexros.analysis.loop_timing import TopicTiming
     from flexros.analysis.run_analysis import Analysis
 
 
@@ -67,7 +70,25 @@ def _followed(analysis: Analysis) -> str:
 
 
 def _timing(analyses: Sequence[Analysis]) -> str:
+    return " ".join(filter(None, (_loss(analyses), _pace(analyses))))
+
+
+def _pace(analyses: Sequence[Analysis]) -> str:
+    """Say how the runs in real time kept their pace: the worst of them."""
+    pacings = [one.timing.pacing for one in analyses if one.timing.pacing is not None]
+    late = max((pacing.late_share for pacing in pacings if pacing.late_share is not None), default=None)
+    missed = max((pacing.missed_commands for pacing in pacings if pacing.missed_commands is not None), default=None)
+    told = [] if late is None else [f"{number(1e2 * late, 3)} % of the cycles began late"]
+    if missed is not None:
+        told.append(missed_text(Pacing(missed_commands=missed)))
+    most = "at most " if len(pacings) > 1 else ""
+    return f"In real time {most}{' and '.join(told)}." if told else ""
+
+
+def _loss(analyses: Sequence[Analysis]) -> str:
     if all(one.timing.exact for one in analyses):
+        if any(one.timing.real_time for one in analyses):
+            return "No sample is missing."
         return "No sample is missing and every stamp is exact."
     missed = sum(topic.missed for one in analyses for topic in one.timing.topics)
     unanswered = sum(one.timing.unanswered for one in analyses)
@@ -97,9 +118,22 @@ def _tiles(analysis: Analysis) -> tuple[tuple[str, str, str, str], ...]:
         tiles.append(("Motor tracking error, max", number(1e3 * worst.maximum, 3), unit, below))
     states = analysis.timing.topic("joint_states")
     if states is not None:
-        below = "exact" if states.exact else f"jitter std {number(1e6 * states.jitter_std, 3)} µs"
-        tiles.append(("Loop period, mean", number(1e3 * states.mean_period), "ms", below))
+        tiles.append(_period_tile(analysis, states))
     return tuple(tiles)
+
+
+def _period_tile(analysis: Analysis, states: TopicTiming) -> tuple[str, str, str, str]:
+    """Return the period of the loop: as the plant ran, as it was received, or by the stamps."""
+    pacing, arrival = analysis.timing.pacing, analysis.timing.arrival("joint_states")
+    if pacing is not None and pacing.period_median is not None and pacing.late_share is not None:
+        below = f"late {number(1e2 * pacing.late_share, 3)} %, missed {number(pacing.missed_commands)}"
+        return "Loop period, median", number(1e3 * pacing.period_median), "ms", below
+    if arrival is not None:
+        below = f"jitter std {number(1e6 * arrival.jitter_std, 3)} µs"
+        return "Loop period, received", number(1e3 * arrival.period_median), "ms", below
+    exact = "by the stamps" if analysis.timing.real_time else "exact"
+    below = exact if states.exact else f"jitter std {number(1e6 * states.jitter_std, 3)} µs"
+    return "Loop period, mean", number(1e3 * states.mean_period), "ms", below
 
 
 def _table(analyses: Sequence[Analysis]) -> TextTable:

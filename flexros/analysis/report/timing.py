@@ -1,14 +1,15 @@
-"""Section: timing of the nodes, as the stamps tell it."""
+"""Section: timing of the nodes, as the stamps tell it; in real time, as the recorder and the plant saw it too."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 import plotly.graph_objects as go
 
 from flexros.analysis.figures_table import number
 from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.analysis.report.pace import pace_sentence, pace_tables
 from flexros.analysis.report.theme import compact, curve, run_colour, stacked
 
 if TYPE_CHECKING:
@@ -16,8 +17,11 @@ if TYPE_CHECKING:
 
     from flexros.analysis.loop_timing import TopicTiming
     from flexros.analysis.run_analysis import Analysis
+    from flexros.arrays import FloatArray
 
 _BINS = 120
+_SHOWN = 3.0
+"""The histogram of periods of receipt reaches to so many medians, or to twice the 99th percentile (chosen)."""
 
 
 class TimingSection(AbstractSection):
@@ -26,19 +30,53 @@ class TimingSection(AbstractSection):
     title: ClassVar[str] = "Node timing"
 
     def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
-        """Return what the stamps say, the table of topics, and the periods of the runs that are not exact."""
-        exact = [analysis.label for analysis in analyses if analysis.timing.exact]
-        blocks: list[Block] = [Paragraph(_exact(exact, len(analyses)))] if exact else []
+        """Return how the loop was paced, what the stamps say, the tables, and the periods where they are not exact."""
+        several = len(analyses) > 1
+        blocks: list[Block] = []
+        for lock_step in (False, None):
+            labels = [one.label for one in analyses if one.timing.exact and one.timing.real_time is lock_step]
+            if labels:
+                blocks.append(Paragraph(_exact(labels, len(analyses), lock_step is False)))
+        blocks += [Paragraph(pace_sentence(one, several)) for one in analyses if one.timing.real_time]
         blocks += [Paragraph(_sentence(analysis)) for analysis in analyses if not analysis.timing.exact]
-        blocks.append(_table(analyses))
+        blocks += [_table(analyses), *pace_tables(analyses)]
         loose = [
-            (f"{one.label} {topic.topic}" if len(analyses) > 1 else topic.topic, topic)
-            for one in analyses
-            for topic in _loop_topics(one)
+            (f"{one.label} {name}" if several else name, periods) for one in analyses for name, periods in _periods(one)
         ]
         if loose:
             blocks.append(_picture(loose))
         return tuple(blocks)
+
+
+class _Periods(NamedTuple):
+    """Periods of a topic to be drawn: time [s], all of them and those of the histogram [ms]."""
+
+    time: FloatArray
+    all: FloatArray
+    counted: FloatArray
+
+
+def _periods(analysis: Analysis) -> list[tuple[str, _Periods]]:
+    """Return the periods by the times of receipt where they are known, else by the stamps that are not exact."""
+    arrivals = analysis.timing.arrivals
+    if arrivals:
+        return [
+            (
+                f"{arrival.topic}, received",
+                _Periods(arrival.step_time, 1e3 * arrival.steps, _within(1e3 * arrival.steps)),
+            )
+            for arrival in arrivals
+        ]
+    return [
+        (topic.topic, _Periods(topic.step_time, 1e3 * topic.steps, 1e3 * topic.steps[topic.steps < 1.5 * topic.period]))
+        for topic in _loop_topics(analysis)
+    ]
+
+
+def _within(steps: FloatArray) -> FloatArray:
+    """Count the few that are far longer than the rest with the longest that are shown, so that bars stay narrow."""
+    median, p99 = np.percentile(steps, [50.0, 99.0])
+    return np.asarray(np.minimum(steps, max(_SHOWN * median, 2.0 * p99)), dtype=np.float64)
 
 
 def _loop_topics(analysis: Analysis) -> list[TopicTiming]:
@@ -48,11 +86,16 @@ def _loop_topics(analysis: Analysis) -> list[TopicTiming]:
     return loose[:1] if len(loose) == 2 and np.array_equal(loose[0].steps, loose[1].steps) else loose
 
 
-def _exact(labels: Sequence[str], runs: int) -> str:
+def _exact(labels: Sequence[str], runs: int, lock_step: bool) -> str:
     who = "" if runs == 1 else "In all runs " if len(labels) == runs else f"In {', '.join(labels)} "
-    return (
+    text = (
         f"{who}{'all' if who else 'All'} stamps lie on an exact grid and every measurement has the command of its own "
-        "stamp. In lock-step, where the plant waits for the command, the timing is exact by construction; "
+        "stamp."
+    )
+    if not lock_step:
+        return f"{text} Whether the loop ran in real time or in lock-step is not known."
+    return (
+        f"{text} In lock-step, where the plant waits for the command, the timing is exact by construction; "
         "this says nothing of the speed at which the nodes ran."
     )
 
@@ -91,6 +134,8 @@ def _table(analyses: Sequence[Analysis]) -> TextTable:
     caption = (
         "Timing of the topics by their stamps; those with the same figures share a row; jitter is without the gaps."
     )
+    if any(one.timing.real_time and one.timing.exact for one in analyses):
+        caption += " Exact stamps of a run in real time are the planned instants: they show loss, but no jitter."
     return TextTable(header, tuple(rows), caption)
 
 
@@ -112,14 +157,13 @@ def _topic_row(topic: TopicTiming) -> tuple[str, ...]:
     )
 
 
-def _picture(topics: Sequence[tuple[str, TopicTiming]]) -> Picture:
+def _picture(topics: Sequence[tuple[str, _Periods]]) -> Picture:
     figure = stacked(["Period from sample to sample", "How often each period occurs"], shared_x=False, gap=92)
-    for index, (label, topic) in enumerate(topics):
+    for index, (label, periods) in enumerate(topics):
         colour = run_colour(index)
         hover = "%{x:.4f} s: %{y:.4f} ms"
-        figure.add_trace(curve(topic.step_time, 1e3 * topic.steps, label, colour, hover=hover, width=1.0), row=1, col=1)
-        whole = 1e3 * topic.steps[topic.steps < 1.5 * topic.period]
-        count, edges = np.histogram(whole, bins=_BINS)
+        figure.add_trace(curve(periods.time, periods.all, label, colour, hover=hover, width=1.0), row=1, col=1)
+        count, edges = np.histogram(periods.counted, bins=_BINS)
         bars = go.Bar(
             x=compact(0.5 * (edges[1:] + edges[:-1])),
             y=count,
@@ -135,5 +179,8 @@ def _picture(topics: Sequence[tuple[str, TopicTiming]]) -> Picture:
     figure.update_xaxes(title_text="period [ms]", row=2)
     figure.update_yaxes(title_text="period [ms]", row=1)
     figure.update_yaxes(title_text="number of samples", type="log", row=2)
-    caption = "Periods of the loop by the stamps of its topics; gaps are left out of the histogram."
+    caption = (
+        "Periods of the loop by the stamps of its topics, in real time by the times of receipt. In the histogram gaps "
+        "between stamps are left out, and periods of receipt far above the others count in the last bar."
+    )
     return Picture(figure, caption)

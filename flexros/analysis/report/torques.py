@@ -89,5 +89,9 @@ def _sentence(analysis: Analysis) -> str:
     if not shares:
         return "The log holds no feedforward torque, so the share of the feedback cannot be told."
     text = f"Share of the feedback in the torque (rms over rms): {', '.join(shares)}"
-    limited = [motor.joint for motor in analysis.motors if motor.saturated_share]
+    limited = [
+        f"{motor.joint} (for {number(1e2 * motor.saturated_share, 3)} % of the run)"
+        for motor in analysis.motors
+        if motor.saturated_share
+    ]
     return f"{text}; the torque limit was reached at {', '.join(limited)}." if limited else f"{text}."

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from flexros.analysis import analyse
 from flexros.analysis.report.base import Paragraph, Picture, TextTable
 from flexros.analysis.report.provenance import ProvenanceSection
-from flexros.analysis.report.summary import verdict
+from flexros.analysis.report.summary import SummarySection, verdict
 from flexros.analysis.report.timing import TimingSection
 from flexros.analysis.report.torques import TorqueSection
 from flexros.analysis.report.write import RUN_SECTIONS
@@ -65,6 +66,105 @@ def test_exact_timing_is_said_to_be_so_by_construction(runs):
     assert not any(isinstance(block, Picture) for block in blocks)
 
 
+def paced(log, received=True, **figures):
+    """A run in real time: every tenth measurement is received 0.1 ms late, one 3 ms, which holds those behind it up."""
+    late = np.where(np.arange(len(log.joint_states.stamp)) % 10 == 0, 100_000, 0)
+    late[500] = 3_000_000
+    if received:
+        log = replace(
+            log, joint_states=replace(log.joint_states, received=np.maximum.accumulate(log.joint_states.stamp + late))
+        )
+    return replace(log, plant_figures=figures, provenance={**log.provenance, "real_time": True})
+
+
+KEPT = {
+    "cycles": 1001,
+    "period_p50_us": 500,
+    "lateness_max_us": 1020,
+    "late_percent": 3.5,
+    "missed_commands": 1,
+}
+
+
+def texts(section, *runs):
+    return [block.text for block in section.blocks(runs) if isinstance(block, Paragraph)]
+
+
+def test_real_time_is_said_with_what_plant_and_recorder_saw(make_run):
+    assert texts(TimingSection(), analyse(paced(make_run(), **KEPT))) == [
+        "The loop ran in real time, paced by the wall clock: 3.50 % of 1001 cycles began more than a tenth of the "
+        "sample time late (at most 1.02 ms), and 1 command was missed, for which the last one was held. The recorder "
+        "received joint_states every 0.5000 ms (median); 99 % of the periods were below 0.6000 ms, the longest was "
+        "3.500 ms."
+    ]
+
+
+@pytest.mark.parametrize(
+    ("figures", "told"),
+    [
+        ({}, "paced by the wall clock: the log does not hold the plant's account of it. "),
+        ({"cycles": 9}, "paced by the wall clock: the plant did not say how well. "),
+        ({"late_percent": 2.0, "missed_commands": 0}, "2 % of its cycles began more than a tenth of the sample time"),
+        ({"late_percent": 2.0, "missed_commands": 0}, "late, and no command was missed. "),
+        ({"missed_commands": 7}, "wall clock: 7 commands were missed, for which the last one was held. "),
+    ],
+)
+def test_what_the_plant_did_not_tell_is_left_open(make_run, figures, told):
+    (text,) = texts(TimingSection(), analyse(paced(make_run(), received=False, **figures)))
+    assert told in text
+    assert text.endswith("The log times are the stamps, so when messages were received is not known.")
+
+
+def test_real_time_is_tabled_and_drawn_by_the_times_of_receipt(make_run):
+    blocks = TimingSection().blocks([analyse(paced(make_run(), **KEPT))])
+    by_stamps, received, schedule = (block for block in blocks if isinstance(block, TextTable))
+    assert by_stamps.caption.endswith("are the planned instants: they show loss, but no jitter.")
+    assert received.rows[0][:5] == ("joint_states", "1001", "0.5000", "0.5000", "0.6000")
+    assert schedule.rows == (("plant", "1001", "0.5000", "-", "-", "-", "1020", "3.50", "1"),)
+    (picture,) = (block for block in blocks if isinstance(block, Picture))
+    periods, bars = picture.figure.data
+    assert max(periods.y) == pytest.approx(3.5)
+    assert sum(bars.y) == 1000
+    assert max(bars.x) < 1.5, "what is far longer counts in the last bar"
+    assert bars.y[-1] == 1
+
+
+def test_runs_of_both_kinds_are_told_apart(make_run):
+    runs = [analyse(make_run(), label="still"), analyse(paced(make_run(), **KEPT), label="paced")]
+    first, second = texts(TimingSection(), *runs)
+    assert first.startswith("In still all stamps lie on an exact grid")
+    assert "In lock-step" in first
+    assert second.startswith("paced ran in real time")
+
+
+def test_a_log_that_does_not_tell_is_not_called_lock_step(make_run):
+    (text,) = texts(TimingSection(), analyse(replace(make_run(), provenance={})))
+    assert text.endswith("Whether the loop ran in real time or in lock-step is not known.")
+
+
+def test_verdict_tells_the_pace_of_real_time(make_run):
+    run = analyse(paced(make_run(), **KEPT))
+    assert verdict([run]).endswith(
+        "No sample is missing. In real time 3.50 % of the cycles began late and 1 command was missed, for which the "
+        "last one was held."
+    )
+    other = analyse(paced(make_run(), **{**KEPT, "late_percent": 1.0, "missed_commands": 0}), label="other")
+    assert "In real time at most 3.50 % of the cycles began late and 1 command was missed" in verdict([run, other])
+
+
+@pytest.mark.parametrize(
+    ("figures", "received", "tile"),
+    [
+        (KEPT, True, ("Loop period, median", "0.5000", "ms", "late 3.50 %, missed 1")),
+        ({}, True, ("Loop period, received", "0.5000", "ms", "jitter std 112 µs")),
+        ({}, False, ("Loop period, mean", "0.5000", "ms", "by the stamps")),
+    ],
+)
+def test_the_period_of_the_loop_is_that_of_the_plant_where_it_is_known(make_run, figures, received, tile):
+    tiles = SummarySection().blocks([analyse(paced(make_run(), received=received, **figures))])[1]
+    assert tiles.items[-1] == tile
+
+
 def test_loose_timing_is_drawn(runs):
     assert any(isinstance(block, Picture) for block in TimingSection().blocks(runs[1:]))
 
@@ -87,6 +187,17 @@ def test_runs_with_the_same_timing_share_their_rows(make_run):
         "0",
     )
     assert len(table.rows) == 2
+    assert table.caption.endswith("jitter is without the gaps.")
+
+
+def test_the_torque_limit_is_named_with_the_share_of_the_run(make_run):
+    log = make_run()
+    provenance = {**log.provenance, "scenario": {"controller": {"torque_limit": 2000.0}}}
+    effort = np.clip(log.joint_commands.effort, -2000.0, 2000.0)
+    log = replace(log, joint_commands=replace(log.joint_commands, effort=effort), provenance=provenance)
+    share = 100.0 * np.mean(np.abs(effort[:, 1]) == 2000.0)
+    (text,) = texts(TorqueSection(), analyse(log))
+    assert text.endswith(f"; the torque limit was reached at motor_2 (for {share:.1f} % of the run).")
 
 
 def test_torque_shares_of_several_runs_stand_in_a_table(runs):
