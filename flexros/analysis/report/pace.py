@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from flexros.analysis.run_analysis import Analysis
 
 
+_BURSTS = 0.9
+"""Messages whose median period is below this share of the mean come in bursts (chosen)."""
+
+
 def pace_sentence(analysis: Analysis, named: bool) -> str:
     """Say how a run in real time kept its pace.
 
@@ -30,6 +34,11 @@ def pace_sentence(analysis: Analysis, named: bool) -> str:
     states = timing.arrival("joint_states")
     if states is None:
         return f"{text} The log times are the stamps, so when messages were received is not known."
+    if states.period_median < _BURSTS * states.mean_period:
+        return (
+            f"{text} The recorder took joint_states in bursts, after waits of up to "
+            f"{number(1e3 * states.period_max)} ms, so its times tell more of the recorder than of the loop."
+        )
     return (
         f"{text} The recorder received joint_states every {number(1e3 * states.period_median)} ms (median); 99 % of "
         f"the periods were below {number(1e3 * states.period_p99)} ms, the longest was "

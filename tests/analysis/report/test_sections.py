@@ -115,6 +115,18 @@ def test_what_the_plant_did_not_tell_is_left_open(make_run, figures, told):
     assert text.endswith("The log times are the stamps, so when messages were received is not known.")
 
 
+def test_a_recorder_that_takes_messages_in_bursts_is_told_from_the_loop(make_run):
+    log = paced(make_run(), **KEPT)
+    stamp = log.joint_states.stamp
+    bursts = stamp[np.minimum((np.arange(1001) // 8 + 1) * 8, 1000)] + np.arange(1001) % 8 * 20_000
+    log = replace(log, joint_states=replace(log.joint_states, received=bursts))
+    (text,) = texts(TimingSection(), analyse(log))
+    assert text.endswith(
+        "The recorder took joint_states in bursts, after waits of up to 3.860 ms, so its times tell more of the "
+        "recorder than of the loop."
+    )
+
+
 def test_real_time_is_tabled_and_drawn_by_the_times_of_receipt(make_run):
     blocks = TimingSection().blocks([analyse(paced(make_run(), **KEPT))])
     by_stamps, received, schedule = (block for block in blocks if isinstance(block, TextTable))
