@@ -9,15 +9,12 @@ import numpy as np
 
 from flexros.errors import FlexrosError, RunError
 from flexros.logs.joint_state_message import JointStateView
-from flexros.logs.stamps import NANOSECONDS
+from flexros_nodes.breakdown import BRAKED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
-
-BRAKED = "the plant has braked to zero torque, the log is readable up to there"
-"""What a broken-off run ends with, for the user to read."""
 
 
 class CommandReader:
@@ -60,18 +57,3 @@ class CommandReader:
             f"the command on joint_commands for sample {k} is refused: {problem}; needed is one finite effort for "
             f"each of {', '.join(self._names)}; {BRAKED}"
         )
-
-
-def silence_text(k: int, stamp: int, silence: float, resends: int) -> str:
-    """Say that the controller has fallen silent.
-
-    Args:
-        k: Sample whose command is missing.
-        stamp: Its stamp [ns].
-        silence: Time without a command [s].
-        resends: Times that the state was sent again.
-    """
-    return (
-        f"no command for sample {k} (stamp {stamp / NANOSECONDS:.4f} s) within {silence:.3g} s although the state was "
-        f"sent again {resends} times: the controller is gone or lacks its reference; {BRAKED}"
-    )

@@ -52,6 +52,7 @@ def run_composed(plan: RunPlan, interrupted: Interruption) -> RunSummary:
     try:
         for name in plan.nodes:
             nodes.append(NODE_CLASSES[name](context=context, values=plan.values(name)))
+            nodes[-1].tells_errors = False  # the summary does
             executor.add_node(nodes[-1])
         _work(plan, nodes, executor, interrupted)
         reports = {node.node_name: close(node) for node in reversed(nodes)}
@@ -85,6 +86,7 @@ def _work(plan: RunPlan, nodes: Sequence[FlexrosNode], executor: Executor, inter
         node.trigger_activate()
         if node.report is not None:
             return
-    spin(executor, stop, interrupted, plant.paced)
-    if plan.folder is None or nodes[0].report is None:
-        spin(executor, plant_over, interrupted, plant.paced)
+    spin(executor, stop, interrupted, plant)
+    if not interrupted() and (plan.folder is None or nodes[0].report is None):
+        plant.partner_ended()
+        spin(executor, plant_over, interrupted, plant)

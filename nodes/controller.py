@@ -13,7 +13,7 @@ from flexros_nodes.executable import run_node
 from flexros_nodes.lockstep import Arrival, ControllerLockStep
 from flexros_nodes.message_loss import MessageLoss
 from flexros_nodes.node_base import FlexrosNode
-from flexros_nodes.parameters import ParameterSpecification
+from flexros_nodes.parameters import gain_parameters
 from flexros_nodes.prepared_run import prepared_run
 from flexros_nodes.reference_buffer import ReferenceBuffer
 
@@ -31,6 +31,7 @@ class ControllerNode(FlexrosNode):
     """
 
     node_name = "controller"
+    _gain_names: tuple[str, ...] = ()
 
     def configure(self) -> None:
         """Prepare the control law, publishers and subscriptions; declare the gains."""
@@ -39,39 +40,38 @@ class ControllerNode(FlexrosNode):
         self._n_motors = len(self._names)
         self._controller = run.controller()
         self._declare_gains()
+        self._sample_time = run.sample_time
         self._view = JointStateView(self._names)
         self._command_message = JointStateTemplate(self._names, effort=True)
         self._reference_message = JointStateTemplate(self._names, position=True, velocity=True, effort=True)
-        self._buffer = ReferenceBuffer(self._n_motors, run.sample_time)
-        self._lockstep = ControllerLockStep(run.sample_time)
-        self._loss = MessageLoss(self.value("drop_fraction"), self.value("drop_seed"))
-        self._drops: Callable[[], bool] | None = self._loss.drops if self.value("drop_fraction") else None
-        self._pending: tuple[float, ...] | None = None
-        self._reply: tuple[bytes, bytes] | None = None
-        self._found = False
-        self._answered = self._waits = 0
+        self._begin()
         self._commands = self.announce("joint_commands")
         self._references = self.announce("joint_reference")
         self.listen("joint_states", self._on_state)
         self.listen("joint_reference_ahead", self._on_chunk)
         self.listen("joint_trajectory", self._on_trajectory)
 
+    def _begin(self) -> None:
+        """Stand before the first sample."""
+        self._controller.reset()
+        self._buffer = ReferenceBuffer(self._n_motors, self._sample_time)
+        self._lockstep = ControllerLockStep(self._sample_time)
+        self._loss = MessageLoss(self.value("drop_fraction"), self.value("drop_seed"))
+        self._drops: Callable[[], bool] | None = self._loss.drops if self.value("drop_fraction") else None
+        self._pending: tuple[float, ...] | None = None
+        self._reply: tuple[bytes, bytes] | None = None
+        self._found = False
+        self._answered = self._waits = 0
+
+    def start(self) -> None:
+        """Begin at the first sample, also when the node has worked before."""
+        self._begin()
+
     def _declare_gains(self) -> None:
         gains = self._controller.gains
+        self.undeclare(name for name in self._gain_names if self.has_parameter(name))  # the scenario may have changed
         self._gain_names = self._controller.law.gain_names(self._n_motors)
-        self.declare(
-            {
-                name: ParameterSpecification(
-                    type="double",
-                    default=float(gain),
-                    unit="",
-                    description=f"Gain {name} of the control law {self._controller.law.kind}, in SI units.",
-                    read_only=False,
-                )
-                for name, gain in zip(self._gain_names, gains, strict=True)
-                if math.isfinite(gain)
-            }
-        )
+        self.declare(gain_parameters(self._controller.law.kind, self._gain_names, gains))
         self.parameters_changed({name: self.value(name) for name in self._gain_names if self.has_parameter(name)})
 
     def parameters_changed(self, values: Mapping[str, Value]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,14 +17,15 @@ from flexros.errors import FlexrosError
 from flexros_nodes.interruption import interruption
 from flexros_nodes.precise_timing import own_threads, take_priority
 from flexros_nodes.report import ERROR_PREFIX, NodeReport
+from flexros_nodes.shared_memory import remove_segments_without_owner
 from flexros_nodes.spinning import make_executor, spin
 
 if TYPE_CHECKING:
     from flexros_nodes.interruption import Interruption
     from flexros_nodes.node_base import FlexrosNode
 
-PARENT_PERIOD = 0.25
-"""Period at which a node looks whether its parent still lives [s]."""
+LOOK_PERIOD = 0.02
+"""Period at which a node looks whether parent and partners still live [s], chosen."""
 
 
 def run_node(node_class: type[FlexrosNode], arguments: list[str] | None = None) -> int:
@@ -44,6 +46,8 @@ def run_node(node_class: type[FlexrosNode], arguments: list[str] | None = None) 
             report = NodeReport(node_class.node_name, error.exit_code, str(error))
         finally:
             rclpy.try_shutdown()
+            if interrupted.parent_died:
+                remove_segments_without_owner()  # nobody else will
     # ros2 launch sends the SIGINT of the terminal a second time, which must not spoil a clean end
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if report.exit_code:
@@ -59,20 +63,30 @@ def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport
         os.nice(niceness)
     if priority := node.value("priority"):
         take_priority(priority, own_threads())
-    if parent := node.value("parent_process"):
-        node.create_timer(PARENT_PERIOD, lambda: None if os.getppid() == parent else stop.set_result(None))
+    node.create_timer(LOOK_PERIOD, partial(_look_around, node, stop, interrupted), clock=node.steady_clock)
     executor = make_executor(None)
     executor.add_node(node)
     if node.value("autostart"):
         bring_up(node)
     if node.report is None:
-        spin(executor, stop, interrupted, node.paced)
+        spin(executor, stop, interrupted, node)
     report = close(node)
     if path := node.value("report_file"):
         report.write(Path(path))
     executor.shutdown()
     node.destroy_node()
     return report
+
+
+def _look_around(node: FlexrosNode, stop: Future, interrupted: Interruption) -> None:
+    """End with the parent, and pass on that a partner has ended."""
+    parent = node.value("parent_process")
+    if parent and os.getppid() != parent:
+        interrupted.parent_died = True
+        stop.set_result(None)
+    if interrupted.partner_ended:
+        interrupted.partner_ended = False
+        node.partner_ended()
 
 
 def bring_up(node: FlexrosNode) -> None:

@@ -40,20 +40,25 @@ class FeedforwardNode(FlexrosNode):
         self._n_samples = run.n_samples
         self._reference = run.reference
         self._stamps = stamps_ns(self._n_samples, self._sample_time)
-        chunk = max(round(self.value("chunk_duration") / self._sample_time), 1)
-        self._stream = ChunkStream(self._n_samples, chunk, round(self.value("lead") / self._sample_time))
         clock_period = 1.0 / (topic("clock").rate or 1.0)
         self._poses_ahead = max(round(CLOCK_PERIODS_AHEAD * clock_period / self._sample_time), 1)
         self._pose_message = PoseStampedTemplate(BASE_FRAME)
-        self._progress = self._seen = self._poses_sent = 0
-        self._stalls = 0
-        self._found = self._running = False
+        self._begin()
         self._chunks = self.announce("joint_reference_ahead")
         self._poses = self.announce("tool_reference")
         self.listen("clock", self._on_clock)
 
+    def _begin(self) -> None:
+        """Stand before the first chunk."""
+        chunk = max(round(self.value("chunk_duration") / self._sample_time), 1)
+        self._stream = ChunkStream(self._n_samples, chunk, round(self.value("lead") / self._sample_time))
+        self._progress = self._seen = self._poses_sent = 0
+        self._stalls = 0
+        self._found = self._running = False
+
     def start(self) -> None:
         """Look for the readers; the first chunks go out when they are there."""
+        self._begin()
         self.every(FIND_PERIOD, self._find_readers)
         self.every(self.value("resend_timeout"), self._watch)
 

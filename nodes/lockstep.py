@@ -16,6 +16,15 @@ if TYPE_CHECKING:
 HANDSHAKE_PERIOD = 0.1
 """Time after which state 0 is sent again while the partners find each other [s], chosen."""
 
+FASTEST_RESEND = 0.002
+"""Shortest time after which a state is sent again [s], chosen: ten times what a round trip takes."""
+
+ROUND_TRIPS = 5.0
+"""Round trips after which a state counts as lost, chosen."""
+
+FORGETTING = 0.98
+"""Share of a slow round trip that a tick remembers, chosen: half of it is forgotten after 34."""
+
 
 class Tick(Enum):
     """What the plant has to do when its watch timer fires."""
@@ -37,10 +46,12 @@ class PlantLockStep:
     """The plant's side: one state in flight, sent again after a time-out, given up after a longer one.
 
     The watch timer calls `tick` at a fixed period. A state counts as unanswered when it has been in flight for at least
-    one whole period, so that nothing in the hot path has to read a clock.
+    one whole period, so that nothing in the hot path has to read a clock. The time-out follows the round trips that
+    the ticks see, and doubles with every repeat.
 
     Args:
         tick_period: Period of the watch timer [s].
+        resend_timeout: Longest time after which a state is sent again [s].
         partner_timeout: Time without an answer after which the partner counts as gone [s].
         start_timeout: The same for the first state, while nodes still start [s].
 
@@ -51,16 +62,21 @@ class PlantLockStep:
         stale: Commands that came for another stamp than the one in flight: repeats, or too late in real time.
     """
 
-    def __init__(self, tick_period: float, partner_timeout: float, start_timeout: float) -> None:
+    def __init__(self, tick_period: float, resend_timeout: float, partner_timeout: float, start_timeout: float) -> None:
         self.awaited = -1
         self.resends = 0
         self.handshakes = 0
         self.stale = 0
         self._tick_period = tick_period
+        self._resend_timeout = resend_timeout
         self._partner_timeout = partner_timeout
         self._start_timeout = start_timeout
+        self._round_trip = resend_timeout / ROUND_TRIPS
         self._started = False
         self._seen = -1
+        self._n_sent = 0
+        self._repeats = 0
+        self._doubtful = 0.0
         self._silence = 0.0
         self._since_sent = 0.0
 
@@ -73,36 +89,60 @@ class PlantLockStep:
         """Note that the state with this stamp [ns] is in flight."""
         self._started = self._started or self.awaited >= 0
         self.awaited = stamp
+        self._n_sent += 1
 
     def answers(self, stamp: int) -> bool:
         """Tell whether a command's stamp [ns] answers the state in flight; counts it as stale if not."""
         if stamp == self.awaited:
             return True
         self.stale += 1
+        # a second answer: the state was not lost, its round trip was merely longer
+        slow = self._silence + self._tick_period if self._repeats else self._doubtful
+        self._round_trip = max(self._round_trip, slow)
+        self._doubtful = 0.0
         return False
 
     def hold(self) -> None:
         """Start the silence anew: the plant itself keeps the loop waiting."""
         self._seen = -1
+        self._n_sent = 0  # what the plant waited is no round trip
 
     def tick(self) -> Tick:
         """Decide what to do, once per period of the watch timer."""
         if self._seen != self.awaited:
+            self._learn()
             self._seen = self.awaited
+            self._n_sent = self._repeats = 0
             self._silence = self._since_sent = 0.0
             return Tick.WAIT
         self._silence += self._tick_period
         self._since_sent += self._tick_period
         if self._silence >= (self._partner_timeout if self._started else self._start_timeout):
             return Tick.GIVE_UP
-        if not self._started and self._since_sent < HANDSHAKE_PERIOD * (1.0 - 1e-9):
+        if self._since_sent < self._patience() * (1.0 - 1e-9):
             return Tick.WAIT
         self._since_sent = 0.0
+        self._repeats += 1
         if self._started:
             self.resends += 1
         else:
             self.handshakes += 1
         return Tick.RESEND
+
+    def _patience(self) -> float:
+        """Give the time after which the state in flight is sent again [s]."""
+        if not self._started:
+            return HANDSHAKE_PERIOD
+        longer = max(ROUND_TRIPS * self._round_trip, FASTEST_RESEND) * 2.0 ** min(self._repeats, 20)
+        return min(longer, self._resend_timeout)
+
+    def _learn(self) -> None:
+        """Take the mean round trip since the tick before; a state that was sent twice tells none as yet."""
+        time = self._silence + self._tick_period
+        if self._repeats:
+            self._doubtful = time
+        elif self._n_sent and self._started:
+            self._round_trip = max(time / self._n_sent, FORGETTING * self._round_trip)
 
 
 class ControllerLockStep:
@@ -161,6 +201,7 @@ class RecorderWindow:
         self.waits = 0
         self._window_ns = window_ns
         self._limit: float = float("inf")
+        self._followed: tuple[str, ...] = ()
 
     def start(self, stamp: int) -> None:
         """Begin at the stamp of the first sample [ns]."""
@@ -175,15 +216,20 @@ class RecorderWindow:
         """
         if topic:
             self.by_topic[topic] = max(stamp, self.by_topic.get(topic, 0))
-        elif stamp > self.confirmed:
+            stamp = min((self.by_topic.get(each, 0) for each in self._followed), default=0)
+        if stamp > self.confirmed:
             self.confirmed = stamp
             if self._window_ns:
                 self._limit = stamp + self._window_ns
 
-    def open(self) -> None:
-        """Switch the flow control off from now on."""
-        self._window_ns = 0
-        self._limit = float("inf")
+    def follow(self, topics: Iterable[str]) -> None:
+        """Let these topics alone move the window from now on: the partner that sends the others is gone.
+
+        Args:
+            topics: Their names.
+        """
+        self._followed = tuple(topics)
+        self.confirm("", min(self.by_topic.get(each, 0) for each in self._followed))
 
     def admits(self, stamp: int) -> bool:
         """Tell whether the sample with this stamp [ns] may be published now."""

@@ -6,24 +6,22 @@ import traceback
 from abc import abstractmethod
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidHandle
-from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
-from rclpy.parameter import Parameter
+from rclpy.lifecycle import TransitionCallbackReturn
 
-from flexros.errors import INTERNAL_ERROR, FlexrosError, InputError
+from flexros.errors import INTERNAL_ERROR, FlexrosError
 from flexros.logs.stamps import NANOSECONDS, START_NS
-from flexros_nodes.parameter_descriptor import parameter_descriptor
-from flexros_nodes.parameters import ParameterSpecification, check_value, node_parameters
+from flexros_nodes.parameter_node import AbstractParameterNode
+from flexros_nodes.parameters import node_parameters
 from flexros_nodes.report import NodeReport
 from flexros_nodes.topic_interface import message_class, qos_profile, topic
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Mapping
 
     from rclpy.context import Context
     from rclpy.lifecycle import LifecycleState
@@ -40,7 +38,7 @@ class NodeFaultError(FlexrosError):
     exit_code = INTERNAL_ERROR
 
 
-class FlexrosNode(LifecycleNode):
+class FlexrosNode(AbstractParameterNode):
     """Base of all nodes: a lifecycle node that reads its parameters from data and ends with a report.
 
     How to add a node: write one file in `nodes` with one subclass and `main`, and `msgs_config/<node>.yaml`.
@@ -48,8 +46,9 @@ class FlexrosNode(LifecycleNode):
 
     1. `node_name`, a class variable: name of the node and of its parameter file.
     2. `configure`: make the core, publishers and subscriptions; raise InputError or RunError if that cannot be.
-    3. `start` and `stop`: begin and end to work; timers belong here.
-    4. `figures`: what diagnostics and report show.
+    3. `start` and `stop`: begin and end to work; timers belong here. Activated again, a node begins anew.
+    4. `release`: give back what `configure` opened, beside publishers and subscriptions.
+    5. `figures`: what diagnostics and report show.
 
     Every callback given to `listen` or `every` may raise a FlexrosError: the node then ends with its exit code.
 
@@ -61,20 +60,18 @@ class FlexrosNode(LifecycleNode):
     node_name: str
 
     def __init__(self, *, context: Context | None = None, values: Mapping[str, Value] | None = None) -> None:
-        overrides = [Parameter(name, value=value) for name, value in (values or {}).items()]
-        super().__init__(self.node_name, context=context, parameter_overrides=overrides)
+        super().__init__(self.node_name, context, values or {})
         self.report: NodeReport | None = None
         self.on_end: Callable[[FlexrosNode], None] | None = None
+        self.tells_errors = True  # False where whoever holds the node says why it ended
         self.active = False
-        self.configured = False
         self._end_announced = False
         self.stamp = START_NS
-        self._specifications: dict[str, ParameterSpecification] = {}
         self._timers_while_active: list[Timer] = []
         self._made: list[Callable[[], object]] = []
-        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._holds = False
+        self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.declare(node_parameters(self.node_name))
-        self.add_on_set_parameters_callback(self._check_parameters)
         self._diagnostics = self.announce("diagnostics")
         self._made.clear()  # the publisher of diagnostics stays for the node's whole life
 
@@ -95,47 +92,23 @@ class FlexrosNode(LifecycleNode):
     def stop(self) -> None:
         """End to work; called once for every `start`, also after a failure."""
 
+    def release(self) -> None:
+        """Give back what `configure` opened; called once for every `configure`, also for one that failed."""
+
+    def refusal(self) -> str:
+        """Say why the node cannot be activated now; nothing if it can."""
+        return ""
+
+    def partner_ended(self) -> None:
+        """Hear that another node of the run has ended before its time."""
+
     def figures(self) -> dict[str, float]:
         """Give counts and statistics by name."""
         return {}
 
-    # Parameters.
-
-    def declare(self, specifications: Mapping[str, ParameterSpecification]) -> None:
-        """Declare and check parameters.
-
-        Args:
-            specifications: Specifications by parameter name; names declared before are left alone.
-
-        Raises:
-            InputError: A value that was given is not allowed.
-        """
-        self._specifications |= specifications
-        for name, specification in specifications.items():
-            if self.has_parameter(name):
-                continue
-            untyped = ParameterDescriptor(dynamic_typing=True)
-            given = self.declare_parameter(name, specification.default, untyped).value
-            value = check_value(self.node_name, name, given, self._specifications)
-            if type(value) is not type(given):
-                self.set_parameters([Parameter(name, value=value)])
-            self.set_descriptor(name, parameter_descriptor(name, specification))
-
-    def value(self, name: str) -> Any:
-        """Give the value of a parameter, in the unit of its file."""
-        return self.get_parameter(name).value
-
-    def parameters_changed(self, values: Mapping[str, Value]) -> None:
-        """Take over parameters that were changed while running; they are checked already."""
-
-    def _check_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:
-        known = [p for p in parameters if p.name in self._specifications]
-        try:
-            values = {p.name: check_value(self.node_name, p.name, p.value, self._specifications) for p in known}
-            self.parameters_changed(values)
-        except InputError as error:
-            return SetParametersResult(successful=False, reason=str(error))
-        return SetParametersResult(successful=True)
+    def recent_figures(self) -> dict[str, float]:
+        """Give the figures for the diagnostics, which may tell of the time since the last ones."""
+        return self.figures()
 
     # Topics and timers.
 
@@ -178,7 +151,7 @@ class FlexrosNode(LifecycleNode):
                 except FlexrosError as error:
                     self.end(error)
 
-        self._timers_while_active.append(self.create_timer(period, fire, clock=self._steady))
+        self._timers_while_active.append(self.create_timer(period, fire, clock=self.steady_clock))
 
     # Diagnostics and end.
 
@@ -189,7 +162,8 @@ class FlexrosNode(LifecycleNode):
             level: DiagnosticStatus.OK, WARN or ERROR.
             message: State of the node in words.
         """
-        values = [KeyValue(key=key, value=f"{value:.9g}") for key, value in self._known_figures().items()]
+        figures = self.recent_figures() if self.configured else {}
+        values = [KeyValue(key=key, value=f"{value:.9g}") for key, value in figures.items()]
         status = DiagnosticStatus(
             level=level, name=self.get_fully_qualified_name(), message=message, hardware_id="flexros", values=values
         )
@@ -217,15 +191,18 @@ class FlexrosNode(LifecycleNode):
         """
         if self.report is not None:
             return
-        try:
-            self._halt()
-        except FlexrosError as late:
-            error = error or late
+        for close in (self._halt, self._give_back):
+            try:
+                close()
+            except FlexrosError as late:
+                error = error or late
+        figures = self.figures() if self.configured else {}
         if error is None:
-            self.report = NodeReport(self.node_name, figures=self._known_figures())
+            self.report = NodeReport(self.node_name, figures=figures)
         else:
-            self.report = NodeReport(self.node_name, error.exit_code, str(error), self._known_figures())
-            self.get_logger().error(str(error))
+            self.report = NodeReport(self.node_name, error.exit_code, str(error), figures)
+            if self.tells_errors:
+                self.get_logger().error(str(error))
         self.announce_end(error)
         if self.on_end is not None:
             self.on_end(self)
@@ -238,6 +215,11 @@ class FlexrosNode(LifecycleNode):
                 self.destroy_timer(timer)
             self._timers_while_active.clear()
             self.stop()
+
+    def _give_back(self) -> None:
+        if self._holds:
+            self._holds = False
+            self.release()
 
     # Lifecycle.
 
@@ -257,14 +239,20 @@ class FlexrosNode(LifecycleNode):
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Make what the node needs."""
-        self.report = None
-        self._end_announced = False
+        self._begin_anew()
+        self._holds = True
         result = self._transition(self.configure)
         self.configured = result is TransitionCallbackReturn.SUCCESS
+        if not self.configured:
+            self._release()
         return result
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Begin to work."""
+        if refusal := self.refusal():
+            self.get_logger().error(refusal)
+            return TransitionCallbackReturn.FAILURE
+        self._begin_anew()
         self.active = True
         return self._transition(self.start)
 
@@ -280,11 +268,13 @@ class FlexrosNode(LifecycleNode):
         """End to work and leave a report."""
         return self._transition(partial(self.end, None))
 
-    def _known_figures(self) -> dict[str, float]:
-        return self.figures() if self.configured else {}
+    def _begin_anew(self) -> None:
+        self.report = None
+        self._end_announced = False
 
     def _release(self) -> None:
         self.configured = False
         for destroy in self._made:
             destroy()
         self._made.clear()
+        self._give_back()

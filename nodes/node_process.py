@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import flexros_nodes
 from flexros.errors import InputError, RunError
+from flexros_nodes.interruption import PARTNER_ENDED
 from flexros_nodes.report import ERROR_PREFIX, NodeReport, read_report
 
 if TYPE_CHECKING:
@@ -100,6 +101,11 @@ class NodeProcess:
         if not self.ended:
             self._asked_to_stop = True
             self._process.send_signal(signal.SIGINT)
+
+    def tell_partner_ended(self) -> None:
+        """Tell a node at work that another one of the run has ended."""
+        if not self.ended:
+            self._process.send_signal(PARTNER_ENDED)
 
     def stop(self, timeout: float) -> None:
         """End the process: ask, and after a time-out [s] make it."""

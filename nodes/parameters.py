@@ -13,8 +13,10 @@ from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
+
+    from flexros.arrays import FloatArray
 
 Value: TypeAlias = bool | int | float | str
 
@@ -96,6 +98,30 @@ def node_parameters(node: str) -> dict[str, ParameterSpecification]:
     """
     folder = data_folder("msgs_config")
     return {**read_parameters(folder / "all_nodes.yaml"), **read_parameters(folder / f"{node}.yaml")}
+
+
+def gain_parameters(law: str, names: Sequence[str], gains: FloatArray) -> dict[str, ParameterSpecification]:
+    """Give the parameters that stand for the gains of a control law; limits that are not set are none.
+
+    Args:
+        law: Kind of the control law.
+        names: Names of the gains.
+        gains: Their values in the scenario, in SI units, shape (n_gains,).
+
+    Returns:
+        Specifications by parameter name; they may change while the node runs.
+    """
+    return {
+        name: ParameterSpecification(
+            type="double",
+            default=float(gain),
+            unit="",
+            description=f"Gain {name} of the control law {law}, in SI units.",
+            read_only=False,
+        )
+        for name, gain in zip(names, gains.tolist(), strict=True)
+        if math.isfinite(gain)
+    }
 
 
 def check_value(node: str, name: str, value: object, specifications: Mapping[str, ParameterSpecification]) -> Value:

@@ -16,7 +16,9 @@ from rclpy.node import Node
 
 from flexros.errors import RunError
 from flexros_nodes.domain import DOMAIN_VARIABLE
+from flexros_nodes.ending import GOODBYE_TIMEOUT
 from flexros_nodes.node_process import NodeProcess
+from flexros_nodes.parameters import node_parameters
 from flexros_nodes.precise_timing import PRIORITY
 from flexros_nodes.run_plan import RunSummary, summarise
 from flexros_nodes.shared_memory import remove_segments_without_owner
@@ -38,8 +40,11 @@ CONFIGURE_TIMEOUT = 60.0
 START_TIMEOUT = 20.0
 """Time after which a process that offers no services is started once more [s], chosen: discovery takes about one."""
 
-GOODBYE_TIMEOUT = 5.0
-"""Longest time for the plant to brake after its partner died, and for a node to shut down [s], chosen."""
+SHUTDOWN_TIMEOUT = 5.0
+"""Longest time for a node to shut down [s], chosen."""
+
+BRAKING_MARGIN = 2.0
+"""Times the duration of braking and one second: longest that the plant may take to brake, chosen."""
 
 ANSWER_TIMEOUT = 2.0
 """Time after which a lifecycle service is asked again [s], chosen."""
@@ -99,12 +104,14 @@ class ProcessManager:
         plant = self.processes["plant"]
         recorder = self.processes.get("recorder")
         if not self._interrupted() and (recorder is None or not recorder.ended):
-            # a plant whose partner died notices by itself, brakes and says so
+            plant.tell_partner_ended()
             self._wait(lambda: plant.ended, self._plant_patience())
 
     def _plant_patience(self) -> float:
-        values = self._plan.parameters.get("plant", {})
-        return 2.0 * float(values.get("partner_timeout", GOODBYE_TIMEOUT)) + GOODBYE_TIMEOUT
+        """Give the longest time that the plant may take to brake and to wait for the recorder [s]."""
+        default = node_parameters("plant")["brake_duration"].default
+        braking = float(self._plan.parameters.get("plant", {}).get("brake_duration", default))
+        return BRAKING_MARGIN * (braking + 1.0) + GOODBYE_TIMEOUT
 
     def _await_services(self, name: str) -> None:
         """Wait until a node offers its services; one that does not is started once more."""
@@ -175,7 +182,7 @@ class ProcessManager:
         for name in reversed(self._plan.nodes[1:]):
             self.processes[name].ask_to_stop()
         for name in reversed(self._plan.nodes):
-            self.processes[name].stop(GOODBYE_TIMEOUT)
+            self.processes[name].stop(SHUTDOWN_TIMEOUT)
         self._executor.shutdown()
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)

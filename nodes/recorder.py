@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING
 
 from std_msgs.msg import Header
@@ -15,7 +16,7 @@ from flexros.logs.writer import LogWriter
 from flexros_nodes.executable import run_node
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.prepared_run import prepared_run
-from flexros_nodes.recording import EventRecording, TopicRecording
+from flexros_nodes.recording import ArrivalTime, EventRecording, TopicRecording
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -35,18 +36,21 @@ LOOP_PRODUCERS = ("plant", "controller")
 
 
 class RecorderNode(FlexrosNode):
-    """Log of a run: raw messages into a rosbag2 folder, log time = stamp.
+    """Log of a run: raw messages into a rosbag2 folder, log time = stamp, or time of arrival in real time.
 
     It confirms on recorder_progress up to where each topic is recorded, so that a run in lock-step never outruns it.
     """
 
     node_name = "recorder"
+    _writer: LogWriter | None = None
 
     def configure(self) -> None:
         """Open the log and subscribe to what is recorded."""
         run = prepared_run(self.value("scenario"))
         self._sample_time = run.sample_time
-        self._provenance: Mapping[str, Any] = run.provenance()
+        real_time = bool(self.value("real_time"))
+        self._provenance: Mapping[str, Any] = {**run.provenance(), "transport": "ros", "real_time": real_time}
+        self._arrival = ArrivalTime(perf_counter) if real_time else None
         self._topics = {name: row for name, row in load_topics().items() if row.recorded}
         self._all_confirmed = -1
         self._confirmed: dict[str, int] = {}
@@ -55,10 +59,11 @@ class RecorderNode(FlexrosNode):
         self._samples: dict[str, TopicRecording] = {}
         self._in_loop: list[TopicRecording] = []
         self._events: dict[str, EventRecording] = {}
-        self._writer = self._open(list(self._topics.values()))
+        self._writer = writer = self._open(list(self._topics.values()))
+        self._closed = False
         self._progress = self.announce("recorder_progress")
         for number, (name, row) in enumerate(self._topics.items(), 1):
-            self._record(name, row, number)
+            self._record(writer, name, row, number)
 
     def _open(self, topics: list[Topic]) -> LogWriter:
         try:
@@ -68,30 +73,34 @@ class RecorderNode(FlexrosNode):
                 raise RunError(str(error)) from error  # the disk refuses: nothing in the input is wrong
             raise
 
-    def _record(self, name: str, row: Topic, number: int) -> None:
+    def _record(self, writer: LogWriter, name: str, row: Topic, number: int) -> None:
         if row.type in EVENT_TYPES:
-            self._events[name] = EventRecording(self._writer, number)
+            self._events[name] = EventRecording(writer, number, self._arrival)
             self.listen(name, self._events[name].take, recorder=True)
             return
-        recording = self._samples[name] = TopicRecording(self._writer, number)
+        recording = self._samples[name] = TopicRecording(writer, number, self._arrival)
         if row.producer in LOOP_PRODUCERS:
             self._in_loop.append(recording)
         take = partial(self._take_and_confirm, recording) if name == "joint_states" else recording.take
         self.listen(name, take, recorder=True)
 
     def _take_and_confirm(self, recording: TopicRecording, message: bytes) -> None:
+        if self._arrival is not None:
+            self._arrival.begin()
         recording.take(message)
         self._since_confirmed += 1
-        if self._since_confirmed >= self._confirm_every:
-            self._confirm()
+        if self._since_confirmed >= self._confirm_every and not self._confirm():
+            self._confirm_each()  # the loop is broken: the plant brakes, and waits for its own topics alone
 
-    def _confirm(self) -> None:
-        """Say up to where all topics of the loop that have begun are recorded."""
+    def _confirm(self) -> bool:
+        """Say up to where all topics of the loop that have begun are recorded; tells whether that is news."""
         self._since_confirmed = 0
         until = min((recording.last for recording in self._in_loop if recording.count), default=-1)
-        if until > self._all_confirmed:
-            self.stamp = self._all_confirmed = until
-            self._say("", until)
+        if until <= self._all_confirmed:
+            return False
+        self.stamp = self._all_confirmed = until
+        self._say("", until)
+        return True
 
     def _confirm_each(self) -> None:
         """Say of each topic that went on up to where it is recorded."""
@@ -110,9 +119,23 @@ class RecorderNode(FlexrosNode):
         """Confirm now and then, also when the loop stands still."""
         self.every(CONFIRM_PERIOD, self._confirm_each)
 
+    def refusal(self) -> str:
+        """Refuse to go on with a log that is closed."""
+        if not self._closed:
+            return ""
+        folder = self.value("folder")
+        return f"the log {folder} is closed and cannot go on; clean the node up, and configure it with another folder"
+
     def stop(self) -> None:
         """Close the log."""
-        self._writer.close({**self._provenance, "recorded": self.figures()})
+        if self._writer is not None and not self._closed:
+            self._closed = True
+            self._writer.close({**self._provenance, "recorded": self.figures()})
+
+    def release(self) -> None:
+        """Close the log of a run that never began."""
+        self.stop()
+        self._writer = None
 
     def figures(self) -> dict[str, float]:
         """Give for each topic how many messages were written, left out as repeats, and missing."""

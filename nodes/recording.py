@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from flexros.logs.stamps import stamp_of
+from flexros.logs.stamps import NANOSECONDS, START_NS, stamp_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 
 class MessageSink(Protocol):
@@ -14,12 +17,34 @@ class MessageSink(Protocol):
         """Take one message."""
 
 
+class ArrivalTime:
+    """Log time of a run in real time: the simulated time of the first sample plus the wall clock since then.
+
+    Args:
+        clock: Gives the time of a monotonic clock [s].
+    """
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._first: float | None = None
+
+    def begin(self) -> None:
+        """Note that a sample has come; the first one sets the origin."""
+        if self._first is None:
+            self._first = self._clock()
+
+    def __call__(self) -> int:
+        """Give the log time of a message that comes now [ns]."""
+        return START_NS if self._first is None else START_NS + round((self._clock() - self._first) * NANOSECONDS)
+
+
 class TopicRecording:
     """Messages of one topic that carries one message for each sampling instant.
 
     Args:
         sink: Where the messages go.
         topic_id: Number of the topic there.
+        arrival: Gives the log time [ns]; the stamp if None.
 
     Attributes:
         first: Stamp of the first message [ns], -1 before.
@@ -28,13 +53,14 @@ class TopicRecording:
         repeated: Messages whose stamp was there already, left out.
     """
 
-    def __init__(self, sink: MessageSink, topic_id: int) -> None:
+    def __init__(self, sink: MessageSink, topic_id: int, arrival: Callable[[], int] | None = None) -> None:
         self.first = -1
         self.last = -1
         self.count = 0
         self.repeated = 0
         self._write = sink.write
         self._topic_id = topic_id
+        self._arrival = arrival
 
     def take(self, message: bytes) -> None:
         """Write a message unless its stamp is not newer than the last one.
@@ -50,7 +76,7 @@ class TopicRecording:
             self.first = stamp
         self.last = stamp
         self.count += 1
-        self._write(self._topic_id, stamp, stamp, message)
+        self._write(self._topic_id, stamp if self._arrival is None else self._arrival(), stamp, message)
 
     def missing(self, sample_time: float) -> int:
         """Count sampling instants between the first and the last message that have none.
@@ -69,18 +95,20 @@ class EventRecording:
     Args:
         sink: Where the messages go.
         topic_id: Number of the topic there.
+        arrival: Gives the log time [ns]; the stamp if None.
 
     Attributes:
         count: Messages written.
     """
 
-    def __init__(self, sink: MessageSink, topic_id: int) -> None:
+    def __init__(self, sink: MessageSink, topic_id: int, arrival: Callable[[], int] | None = None) -> None:
         self.count = 0
         self._sink = sink
         self._topic_id = topic_id
+        self._arrival = arrival
 
     def take(self, message: bytes) -> None:
         """Write a message that begins with a std_msgs/Header."""
         stamp = stamp_of(message)
         self.count += 1
-        self._sink.write(self._topic_id, stamp, stamp, message)
+        self._sink.write(self._topic_id, stamp if self._arrival is None else self._arrival(), stamp, message)

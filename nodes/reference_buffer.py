@@ -71,8 +71,8 @@ class ReferenceBuffer:
                 self._order.append(stamp)
         if len(self._rows) > MOST_ROWS:
             raise RunError(
-                f"joint_reference_ahead is {len(self._rows)} samples ahead of the loop, allowed are {MOST_ROWS}; stream "
-                "it later, or send a trajectory of few points to joint_trajectory"
+                f"joint_reference_ahead is {len(self._rows)} samples ahead of the loop, allowed are {MOST_ROWS}; "
+                "stream it later, or send a trajectory of few points to joint_trajectory"
             )
 
     def replace(self, trajectory: JointTrajectoryChunk) -> None:
@@ -92,7 +92,7 @@ class ReferenceBuffer:
             raise RunError("a trajectory on joint_trajectory has no points, or times that do not increase; correct it")
         if len(times) > MOST_ROWS:
             raise RunError(
-                f"a trajectory on joint_trajectory has {len(times)} points, allowed are {MOST_ROWS}; send fewer points, "
+                f"a trajectory on joint_trajectory has {len(times)} points, allowed are {MOST_ROWS}; send fewer, "
                 "what lies between them is interpolated"
             )
         rows = self._filled(trajectory)

@@ -5,15 +5,17 @@ from __future__ import annotations
 import json
 import os
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexros.config.scenario import Scenario, load_scenario
 from flexros.errors import InputError, unknown_name
+from flexros.robot import load_robot
 from flexros_nodes.composed import run_composed
-from flexros_nodes.domain import environment, run_environment
+from flexros_nodes.domain import DOMAIN_VARIABLE, environment, run_environment
 from flexros_nodes.interruption import interruption
-from flexros_nodes.parameters import check_value, node_parameters
+from flexros_nodes.parameters import check_value, gain_parameters, node_parameters
 from flexros_nodes.processes import run_processes
 from flexros_nodes.run_plan import NODES, RunPlan, RunSummary
 
@@ -23,6 +25,16 @@ if TYPE_CHECKING:
     from flexros_nodes.parameters import Value
 
 LAYOUTS = {"composed": run_composed, "processes": run_processes}
+
+SET_BY_THE_RUN = {
+    "scenario": " from its scenario",
+    "folder": " from its log folder (--out)",
+    "autostart": "",
+    "observers": "",
+    "parent_process": "",
+    "report_file": "",
+}
+"""Parameters that follow from the run, and from what."""
 
 
 def run_scenario(
@@ -53,7 +65,8 @@ def run_scenario(
     """
     if layout not in LAYOUTS:
         raise unknown_name("layout", layout, LAYOUTS)
-    given = {node: _checked(node, values) for node, values in (parameters or {}).items()}
+    loaded = scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
+    given = {node: _checked(node, values, loaded) for node, values in (parameters or {}).items()}
     if real_time:
         given.setdefault("plant", {})["real_time"] = True
     folder = None if out is None else Path(out).absolute()
@@ -63,24 +76,33 @@ def run_scenario(
         environment(run_environment(os.environ, os.getpid())),
     ):
         plan = RunPlan(_scenario_file(scenario, Path(scratch)), folder, given)
-        summary = LAYOUTS[layout](plan, interrupted)
+        summary = replace(LAYOUTS[layout](plan, interrupted), domain_id=int(os.environ[DOMAIN_VARIABLE]))
     if summary.exit_code == InputError.exit_code:
         raise InputError(summary.message)
     return summary
 
 
-def _checked(node: str, values: Mapping[str, Value]) -> dict[str, Value]:
+def _checked(node: str, values: Mapping[str, Value], scenario: Scenario) -> dict[str, Value]:
     """Check the parameters given for a node before anything starts."""
     if node not in NODES:
         raise unknown_name("node", node, NODES)
     specifications = node_parameters(node)
+    if node == "controller":
+        robot = load_robot(scenario.robot)
+        law, n_motors = scenario.controller, robot.n_motors
+        gains = law.gains(n_motors, robot.torque_limits)
+        specifications |= gain_parameters(law.kind, law.gain_names(n_motors), gains)
+    for name in values:
+        if name in SET_BY_THE_RUN:
+            raise InputError(
+                f"parameter {name} of node {node} is given, but the run sets it{SET_BY_THE_RUN[name]}; leave it out"
+            )
     return {name: check_value(node, name, value, specifications) for name, value in values.items()}
 
 
 def _scenario_file(scenario: Scenario | str | Path, scratch: Path) -> str:
     """Give a name or file that every node can read; JSON is YAML."""
     if not isinstance(scenario, Scenario):
-        load_scenario(scenario)
         return str(scenario)
     path = scratch / f"{scenario.name or 'scenario'}.yaml"
     path.write_text(json.dumps(scenario.settings()), encoding="utf-8")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
 
-from flexros.errors import INTERRUPTED
+from flexros.errors import INTERNAL_ERROR, INTERRUPTED, RunError
 from flexros_nodes.pacing import PeriodStatistics
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class RunPlan:
         values: dict[str, Value] = {"scenario": self.scenario, "autostart": False}
         values["observers"] = 0 if self.folder is None else 1
         if node == "recorder":
-            values["folder"] = str(self.folder)
+            values |= {"folder": str(self.folder), "real_time": self.real_time}
         return {**values, **self.parameters.get(node, {})}
 
     @property
@@ -63,7 +63,7 @@ class RunSummary:
     Attributes:
         exit_code: 0 done, 3 broken off, 130 interrupted.
         message: What happened, as one sentence; empty when done.
-        log_folder: Folder of the log, None if nothing was recorded.
+        log_folder: Folder of the log, None if there is no log.
         layout: "composed" or "processes".
         samples: Samples of the loop.
         simulated_time: Time that the run covers [s].
@@ -74,6 +74,7 @@ class RunSummary:
         missing: Samples that are missing in the log, over all topics.
         timing: Period and lateness of a real-time run by name, else empty.
         reports: Report of each node that left one.
+        domain_id: ROS domain of the run, by which other nodes can join; -1 if not known.
     """
 
     exit_code: int
@@ -89,6 +90,7 @@ class RunSummary:
     missing: int
     timing: Mapping[str, float] = field(default_factory=dict)
     reports: Mapping[str, NodeReport] = field(default_factory=dict)
+    domain_id: int = -1
 
 
 _TIMING = (*(field.name for field in fields(PeriodStatistics)), "missed_commands", "real_time_priority")
@@ -120,15 +122,19 @@ def summarise(
     failed.sort(key=lambda report: report.node == "plant")
     message = "; ".join((*deaths, *(report.message for report in failed)))
     if interrupted and not exit_code:
-        exit_code, message = INTERRUPTED, "interrupted; the log is readable up to there"
+        exit_code, message = INTERRUPTED, "interrupted"
     plant = reports["plant"].figures if "plant" in reports else {}
     recorder = reports["recorder"].figures if "recorder" in reports else {}
+    recorded = int(recorder.get("joint_states.messages", 0))
+    log = folder if folder is not None and folder.is_dir() else None
+    if exit_code in (RunError.exit_code, INTERNAL_ERROR, INTERRUPTED):
+        message += _state_of_log(log, reports.get("recorder"), recorded, wanted=folder is not None)
     return RunSummary(
         exit_code=exit_code,
         message=message,
-        log_folder=folder,
+        log_folder=log,
         layout=layout,
-        samples=int(plant.get("samples", 0)),
+        samples=int(plant.get("samples", recorded)),
         simulated_time=plant.get("simulated_time_s", 0.0),
         wall_time=plant.get("wall_time_s", 0.0),
         samples_per_second=plant.get("samples_per_s", 0.0),
@@ -138,3 +144,16 @@ def summarise(
         timing={name: plant[name] for name in _TIMING if name in plant},
         reports=reports,
     )
+
+
+def _state_of_log(log: Path | None, recorder: NodeReport | None, recorded: int, *, wanted: bool) -> str:
+    """Say what a run that broke off has left on the disk; nothing where the recorder itself failed and says so."""
+    if not wanted:
+        return "; nothing was to be recorded"
+    if recorder is not None and recorder.exit_code:
+        return ""
+    if log is None:
+        return "; there is no log"
+    if recorder is None:  # killed: what it has written is readable, how much there is nobody knows
+        return f"; analyse {log} to see how far the log reaches"
+    return "; the log is readable up to there" if recorded else "; the log holds no samples"

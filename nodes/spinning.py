@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -15,15 +16,21 @@ except ImportError:  # rclpy before 7.1.4
     EventsExecutor = None  # type: ignore[assignment]
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from rclpy.context import Context
     from rclpy.executors import Executor
     from rclpy.task import Future
 
     from flexros_nodes.interruption import Interruption
+    from flexros_nodes.node_base import FlexrosNode
     from flexros_nodes.pacing import Paced, Schedule
 
 SLICE = 0.2
-"""Longest wait of an executor [s]: signals are seen after it, and unbounded waits of EventsExecutor can hang."""
+"""Longest wait of an executor [s]: unbounded waits of EventsExecutor can hang."""
+
+WATCH_PERIOD = 0.05
+"""Period at which the executor looks whether a signal has come [s], chosen."""
 
 BUSY = 40e-6
 """Time before a cycle is due from which the paced loop watches the clock instead of sleeping [s], chosen."""
@@ -40,28 +47,44 @@ def make_executor(context: Context | None) -> Executor:
     return EventsExecutor(context=context)
 
 
-def spin(executor: Executor, stop: Future, interrupted: Interruption, paced: Paced | None = None) -> None:
+def spin(executor: Executor, stop: Future, interrupted: Interruption, node: FlexrosNode) -> None:
     """Spin until a future is done.
 
     Args:
         executor: Holds the nodes.
         stop: Ends the spinning when it gets a result.
         interrupted: Ends the spinning too.
-        paced: Node to call at the times of its schedule, where the run is in real time.
+        node: One of the nodes; it is called at the times of its schedule where the run is in real time.
     """
-    interrupted.ends(stop)
-    if paced is None:
-        while not (stop.done() or interrupted()):
-            executor.spin_until_future_complete(stop, timeout_sec=SLICE)
-        return
-    with precise_timing() as paced.prioritised:
-        while not (stop.done() or interrupted()):
-            schedule = paced.schedule
-            remaining = SLICE if schedule is None else schedule.due - BUSY - perf_counter()
-            if schedule is None or remaining > 0.0:
-                executor.spin_once(timeout_sec=min(remaining, SLICE))
-            else:
-                _start_cycle(executor, paced, schedule)
+    with _watching(interrupted, stop, node):
+        if (paced := node.paced) is None:
+            while not (stop.done() or interrupted()):
+                executor.spin_until_future_complete(stop, timeout_sec=SLICE)
+            return
+        with precise_timing() as paced.prioritised:
+            while not (stop.done() or interrupted()):
+                schedule = paced.schedule
+                remaining = SLICE if schedule is None else schedule.due - BUSY - perf_counter()
+                if schedule is None or remaining > 0.0:
+                    executor.spin_once(timeout_sec=min(remaining, SLICE))
+                else:
+                    _start_cycle(executor, paced, schedule)
+
+
+@contextmanager
+def _watching(interrupted: Interruption, stop: Future, node: FlexrosNode) -> Iterator[None]:
+    """Let the executor itself look for signals: one that is never idle returns for nothing else."""
+
+    def look() -> None:
+        if interrupted():
+            stop.set_result(None)
+
+    timer = node.create_timer(WATCH_PERIOD, look, clock=node.steady_clock)
+    try:
+        yield
+    finally:
+        timer.cancel()
+        node.destroy_timer(timer)
 
 
 def _start_cycle(executor: Executor, paced: Paced, schedule: Schedule) -> None:

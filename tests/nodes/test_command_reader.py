@@ -6,7 +6,7 @@ import pytest
 
 from flexros.errors import RunError
 from flexros.logs.joint_state_message import JointStateTemplate
-from flexros_nodes.command_reader import CommandReader, silence_text
+from flexros_nodes.command_reader import CommandReader
 
 NAMES = ("motor_1", "motor_2")
 
@@ -56,11 +56,3 @@ def test_empty_effort_is_refused(reader: CommandReader) -> None:
 def test_bytes_that_are_no_message_are_refused(reader: CommandReader) -> None:
     with pytest.raises(RunError, match="sample 0 is refused"):
         reader.read(b"\x00\x01\x00\x00\x01\x02", 0)
-
-
-def test_silence_is_told_with_sample_time_and_resends() -> None:
-    text = silence_text(12, 1_006_000_000, 5.0, 249)
-    assert text.startswith(
-        "no command for sample 12 (stamp 1.0060 s) within 5 s although the state was sent again 249 times"
-    )
-    assert "the log is readable up to there" in text

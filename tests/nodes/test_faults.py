@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from flexros.config.scenario import load_scenario
+from flexros.errors import RunError
 from flexros.logs.joint_state_message import JointStateTemplate
 from flexros.logs.reader import read_log
 from flexros.logs.stamps import stamp_of
@@ -71,7 +72,7 @@ def test_bad_command_breaks_the_run_off(
     summary = run_scenario("circle_dae", tmp_path / "log", parameters={"plant": PLANT})
     assert summary.exit_code == 3
     assert re.search(sentence, summary.message), summary.message
-    assert summary.message.endswith("the plant has braked to zero torque, the log is readable up to there")
+    assert summary.message.endswith("the plant has braked to zero torque; the log is readable up to there")
     log = read_log(tmp_path / "log")
     assert log.joint_commands is not None
     assert len(log.joint_states.stamp) == LAST_GOOD + 2 + BRAKED
@@ -91,6 +92,47 @@ def test_controller_silent_from_the_start_is_told_after_its_time(
     summary = run_scenario("circle_dae", tmp_path / "log", parameters={"plant": {**PLANT, "start_timeout": 0.5}})
     assert summary.exit_code == 3
     assert "no command for sample 0 (stamp 1.0000 s) within 0.5 s" in summary.message
+
+
+def test_silent_controller_in_real_time_is_braked_soon(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(composed.NODE_CLASSES, "controller", bad_controller(None))
+    scenario = load_scenario("circle_dae").with_values({"duration": 20.0})
+    summary = run_scenario(scenario, tmp_path / "log", real_time=True, parameters={"plant": {"brake_duration": 0.01}})
+    assert summary.exit_code == 3
+    assert "within 0.1 s: the controller is gone" in summary.message
+    assert "sent again" not in summary.message
+    assert 200 <= summary.timing["missed_commands"] < 400
+    assert summary.reports["plant"].figures["braked_samples"] == 20
+
+
+def test_long_braking_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(composed.NODE_CLASSES, "controller", bad_controller(None))
+    parameters = {"plant": {"partner_timeout": 0.1, "brake_duration": 2.0}}
+    summary = run_scenario("circle_dae", tmp_path / "log", parameters=parameters)
+    assert summary.reports["plant"].figures["braked_samples"] == 4000
+    recorded = summary.reports["recorder"].figures
+    assert recorded["joint_states.messages"] == LAST_GOOD + 2 + 4000
+    assert recorded["joint_states.missing"] == recorded["tool_pose.missing"] == 0
+
+
+def test_controller_that_ends_is_told_to_the_plant_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    class Failing(ControllerNode):
+        def _publish(self, command: bytes, reference: bytes) -> None:
+            super()._publish(command, reference)
+            if self._answered > LAST_GOOD:
+                raise RunError("the controller has had enough")
+
+    monkeypatch.setitem(composed.NODE_CLASSES, "controller", Failing)
+    parameters = {"plant": {"partner_timeout": 3600.0, "brake_duration": 0.01}}
+    summary = run_scenario("circle_dae", tmp_path / "log", parameters=parameters)
+    assert re.fullmatch(
+        r"the controller has had enough; a partner of the plant has ended at sample \d+ \(stamp 1\.0\d+ s\); the plant "
+        "has braked to zero torque; the log is readable up to there",
+        summary.message,
+    )
+    assert "has had enough" not in "".join(capfd.readouterr())
 
 
 def test_full_disk_ends_the_run_with_a_readable_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -121,13 +163,3 @@ def test_folder_that_cannot_be_written_is_told_before_the_run(tmp_path: Path) ->
     assert "cannot create the log folder" in summary.message
     assert "name a folder that can be written" in summary.message
     assert summary.samples == 0
-
-
-def test_plant_without_partners_says_what_it_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
-    parameters = {"plant": {"start_timeout": 0.2, "observers": 3}}
-    summary = run_scenario("circle_dae", None, parameters=parameters)
-    assert summary.exit_code == 3
-    assert (
-        "no partners within 0.2 s: joint_states has 1 subscriptions, needed are a controller and 3 recorders"
-        in summary.message
-    )

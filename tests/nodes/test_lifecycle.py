@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
+from importlib.resources import files
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -19,14 +21,17 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from flexros.config.scenario import load_scenario
 from flexros_nodes.controller import ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.parameters import node_parameters
 from flexros_nodes.plant import PlantNode
+from flexros_nodes.prepared_run import prepared_run
 from flexros_nodes.recorder import RecorderNode
 from flexros_nodes.spinning import make_executor
 
+MCAP_MAGIC = b"\x89MCAP0\r\n"
 SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 NODES = (RecorderNode, FeedforwardNode, ControllerNode, PlantNode)
 
@@ -44,6 +49,11 @@ class Bench:
         self.nodes.append(node)
         self.executor.add_node(node)
         return node
+
+    def spin_for(self, time: float) -> None:
+        end = monotonic() + time
+        while monotonic() < end:
+            self.executor.spin_once(timeout_sec=0.02)
 
     def spin_until(self, condition: Callable[[], bool], timeout: float = 20.0) -> None:
         deadline = monotonic() + timeout
@@ -88,7 +98,7 @@ def test_parameters_are_declared_and_described(bench: Bench, node_class: type[Fl
     for name, specification in node_parameters(node.node_name).items():
         descriptor = node.describe_parameter(name)
         assert descriptor.description.startswith(specification.description)
-        assert descriptor.read_only
+        assert descriptor.read_only == specification.read_only
         assert bool(descriptor.floating_point_range or descriptor.integer_range) == (specification.bounds is not None)
 
 
@@ -170,3 +180,127 @@ def test_fault_in_a_node_is_told_as_such(bench: Bench, monkeypatch: pytest.Monke
     assert node.trigger_configure() == FAILURE
     assert node.report.exit_code == 70
     assert node.report.message == "node feedforward has a fault: KeyError: 'nothing'; please report it"
+
+
+@pytest.mark.parametrize("node_class", [FeedforwardNode, ControllerNode, PlantNode])
+def test_node_that_is_activated_again_begins_anew(bench: Bench, node_class: type[FlexrosNode]) -> None:
+    node = bench.add(node_class)
+    node.trigger_configure()
+    for _ in range(2):
+        assert node.trigger_activate() == SUCCESS
+        assert node.active
+        assert node.trigger_deactivate() == SUCCESS
+    assert node.report is None
+
+
+def test_loop_runs_from_the_first_sample_after_a_second_activation(bench: Bench) -> None:
+    nodes = [bench.add(node_class, observers=0) for node_class in (FeedforwardNode, ControllerNode, PlantNode)]
+    plant = nodes[-1]
+    for node in nodes:
+        node.trigger_configure()
+    for turn in (1, 2):
+        for node in nodes:
+            assert node.trigger_activate() == SUCCESS
+        bench.spin_until(lambda: plant.report is not None or (turn == 1 and plant.stamp > 1_050_000_000))  # noqa: B023
+        for node in nodes:
+            node.trigger_deactivate()
+        bench.spin_for(0.2)  # what is still under way is heard by nobody
+    assert plant.report.exit_code == 0
+    assert plant.report.figures["samples"] == 762
+
+
+def test_recorder_refuses_to_go_on_with_a_closed_log(bench: Bench, tmp_path: Path) -> None:
+    recorder = bench.add(RecorderNode, folder=str(tmp_path / "log"))
+    recorder.trigger_configure()
+    assert recorder.trigger_activate() == SUCCESS
+    assert recorder.trigger_deactivate() == SUCCESS
+    assert recorder.trigger_activate() == FAILURE
+    assert recorder.refusal() == (
+        f"the log {tmp_path / 'log'} is closed and cannot go on; clean the node up, and configure it with "
+        "another folder"
+    )
+    assert recorder.trigger_cleanup() == SUCCESS
+    assert recorder.set_parameters([Parameter("folder", value=str(tmp_path / "second"))])[0].successful
+    assert recorder.trigger_configure() == SUCCESS
+    assert recorder.trigger_activate() == SUCCESS
+    assert (tmp_path / "second" / "second_0.mcap").is_file()
+
+
+@pytest.mark.parametrize("end", ["trigger_cleanup", "trigger_shutdown"])
+def test_log_of_a_run_that_never_began_is_closed(bench: Bench, tmp_path: Path, end: str) -> None:
+    recorder = bench.add(RecorderNode, folder=str(tmp_path / "log"))
+    recorder.trigger_configure()
+    getattr(recorder, end)()
+    content = (tmp_path / "log" / "log_0.mcap").read_bytes()
+    assert content.endswith(MCAP_MAGIC)
+    assert len(content) > 2 * len(MCAP_MAGIC)
+
+
+def test_failed_configuration_leaves_no_publishers(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    node = bench.add(ControllerNode)
+    publishers = len(list(node.publishers))
+    monkeypatch.setattr(node, "listen", lambda *_: {}["nothing"])
+    assert node.trigger_configure() == FAILURE
+    assert len(list(node.publishers)) == publishers
+
+
+@pytest.mark.parametrize("node_class", NODES)
+def test_foreign_parameters_do_no_harm_before_the_configuration(bench: Bench, node_class: type[FlexrosNode]) -> None:
+    node = bench.add(node_class)
+    assert node.set_parameters([Parameter("use_sim_time", value=False)])[0].successful
+
+
+def test_gain_is_applied_only_when_the_whole_set_is_accepted(bench: Bench) -> None:
+    node = bench.add(ControllerNode)
+    node.trigger_configure()
+    before = node._controller.gains
+    result = node.set_parameters_atomically(
+        [Parameter("motor_1.kp", value=1.0), Parameter("motor_1.kd", value=float("nan"))]
+    )
+    assert not result.successful
+    assert node._controller.gains.tolist() == before.tolist()
+
+
+def test_gain_changed_before_the_configuration_is_given_up_for_that_of_the_scenario(
+    bench: Bench, tmp_path: Path
+) -> None:
+    path = tmp_path / "own.yaml"
+    settings = load_scenario("circle_dae").settings()
+    path.write_text(json.dumps(settings))
+    node = bench.add(ControllerNode, scenario=str(path))
+    node.trigger_configure()
+    settings["controller"]["kp"] = 77.0
+    path.write_text(json.dumps(settings))
+    node.trigger_cleanup()
+    assert node.trigger_configure() == SUCCESS
+    assert node.value("motor_1.kp") == 77.0
+
+
+def test_edited_robot_is_read_anew(bench: Bench, tmp_path: Path) -> None:
+    robot = tmp_path / "robot.yaml"
+    robot.write_text(files("flexros.robot").joinpath("library/two_mass.yaml").read_text())
+    path = tmp_path / "own.yaml"
+    path.write_text(json.dumps({**load_scenario("two_mass_step").settings(), "robot": str(robot)}))
+    first = prepared_run(str(path))
+    assert prepared_run(str(path)) is first
+    robot.write_text(robot.read_text().replace("value: 1e-3", "value: 2e-3", 1))
+    assert prepared_run(str(path)).nominal.sample_time == 0.002
+
+
+def test_plant_without_partners_says_what_it_lacks(bench: Bench) -> None:
+    plant = bench.add(PlantNode, start_timeout=0.2, observers=3)
+    plant.trigger_configure()
+    plant.trigger_activate()
+    bench.spin_until(lambda: plant.report is not None)
+    assert plant.report.exit_code == 3
+    assert plant.report.message == (
+        "no partners within 0.2 s: joint_states has 0 subscriptions, needed are a controller and 3 recorders; start "
+        "them with the same ROS_DOMAIN_ID"
+    )
+
+
+def test_gain_that_is_not_a_number_at_the_start_is_bad_input(bench: Bench) -> None:
+    node = bench.add(ControllerNode, **{"motor_1.kp": float("nan")})
+    assert node.trigger_configure() == FAILURE
+    assert node.report.exit_code == 2
+    assert "parameter motor_1.kp of node controller is nan, allowed is a finite number" in node.report.message

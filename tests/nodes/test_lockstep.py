@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import pytest
+
 from flexros_nodes.lockstep import Arrival, ControllerLockStep, PlantLockStep, RecorderWindow, Tick
 
 T = 5e-4
 
 
-def started_plant(**settings: float) -> PlantLockStep:
-    lockstep = PlantLockStep(**{"tick_period": 0.02, "partner_timeout": 0.1, "start_timeout": 30.0, **settings})
+def started_plant() -> PlantLockStep:
+    lockstep = PlantLockStep(tick_period=0.02, resend_timeout=0.02, partner_timeout=0.1, start_timeout=30.0)
     lockstep.sent(0)
     lockstep.sent(1)
     return lockstep
 
 
 def test_only_the_awaited_stamp_answers() -> None:
-    lockstep = PlantLockStep(0.02, 1.0, 30.0)
+    lockstep = PlantLockStep(0.02, 0.02, 1.0, 30.0)
     lockstep.sent(1_000_000_000)
     assert not lockstep.answers(999_500_000)
     assert not lockstep.answers(1_000_500_000)
@@ -39,7 +41,7 @@ def test_partner_is_given_up_after_its_timeout() -> None:
 
 
 def test_first_state_is_repeated_every_tenth_of_a_second_and_has_longer() -> None:
-    lockstep = PlantLockStep(0.02, 0.1, 30.0)
+    lockstep = PlantLockStep(0.02, 0.02, 0.1, 30.0)
     lockstep.sent(0)
     ticks = [lockstep.tick() for _ in range(1 + 50)]
     assert ticks.count(Tick.RESEND) == 10
@@ -48,7 +50,7 @@ def test_first_state_is_repeated_every_tenth_of_a_second_and_has_longer() -> Non
 
 
 def test_first_state_is_given_up_in_the_end() -> None:
-    lockstep = PlantLockStep(0.1, 5.0, 1.0)
+    lockstep = PlantLockStep(0.1, 0.02, 5.0, 1.0)
     lockstep.sent(0)
     ticks = [lockstep.tick() for _ in range(12)]
     assert ticks.index(Tick.GIVE_UP) in (10, 11)
@@ -60,6 +62,54 @@ def test_plant_that_waits_itself_does_not_blame_its_partner() -> None:
         lockstep.tick()
     lockstep.hold()
     assert lockstep.tick() is Tick.WAIT
+
+
+def quick_plant(samples_per_tick: int) -> PlantLockStep:
+    """A loop at work for half a second, whose last state then stays unanswered."""
+    lockstep = PlantLockStep(0.002, 0.02, 5.0, 30.0)
+    for k in range(250 * samples_per_tick):
+        lockstep.sent(k)
+        if k % samples_per_tick == 0:
+            assert lockstep.tick() is Tick.WAIT
+    return lockstep
+
+
+def waits_until_resend(lockstep: PlantLockStep, most: int = 20) -> int:
+    return next(n for n in range(1, most) if lockstep.tick() is Tick.RESEND)
+
+
+def test_quick_loop_sends_again_soon_and_then_ever_more_slowly() -> None:
+    lockstep = quick_plant(samples_per_tick=10)  # a round trip of 0.2 ms
+    assert lockstep.tick() is Tick.WAIT
+    assert [waits_until_resend(lockstep) for _ in range(5)] == [1, 2, 4, 8, 10]
+    assert lockstep.resends == 5
+
+
+def test_slow_loop_sends_again_after_five_round_trips() -> None:
+    lockstep = quick_plant(samples_per_tick=1)  # a round trip of 2 ms
+    assert waits_until_resend(lockstep) == 5
+
+
+@pytest.mark.parametrize("ticks_before_the_second_answer", [0, 1])
+def test_second_answer_makes_the_plant_patient(ticks_before_the_second_answer: int) -> None:
+    lockstep = quick_plant(samples_per_tick=10)
+    stamp = lockstep.awaited
+    waits_until_resend(lockstep)
+    lockstep.sent(stamp + 1)  # the answer was on its way
+    for _ in range(ticks_before_the_second_answer):
+        lockstep.tick()
+    assert not lockstep.answers(stamp)
+    lockstep.sent(stamp + 2)
+    assert lockstep.tick() is Tick.WAIT
+    assert waits_until_resend(lockstep) > 5
+
+
+def test_lost_state_does_not_make_the_plant_patient() -> None:
+    lockstep = quick_plant(samples_per_tick=10)
+    waits_until_resend(lockstep)
+    lockstep.sent(lockstep.awaited + 1)
+    assert lockstep.tick() is Tick.WAIT
+    assert waits_until_resend(lockstep) == 1
 
 
 def test_controller_tells_new_repeated_and_old_stamps() -> None:
@@ -114,3 +164,16 @@ def test_older_confirmations_change_nothing() -> None:
     window.confirm("tool_pose", 2)
     assert window.admits(11_000)
     assert window.holds(["tool_pose"], 3)
+
+
+def test_window_follows_the_plants_own_topics_when_the_partner_is_gone() -> None:
+    window = RecorderWindow(1_000)
+    window.start(10_000)
+    window.confirm("joint_states", 10_400)
+    window.confirm("tool_pose", 10_300)
+    window.follow(["joint_states", "tool_pose"])
+    assert window.admits(11_300)
+    assert not window.admits(11_301)
+    window.confirm("tool_pose", 10_600)
+    assert window.admits(11_400)
+    assert not window.admits(11_401)

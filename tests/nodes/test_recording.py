@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from flexros.logs.joint_state_message import JointStateTemplate
 from flexros.logs.stamps import stamp_ns
-from flexros_nodes.recording import EventRecording, TopicRecording
+from flexros_nodes.recording import ArrivalTime, EventRecording, TopicRecording
 
 T = 5e-4
 TEMPLATE = JointStateTemplate(("motor_1",), position=True)
@@ -28,6 +28,22 @@ def test_messages_are_written_at_their_stamp() -> None:
     sink = Sink()
     TopicRecording(sink, 3).take(message(7))
     assert sink.messages == [(3, stamp_ns(7, T), stamp_ns(7, T), message(7))]
+
+
+def test_log_time_in_real_time_is_the_time_of_arrival() -> None:
+    sink, now = Sink(), [50.0]
+    arrival = ArrivalTime(lambda: now[0])
+    recording, events = TopicRecording(sink, 1, arrival), EventRecording(sink, 2, arrival)
+    events.take(message(0))  # before the first sample
+    arrival.begin()
+    recording.take(message(0))
+    now[0] += 0.0007
+    arrival.begin()
+    recording.take(message(1))
+    now[0] += 0.001
+    events.take(message(1))
+    assert [entry[1] for entry in sink.messages] == [10**9, 10**9, 1_000_700_000, 1_001_700_000]
+    assert [entry[2] for entry in sink.messages] == [stamp_ns(k, T) for k in (0, 0, 1, 1)]
 
 
 def test_repeats_and_older_messages_are_left_out() -> None:

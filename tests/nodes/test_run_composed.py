@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
+from mcap.reader import make_reader
 
 from flexros.config.scenario import load_scenario
 from flexros.errors import InputError
@@ -86,6 +88,55 @@ def test_real_time_run_keeps_statistics_and_never_waits(tmp_path: Path) -> None:
     assert summary.timing["cycles"] == summary.samples - 1 or summary.timing["cycles"] == summary.samples
     assert summary.wall_time > 0.15
     assert summary.resends == 0
+
+
+def test_run_says_in_which_domain_it_was(ros_domain: int) -> None:
+    assert run_scenario("circle_dae", None).domain_id == ros_domain
+
+
+def test_log_time_of_a_real_time_run_is_the_time_of_arrival(tmp_path: Path) -> None:
+    scenario = load_scenario("circle_dae").with_values({"duration": 0.2})
+    run_scenario(scenario, tmp_path / "log", real_time=True)
+    with (tmp_path / "log" / "log_0.mcap").open("rb") as file:
+        messages = list(make_reader(file).iter_messages("/joint_states"))
+    log_time = np.array([message.log_time for _, _, message in messages])
+    stamp = np.array([message.publish_time for _, _, message in messages])
+    assert log_time[0] - stamp[0] < 1_000_000
+    assert (log_time != stamp).sum() > 0.9 * len(stamp)
+    assert log_time[-1] - log_time[0] > 0.9 * (stamp[-1] - stamp[0])
+    provenance = read_log(tmp_path / "log").provenance
+    assert (provenance["transport"], provenance["real_time"]) == ("ros", True)
+
+
+def test_lock_step_has_the_stamp_as_log_time(tmp_path: Path) -> None:
+    run_scenario("circle_dae", tmp_path / "log")
+    with (tmp_path / "log" / "log_0.mcap").open("rb") as file:
+        assert all(m.log_time == m.publish_time for _, _, m in make_reader(file).iter_messages("/joint_states"))
+    assert read_log(tmp_path / "log").provenance["real_time"] is False
+
+
+@pytest.mark.parametrize(
+    ("node", "name", "value", "sentence"),
+    [
+        ("recorder", "folder", "/elsewhere", r"the run sets it from its log folder \(--out\); leave it out"),
+        ("plant", "autostart", False, "parameter autostart of node plant is given, but the run sets it; leave it out"),
+        ("plant", "observers", 2, "the run sets it"),
+        ("controller", "scenario", "circle_pd", "the run sets it from its scenario"),
+        ("controller", "motor_1.kq", 1.0, "unknown parameter of node controller 'motor_1.kq': did you mean 'motor_1.k"),
+        ("controller", "motor_1.kp", float("nan"), "parameter motor_1.kp of node controller is nan"),
+    ],
+)
+def test_parameter_that_the_run_sets_or_nobody_knows_is_bad_input(
+    tmp_path: Path, node: str, name: str, value: object, sentence: str
+) -> None:
+    with pytest.raises(InputError, match=sentence):
+        run_scenario("circle_dae", tmp_path / "log", parameters={node: {name: value}})
+    assert not (tmp_path / "log").exists()
+
+
+def test_gain_may_be_given_to_the_controller(tmp_path: Path, log_differences: Differences) -> None:
+    run_scenario("circle_dae", tmp_path / "log", parameters={"controller": {"motor_1.kp": 1000.0}})
+    assert "joint_commands.effort" in log_differences(direct("circle_dae"), read_log(tmp_path / "log"))
 
 
 def test_scenario_that_does_not_exist_is_bad_input(tmp_path: Path) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from flexros_nodes.report import NodeReport
 from flexros_nodes.run_plan import RunPlan, summarise
 
@@ -17,10 +19,17 @@ def test_run_without_log_has_no_recorder_and_waits_for_none() -> None:
 
 
 def test_given_parameters_come_last() -> None:
-    plan = RunPlan("circle_pd", Path("log"), {"plant": {"real_time": True, "observers": 2}})
+    plan = RunPlan("circle_pd", Path("log"), {"plant": {"real_time": True}, "recorder": {"niceness": 5}})
     assert plan.real_time
-    assert plan.values("plant")["observers"] == 2
+    assert plan.values("plant")["real_time"] is True
+    assert plan.values("recorder")["niceness"] == 5
+
+
+def test_recorder_is_told_folder_and_pace() -> None:
+    plan = RunPlan("circle_pd", Path("log"), {"plant": {"real_time": True}})
     assert plan.values("recorder")["folder"] == "log"
+    assert plan.values("recorder")["real_time"] is True
+    assert RunPlan("circle_pd", Path("log"), {}).values("recorder")["real_time"] is False
 
 
 def test_counts_are_added_up() -> None:
@@ -40,7 +49,7 @@ def test_cause_comes_before_the_plant_that_noticed() -> None:
         "controller": NodeReport("controller", 3, "measurement refused"),
     }
     summary = summarise(reports, None, "composed", interrupted=False)
-    assert summary.message == "measurement refused; no command"
+    assert summary.message.startswith("measurement refused; no command")
 
 
 def test_bad_input_outranks_nothing_but_what_is_done() -> None:
@@ -50,7 +59,47 @@ def test_bad_input_outranks_nothing_but_what_is_done() -> None:
 
 def test_death_of_a_process_breaks_the_run_off() -> None:
     summary = summarise({}, None, "processes", interrupted=False, deaths=("the process of node plant was killed",))
-    assert (summary.exit_code, summary.message) == (3, "the process of node plant was killed")
+    assert summary.exit_code == 3
+    assert summary.message.startswith("the process of node plant was killed")
+
+
+RECORDED = NodeReport("recorder", figures={"joint_states.messages": 700})
+
+
+@pytest.mark.parametrize(
+    ("reports", "exists", "end"),
+    [
+        ({"recorder": RECORDED}, True, "killed; the log is readable up to there"),
+        (
+            {"recorder": NodeReport("recorder", figures={"joint_states.messages": 0})},
+            True,
+            "; the log holds no samples",
+        ),
+        ({"recorder": NodeReport("recorder")}, False, "killed; there is no log"),
+        ({"recorder": NodeReport("recorder", 3, "the disk is full")}, True, "killed; the disk is full"),
+        ({}, True, "to see how far the log reaches"),
+    ],
+    ids=["readable", "empty", "none", "recorder failed", "recorder killed"],
+)
+def test_state_of_the_log_is_told_as_it_is(
+    tmp_path: Path, reports: dict[str, NodeReport], exists: bool, end: str
+) -> None:
+    folder = tmp_path / "log"
+    if exists:
+        folder.mkdir()
+    summary = summarise(reports, folder, "processes", interrupted=False, deaths=("killed",))
+    assert summary.message.endswith(end)
+    assert summary.log_folder == (folder if exists else None)
+
+
+def test_run_without_a_log_says_so_when_it_breaks_off() -> None:
+    summary = summarise({}, None, "composed", interrupted=True)
+    assert summary.message == "interrupted; nothing was to be recorded"
+
+
+def test_samples_come_from_the_recorder_when_the_plant_left_no_report(tmp_path: Path) -> None:
+    summary = summarise({"recorder": RECORDED}, tmp_path, "processes", interrupted=False, deaths=("killed",))
+    assert summary.samples == 700
 
 
 def test_interruption_is_told_unless_something_broke() -> None:
