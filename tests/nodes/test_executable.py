@@ -45,6 +45,12 @@ def test_bad_parameter_is_one_sentence_and_exit_code_2(parameter: str, sentence:
     assert "Traceback" not in errors
 
 
+def test_node_whose_parent_is_gone_ends_also_where_the_time_of_ros_stands_still() -> None:
+    process = start("feedforward", "parent_process:=1", "use_sim_time:=true", "autostart:=false")
+    _, errors = process.communicate(timeout=TIMEOUT)
+    assert process.returncode == 0, errors
+
+
 def test_four_executables_find_each_other_and_the_plant_ends_the_run(tmp_path: Path) -> None:
     scenario = "scenario:=circle_dae"
     plant = start("plant", scenario)

@@ -12,7 +12,14 @@ from pathlib import Path
 import pytest
 
 from flexros.logs.reader import read_log
-from flexros_nodes.interruption import interruption
+
+pytest.importorskip("rclpy", reason="needs ROS 2")
+
+from flexros_nodes import composed
+from flexros_nodes.feedforward import FeedforwardNode
+from flexros_nodes.interruption import PARTNER_ENDED, interruption
+from flexros_nodes.run import run_scenario
+from flexros_nodes.shared_memory import FOLDER
 
 CHECKOUT = Path(__file__).parents[2]
 TIMEOUT = 60.0
@@ -82,8 +89,7 @@ def test_interrupted_run_closes_its_log(
     assert len(log.joint_states.stamp) > 300
 
 
-@pytest.mark.usefixtures("ros_domain")
-def test_nodes_do_not_outlive_a_killed_run(tmp_path: Path, long_scenario: Path) -> None:
+def test_nodes_do_not_outlive_a_killed_run(tmp_path: Path, long_scenario: Path, ros_domain: int) -> None:
     folder = tmp_path / "log"
     process = subprocess.Popen(
         [sys.executable, "-c", RUN, str(long_scenario), str(folder), "processes"],
@@ -104,15 +110,44 @@ def test_nodes_do_not_outlive_a_killed_run(tmp_path: Path, long_scenario: Path) 
     assert len(nodes) == 4
     assert not any(exists(pid) for pid in nodes)
     assert read_log(folder).warnings == ()
+    ports = {f"fastrtps_port{port}" for port in range(7400 + 250 * ros_domain, 7650 + 250 * ros_domain)}
+    assert not ports & {path.name for path in FOLDER.iterdir()}, "the nodes left segments that nobody uses"
 
 
-def test_signal_is_noted_and_handlers_come_back() -> None:
-    before = signal.getsignal(signal.SIGTERM)
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signal_is_noted_and_handlers_come_back(number: signal.Signals) -> None:
+    def own(*_: object) -> None:
+        raise AssertionError("the handler of the command is replaced for the time of the run")
+
+    before = signal.signal(number, own)
+    try:
+        with interruption() as interrupted:
+            assert not interrupted()
+            signal.raise_signal(number)
+            assert interrupted()
+        assert signal.getsignal(number) is own
+    finally:
+        signal.signal(number, before)
+
+
+def test_end_of_a_partner_is_no_interruption() -> None:
     with interruption() as interrupted:
+        signal.raise_signal(PARTNER_ENDED)
+        assert interrupted.partner_ended
         assert not interrupted()
-        signal.raise_signal(signal.SIGTERM)
-        assert interrupted()
-    assert signal.getsignal(signal.SIGTERM) is before
+
+
+@pytest.mark.usefixtures("ros_domain")
+def test_run_interrupted_before_its_first_sample_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Interrupted(FeedforwardNode):
+        def configure(self) -> None:
+            super().configure()
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setitem(composed.NODE_CLASSES, "feedforward", Interrupted)
+    summary = run_scenario("circle_dae", tmp_path / "log")
+    assert (summary.exit_code, summary.message) == (130, "interrupted; the log holds no samples")
+    assert (tmp_path / "log" / "log_0.mcap").read_bytes().endswith(b"\x89MCAP0\r\n")
 
 
 def test_thread_leaves_signals_alone() -> None:

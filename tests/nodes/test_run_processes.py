@@ -43,9 +43,9 @@ def test_log_equals_the_direct_simulation(
     assert log_differences(reference, read_log(tmp_path / "log")) == []
 
 
-@pytest.mark.parametrize("victim", ["controller", "recorder"])
+@pytest.mark.parametrize(("victim", "real_time"), [("controller", False), ("controller", True), ("recorder", False)])
 def test_killed_node_breaks_the_run_off(
-    tmp_path: Path, long_scenario: Path, monkeypatch: pytest.MonkeyPatch, victim: str, ros_domain: int
+    tmp_path: Path, long_scenario: Path, monkeypatch: pytest.MonkeyPatch, victim: str, real_time: bool, ros_domain: int
 ) -> None:
     killed: list[int] = []
     wait = ProcessManager._wait
@@ -61,17 +61,34 @@ def test_killed_node_breaks_the_run_off(
         return wait(self, check, timeout)
 
     monkeypatch.setattr(ProcessManager, "_wait", kill_and_wait)
-    parameters = {"plant": {"partner_timeout": 1.0, "brake_duration": 0.01}}
-    summary = run_scenario(long_scenario, tmp_path / "log", "processes", parameters=parameters)
+    # the plant itself would wait for long: it is told
+    parameters = {"plant": {"partner_timeout": 3600.0, "real_time_patience": 10.0, "brake_duration": 0.01}}
+    summary = run_scenario(long_scenario, tmp_path / "log", "processes", real_time=real_time, parameters=parameters)
     assert summary.exit_code == 3, summary.message
     assert f"the process of node {victim} was killed by SIGKILL" in summary.message
     log = read_log(tmp_path / "log")
     assert len(log.joint_states.stamp) > 500
     if victim == "controller":
-        assert "the plant has braked to zero torque" in summary.message
+        assert "a partner of the plant has ended at sample" in summary.message
+        assert summary.message.endswith("the plant has braked to zero torque; the log is readable up to there")
         assert summary.reports["plant"].figures["braked_samples"] == 20
     ports = {f"fastrtps_port{port}" for port in range(7400 + 250 * ros_domain, 7650 + 250 * ros_domain)}
     assert not ports & set(remove_segments_without_owner()), "the run left segments that nobody uses"
+
+
+def test_node_killed_while_it_starts_leaves_a_closed_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    change = ProcessManager._change
+
+    def kill_and_change(self: ProcessManager, name: str, transition: int, timeout: float) -> bool:
+        if name == "controller":
+            os.kill(self.processes[name].pid, signal.SIGKILL)
+        return change(self, name, transition, timeout)
+
+    monkeypatch.setattr(ProcessManager, "_change", kill_and_change)
+    summary = run_scenario("circle_dae", tmp_path / "log", "processes")
+    assert summary.exit_code == 3
+    assert summary.message == "the process of node controller was killed by SIGKILL; the log holds no samples"
+    assert (tmp_path / "log" / "log_0.mcap").read_bytes().endswith(b"\x89MCAP0\r\n")
 
 
 def test_bad_parameter_of_a_process_is_bad_input(tmp_path: Path) -> None:
