@@ -17,7 +17,7 @@ from flexros.errors import FlexrosError
 from flexros_nodes.interruption import interruption
 from flexros_nodes.precise_timing import own_threads, take_priority
 from flexros_nodes.report import ERROR_PREFIX, NodeReport
-from flexros_nodes.shared_memory import remove_segments_without_owner
+from flexros_nodes.shared_memory import become_cleaner
 from flexros_nodes.spinning import make_executor, spin
 
 if TYPE_CHECKING:
@@ -46,12 +46,12 @@ def run_node(node_class: type[FlexrosNode], arguments: list[str] | None = None) 
             report = NodeReport(node_class.node_name, error.exit_code, str(error))
         finally:
             rclpy.try_shutdown()
-            if interrupted.parent_died:
-                remove_segments_without_owner()  # nobody else will
     # ros2 launch sends the SIGINT of the terminal a second time, which must not spoil a clean end
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if report.exit_code:
         print(f"{ERROR_PREFIX}{report.message}", file=sys.stderr)
+    if interrupted.parent_died:
+        become_cleaner()  # nobody else will clean up behind the parent
     return report.exit_code
 
 
