@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 CONFIGURE_TIMEOUT = 60.0
 """Longest time for a node to start and to prepare its part of the scenario [s], chosen."""
 
-START_TIMEOUT = 20.0
+START_TIMEOUT = 10.0
 """Time after which a process that offers no services is started once more [s], chosen: discovery takes about one."""
 
 SHUTDOWN_TIMEOUT = 5.0
@@ -115,8 +115,12 @@ class ProcessManager:
 
     def _await_services(self, name: str) -> None:
         """Wait until a node offers its services; one that does not is started once more."""
-        client = self._changers[name]
-        found = self._wait(lambda: client.service_is_ready() or self.processes[name].ended, START_TIMEOUT)
+        clients = (self._changers[name], self._watchers[name])
+
+        def ready() -> bool:
+            return self.processes[name].ended or all(client.service_is_ready() for client in clients)
+
+        found = self._wait(ready, START_TIMEOUT)
         if not found and not self._interrupted():
             self.processes[name].stop(0.0)
             self.processes[name] = NodeProcess(name, self._values(name), self._scratch)
