@@ -28,7 +28,7 @@ lint: environment
 
 bench: EXTRAS = test
 bench: environment
-	@$(BIN)/flexros bench
+	@mkdir -p docs/results && $(BIN)/flexros bench --out docs/results/benchmarks.md
 
 environment: python
 	@$(PYTHON) environment.py $(EXTRAS)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 TRANSPORTS = ("ros", "direct")
 
 FIGURES = {
+    "ros_domain_id": ("ROS domain", ""),
     "resends": ("states sent again", ""),
     "dropped_on_purpose": ("messages lost on purpose", ""),
     "missing_in_log": ("samples missing in the log", ""),

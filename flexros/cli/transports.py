@@ -156,6 +156,7 @@ def run_ros(
             "dropped_on_purpose": summary.dropped,
             "missing_in_log": summary.missing,
             "samples_per_second": summary.samples_per_second,
+            "ros_domain_id": summary.domain_id,
             **summary.timing,
         },
     )
