@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import tempfile
@@ -77,6 +78,8 @@ def run_scenario(
     ):
         plan = RunPlan(_scenario_file(scenario, Path(scratch)), folder, given)
         summary = replace(LAYOUTS[layout](plan, interrupted), domain_id=int(os.environ[DOMAIN_VARIABLE]))
+    # nodes refer to each other in circles: their sockets stay open until they are collected, and DDS finds only so many
+    gc.collect()
     if summary.exit_code == InputError.exit_code:
         raise InputError(summary.message)
     return summary

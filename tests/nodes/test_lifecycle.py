@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 from collections.abc import Callable, Iterator
 from importlib.resources import files
@@ -71,7 +72,9 @@ def bench(ros_domain: int) -> Iterator[Bench]:
     bench.executor.shutdown()
     for node in bench.nodes:
         node.destroy_node()
+    bench.nodes.clear()
     rclpy.try_shutdown(context=context)
+    gc.collect()
 
 
 @pytest.mark.parametrize("node_class", NODES)

@@ -90,6 +90,17 @@ def test_real_time_run_keeps_statistics_and_never_waits(tmp_path: Path) -> None:
     assert summary.resends == 0
 
 
+def test_runs_in_one_process_leave_no_sockets_behind() -> None:
+    def sockets() -> int:
+        links = [path.readlink() for path in Path("/proc/self/fd").iterdir() if path.is_symlink()]
+        return sum(str(link).startswith("socket:") for link in links)
+
+    run_scenario("circle_dae", None)
+    before = sockets()
+    run_scenario("circle_dae", None)
+    assert sockets() == before
+
+
 def test_run_says_in_which_domain_it_was(ros_domain: int) -> None:
     assert run_scenario("circle_dae", None).domain_id == ros_domain
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -47,6 +48,7 @@ def context(ros_domain: int) -> Iterator[Context]:
     rclpy.init(context=context, args=[], domain_id=ros_domain)
     yield context
     rclpy.try_shutdown(context=context)
+    gc.collect()
 
 
 @pytest.mark.parametrize("make", [make_executor, lambda context: SingleThreadedExecutor(context=context)])
