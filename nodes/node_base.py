@@ -15,6 +15,7 @@ from rclpy.lifecycle import TransitionCallbackReturn
 
 from flexros.errors import INTERNAL_ERROR, FlexrosError
 from flexros.logs.stamps import NANOSECONDS, START_NS
+from flexros_nodes.lifecycle_service import refuse_impossible_transitions
 from flexros_nodes.parameter_node import AbstractParameterNode
 from flexros_nodes.parameters import node_parameters
 from flexros_nodes.report import NodeReport
@@ -61,6 +62,7 @@ class FlexrosNode(AbstractParameterNode):
 
     def __init__(self, *, context: Context | None = None, values: Mapping[str, Value] | None = None) -> None:
         super().__init__(self.node_name, context, values or {})
+        refuse_impossible_transitions(self)
         self.report: NodeReport | None = None
         self.on_end: Callable[[FlexrosNode], None] | None = None
         self.tells_errors = True  # False where whoever holds the node says why it ended

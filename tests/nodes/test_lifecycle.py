@@ -15,6 +15,8 @@ import pytest
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
 import rclpy
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from rclpy.context import Context
 from rclpy.executors import Executor
 from rclpy.lifecycle import TransitionCallbackReturn
@@ -307,3 +309,18 @@ def test_gain_that_is_not_a_number_at_the_start_is_bad_input(bench: Bench) -> No
     assert node.trigger_configure() == FAILURE
     assert node.report.exit_code == 2
     assert "parameter motor_1.kp of node controller is nan, allowed is a finite number" in node.report.message
+
+
+def test_transition_asked_for_twice_is_refused_and_the_node_lives_on(bench: Bench) -> None:
+    node = bench.add(ControllerNode)
+    client = bench.nodes[0].create_client(ChangeState, "/controller/change_state")
+    bench.spin_until(client.service_is_ready)
+    answers = []
+    for _ in range(2):
+        request = ChangeState.Request()
+        request.transition.id = Transition.TRANSITION_CONFIGURE
+        future = client.call_async(request)
+        bench.spin_until(future.done)
+        answers.append(future.result().success)
+    assert answers == [True, False]
+    assert node.report is None
