@@ -266,9 +266,7 @@ def test_gain_is_applied_only_when_the_whole_set_is_accepted(bench: Bench) -> No
     assert node._controller.gains.tolist() == before.tolist()
 
 
-def test_gain_changed_before_the_configuration_is_given_up_for_that_of_the_scenario(
-    bench: Bench, tmp_path: Path
-) -> None:
+def test_scenario_edited_between_cleanup_and_configure_is_read_anew(bench: Bench, tmp_path: Path) -> None:
     path = tmp_path / "own.yaml"
     settings = load_scenario("circle_dae").settings()
     path.write_text(json.dumps(settings))
