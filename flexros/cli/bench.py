@@ -101,7 +101,8 @@ def markdown(described: dict[str, object], results: dict[str, list[dict[str, obj
 
 
 def _table(name: str, rows: list[dict[str, object]]) -> Table:
-    keys = list(dict.fromkeys(key for row in rows for key in row))
+    """Make the table for the terminal; further columns are in the JSON and in the page."""
+    keys = [key for key in ("case", "what", "value", "unit", "goal") if any(key in row for row in rows)]
     table = Table(*keys, title=name)
     for row in rows:
         table.add_row(*[_cell(row.get(key)) for key in keys])
@@ -111,4 +112,6 @@ def _table(name: str, rows: list[dict[str, object]]) -> Table:
 def _cell(value: object) -> str:
     if value is None:
         return ""
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"
+    return str(value)

@@ -39,7 +39,7 @@ def test_further_topics(name, full_name, type_name, rate):
 
 @pytest.mark.parametrize("name", sorted(load_topics()))
 def test_fields_exist_in_the_message(name):
-    """Every field with a unit is a field of the type, so that a renamed field cannot stay here; behind `values` are keys."""
+    """Every field with a unit is a field of the type, so that a renamed one cannot stay; behind `values` are keys."""
     topic = load_topics()[name]
 
     def names(fields, prefix=""):
