@@ -122,7 +122,7 @@ class ProcessManager:
 
         found = self._wait(ready, START_TIMEOUT)
         if not found and not self._interrupted():
-            self.processes[name].stop(0.0)
+            self.processes[name].stop(SHUTDOWN_TIMEOUT)  # killed at once, it would stand in the others' counts for long
             self.processes[name] = NodeProcess(name, self._values(name), self._scratch)
 
     def _change(self, name: str, transition: int, timeout: float) -> bool:
