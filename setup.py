@@ -51,6 +51,9 @@ setup(
         "rosbags>=0.10",
         "zstandard>=0.22",
         "lz4>=4.3",
+        "xarray>=2024.1",
+        "cvxpy>=1.5",
+        "distributed>=2024.5",
     ],
     extras_require={
         "ros": ROS_WHEELS,
