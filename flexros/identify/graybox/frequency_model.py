@@ -3,9 +3,9 @@
 With A(jw) = -w^2 M + jw D + K, symmetric, and Z = A^-1 B the motor positions answer with G = B^T Z. A rank-one term
 theta_p s_p (jw)^k b b^T of A gives
 
-    dG/d(log theta_p) = -theta_p s_p (jw)^k v v^T,    v = Z^T b,
+    dG/dtheta_p = -s_p (jw)^k v v^T,    v = Z^T b,
 
-so the Jacobian needs no further solution; any other parameter gives -theta_p Z^T (dA/dtheta_p) Z.
+so the Jacobian needs no further solution; any other parameter gives -Z^T (dA/dtheta_p) Z.
 """
 
 from __future__ import annotations
@@ -82,22 +82,26 @@ class FrequencyModel:
         """
         return np.array([self._sampled(place, Z) for place, Z in enumerate(self._solutions(theta))])
 
-    def jacobian(self, theta: FloatArray) -> ComplexArray:
-        """Evaluate the derivatives of the responses with respect to the logarithms of the parameters.
+    def jacobian(self, theta: FloatArray, scale: FloatArray | None = None) -> ComplexArray:
+        """Evaluate the derivatives of the responses with respect to scaled parameters x.
 
         Args:
             theta: Values of the parameters (SI), shape (P,).
+            scale: dtheta/dx, shape (P,); default: theta, so that x is the logarithm.
 
         Returns:
             Derivatives, units as `response`, shape (Q, F, M, M, P).
         """
-        return np.array([self._slopes(place, Z, theta) for place, Z in enumerate(self._solutions(theta))])
+        return self.response_and_jacobian(theta, scale)[1]
 
-    def response_and_jacobian(self, theta: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    def response_and_jacobian(
+        self, theta: FloatArray, scale: FloatArray | None = None
+    ) -> tuple[ComplexArray, ComplexArray]:
         """Evaluate both with one solution; see `response` and `jacobian`."""
         solutions = list(enumerate(self._solutions(theta)))
         responses = np.array([self._sampled(place, Z) for place, Z in solutions])
-        return responses, np.array([self._slopes(place, Z, theta) for place, Z in solutions])
+        per_step = theta if scale is None else scale
+        return responses, np.array([self._slopes(place, Z, per_step) for place, Z in solutions])
 
     def _solutions(self, theta: FloatArray) -> Iterator[ComplexArray]:
         """Yield Z = A^-1 B of position after position, shape (F, n, M)."""
@@ -113,12 +117,12 @@ class FrequencyModel:
         sampled: ComplexArray = direct + np.tensordot(self.hold.aliases[place], self.expansion[place], 1)
         return sampled
 
-    def _slopes(self, place: int, Z: ComplexArray, theta: FloatArray) -> ComplexArray:
+    def _slopes(self, place: int, Z: ComplexArray, per_step: FloatArray) -> ComplexArray:
         """Derivatives of the response of one position, shape (F, M, M, P)."""
         positions, omega, gain = self.positions, self.hold.omega[place], self.hold.gain[place]
         powers = np.maximum(positions.powers, 0)
         v = np.einsum("pn,fnm->fmp", positions.vectors, Z)
-        scale = -gain[:, None] * (1j * omega[:, None]) ** powers * (theta * positions.factors[place])
+        scale = -gain[:, None] * (1j * omega[:, None]) ** powers * (per_step * positions.factors[place])
         slopes: ComplexArray = v[:, :, None, :] * v[:, None, :, :] * scale[:, None, None, :]
         for number, p in enumerate(positions.sloped):
             M, D, K = (
@@ -127,5 +131,5 @@ class FrequencyModel:
             )
             w = omega[:, None, None]
             through = Z.swapaxes(1, 2) @ ((K - w**2 * M + 1j * w * D) @ Z)
-            slopes[..., p] = -(gain * theta[p])[:, None, None] * through
+            slopes[..., p] = -(gain * per_step[p])[:, None, None] * through
         return slopes

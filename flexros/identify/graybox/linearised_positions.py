@@ -1,4 +1,4 @@
-"""A robot linearised at the positions of an experiment, with what its unknown parameters change (Paper A, section 3)."""
+"""A robot linearised at the positions of an experiment, with what its unknowns change (Paper A, section 3)."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def linearise_positions(
         The linear models and their slopes.
 
     Raises:
-        InputError: Unknown or repeated names, values that are not positive, wrong motor positions, or no rest there.
+        InputError: Unknown or repeated names, values that are not finite, wrong motor positions, or no rest there.
     """
     functions = _functions(robot, tuple(names))
     numbers = _checked_values(robot, functions, values)
@@ -182,7 +182,8 @@ def _rest(robot: Robot, functions: _Functions, motors: FloatArray, numbers: Floa
     q_a = robot.home.copy()
     q_a[list(chain.geared)] = motors
     flexible = [chain.geared[number] for number in chain.flexible_motors]
-    place = f"at motor positions {np.round(motors, 6).tolist()} with {len(numbers)} parameters as given by the fit"
+    pairs = ", ".join(f"{name} = {number:g}" for name, number in zip(functions.names, numbers, strict=True))
+    place = f"at motor positions {np.round(motors, 6).tolist()} with {pairs}"
     rest = functions.finder.find(np.concatenate([q_a, q_a[flexible]]), numbers, place)
     return rest.state[: robot.n_coordinates]
 
@@ -194,12 +195,9 @@ def _checked_values(robot: Robot, functions: _Functions, values: ArrayLike | Non
             f"{numbers.size} values were given for {len(functions.names)} unknown parameters of robot {robot.name}; "
             "give one value for each"
         )
-    for name, number in zip(functions.names, numbers, strict=True):
-        if not (np.isfinite(number) and number > 0.0):
-            raise InputError(
-                f"parameter {name} of robot {robot.name} is {number:g}, but an unknown of the fit needs a positive "
-                "start value, because it is estimated by its logarithm; give a positive value or leave it out"
-            )
+    if not np.all(np.isfinite(numbers)):
+        wrong = [name for name, number in zip(functions.names, numbers, strict=True) if not np.isfinite(number)]
+        raise InputError(f"the value of {', '.join(wrong)} is not a finite number; give one")
     return numbers
 
 
