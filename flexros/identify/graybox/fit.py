@@ -1,0 +1,233 @@
+"""Fit of the unknown parameters of a robot to measured frequency responses (Moberg 2007, Paper A, section 5.3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError, unknown_name
+from flexros.identify.graybox.levenberg_marquardt import DAMPING, Minimum, NormalEquations, StopRule, minimise
+from flexros.identify.graybox.normal_equations import normal_equations
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.arrays import BoolArray, FloatArray
+    from flexros.identify.graybox.frequency_model import FrequencyModel
+    from flexros.identify.graybox.problem import GrayBoxProblem
+
+LARGEST_STEP = 1.0
+"""Largest change of a logarithm in one step; without it a fit runs away where the cost is flat."""
+
+
+@dataclass(frozen=True)
+class FitSettings:
+    """How a fit searches and when it ends.
+
+    Attributes:
+        stop: When the search for fixed equilibria ends.
+        relinearisations: Largest number of times that the robot is linearised anew at the rests that belong to the
+            values found; 0 keeps the rests of the robot's own values.
+        settled: Relative change of every value below which the robot is not linearised again.
+    """
+
+    stop: StopRule = StopRule()
+    relinearisations: int = 10
+    settled: float = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Where a fit ended.
+
+    Attributes:
+        names: Names of the parameters, length P.
+        values: Their values [SI], shape (P,).
+        start: Values from which the search began [SI], shape (P,).
+        cost: Weighted sum of squared errors (Moberg 2007, Paper A, equations 4b and 7b).
+        start_cost: The same at the start, at the rests of the robot's own values.
+        at_bound: Whether a parameter lies on one of its bounds, shape (P,).
+        lower: Lower bounds [SI], shape (P,).
+        upper: Upper bounds [SI], shape (P,).
+        iterations: Accepted steps, over all linearisations.
+        evaluations: Evaluations of the cost.
+        relinearisations: How often the robot was linearised anew.
+        converged: Whether neither steps nor linearisations ran out.
+        message: Why the fit ended.
+        estimator: Name of the estimator.
+        weights: Kind of the weights.
+    """
+
+    names: tuple[str, ...]
+    values: FloatArray
+    start: FloatArray
+    cost: float
+    start_cost: float
+    at_bound: BoolArray
+    lower: FloatArray
+    upper: FloatArray
+    iterations: int
+    evaluations: int
+    relinearisations: int
+    converged: bool
+    message: str
+    estimator: str
+    weights: str
+
+    def value(self, name: str) -> float:
+        """Return the value of a parameter [SI].
+
+        Args:
+            name: Its name, e.g. "body_1.ry.stiffness".
+
+        Raises:
+            InputError: The parameter was not fitted.
+        """
+        if name not in self.names:
+            raise unknown_name("fitted parameter", name, self.names)
+        return float(self.values[self.names.index(name)])
+
+
+def fit(
+    problem: GrayBoxProblem,
+    start: FloatArray | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    settings: FitSettings | None = None,
+) -> Fit:
+    """Minimise the cost from one start.
+
+    The robot is linearised at the rests of its nominal values, fitted, linearised at the rests of the values found,
+    fitted again, until nothing changes (Moberg 2007, Paper A, remark A.1).
+
+    Args:
+        problem: What to fit.
+        start: Values from which to start [SI], shape (P,); default: those of the robot.
+        bounds: Lower and upper bound of values [SI] by name; see `ParameterScale.bounds` for the default.
+        settings: How to search; default: to the end.
+
+    Returns:
+        The local minimum that was found.
+
+    Raises:
+        InputError: The start is not one number per parameter within the bounds, or bounds are wrong.
+    """
+    settings = settings or FitSettings()
+    scale = problem.scale
+    lower, upper = scale.bounds(bounds)
+    values = np.array(scale.nominal if start is None else start, dtype=float)
+    x = _checked_start(problem, values, lower, upper)
+    search = _Search(problem, lower, upper, settings)
+    minimum, message, rounds = search.run(x)
+    edge = 1e-9 * np.maximum(1.0, np.abs(minimum.x))
+    return Fit(
+        names=problem.names,
+        values=scale.values(minimum.x),
+        start=values,
+        cost=minimum.cost,
+        start_cost=cost_at(problem, problem.model, values),
+        at_bound=(minimum.x <= lower + edge) | (minimum.x >= upper - edge),
+        lower=scale.values(lower),
+        upper=scale.values(upper),
+        iterations=minimum.iterations,
+        evaluations=minimum.evaluations,
+        relinearisations=rounds,
+        converged=minimum.converged,
+        message=message,
+        estimator=problem.estimator.name,
+        weights=problem.setting.kind,
+    )
+
+
+def cost_at(problem: GrayBoxProblem, model: FrequencyModel, values: FloatArray) -> float:
+    """Evaluate the cost at parameter values.
+
+    Args:
+        problem: Measured responses, estimator and weights.
+        model: Model to compare with; `problem.model_at(values)` for the rests that belong to the values.
+        values: Values [SI], shape (P,).
+
+    Returns:
+        Weighted sum of squared errors.
+    """
+    response = model.response(values)
+    used = problem.weights > 0
+    error = problem.estimator.error(problem.measured[used], response[used])
+    return float(np.sum(problem.weights[used] * np.abs(error) ** 2))
+
+
+class _Search:
+    """The outer loop over linearisations and the inner one over steps."""
+
+    def __init__(self, problem: GrayBoxProblem, lower: FloatArray, upper: FloatArray, settings: FitSettings) -> None:
+        self._problem, self._settings = problem, settings
+        self._lower, self._upper = lower, upper
+        self._largest = np.where(problem.scale.logarithmic, LARGEST_STEP, np.inf)
+
+    def run(self, x: FloatArray) -> tuple[Minimum, str, int]:
+        """Search from scaled parameters; return where, why it ended and the number of linearisations."""
+        minimum = self._minimise(self._problem.model, x, DAMPING)
+        for number in range(self._settings.relinearisations):
+            try:
+                model = self._problem.model_at(self._problem.scale.values(minimum.x))
+            except InputError as error:
+                return _continued(minimum, minimum, False), f"the robot could not be linearised anew: {error}", number
+            before = minimum
+            minimum = _continued(self._minimise(model, before.x, before.damping), before)
+            if self._settled(before, minimum):
+                return minimum, _reason(minimum), number + 1
+        if self._settings.relinearisations:
+            return _continued(minimum, minimum, False), "the rests did not settle", self._settings.relinearisations
+        return minimum, _reason(minimum), 0
+
+    def _settled(self, before: Minimum, after: Minimum) -> bool:
+        """Whether another linearisation moved neither the parameters nor the cost."""
+        moved = float(np.max(np.abs(after.x - before.x), initial=0.0))
+        changed = abs(after.cost - before.cost)
+        return moved < self._settings.settled or changed < self._settings.stop.decrease * before.cost
+
+    def _minimise(self, model: FrequencyModel, x: FloatArray, damping: float) -> Minimum:
+        problem = self._problem
+
+        def equations(point: FloatArray) -> NormalEquations:
+            return normal_equations(problem, model, problem.scale.values(point))
+
+        def cost(point: FloatArray) -> float:
+            return equations(point).cost
+
+        return minimise(
+            equations, cost, x, self._lower, self._upper, self._largest, self._settings.stop, damping
+        )
+
+
+def _continued(minimum: Minimum, before: Minimum, converged: bool | None = None) -> Minimum:
+    """Count the steps of the searches before as well."""
+    return replace(
+        minimum,
+        iterations=minimum.iterations + (0 if before is minimum else before.iterations),
+        evaluations=minimum.evaluations + (0 if before is minimum else before.evaluations),
+        converged=minimum.converged if converged is None else converged,
+    )
+
+
+def _reason(minimum: Minimum) -> str:
+    return "converged" if minimum.converged else "the number of steps ran out"
+
+
+def _checked_start(problem: GrayBoxProblem, values: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
+    """Return the scaled start; refuse one that is not one number per parameter within the bounds."""
+    scale = problem.scale
+    if values.shape != (len(scale.names),) or not np.all(np.isfinite(values)):
+        raise InputError(
+            f"start has the values {values.tolist()}, allowed is one finite number for each of {len(scale.names)} "
+            "unknown parameters; correct it"
+        )
+    for name, value, low, high in zip(scale.names, values, scale.values(lower), scale.values(upper), strict=True):
+        slack = 1e-9 * max(abs(low), abs(high)) if np.isfinite(high) else 1e-9
+        if not low - slack <= value <= high + slack:
+            raise InputError(
+                f"start of {name} is {value:g}, but its bounds are {low:g} and {high:g}; start within them or give "
+                "wider bounds"
+            )
+    return np.clip(scale.scaled(values), lower, upper)

@@ -1,0 +1,179 @@
+"""Weights of a fit: given by the user, optimal for the measured covariance, or both (Moberg 2007, Paper A, 5.1)."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from pydantic import Field
+
+from flexros.config.validation import Settings
+from flexros.errors import InputError, unknown_name
+from flexros.identify.graybox.response_noise import response_noise
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.identify.graybox.estimators import AbstractEstimator
+
+
+class AbstractWeights(Settings, ABC):
+    """Diagonal of the weighting matrix Lambda^-1 of every position and frequency.
+
+    How to add a rule: a final subclass with a `kind` of its own that provides `array`.
+    """
+
+    lowest: float = Field(0.0, ge=0, description="no weight below this frequency [Hz], where the FRF is uncertain")
+    highest: float | None = Field(None, gt=0, description="no weight above this frequency [Hz]; default: all lines")
+
+    @abstractmethod
+    def array(self, responses: Sequence[FrequencyResponse], estimator: AbstractEstimator) -> FloatArray:
+        """Compute the weights.
+
+        Args:
+            responses: Measured responses, one per position.
+            estimator: Whose errors are weighted.
+
+        Returns:
+            Weights, shape (Q, F, n_y, n_u), index of position, frequency, output and input.
+
+        Raises:
+            InputError: A setting does not suit the responses.
+        """
+
+    def in_band(self, responses: Sequence[FrequencyResponse]) -> FloatArray:
+        """Return 1 for frequencies within the band and 0 outside, shape (Q, F, 1, 1)."""
+        frequency = np.stack([response.frequency for response in responses])
+        inside = (frequency >= self.lowest) & (frequency <= (np.inf if self.highest is None else self.highest))
+        if not np.any(inside):
+            raise InputError(
+                f"the weights leave no frequency: lowest is {self.lowest:g} Hz, highest is "
+                f"{'not set' if self.highest is None else f'{self.highest:g} Hz'}, but the responses reach from "
+                f"{frequency.min():g} to {frequency.max():g} Hz; widen the band"
+            )
+        return inside[..., None, None].astype(float)
+
+
+class UserWeights(AbstractWeights):
+    """Constant for each element and the same for all positions, smaller off the diagonal (Moberg 2007, Paper A, 6).
+
+    With logarithmic errors a constant weight already makes the fit match resonances and antiresonances. NLS weighs
+    absolute errors, so there the constants are divided by the mean square of the element's magnitude (chosen).
+    Lines at which an element is lost in noise get none: the logarithm is biased below a signal-to-noise ratio of
+    10 dB (Pintelon and Schoukens 2001, p. 207).
+    """
+
+    kind: Literal["user"] = "user"
+    diagonal: float = Field(1.0, ge=0, description="weight of motor i to motor i")
+    off_diagonal: float = Field(0.2, ge=0, description="weight of motor i to motor j")
+    elements: dict[str, float] = Field(
+        default_factory=dict, description="weight of single elements, written output.input, e.g. motor_2.motor_1: 0.5"
+    )
+    least_signal_to_noise: float = Field(
+        10.0, description="lines where |G| is not this much above its standard deviation get no weight [dB]"
+    )
+
+    def array(self, responses: Sequence[FrequencyResponse], estimator: AbstractEstimator) -> FloatArray:
+        """Compute the weights; see `AbstractWeights.array`."""
+        measured = np.stack([response.response for response in responses])
+        weights = self.in_band(responses) * self._constants(responses[0])
+        weights = weights * self._above_noise(responses)
+        if estimator.name == "NLS":
+            used = weights > 0
+            power = np.sum(np.abs(measured) ** 2 * used, axis=(0, 1)) / np.maximum(np.sum(used, axis=(0, 1)), 1)
+            weights = weights / np.where(power > 0, power, 1.0)
+        return weights
+
+    def _constants(self, response: FrequencyResponse) -> FloatArray:
+        outputs, inputs = response.output_names, response.input_names
+        constants = np.full((len(outputs), len(inputs)), self.off_diagonal)
+        np.fill_diagonal(constants, self.diagonal)
+        places = {f"{y}.{u}": (i, j) for i, y in enumerate(outputs) for j, u in enumerate(inputs)}
+        for name, weight in self.elements.items():
+            if name not in places:
+                raise unknown_name("element of the response", name, places, "key elements of the weights")
+            if weight < 0:
+                raise InputError(f"key elements of the weights: {name} is {weight:g}, allowed is 0 or more; correct it")
+            constants[places[name]] = weight
+        return constants
+
+    def _above_noise(self, responses: Sequence[FrequencyResponse]) -> FloatArray:
+        """Return 1 where the response stands out of its noise or the noise is not known, else 0."""
+        least = 10.0 ** (self.least_signal_to_noise / 10.0)
+        masks = []
+        for response in responses:
+            noise = response_noise(response)
+            clear = np.ones(response.response.shape, dtype=bool)
+            if noise is not None:
+                clear = np.abs(response.response) ** 2 >= least * noise.variance
+            masks.append(clear)
+        return np.stack(masks).astype(float)
+
+
+class OptimalWeights(AbstractWeights):
+    """Inverse of the measured covariance, diagonal (Moberg 2007, Paper A, equations 6 and 8 with G_0 ~ G measured)."""
+
+    kind: Literal["optimal"] = "optimal"
+
+    def array(self, responses: Sequence[FrequencyResponse], estimator: AbstractEstimator) -> FloatArray:
+        """Compute the weights; see `AbstractWeights.array`."""
+        rows = [estimator.optimal_weight(_known_variance(response), response.response) for response in responses]
+        return self.in_band(responses) * np.stack(rows)
+
+
+class CombinedWeights(AbstractWeights):
+    """Inverse of measured covariance plus the error the model is allowed: w = 1 / (1 / w_user + 1 / w_optimal).
+
+    Where the noise is small this is the user's weight, where it is large the optimal one, so no line needs to be left
+    out (chosen; Moberg 2007, Paper A, section 7 names such a combination as future work).
+    """
+
+    kind: Literal["combined"] = "combined"
+    diagonal: float = Field(0.05, gt=0, description="error allowed to the model, relative to |G|, motor i to motor i")
+    off_diagonal: float = Field(0.1, gt=0, description="the same, motor i to motor j")
+
+    def array(self, responses: Sequence[FrequencyResponse], estimator: AbstractEstimator) -> FloatArray:
+        """Compute the weights; see `AbstractWeights.array`."""
+        user = UserWeights(
+            lowest=self.lowest,
+            highest=self.highest,
+            diagonal=self.diagonal**-2,
+            off_diagonal=self.off_diagonal**-2,
+            least_signal_to_noise=-300.0,
+        ).array(responses, estimator)
+        optimal = OptimalWeights(lowest=self.lowest, highest=self.highest).array(responses, estimator)
+        used = (user > 0) & (optimal > 0)
+        inverse = 1.0 / np.where(used, user, 1.0) + 1.0 / np.where(used, optimal, 1.0)
+        return np.where(used, 1.0 / inverse, 0.0)
+
+
+Weights = UserWeights | OptimalWeights | CombinedWeights
+
+
+def weights_named(kind: str, source: str = "") -> Weights:
+    """Return the weights of a kind with their default settings.
+
+    Args:
+        kind: "user", "optimal" or "combined".
+        source: Where the name came from; part of the error text.
+
+    Raises:
+        InputError: There are no weights of this kind.
+    """
+    known: dict[str, type[Weights]] = {"user": UserWeights, "optimal": OptimalWeights, "combined": CombinedWeights}
+    if kind not in known:
+        raise unknown_name("kind of weights", kind, known, source)
+    return known[kind]()
+
+
+def _known_variance(response: FrequencyResponse) -> FloatArray:
+    noise = response_noise(response)
+    if noise is None:
+        raise InputError(
+            "optimal weights need the covariance of the frequency responses, but the one at gear angles "
+            f"{np.round(response.gears, 4).tolist()} has none; record two blocks or two periods, or use user weights"
+        )
+    return noise.variance
