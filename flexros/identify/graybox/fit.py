@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError, unknown_name
+from flexros.identify.graybox.least_squares import ResponseTarget, least_squares
 from flexros.identify.graybox.levenberg_marquardt import DAMPING, Minimum, NormalEquations, StopRule, minimise
-from flexros.identify.graybox.normal_equations import normal_equations
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -151,10 +151,7 @@ def cost_at(problem: GrayBoxProblem, model: FrequencyModel, values: FloatArray) 
     Returns:
         Weighted sum of squared errors.
     """
-    response = model.response(values)
-    used = problem.weights > 0
-    error = problem.estimator.error(problem.measured[used], response[used])
-    return float(np.sum(problem.weights[used] * np.abs(error) ** 2))
+    return least_squares(model, _target(problem)).cost(values)
 
 
 class _Search:
@@ -163,6 +160,7 @@ class _Search:
     def __init__(self, problem: GrayBoxProblem, lower: FloatArray, upper: FloatArray, settings: FitSettings) -> None:
         self._problem, self._settings = problem, settings
         self._lower, self._upper = lower, upper
+        self._target = _target(problem)
         self._largest = np.where(problem.scale.logarithmic, LARGEST_STEP, np.inf)
 
     def run(self, x: FloatArray) -> tuple[Minimum, str, int]:
@@ -188,17 +186,22 @@ class _Search:
         return moved < self._settings.settled or changed < self._settings.stop.decrease * before.cost
 
     def _minimise(self, model: FrequencyModel, x: FloatArray, damping: float) -> Minimum:
-        problem = self._problem
+        squares, scale = least_squares(model, self._target), self._problem.scale
 
         def equations(point: FloatArray) -> NormalEquations:
-            return normal_equations(problem, model, problem.scale.values(point))
+            values = scale.values(point)
+            return squares.normal_equations(values, scale.per_value(values))
 
         def cost(point: FloatArray) -> float:
-            return equations(point).cost
+            return squares.cost(scale.values(point))
 
         return minimise(
             equations, cost, x, self._lower, self._upper, self._largest, self._settings.stop, damping
         )
+
+
+def _target(problem: GrayBoxProblem) -> ResponseTarget:
+    return ResponseTarget(problem.measured, problem.weights, problem.estimator.name)
 
 
 def _continued(minimum: Minimum, before: Minimum, converged: bool | None = None) -> Minimum:
