@@ -16,6 +16,7 @@ from flexros.control.base import AbstractControlLaw, control_law
 from flexros.effects import parse_effect
 from flexros.errors import InputError, unknown_name
 from flexros.feedforward.specification import FeedforwardSpecification
+from flexros.identify.specification import IdentificationSpecification
 from flexros.simulate.disturbance import Disturbance
 from flexros.trajectory import TrajectorySpecification
 
@@ -119,6 +120,10 @@ class Scenario(Settings):
     trajectory: TrajectorySpecification | None = Field(
         default=None, description="path and time law of the controlled output; the start is held when left out"
     )
+    identification: IdentificationSpecification | None = Field(
+        default=None,
+        description="positions, excitation and periods of an identification experiment, instead of a trajectory",
+    )
     feedforward: FeedforwardSpecification = Field(
         default_factory=FeedforwardSpecification, description="method that computes motor references and torques"
     )
@@ -138,7 +143,14 @@ class Scenario(Settings):
 
     @model_validator(mode="after")
     def _has_an_end(self) -> Scenario:
-        if self.trajectory is None and self.duration is None:
+        if self.identification is not None:
+            for key in ("trajectory", "duration"):
+                if getattr(self, key) is not None:
+                    raise ValueError(
+                        f"the scenario has identification and {key}, allowed is one of them, because identification "
+                        f"says itself how the robot moves and how long; remove {key}"
+                    )
+        elif self.trajectory is None and self.duration is None:
             raise ValueError("the scenario has neither trajectory nor duration; add duration in s")
         return self
 
@@ -171,6 +183,8 @@ class Scenario(Settings):
         settings = self.model_dump(mode="json", exclude={"name", "description"})
         if not self.plant.effects:  # none determine nothing: scenarios keep the hash they had without the key
             del settings["plant"]["effects"]
+        if self.identification is None:
+            del settings["identification"]
         return hashlib.sha256(json.dumps(settings, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 
 

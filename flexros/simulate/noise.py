@@ -19,6 +19,7 @@ class Stream(IntEnum):
     ENCODER = 0
     TOOL = 1
     DISTURBANCE = 2
+    EXCITATION = 3
 
 
 def generator(seed: int, *stream: int) -> np.random.Generator:

@@ -1,0 +1,1 @@
+"""Identification: excitation, frequency responses, gray-box fit, experiment positions."""

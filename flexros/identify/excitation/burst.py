@@ -1,0 +1,99 @@
+"""Burst: noise or a multisine for a while, at rest before and after (Moberg 2007, section 4.1.2)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from flexros.config.per_motor import per_motor
+from flexros.errors import source_named
+from flexros.identify.excitation.base import (
+    AbstractExcitation,
+    BlockSignals,
+    phase_generator,
+    require_below_nyquist,
+    shifts,
+    whole_samples,
+)
+from flexros.identify.excitation.lines import Lines, candidate_lines
+from flexros.identify.excitation.multisine import synthesise
+from flexros.identify.excitation.spectrum import Spectrum, amplitudes
+from flexros.identify.excitation.window import window
+
+if TYPE_CHECKING:
+    from flexros.arrays import IntArray
+
+
+class Burst(AbstractExcitation):
+    """Band-limited random signal under a window; recorded until the robot is at rest it leaks nothing.
+
+    With the window h(t) and a sum of cosines with integral p(t), the position is h p and the speed its exact derivative
+    h p' + h' p. Phases are new in every block; the motors differ by the phases of the orthogonal matrix T.
+    """
+
+    periodic: ClassVar[bool] = False
+
+    kind: Literal["burst"] = Field(description="kind of excitation [name]")
+    content: Literal["noise", "multisine"] = Field(
+        default="noise",
+        description="noise: random amplitudes and phases, normal; multisine: random phases alone [name]",
+    )
+    duration: float = Field(default=4.0, gt=0.0, le=3600.0, description="length of the burst [s]")
+    lowest: float = Field(default=0.5, gt=0.0, description="lower end of the band [Hz]")
+    highest: float = Field(default=60.0, gt=0.0, description="upper end of the band [Hz]")
+    spectrum: Spectrum = Field(
+        default="flat", description="relative amplitudes of the speed: flat, or points [[Hz, 1], ...]"
+    )
+    taper: float = Field(default=0.25, gt=0.0, description="time to fade in, and to fade out [s]")
+    rest_before: float = Field(default=0.2, ge=0.0, description="rest before the burst [s]")
+    rest_after: float = Field(default=2.0, ge=0.0, description="rest after it, for the response to die out [s]")
+
+    @model_validator(mode="after")
+    def _fits(self) -> Burst:
+        if 2.0 * self.taper > self.duration:
+            raise ValueError(
+                f"taper is {self.taper:g} s, allowed is at most half the duration, {self.duration / 2:g} s"
+            )
+        if self.highest < self.lowest:
+            raise ValueError(f"highest is {self.highest:g} Hz, allowed is lowest = {self.lowest:g} Hz or more")
+        return self
+
+    def record_samples(self, sample_time: float) -> int:
+        """Give the samples from rest to rest; see `AbstractExcitation.record_samples`."""
+        require_below_nyquist("highest", self.highest, sample_time)
+        return whole_samples("duration with its rests", self.rest_before + self.duration + self.rest_after, sample_time)
+
+    def lines(self, sample_time: float, seed: int) -> Lines:
+        """Give all lines of the record within the band; none is left out."""
+        del seed
+        return Lines.of(self._band(self.record_samples(sample_time) * sample_time))
+
+    def block(self, n_motors: int, sample_time: float, seed: int, position: int, block: int) -> BlockSignals:
+        """Make the records of one block; see `AbstractExcitation.block`."""
+        length = round(self.duration / sample_time)
+        lines = self._band(length * sample_time)
+        with source_named("excitation"):
+            rms = per_motor("amplitude", self.amplitude, n_motors)
+        size = amplitudes(self.spectrum, lines / (length * sample_time), rms)
+        random = phase_generator(seed, position, block)
+        phases = random.uniform(0.0, 2.0 * np.pi, (1 if self.orthogonal else n_motors, n_motors, len(lines)))
+        if self.content == "noise":
+            size = size * random.rayleigh(np.sqrt(0.5), size.shape)
+        if self.orthogonal:
+            phases = phases + shifts(n_motors).T[:, :, None]
+        inside = synthesise(lines, size, phases, length, sample_time)
+        height, slope, _ = (part[:, None] for part in window(length, round(self.taper / sample_time), sample_time))
+        shape = (n_motors, self.record_samples(sample_time), n_motors)
+        speed, moved = np.zeros(shape), np.zeros(shape)
+        before = round(self.rest_before / sample_time)
+        rows = slice(before, before + length)
+        moved[:, rows] = height * inside.position
+        speed[:, rows] = height * inside.speed + slope * inside.position
+        return BlockSignals(speed, moved)
+
+    def _band(self, record: float) -> IntArray:
+        """List the lines of a record [s] within the band, shape (F,)."""
+        band = f"excitation: the band from {self.lowest:g} to {self.highest:g} Hz"
+        return candidate_lines(self.lowest * record, self.highest * record, odd=False, source=band)

@@ -1,0 +1,73 @@
+"""Phases with which a sum of cosines has low peaks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flexros.arrays import ComplexArray, FloatArray, IntArray
+
+POINTS_PER_CYCLE = 8
+"""Points per cycle of the highest line at which peaks are looked for, at least [1] (chosen)."""
+
+CLIP = (0.7, 0.95)
+"""Height at which the signal is clipped, as a share of its peak, in the first and in the last iteration (chosen)."""
+
+
+def low_crest_phases(
+    lines: IntArray, size: FloatArray, phases: FloatArray, iterations: int, *, envelope: bool
+) -> FloatArray:
+    """Lower the crest factor by clipping in time and restoring the amplitudes in frequency.
+
+    The swapping of time and frequency domain of Van der Ouderaa, Schoukens and Renneboog (1988): clip the peaks, take the
+    phases of the clipped signal, put them to the wanted amplitudes, and so on; the best phases met are kept. The
+    experiments of an orthogonal set differ by a phase that is the same on all lines. What bounds the peaks of all of
+    them is the envelope, the size of the analytic signal, so that is clipped instead for such a set (chosen).
+
+    Args:
+        lines: Multiples of one over the period, shape (F,).
+        size: Amplitudes, shape (M, F).
+        phases: Phases to start from [rad], shape (M, F).
+        iterations: Number of iterations.
+        envelope: Lower the peak of the envelope instead of that of the signal.
+
+    Returns:
+        Phases [rad], shape (M, F).
+    """
+    n_points = 1 << int(np.ceil(np.log2(POINTS_PER_CYCLE * int(lines[-1]))))
+    best, best_peak = phases, np.full(len(phases), np.inf)
+    for iteration in range(iterations + 1):
+        signal = _signal(lines, size, phases, n_points)
+        height = np.abs(signal if envelope else signal.real)
+        peak = np.max(height, axis=1)
+        better = peak < best_peak
+        best = np.where(better[:, None], phases, best)
+        best_peak = np.where(better, peak, best_peak)
+        level = (CLIP[0] + (CLIP[1] - CLIP[0]) * iteration / max(iterations, 1)) * peak[:, None]
+        over = np.maximum(height / np.where(level > 0.0, level, 1.0), 1.0)
+        clipped = signal / over if envelope else signal.real / over
+        phases = np.angle(np.fft.fft(clipped, axis=1)[:, lines])
+    return best
+
+
+def crest_factor(signal: FloatArray) -> FloatArray:
+    """Give the ratio of peak to root mean square.
+
+    Args:
+        signal: One or more periods along the first axis, shape (n, ...).
+
+    Returns:
+        Crest factors, shape (...).
+    """
+    result: FloatArray = np.max(np.abs(signal), axis=0) / np.sqrt(np.mean(signal**2, axis=0))
+    return result
+
+
+def _signal(lines: IntArray, size: FloatArray, phases: FloatArray, n_points: int) -> ComplexArray:
+    """Evaluate the analytic signal over a period, shape (M, n_points)."""
+    spectrum = np.zeros((len(size), n_points), dtype=complex)
+    spectrum[:, lines] = n_points * size * np.exp(1j * phases)
+    result: ComplexArray = np.fft.ifft(spectrum, axis=1)
+    return result

@@ -1,0 +1,103 @@
+"""Which lines a multisine excites, and which it leaves out to detect nonlinear distortions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from flexros.arrays import IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Lines as multiples of one over the period; each array increases.
+
+    Attributes:
+        excited: Lines with energy, shape (F,).
+        odd_detection: Odd lines without energy within the band, shape (n_odd,).
+        even_detection: Even lines without energy within the band, shape (n_even,).
+    """
+
+    excited: IntArray
+    odd_detection: IntArray
+    even_detection: IntArray
+
+    @classmethod
+    def of(cls, excited: IntArray) -> Lines:
+        """Sort all lines between the lowest and the highest excited one."""
+        excited = np.unique(excited).astype(np.int64)
+        rest = np.setdiff1d(np.arange(excited[0], excited[-1] + 1), excited)
+        return cls(excited, rest[rest % 2 == 1], rest[rest % 2 == 0])
+
+    def without(self, line: int) -> Lines:
+        """Give the lines with one taken from the detection lines."""
+        odd, even = (lines[lines != line] for lines in (self.odd_detection, self.even_detection))
+        return Lines(self.excited, odd, even)
+
+
+def candidate_lines(lowest: float, highest: float, odd: bool, source: str) -> IntArray:
+    """List the lines of a band.
+
+    Args:
+        lowest: Lower end [lines].
+        highest: Upper end [lines].
+        odd: Odd lines only.
+        source: What the band is, for the message.
+
+    Returns:
+        Lines, shape (n,).
+
+    Raises:
+        InputError: The band holds no line.
+    """
+    first, last = max(int(np.ceil(lowest - 1e-6)), 1), int(np.floor(highest + 1e-6))
+    found = np.arange(first, last + 1, dtype=np.int64)
+    found = found[found % 2 == 1] if odd else found
+    if found.size == 0:
+        raise InputError(
+            f"{source} holds no {'odd ' if odd else ''}line of the period; widen the band or lengthen the period"
+        )
+    return found
+
+
+def spread(candidates: IntArray, number: int | None, logarithmic: bool) -> IntArray:
+    """Choose lines spread evenly over a band, or evenly over its logarithm.
+
+    Args:
+        candidates: Lines to choose from, shape (n,).
+        number: How many are wanted; None takes all, or as many as a decade of the highest lines would hold.
+        logarithmic: Even over the logarithm of frequency; the nearest candidates, none twice.
+
+    Returns:
+        At most `number` lines, both ends among them, shape (F,).
+    """
+    if number is None and not logarithmic:
+        return candidates
+    wanted = len(candidates) if number is None else number
+    space = np.geomspace if logarithmic else np.linspace
+    goals = space(float(candidates[0]), float(candidates[-1]), wanted)
+    chosen: IntArray = np.unique(candidates[np.argmin(np.abs(candidates[:, None] - goals), axis=0)])
+    return chosen
+
+
+def with_detection(chosen: IntArray, group: int, random: np.random.Generator) -> IntArray:
+    """Leave out one line at random in every group of neighbours (Schoukens et al. 2005).
+
+    Args:
+        chosen: Lines, shape (F,).
+        group: Size of a group; the last one may be smaller and then stays whole, as do both ends of the band.
+        random: Source of the choice.
+
+    Returns:
+        The lines that stay, shape (F - n_groups,).
+    """
+    keep = np.ones(len(chosen), dtype=bool)
+    for first in range(0, len(chosen) - group + 1, group):
+        inner = [k for k in range(first, first + group) if 0 < k < len(chosen) - 1]
+        keep[inner[int(random.integers(len(inner)))]] = False
+    return chosen[keep]

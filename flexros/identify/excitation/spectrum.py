@@ -1,0 +1,47 @@
+"""Amplitude spectra of an excitation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+
+import numpy as np
+from pydantic import AfterValidator, Field
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+
+Point: TypeAlias = tuple[Annotated[float, Field(gt=0.0)], Annotated[float, Field(gt=0.0)]]
+"""Frequency [Hz] and relative amplitude [1]."""
+
+
+def _increasing(points: tuple[Point, ...]) -> tuple[Point, ...]:
+    frequencies = [frequency for frequency, _ in points]
+    if any(low >= high for low, high in zip(frequencies[:-1], frequencies[1:], strict=True)):
+        raise ValueError(f"the frequencies of the spectrum are {frequencies}, allowed are increasing ones; sort them")
+    return points
+
+
+Spectrum: TypeAlias = Literal["flat"] | Annotated[tuple[Point, ...], Field(min_length=1), AfterValidator(_increasing)]
+"""Equal amplitudes, or points [[Hz, relative amplitude], ...]."""
+
+
+def amplitudes(spectrum: Spectrum, frequency: FloatArray, rms: FloatArray) -> FloatArray:
+    """Give the amplitude of every line.
+
+    Between points the amplitude is a straight line over double logarithmic axes, beyond them it is that of the end.
+
+    Args:
+        spectrum: Shape of the spectrum.
+        frequency: Excited frequencies [Hz], shape (F,).
+        rms: Root mean square of the whole signal of every motor, shape (M,).
+
+    Returns:
+        Amplitudes A with sum_k A_k^2 / 2 = rms^2, shape (M, F).
+    """
+    if spectrum == "flat":
+        shape = np.ones(len(frequency))
+    else:
+        points = np.log(np.array(spectrum, dtype=float))
+        shape = np.exp(np.interp(np.log(frequency), points[:, 0], points[:, 1]))
+    result: FloatArray = rms[:, None] * shape * np.sqrt(2.0 / np.sum(shape**2))
+    return result

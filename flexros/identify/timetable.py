@@ -1,0 +1,213 @@
+"""When an identification experiment does what, in samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.identify.slow_motion import ConstantSpeed, NoSlowMotion
+from flexros.trajectory import JointMove
+from flexros.trajectory.time_law_specification import PolynomialSpecification
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.identify.specification import IdentificationSpecification, MoveSettings
+    from flexros.trajectory import TimeLaw
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One experiment of a block: where its recorded whole periods lie; transients are left out.
+
+    Attributes:
+        position: Number of the position.
+        block: Number of the block in that position.
+        experiment: Number of the experiment in that block.
+        first: First recorded sample.
+        n_periods: Number of recorded periods.
+        period: Length of a period [samples].
+    """
+
+    position: int
+    block: int
+    experiment: int
+    first: int
+    n_periods: int
+    period: int
+
+    @property
+    def stop(self) -> int:
+        """Sample after the last recorded one."""
+        return self.first + self.n_periods * self.period
+
+
+@dataclass(frozen=True)
+class Visit:
+    """The stay in one position.
+
+    Attributes:
+        position: Number of the position.
+        begin: Sample at which the move to it begins.
+        arrive: Sample at which the move has ended.
+        lead: Sample at which the approach to the start of a constant speed begins; `begin_first` where there is none.
+        begin_first: Sample at which the first experiment begins.
+        experiment: Length of an experiment [samples], fades and transients included.
+        n_experiments: Number of experiments of all blocks.
+        end: Sample after the last of the stay.
+    """
+
+    position: int
+    begin: int
+    arrive: int
+    lead: int
+    begin_first: int
+    experiment: int
+    n_experiments: int
+    end: int
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Lengths that all positions share [samples].
+
+    Attributes:
+        period: Period or record.
+        fade: Fading in, and fading out; 0 for records from rest to rest without slow motion.
+        before: From the begin of an experiment to its first recorded sample.
+        experiment: Whole experiment.
+        settle: Rest after a move.
+        lead: Approach of the start of a constant speed; 0 where there is none.
+    """
+
+    period: int
+    fade: int
+    before: int
+    experiment: int
+    settle: int
+    lead: int
+
+
+def timing_of(specification: IdentificationSpecification, n_motors: int, sample_time: float) -> Timing:
+    """Turn the times of a specification into samples.
+
+    Args:
+        specification: What the user wrote.
+        n_motors: Number of motors M.
+        sample_time: Time between two samples [s].
+
+    Returns:
+        The lengths.
+
+    Raises:
+        InputError: A time is no whole number of samples, or too short.
+    """
+    excitation = specification.excitation
+    period = excitation.record_samples(sample_time)
+    moving = not isinstance(specification.slow_motion, NoSlowMotion)
+    fade = max(round(specification.fade / sample_time), 1) if excitation.periodic or moving else 0
+    transient = specification.transient_periods if excitation.periodic else 0
+    before = fade + transient * period
+    experiment = before + specification.periods * period + fade
+    lead = 0
+    if isinstance(specification.slow_motion, ConstantSpeed):
+        half = half_travel(specification, n_motors, experiment - fade, sample_time)
+        lead = samples_of(move_law(np.zeros(n_motors), half, specification.move), sample_time) if np.any(half) else 0
+    return Timing(period, fade, before, experiment, round(specification.settle / sample_time), lead)
+
+
+def half_travel(
+    specification: IdentificationSpecification, n_motors: int, at_speed: int, sample_time: float
+) -> FloatArray:
+    """Give half the way of an experiment at constant speed.
+
+    Args:
+        specification: What the user wrote, with a constant speed.
+        n_motors: Number of motors M.
+        at_speed: Length of the experiment less one fade [samples].
+        sample_time: Time between two samples [s].
+
+    Returns:
+        Half the way of every motor [rad or m], shape (M,).
+    """
+    assert isinstance(specification.slow_motion, ConstantSpeed)
+    return 0.5 * at_speed * sample_time * specification.slow_motion.speeds(n_motors)
+
+
+def move_law(start: FloatArray, end: FloatArray, settings: MoveSettings) -> TimeLaw:
+    """Make the time law of a joint move: the share of the way from 0 to 1.
+
+    Args:
+        start: Where it begins [rad or m], shape (M,).
+        end: Where it ends, another point, shape (M,).
+        settings: Largest speed and acceleration.
+
+    Returns:
+        The law.
+
+    Raises:
+        InputError: The settings have another number of joints.
+    """
+    law = PolynomialSpecification(type="ninth_degree", speed=settings.speed, acceleration=settings.acceleration)
+    return law.law(JointMove(start, end), joints=True)
+
+
+def samples_of(law: TimeLaw, sample_time: float) -> int:
+    """Give the number of samples in which a law has ended."""
+    return int(np.ceil(law.duration / sample_time - 1e-6))
+
+
+def visits_of(
+    specification: IdentificationSpecification, timing: Timing, start: FloatArray, n_motors: int, sample_time: float
+) -> tuple[Visit, ...]:
+    """Lay the stays one after the other; positions without blocks are left out.
+
+    Args:
+        specification: What the user wrote.
+        timing: Lengths in samples.
+        start: Gear angles at the start [rad or m], shape (M,).
+        n_motors: Number of motors M, also that of experiments in a block.
+        sample_time: Time between two samples [s].
+
+    Returns:
+        The stays.
+    """
+    visits, here, at = [], start, 0
+    gears = specification.gears(n_motors)
+    for position, blocks in enumerate(specification.blocks_per_position):
+        if not blocks:
+            continue
+        goal, moving = gears[position], 0
+        if not np.array_equal(here, goal):
+            moving = samples_of(move_law(here, goal, specification.move), sample_time)
+        lead = at + moving + timing.settle
+        first = lead + timing.lead
+        number = blocks * n_motors
+        end = first + number * timing.experiment + timing.lead
+        visits.append(Visit(position, at, at + moving, lead, first, timing.experiment, number, end))
+        here, at = goal, end
+    return tuple(visits)
+
+
+def segments_of(visits: tuple[Visit, ...], timing: Timing, n_periods: int, n_motors: int) -> tuple[Segment, ...]:
+    """List the recorded periods of all experiments, in the order of time.
+
+    Args:
+        visits: The stays.
+        timing: Lengths in samples.
+        n_periods: Number of recorded periods of an experiment.
+        n_motors: Number of experiments in a block.
+    """
+    return tuple(
+        Segment(
+            position=visit.position,
+            block=number // n_motors,
+            experiment=number % n_motors,
+            first=visit.begin_first + number * timing.experiment + timing.before,
+            n_periods=n_periods,
+            period=timing.period,
+        )
+        for visit in visits
+        for number in range(visit.n_experiments)
+    )
