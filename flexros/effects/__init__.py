@@ -1,5 +1,14 @@
 """Deviations of a real robot from the ideal model, one per file, found by themselves."""
 
-from flexros.effects.base import AbstractEffect, PlacedEffect, effects, parse_effect, plant_values
+from flexros.effects.base import AbstractEffect, PlacedEffect, effects, parse_effect
+from flexros.effects.placement import PlacedLaw, RobotWithEffects, place_effects
 
-__all__ = ["AbstractEffect", "PlacedEffect", "effects", "parse_effect", "plant_values"]
+__all__ = [
+    "AbstractEffect",
+    "PlacedEffect",
+    "PlacedLaw",
+    "RobotWithEffects",
+    "effects",
+    "parse_effect",
+    "place_effects",
+]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import flexros.effects
 from flexros.config.validation import Settings, validate
@@ -13,25 +13,34 @@ from flexros.discovery import members
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
 
     from flexros.robot import Robot
 
 
+Stage = Literal["actuator", "motor friction", "gear", "structure", "load", "sensor", "timing"]
+"""Where in the loop an effect acts."""
+
+
 class AbstractEffect(Settings, ABC):
-    """An effect that changes numbers of the plant's model.
+    """A deviation of the plant from the nominal model.
 
-    How to add one: write one file in `flexros/effects` with one final subclass; it is then found by its name in
-    scenarios (`plant.effects`), in `flexros run --effect` and in everything that lists effects. It provides:
+    How to add one: write one file in `flexros/effects` with one final subclass of one of the kinds below; it is then
+    found by its name in scenarios (`plant.effects`), in `flexros run --effect` and in everything that lists effects.
+    It provides:
 
-    1. `name`, a class variable: the word by which it is chosen.
+    1. `name`, a class variable: the word by which it is chosen, and `stage`, where in the loop it acts.
     2. Its parameters as fields, each with a description that states unit and meaning; the default is the neutral
        value, which switches the effect off.
     3. `locations`, the places of a robot where it can sit.
-    4. `values`, the numbers of the robot that it changes at a place.
+    4. What its kind asks for: `AbstractModelChange` a changed robot, `AbstractChangedValues` (one of them) changed
+       numbers, `AbstractMotorTorque` a smooth torque at a motor, `AbstractDryFriction` a friction that can stick.
+
+    Any number of effects combine at any places.
     """
 
     name: ClassVar[str]
+    stage: ClassVar[Stage]
 
     @abstractmethod
     def locations(self, robot: Robot) -> tuple[str, ...]:
@@ -44,18 +53,6 @@ class AbstractEffect(Settings, ABC):
             Names of motors, springs or bodies, or "tool", "base", "all".
         """
 
-    @abstractmethod
-    def values(self, robot: Robot, location: str) -> dict[str, float]:
-        """Compute the changed numbers of the robot.
-
-        Args:
-            robot: The robot without the effect.
-            location: One of its `locations`.
-
-        Returns:
-            New values (SI) by parameter name, as for `Robot.with_values`.
-        """
-
 
 @dataclass(frozen=True)
 class PlacedEffect:
@@ -63,6 +60,17 @@ class PlacedEffect:
 
     effect: AbstractEffect
     location: str
+
+    def __str__(self) -> str:
+        """Write it as in a scenario, all parameters included."""
+        parameters = ",".join(f"{name}={value}" for name, value in self.effect.model_dump().items())
+        return f"{self.effect.name}@{self.location}:{parameters}"
+
+    def check_location(self, robot: Robot) -> None:
+        """Refuse a place that the robot does not have."""
+        allowed = self.effect.locations(robot)
+        if self.location not in allowed:
+            raise unknown_name(f"location of {self.effect.name} on robot {robot.name}", self.location, allowed)
 
 
 @cache
@@ -109,27 +117,3 @@ def _parameters(text: str, source: str) -> dict[str, str]:
     if not parameters:
         raise InputError(f"{source}: no parameter is given, so it would do nothing; add one, e.g. :relative=0.05")
     return parameters
-
-
-def plant_values(robot: Robot, placed: Iterable[PlacedEffect]) -> dict[str, float]:
-    """Compute the numbers of a plant with effects, each acting on what those before it left.
-
-    Args:
-        robot: The plant without the effects.
-        placed: Effects with their places.
-
-    Returns:
-        Changed values (SI) by parameter name.
-
-    Raises:
-        InputError: The robot has no such place.
-    """
-    changed: dict[str, float] = {}
-    for one in placed:
-        allowed = one.effect.locations(robot)
-        if one.location not in allowed:
-            raise unknown_name(f"location of {one.effect.name} on robot {robot.name}", one.location, allowed)
-        values = one.effect.values(robot, one.location)
-        robot = robot.with_values(values, one.effect.name)
-        changed.update(values)
-    return changed

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexros.effects.relative_error import AbstractRelativeError
 
 if TYPE_CHECKING:
+    from flexros.effects.base import Stage
     from flexros.robot import Robot
 
 
@@ -14,6 +15,7 @@ class DampingError(AbstractRelativeError):
     """The damper beside one spring scaled."""
 
     name: ClassVar[str] = "damping_error"
+    stage: ClassVar[Stage] = "gear"
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the springs, each of which has a damper."""

@@ -6,16 +6,18 @@ from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
-from flexros.effects.base import AbstractEffect
+from flexros.effects.model_change import AbstractChangedValues
 
 if TYPE_CHECKING:
+    from flexros.effects.base import Stage
     from flexros.robot import Robot
 
 
-class Delay(AbstractEffect):
+class Delay(AbstractChangedValues):
     """Time that all commands take to act, beyond the nominal delay; any real number of samples."""
 
     name: ClassVar[str] = "delay"
+    stage: ClassVar[Stage] = "timing"
 
     time: float = Field(0.0, ge=0.0, le=0.1, description="additional delay of the command [s]")
 

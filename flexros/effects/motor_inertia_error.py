@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexros.effects.relative_error import AbstractRelativeError
 
 if TYPE_CHECKING:
+    from flexros.effects.base import Stage
     from flexros.robot import Robot
 
 
@@ -14,6 +15,7 @@ class MotorInertiaError(AbstractRelativeError):
     """The inertia of one rotor scaled."""
 
     name: ClassVar[str] = "motor_inertia_error"
+    stage: ClassVar[Stage] = "actuator"
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the motors that have an inertia of their own."""

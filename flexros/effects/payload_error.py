@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexros.effects.relative_error import AbstractRelativeError
 
 if TYPE_CHECKING:
+    from flexros.effects.base import Stage
     from flexros.robot import Robot
 
 
@@ -14,6 +15,7 @@ class PayloadError(AbstractRelativeError):
     """Mass and inertia of the last body scaled together, the centre of mass kept."""
 
     name: ClassVar[str] = "payload_error"
+    stage: ClassVar[Stage] = "load"
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the tool, the one place of the load."""

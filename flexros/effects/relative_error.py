@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field
 
-from flexros.effects.base import AbstractEffect
+from flexros.effects.model_change import AbstractChangedValues
 
 if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
-class AbstractRelativeError(AbstractEffect):
+class AbstractRelativeError(AbstractChangedValues):
     """Numbers of the model that are wrong by one factor: value = (1 + relative) times nominal.
 
-    A member provides `name`, `locations` and `scaled`.
+    A member provides `name`, `stage`, `locations` and `scaled`.
     """
 
     relative: float = Field(0.0, gt=-1.0, lt=10.0, description="deviation, relative to the nominal value [1]")

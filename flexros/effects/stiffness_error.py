@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexros.effects.relative_error import AbstractRelativeError
 
 if TYPE_CHECKING:
+    from flexros.effects.base import Stage
     from flexros.robot import Robot
 
 
@@ -14,6 +15,7 @@ class StiffnessError(AbstractRelativeError):
     """The whole law of one spring scaled, linear or not."""
 
     name: ClassVar[str] = "stiffness_error"
+    stage: ClassVar[Stage] = "gear"
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the springs."""

@@ -13,8 +13,8 @@ from flexros.compile.loop import LoopKernel, compile_loop
 from flexros.compile.loop_arrays import LoopInputs
 from flexros.errors import InputError, unknown_name
 from flexros.robot.rest import Rest, RestFinder
-from flexros.simulate.loop import loop_functions
 from flexros.simulate.plant import delayed_start
+from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.sample_blocks import Zeros
 
 if TYPE_CHECKING:
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.compile.loop_arrays import LoopResult
-    from flexros.robot.model import SymbolicModel
     from flexros.simulate.experiment import Experiment
     from flexros.simulate.sample_blocks import SampleBlocks
 
@@ -93,7 +92,8 @@ def batch(
     Args:
         experiment: What to run.
         figure: What is kept of each run, computed as soon as it ends; `whole_record` keeps everything.
-        values: Parameter of the plant -> its value in every run (SI), each of shape (n_runs,).
+        values: Parameter of the plant -> its value in every run (SI), each of shape (n_runs,); of the robot, e.g.
+            "body_3.mass", or of an effect in the scenario, e.g. "coulomb_friction@motor_1.level".
         gains: Gain by the names of the control law, e.g. "motor_1.kp" -> its value in every run, shape (n_runs,).
         seeds: Seed of noise and random disturbances in every run; default: that of the scenario in all.
         threads: Number of threads; default: one per processor.
@@ -105,12 +105,12 @@ def batch(
     Raises:
         InputError: Unknown names, or different numbers of values.
     """
-    model = experiment.plant.symbolic(tuple(values)) if values else experiment.plant.model
+    model = PlantModel(experiment.plant, experiment.laws, tuple(values or ()))
     sets = batch_sets(experiment, model, values or {}, gains or {}, seeds)
     lanes = min(LANES, 1 << (len(sets) - 1).bit_length())
     law, plant = experiment.scenario.controller, experiment.plant
     kernel = compile_loop(
-        loop_functions(model, law.function(plant.n_motors, experiment.sample_time)),
+        model.functions(law.function(plant.n_motors, experiment.sample_time)),
         sample_time=experiment.sample_time,
         substeps=experiment.scenario.substeps,
         delay=plant.delay,
@@ -120,7 +120,7 @@ def batch(
     groups = [range(first, min(first + lanes, len(sets))) for first in range(0, len(sets), lanes)]
     figures: dict[int, Figure] = {}
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        jobs = [pool.submit(_run_group, experiment, figure, kernel, sets, group) for group in groups]
+        jobs = [pool.submit(_run_group, experiment, figure, kernel, model, sets, group) for group in groups]
         try:
             for job in as_completed(jobs):
                 figures |= job.result()
@@ -134,7 +134,7 @@ def batch(
 
 def batch_sets(
     experiment: Experiment,
-    model: SymbolicModel,
+    model: PlantModel,
     values: Mapping[str, ArrayLike],
     gains: Mapping[str, ArrayLike],
     seeds: Sequence[int] | None,
@@ -167,20 +167,33 @@ def batch_sets(
     return BatchSets(tuple(values), parameters, all_gains, own_seeds, _rests(experiment, model, parameters))
 
 
-def _rests(experiment: Experiment, model: SymbolicModel, parameters: FloatArray) -> tuple[Rest, ...]:
+def _rests(experiment: Experiment, model: PlantModel, parameters: FloatArray) -> tuple[Rest, ...]:
     """Find where every plant starts; the smallest and the largest value of each parameter must be physical."""
     start = Rest(experiment.start_state, experiment.start_torque)
     if not model.parameter_names:
         return (start,) * len(parameters)
+    of_robot = [model.parameter_names[column] for column in model.robot_columns]
     for name, column in zip(model.parameter_names, parameters.T, strict=True):
         for run in {int(np.argmin(column)), int(np.argmax(column))}:
-            experiment.plant.with_values({name: float(column[run])}, f"run {run} of the batch")
-    finder, near = RestFinder(model), start.state[: model.n_coordinates]
-    return tuple(finder.find(near, values) for values in parameters)
+            value, source = {name: float(column[run])}, f"run {run} of the batch"
+            experiment.plant.with_values(value if name in of_robot else {}, source)
+            for law in model.laws:
+                law.check_values(value, source)
+    finder, near = RestFinder(model.model), start.state[: experiment.plant.n_coordinates]
+    rests = []
+    for values in parameters:
+        rest = finder.find(near, values[model.robot_columns])
+        rests.append(Rest(rest.state, model.command_at_rest(rest.state, rest.torque, values)))
+    return tuple(rests)
 
 
 def _run_group(
-    experiment: Experiment, figure: Callable[[RunRecord], Figure], kernel: LoopKernel, sets: BatchSets, group: range
+    experiment: Experiment,
+    figure: Callable[[RunRecord], Figure],
+    kernel: LoopKernel,
+    model: PlantModel,
+    sets: BatchSets,
+    group: range,
 ) -> dict[int, Figure]:
     """Run as many sets as there are lanes, the last one repeated where sets are missing."""
     members = [*group, *[group[-1]] * (kernel.lanes - len(group))]
@@ -190,7 +203,7 @@ def _run_group(
     signals = [of_seed[sets.seeds[run]] for run in members]
     result = kernel.run(
         delayed_start(
-            _lanes([rest.state for rest in rests]),
+            _lanes([model.start(rest.state) for rest in rests]),
             law.initial_state(plant.n_motors),
             _lanes([rest.torque for rest in rests]),
             kernel.line_length,

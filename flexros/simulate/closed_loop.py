@@ -12,7 +12,6 @@ from flexros.compile.loop_arrays import LoopInputs
 from flexros.errors import RunError
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import BASE_FRAME, JointSeries, Log, PoseSeries
-from flexros.simulate.loop import loop_functions
 from flexros.simulate.plant import delayed_start, diverged_text
 
 if TYPE_CHECKING:
@@ -54,13 +53,16 @@ def closed_loop(experiment: Experiment, progress: Callable[[int], None] | None =
     law, references = scenario.controller, experiment.reference_signal
     signals = experiment.signals(scenario.seed)
     kernel = compile_loop(
-        loop_functions(plant.model, law.function(plant.n_motors, experiment.sample_time)),
+        experiment.plant_model.functions(law.function(plant.n_motors, experiment.sample_time)),
         sample_time=experiment.sample_time,
         substeps=scenario.substeps,
         delay=plant.delay,
     )
     state = delayed_start(
-        experiment.start_state, law.initial_state(plant.n_motors), experiment.start_torque, kernel.line_length
+        experiment.plant_model.start(experiment.start_state),
+        law.initial_state(plant.n_motors),
+        experiment.start_torque,
+        kernel.line_length,
     )
     encoder, command, pose = (np.full((n, width), np.nan) for width in (plant.n_motors, plant.n_motors, 7))
     for first in range(0, n, SLICE):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -9,18 +10,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.control.controller import Controller
-from flexros.effects import parse_effect, plant_values
+from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.errors import InputError, source_named
 from flexros.feedforward.reference import compute_reference
 from flexros.provenance import versions
 from flexros.robot import load_robot
 from flexros.simulate.plant import Plant
+from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.signals import plant_signals
 from flexros.trajectory import Trajectory, build_trajectory, check_reachable
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.config.scenario import Scenario
+    from flexros.effects import PlacedLaw
     from flexros.feedforward.motion import Reference
     from flexros.robot import Robot
     from flexros.simulate.signals import PlantSignals
@@ -36,10 +39,11 @@ class Experiment:
     Attributes:
         scenario: What was asked for.
         nominal: The robot as the feedforward knows it.
-        plant: The robot that is simulated.
+        plant: The robot that is simulated, without the laws of its effects.
         sample_time: Time between two samples [s].
         trajectory: Desired motion; a rest where the scenario has none.
         n_samples: Number of samples, the first at 0 and the last at or just before the end.
+        laws: Laws of effects at the motors of the plant.
     """
 
     scenario: Scenario
@@ -48,6 +52,7 @@ class Experiment:
     sample_time: float
     trajectory: Trajectory
     n_samples: int
+    laws: tuple[PlacedLaw, ...] = ()
 
     @classmethod
     def prepare(cls, scenario: Scenario) -> Experiment:
@@ -64,7 +69,7 @@ class Experiment:
         """
         source = f"scenario {scenario.name}"
         nominal = load_robot(scenario.robot).with_values(scenario.model.values, f"{source}, key model.values")
-        plant = _plant(scenario, nominal, source)
+        changed = _plant(scenario, nominal, source)
         sample_time = nominal.sample_time if scenario.sample_time is None else scenario.sample_time
         trajectory = _trajectory(scenario, nominal, source)
         duration = trajectory.duration if scenario.duration is None else scenario.duration
@@ -76,7 +81,7 @@ class Experiment:
                 f"some {needed / 1e9:.2g} GB of memory with robot {nominal.name}, allowed are {MOST_BYTES / 1e9:g} GB; "
                 "shorten the duration or raise the sample time"
             )
-        experiment = cls(scenario, nominal, plant, sample_time, trajectory, n_samples)
+        experiment = cls(scenario, nominal, changed.robot, sample_time, trajectory, n_samples, changed.laws)
         with source_named(source):  # what is cheap to check is refused before anything costly is made
             _ = experiment.gains, experiment.signals(scenario.seed)
         return experiment
@@ -117,8 +122,14 @@ class Experiment:
 
     @cached_property
     def start_torque(self) -> FloatArray:
-        """Motor torque that holds the plant at its start [Nm or N], shape (M,); what a delayed command stands for."""
-        return self.plant.holding_torque(self.start_state)
+        """Command that holds the plant at its start [Nm or N], shape (M,); what a delayed command stands for."""
+        torque = self.plant.holding_torque(self.start_state)
+        return self.plant_model.command_at_rest(self.start_state, torque, np.zeros(0))
+
+    @cached_property
+    def plant_model(self) -> PlantModel:
+        """The plant with the laws of its effects, as functions."""
+        return PlantModel(self.plant, self.laws)
 
     @cached_property
     def gains(self) -> FloatArray:
@@ -148,6 +159,7 @@ class Experiment:
             disturbances=self.scenario.disturbances,
             substeps=self.scenario.substeps,
             torque=self.start_torque,
+            laws=self.laws,
         )
 
     def provenance(self) -> dict[str, Any]:
@@ -159,7 +171,7 @@ class Experiment:
             "sample_time": self.sample_time,
             "n_samples": self.n_samples,
             "model_hash": self.nominal.model_hash,
-            "plant_hash": self.plant.model_hash,
+            "plant_hash": _plant_hash(self.plant, self.laws),
             "versions": versions(),
         }
 
@@ -190,7 +202,15 @@ def bytes_per_sample(robot: Robot, n_out: int) -> int:
     return 8 * (2 * reference + signal + derivatives + log)
 
 
-def _plant(scenario: Scenario, nominal: Robot, source: str) -> Robot:
+def _plant_hash(robot: Robot, laws: tuple[PlacedLaw, ...]) -> str:
+    """Fingerprint robot and laws; 16 hexadecimal digits, those of the robot where there is no law."""
+    if not laws:
+        return robot.model_hash
+    text = "\n".join([robot.model_hash, *(f"{law.name}:{law.effect!r}" for law in laws)])
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _plant(scenario: Scenario, nominal: Robot, source: str) -> RobotWithEffects:
     """Change the nominal robot by the plant's values, then by its effects."""
     key = f"{source}, key plant"
     if "sample_time" in scenario.plant.values:
@@ -201,7 +221,7 @@ def _plant(scenario: Scenario, nominal: Robot, source: str) -> Robot:
     plant = nominal.with_values(scenario.plant.values, f"{key}.values")
     with source_named(f"{key}.effects"):
         placed = [parse_effect(text, "effect") for text in scenario.plant.effects]
-        return plant.with_values(plant_values(plant, placed), "effects")
+        return place_effects(plant, placed)
 
 
 def _trajectory(scenario: Scenario, robot: Robot, source: str) -> Trajectory:

@@ -1,30 +1,8 @@
-"""A robot and a control law as the functions of a closed loop."""
+"""The open loop: a controller that commands the feedforward torque alone."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import casadi
-
-from flexros.compile.loop_functions import LoopFunctions
-
-if TYPE_CHECKING:
-    from flexros.robot.model import SymbolicModel
-
-
-def loop_functions(model: SymbolicModel, controller: casadi.Function) -> LoopFunctions:
-    """Put a model and a controller together.
-
-    Args:
-        model: Symbolic model of the plant; its free parameters become those of the loop.
-        controller: Update (c, r, y, g) -> (u, c_next).
-
-    Returns:
-        The functions from which the loop is compiled.
-    """
-    return LoopFunctions(
-        derivative=model.derivative, encoder=model.encoder, tool_pose=model.tool_pose, controller=controller
-    )
 
 
 def feed_through(n_motors: int) -> casadi.Function:

@@ -10,7 +10,8 @@ import numpy as np
 from flexros.compile.loop import compile_loop
 from flexros.compile.loop_arrays import LoopState
 from flexros.errors import RunError
-from flexros.simulate.loop import feed_through, loop_functions
+from flexros.simulate.loop import feed_through
+from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.sample_blocks import Zeros
 from flexros.simulate.signals import plant_signals
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
+    from flexros.effects import PlacedLaw
     from flexros.robot import Robot
     from flexros.simulate.disturbance import AbstractDisturbance
 
@@ -37,6 +39,7 @@ class Plant:
         disturbances: Torques and forces added at motors and tool.
         substeps: Integration steps in a sample.
         torque: Command that acts until the first one arrives through the delay [Nm or N], shape (M,); default: zero.
+        laws: Laws of effects at the motors.
 
     Raises:
         InputError: A disturbance has a place or frequency that does not exist here, or a number is out of range.
@@ -53,19 +56,24 @@ class Plant:
         disturbances: Sequence[AbstractDisturbance] = (),
         substeps: int = 1,
         torque: FloatArray | None = None,
+        laws: Sequence[PlacedLaw] = (),
     ) -> None:
         self.robot = robot
         self.sample_time = sample_time
         self.sample = 0
         self._signals = plant_signals(robot, sample_time, seed, noise=noise, disturbances=disturbances)
+        model = PlantModel(robot, laws)
         kernel = compile_loop(
-            loop_functions(robot.model, feed_through(robot.n_motors)),
+            model.functions(feed_through(robot.n_motors)),
             sample_time=sample_time,
             substeps=substeps,
             delay=robot.delay,
         )
         start = delayed_start(
-            state, np.zeros(0), np.zeros(robot.n_motors) if torque is None else torque, kernel.line_length
+            model.start(state),
+            np.zeros(0),
+            np.zeros(robot.n_motors) if torque is None else torque,
+            kernel.line_length,
         )
         self._step = kernel.stepper(start)
         self._measured = -1
@@ -77,8 +85,8 @@ class Plant:
 
     @property
     def state(self) -> FloatArray:
-        """State x at the present sample, shape (2 nq,), a copy."""
-        state: FloatArray = self._step.plant.copy()
+        """State x of the robot at the present sample, shape (2 nq,), a copy."""
+        state: FloatArray = self._step.plant[: 2 * self.robot.n_coordinates].copy()
         return state
 
     def measure(self) -> FloatArray:
@@ -145,7 +153,7 @@ def delayed_start(plant: FloatArray, controller: FloatArray, torque: FloatArray,
     """Make the state of a loop at rest, with a torque that has been acting for as long as the delay lasts.
 
     Args:
-        plant: State of the plant, shape (2 nq,) or (2 nq, lanes).
+        plant: State of the plant, shape (n_states,) or (n_states, lanes).
         controller: State of the controller, shape (n_c,).
         torque: Torque that acts until the first command arrives [Nm or N], shape (M,) or (M, lanes).
         line_length: Number of past commands that the delay remembers.

@@ -23,8 +23,8 @@ from flexros.control.pid import Pid
 from flexros.robot import Robot, load_robot
 from flexros.simulate.batch import batch
 from flexros.simulate.experiment import Experiment
-from flexros.simulate.loop import loop_functions
 from flexros.simulate.plant import Plant, delayed_start
+from flexros.simulate.plant_model import PlantModel
 from tests.oracles.mujoco_model import mujoco_closed_loop
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class Case:
 
     def kernel(self, lanes: int, engine: Any = "machine_code") -> LoopKernel:
         controller = self.law.function(self.robot.n_motors, T)
-        functions = loop_functions(self.robot.model, controller)
+        functions = PlantModel(self.robot).functions(controller)
         return compile_loop(functions, sample_time=T, lanes=lanes, engine=engine)
 
     def run(self, kernel: LoopKernel, references: FloatArray) -> FloatArray:

@@ -4,20 +4,36 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.effects import effects, parse_effect, plant_values
+from flexros.effects import PlacedEffect, effects, parse_effect, place_effects
 from flexros.errors import InputError
 from flexros.robot import load_robot, robot_names
+from flexros.simulate.plant_model import PlantModel
+
+
+def values_with(robot_name: str, *texts: str) -> dict[str, float]:
+    """Put effects onto a robot, and list the numbers that they change."""
+    before = load_robot(robot_name)
+    after = place_effects(before, [parse_effect(text, "--effect") for text in texts]).robot
+    values = {name: p.value for name, p in after.parameters.items() if p.value != before.parameters[name].value}
+    return values | ({} if after.delay == before.delay else {"delay": after.delay})
 
 
 @pytest.mark.parametrize("robot_name", robot_names())
 @pytest.mark.parametrize("name", sorted(effects()))
 def test_neutral_value_changes_nothing(name: str, robot_name: str) -> None:
     robot = load_robot(robot_name)
-    effect = effects()[name]()
-    known = {**{key: p.value for key, p in robot.parameters.items()}, "delay": robot.delay}
-    for location in effect.locations(robot):
-        for key, value in effect.values(robot, location).items():
-            assert value == known[key]
+    placed = [PlacedEffect(effects()[name](), location) for location in effects()[name]().locations(robot)]
+    result = place_effects(robot, placed)
+    assert result.robot.spec == robot.spec
+    assert PlantModel(result.robot, result.laws).laws == ()
+
+
+@pytest.mark.parametrize("name", sorted(effects()))
+def test_effect_has_a_place_on_some_robot_and_survives_being_written(name: str) -> None:
+    places = [(load_robot(robot), effects()[name]().locations(load_robot(robot))) for robot in robot_names()]
+    assert any(locations for _, locations in places)
+    placed = PlacedEffect(effects()[name](), "here")
+    assert parse_effect(str(placed), "--effect") == placed
 
 
 @pytest.mark.parametrize("name", sorted(effects()))
@@ -28,29 +44,30 @@ def test_every_parameter_states_its_unit(name: str) -> None:
 
 
 def test_effect_as_written_on_the_command_line() -> None:
-    placed = parse_effect("stiffness_error@body_2.ry:relative=-0.2", "--effect")
-    values = plant_values(load_robot("e12"), [placed])
+    values = values_with("e12", "stiffness_error@body_2.ry:relative=-0.2")
     assert values == {"body_2.ry.stiffness": pytest.approx(0.8e5)}
 
 
 def test_payload_error_scales_mass_and_inertia_of_the_last_body() -> None:
-    values = plant_values(load_robot("e12"), [parse_effect("payload_error@tool:relative=0.05", "--effect")])
+    values = values_with("e12", "payload_error@tool:relative=0.05")
     assert values["body_3.mass"] == pytest.approx(210)
     assert values["body_3.inertia.yy"] == pytest.approx(52.5)
     assert "body_2.mass" not in values
 
 
 def test_motor_inertia_and_damping() -> None:
-    placed = [
-        parse_effect("motor_inertia_error@motor_2:relative=0.1", "--effect"),
-        parse_effect("damping_error@body_3.ry:relative=0.5", "--effect"),
-    ]
-    assert plant_values(load_robot("e12"), placed) == pytest.approx({"motor_2.inertia": 110, "body_3.ry.damping": 75})
+    values = values_with("e12", "motor_inertia_error@motor_2:relative=0.1", "damping_error@body_3.ry:relative=0.5")
+    assert values == pytest.approx({"motor_2.inertia": 110, "body_3.ry.damping": 75})
 
 
 def test_effects_on_one_number_act_one_after_the_other() -> None:
-    placed = [parse_effect("delay@all:time=0.0003", "--effect")] * 2
-    assert plant_values(load_robot("four_mass"), placed) == pytest.approx({"delay": 0.0011})
+    assert values_with("four_mass", *["delay@all:time=0.0003"] * 2) == pytest.approx({"delay": 0.0011})
+
+
+def test_laws_alike_are_told_apart() -> None:
+    placed = [parse_effect("torque_ripple@motor_1:amplitude=2", "--effect")] * 2
+    names = [law.name for law in place_effects(load_robot("e12"), placed).laws]
+    assert names == ["torque_ripple@motor_1", "torque_ripple@motor_1#2"]
 
 
 @pytest.mark.parametrize(
@@ -76,4 +93,4 @@ def test_wrong_effect_is_refused(text: str, message: str) -> None:
 def test_wrong_location_is_refused() -> None:
     placed = parse_effect("stiffness_error@body_9.ry:relative=0.1", "--effect")
     with pytest.raises(InputError, match="unknown location of stiffness_error on robot e12 'body_9.ry'"):
-        plant_values(load_robot("e12"), [placed])
+        place_effects(load_robot("e12"), [placed])

@@ -1,0 +1,39 @@
+"""Dry friction of constant level."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import casadi as ca
+from pydantic import Field
+
+from flexros.effects.dry_friction import AbstractDryFriction, FrictionLevels
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.effects.base import Stage
+    from flexros.robot.kinematics import Value
+
+
+class CoulombFriction(AbstractDryFriction):
+    """Coulomb friction at a motor, with true sticking.
+
+    With level F and asymmetry a the torque on a moving motor is -F (1 + a/2) forward and +F (1 - a/2) backward; at
+    standstill it balances all other torques between these bounds.
+    """
+
+    name: ClassVar[str] = "coulomb_friction"
+    stage: ClassVar[Stage] = "motor friction"
+    size: ClassVar[str] = "level"
+
+    level: float = Field(0.0, ge=0.0, description="mean of both directions [Nm or N]")
+    asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="(forward - backward) / mean [1]")
+
+    def levels(self, speed: ca.SX, values: Mapping[str, Value]) -> FrictionLevels:
+        """Return the two levels, whatever the speed."""
+        del speed
+        return FrictionLevels(
+            ca.SX(values["level"] * (1 + values["asymmetry"] / 2)),
+            ca.SX(values["level"] * (1 - values["asymmetry"] / 2)),
+        )

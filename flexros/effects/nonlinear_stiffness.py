@@ -1,0 +1,100 @@
+"""Spring whose stiffness changes at a knee."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from pydantic import Field, model_validator
+
+from flexros.config.validation import validate
+from flexros.effects.model_change import AbstractModelChange
+from flexros.errors import InputError
+from flexros.robot import Robot
+from flexros.robot.specification import RobotSpecification
+from flexros.robot.spring import PiecewiseLinear, Spring
+
+if TYPE_CHECKING:
+    from flexros.effects.base import Stage
+
+
+class NonlinearStiffness(AbstractModelChange):
+    """A spring of the nominal stiffness up to a knee and of another one beyond: hardening or softening.
+
+    With stiffness k, deflection d, knee c and relative change r the torque of the spring is
+
+        k d                                     for |d| <= c,
+        sign(d) (k c + (1 + r) k (|d| - c))     beyond: odd, continuous, with a corner at the knee.
+
+    A spring that is piecewise linear already has its stiffness scaled by 1 + r beyond the knee. The knee is given as a
+    deflection, or as the torque k c at which it lies. It acts between motor and arm for a gear, and on the arm
+    coordinate for the other springs; the damper stays as it is.
+    """
+
+    name: ClassVar[str] = "nonlinear_stiffness"
+    stage: ClassVar[Stage] = "gear"
+
+    relative: float = Field(0.0, gt=-1.0, le=100.0, description="change of stiffness beyond the knee [1]; > 0 hardens")
+    knee: float = Field(0.0, ge=0.0, description="deflection at the knee [rad or m]; 0: knee_torque is given instead")
+    knee_torque: float = Field(0.0, ge=0.0, description="torque at the knee [Nm or N]; 0: knee is given instead")
+
+    @model_validator(mode="after")
+    def _one_knee(self) -> NonlinearStiffness:
+        if (self.relative != 0 or self.knee * self.knee_torque > 0) and (self.knee > 0) == (self.knee_torque > 0):
+            raise ValueError(
+                f"knee is {self.knee:g} and knee_torque {self.knee_torque:g}, but one of the two must be above zero "
+                "and the other left out: give knee=... [rad or m] or knee_torque=... [Nm or N]"
+            )
+        return self
+
+    def locations(self, robot: Robot) -> tuple[str, ...]:
+        """List the springs that are linear or piecewise linear and not of stiffness zero."""
+        springs = {joint.name: joint.direction.spring for joint in robot.chain.joints}
+        return tuple(
+            name
+            for name, spring in springs.items()
+            if isinstance(spring, Spring)
+            and spring.cubic is None
+            and (spring.stiffness is None or spring.stiffness.value)
+        )
+
+    def changed(self, robot: Robot, location: str) -> Robot:
+        """Put the knee into the law of the spring."""
+        if self.relative == 0:
+            return robot
+        data = robot.spec.model_dump()
+        *way, last = robot.parameters[f"{location}.stiffness"].path
+        here: Any = data
+        for part in way:
+            here = here[part]
+        spring = next(joint.direction.spring for joint in robot.chain.joints if joint.name == location)
+        assert isinstance(spring, Spring)
+        here[last] = {"piecewise_linear": self._law(spring, location)}
+        return Robot(validate(RobotSpecification, data, self.name), self.name)
+
+    def _law(self, spring: Spring, location: str) -> dict[str, Any]:
+        """Compute knots and slopes with the knee among them."""
+        law, stiffness = spring.piecewise_linear, spring.stiffness
+        if law is None:
+            assert stiffness is not None
+            knee = self.knee or self.knee_torque / stiffness.value
+            slopes: tuple[float, ...] = (stiffness.value, (1 + self.relative) * stiffness.value)
+            return {"knots": (knee,), "slopes": slopes, "source": stiffness.source, "tolerance": stiffness.tolerance}
+        knee = self.knee or _deflection(law, self.knee_torque, f"{self.name} at {location}")
+        knots = tuple(sorted({*law.knots, knee}))
+        slopes = tuple(_slope(law, begin) * (1 + self.relative * (begin >= knee)) for begin in (0.0, *knots))
+        return {"knots": knots, "slopes": slopes, "source": law.source, "tolerance": law.tolerance}
+
+
+def _slope(law: PiecewiseLinear, deflection: float) -> float:
+    """Return the stiffness just beyond a deflection."""
+    return law.slopes[sum(knot <= deflection for knot in law.knots)]
+
+
+def _deflection(law: PiecewiseLinear, torque: float, source: str) -> float:
+    """Find the deflection at which a law reaches a torque."""
+    begins, reached = (0.0, *law.knots), 0.0
+    for begin, end, slope in zip(begins, (*law.knots, float("inf")), law.slopes):
+        if slope > 0 and reached + slope * (end - begin) >= torque:
+            return begin + (torque - reached) / slope
+        reached += slope * (end - begin) if slope > 0 else 0.0
+    raise InputError(f"{source}: knee_torque is {torque:g}, but the spring never reaches it; lower it or give knee")

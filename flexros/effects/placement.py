@@ -1,0 +1,91 @@
+"""Effects put onto a robot: what of them is another robot, and what remains as laws at its motors."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flexros.config.validation import validate
+from flexros.effects.model_change import AbstractModelChange
+from flexros.effects.motor_law import AbstractMotorLaw
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from flexros.effects.base import PlacedEffect
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True)
+class PlacedLaw:
+    """A law at a motor.
+
+    Attributes:
+        name: Effect and place, e.g. "coulomb_friction@motor_1"; the second one alike ends in "#2".
+        effect: The effect.
+        motor: Number of the motor (0-based).
+    """
+
+    name: str
+    effect: AbstractMotorLaw
+    motor: int
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Numbers of the law by full name, e.g. "coulomb_friction@motor_1.level"."""
+        return {f"{self.name}.{key}": value for key, value in self.effect.numbers.items()}
+
+    def check_values(self, values: Mapping[str, float], source: str) -> None:
+        """Refuse numbers that the effect does not allow.
+
+        Args:
+            values: New numbers by full name; names of other laws are passed over.
+            source: Who asks for them; opens the error text.
+
+        Raises:
+            InputError: Names the parameter, its value and what is allowed.
+        """
+        own = {name.rpartition(".")[2]: value for name, value in values.items() if name in self.parameters}
+        validate(type(self.effect), {**self.effect.model_dump(), **own}, f"{source}: {self.name}")
+
+
+@dataclass(frozen=True, eq=False)
+class RobotWithEffects:
+    """A robot with effects.
+
+    Attributes:
+        robot: The robot with all that changes its model.
+        laws: Laws at its motors, in the order in which they were given.
+    """
+
+    robot: Robot
+    laws: tuple[PlacedLaw, ...]
+
+
+def place_effects(robot: Robot, placed: Iterable[PlacedEffect]) -> RobotWithEffects:
+    """Put effects onto a robot; those that change its model act on what those before them left.
+
+    Args:
+        robot: The robot without the effects.
+        placed: Effects with their places.
+
+    Returns:
+        Changed robot and laws.
+
+    Raises:
+        InputError: The robot has no such place.
+    """
+    laws: list[PlacedLaw] = []
+    alike: Counter[str] = Counter()
+    for one in placed:
+        one.check_location(robot)
+        if isinstance(one.effect, AbstractModelChange):
+            robot = one.effect.changed(robot, one.location)
+            continue
+        assert isinstance(one.effect, AbstractMotorLaw)
+        name = f"{one.effect.name}@{one.location}"
+        alike[name] += 1
+        name = name if alike[name] == 1 else f"{name}#{alike[name]}"
+        laws.append(PlacedLaw(name, one.effect, robot.joint_names.index(one.location)))
+    return RobotWithEffects(robot, tuple(laws))

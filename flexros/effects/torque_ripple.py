@@ -1,0 +1,49 @@
+"""Torque that repeats with the turning of the motor: cogging and ripple."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import casadi as ca
+from pydantic import Field, model_validator
+
+from flexros.effects.motor_law import AbstractMotorTorque, MotorState
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.effects.base import Stage
+    from flexros.robot.kinematics import Value
+
+
+class TorqueRipple(AbstractMotorTorque):
+    """One order of a Fourier series in the angle of the rotor.
+
+    With amplitude A, order n, phase p and rotor angle a, the torque A sin(n a + p) is added at the motor (cogging), or
+    A sin(n a + p) times the torque that acts on it (ripple of a winding, `proportional`). The order counts periods per
+    turn of the rotor: on a robot stated on the arm's side the rotor turns by gear ratio times the motor coordinate,
+    on one stated on the motor's side by the motor coordinate itself. Several orders are several effects.
+    """
+
+    name: ClassVar[str] = "torque_ripple"
+    stage: ClassVar[Stage] = "actuator"
+    size: ClassVar[str] = "amplitude"
+
+    amplitude: float = Field(0.0, ge=0.0, description="[Nm or N], or if proportional, relative to the torque [1]")
+    order: float = Field(1.0, gt=0.0, description="periods per turn of the rotor [1]")
+    phase: float = Field(0.0, description="phase at motor position zero [rad]")
+    proportional: bool = Field(False, description="whether the ripple is proportional to the torque [-]")
+
+    @model_validator(mode="after")
+    def _smaller_than_the_torque(self) -> TorqueRipple:
+        if self.proportional and self.amplitude >= 1:
+            raise ValueError(
+                f"amplitude is {self.amplitude:g}, but a proportional ripple is relative to the torque and must be "
+                "below 1; lower it"
+            )
+        return self
+
+    def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
+        """Evaluate the wave at the angle of the rotor."""
+        wave = values["amplitude"] * ca.sin(values["order"] * motor.angle + values["phase"])
+        return wave * motor.torque if self.proportional else wave
