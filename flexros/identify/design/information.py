@@ -26,7 +26,8 @@ def frf_information(jacobian: ComplexArray, spectrum: ComplexArray, error: Float
         Information about the parameters, shape (..., F, P, P).
     """
     moved = np.moveaxis(jacobian, -1, -3)  # (..., F, P, n_y, n_u)
-    white = (moved @ spectrum[..., None, :, :]) / np.sqrt(error)[..., None, :, None]
+    rows = moved.reshape(*moved.shape[:-3], -1, moved.shape[-1]) @ spectrum
+    white = rows.reshape(*moved.shape[:-1], -1) / np.sqrt(error)[..., None, :, None]
     flat = white.reshape(*white.shape[:-2], -1)
     both = np.concatenate([flat.real, flat.imag], axis=-1)
     result: FloatArray = 2.0 * both @ np.swapaxes(both, -1, -2)

@@ -20,7 +20,7 @@ _EXCHANGES = 200
 """Most exchanges (chosen); each raises the determinant, so that they end by themselves."""
 
 
-def round_design(design: Design, number: int) -> IntArray:
+def round_design(design: Design, number: int, most: int | None = None) -> IntArray:
     """Round shares to numbers of experiments that keep as much of the information as possible.
 
     Where there are at least as many experiments as positions with a share, by efficient apportionment (Pukelsheim and
@@ -30,21 +30,33 @@ def round_design(design: Design, number: int) -> IntArray:
     Args:
         design: The shares.
         number: Number of experiments in all.
+        most: Most experiments in one position; 1 makes all positions differ, which averages errors of the model that
+            the information does not know of. Default: any number.
 
     Returns:
         Experiments in each candidate, shape (Q,), sum `number`.
 
     Raises:
-        InputError: No experiment, or so few that they cannot determine the parameters.
+        InputError: No experiment, fewer candidates than are wanted, or so few that they cannot determine the
+            parameters.
     """
+    limit = number if most is None else most
     if number < 1:
         raise InputError(f"{number} experiments were asked for, but at least one is needed")
+    if limit * len(design.weights) < number:
+        raise InputError(
+            f"{number} experiments with at most {limit} in each of {len(design.weights)} candidate positions were "
+            "asked for; draw more candidates or ask for fewer experiments"
+        )
     counts = np.zeros(len(design.weights), dtype=np.int64)
     if number < len(design.support):
         counts[design.support[:number]] = 1
     else:
         counts[design.support] = apportion(design.weights[design.support], number)
-    return _exchanged(design, counts)
+    counts = np.minimum(counts, limit)
+    for candidate in np.argsort(design.sensitivities)[::-1]:
+        counts[candidate] += min(limit - counts[candidate], number - counts.sum())
+    return _exchanged(design, counts, limit)
 
 
 def apportion(weights: FloatArray, number: int) -> IntArray:
@@ -65,7 +77,7 @@ def apportion(weights: FloatArray, number: int) -> IntArray:
     return counts
 
 
-def _exchanged(design: Design, counts: IntArray) -> IntArray:
+def _exchanged(design: Design, counts: IntArray, limit: int) -> IntArray:
     """Move one experiment at a time to where the determinant grows most, until none does."""
     near = np.union1d(design.support, np.argsort(design.sensitivities)[::-1][:_NEAR])
     root = np.linalg.cholesky(design.dual) / np.sqrt(counts.sum())  # makes the unit matrix of the optimal shares
@@ -76,7 +88,7 @@ def _exchanged(design: Design, counts: IntArray) -> IntArray:
         best, move = value + 1e-9 if np.isfinite(value) else -np.inf, None
         for leaving in np.flatnonzero(counts):
             without = total - root.T @ design.information[leaving] @ root
-            values = _log_det(without + entering)
+            values = np.where(counts[near] < limit, _log_det(without + entering), -np.inf)
             k = int(np.argmax(values))
             if values[k] > best:
                 best, move = float(values[k]), (leaving, near[k], without + entering[k])

@@ -47,3 +47,17 @@ def test_too_few_experiments_are_refused() -> None:
         round_design(design, 3)
     with pytest.raises(InputError, match="0 experiments were asked for, but at least one is needed"):
         round_design(design, 0)
+
+
+def test_positions_differ_when_each_may_have_one_experiment() -> None:
+    information = random_information(200, 5, seed=6)
+    design = d_optimal(information)
+    counts = round_design(design, 15, most=1)
+    assert counts.sum() == 15
+    assert counts.max() == 1
+    repeated = round_design(design, 15)
+    assert repeated.max() > 1
+    values = [np.linalg.slogdet(np.tensordot(n, information, axes=1))[1] for n in (counts, repeated)]
+    assert values[0] < values[1]
+    with pytest.raises(InputError, match="201 experiments with at most 1 in each of 200 candidate positions"):
+        round_design(design, 201, most=1)
