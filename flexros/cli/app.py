@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexros.cli import analyze, bench, demo, robots, run
+from flexros.cli import analyze, bench, demo, import_log, robots, run
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
 if TYPE_CHECKING:
@@ -76,6 +76,7 @@ def reported(command: Callable[..., Any]) -> Callable[..., None]:
 COMMANDS: dict[str, Callable[..., Any]] = {
     "robots": robots.robots,
     "robot": robots.robot,
+    "import": import_log.import_log,
     "import-urdf": robots.import_urdf,
     "scenarios": run.scenarios,
     "run": run.run,

@@ -1,0 +1,69 @@
+"""Command that turns a log of another recorder into one of the contract."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import typer
+from rich.table import Table
+
+from flexros.cli.output import console, print_json, say
+
+if TYPE_CHECKING:
+    from flexros.logs.time_series import JointSeries, Log
+
+_TOPICS = ("joint_states", "joint_commands", "joint_reference")
+
+
+def import_log(
+    mapping: str = typer.Argument(help="Shipped mapping (emps), or path of a mapping YAML."),
+    file: list[Path] = typer.Argument(help="CSV, MATLAB (.mat) or NumPy (.npz) files that hold the columns together."),
+    out: Path = typer.Option(..., "--out", help="Folder of the log (rosbag2) to write."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> None:
+    """Turn a log of another recorder into a rosbag2 log, by a mapping of its columns."""
+    from flexros.logs.foreign.import_log import import_log as read_files
+    from flexros.logs.foreign.mapping import load_mapping
+    from flexros.logs.write_log import write_log
+
+    log = read_files(load_mapping(mapping), file)
+    write_log(log, out)
+    rows = [_figures(name, getattr(log, name)) for name in _TOPICS if getattr(log, name) is not None]
+    if as_json:
+        print_json({"log": str(out), "topics": rows, "warnings": list(log.warnings)})
+        return
+    _print(rows, log)
+    say(f"Log: {out}")
+    say(f"Analyse it: flexros analyze {shlex.quote(str(out))}")
+
+
+def _figures(name: str, series: JointSeries) -> dict[str, object]:
+    """What came of one topic."""
+    interval = np.diff(series.stamp) * 1e-9
+    duration = float((series.stamp[-1] - series.stamp[0]) * 1e-9)
+    return {
+        "topic": name,
+        "joints": list(series.names),
+        "fields": [field for field in ("position", "velocity", "effort") if getattr(series, field) is not None],
+        "samples": len(series.stamp),
+        "duration_s": duration,
+        "rate_hz": len(interval) / duration,
+        "longest_interval_s": float(interval.max()),
+    }
+
+
+def _print(rows: list[dict[str, object]], log: Log) -> None:
+    table = Table("topic", "fields", "samples", "time [s]", "rate [Hz]", "longest gap [ms]")
+    table.columns[0].no_wrap = True
+    for row in rows:
+        gap = 1e3 * float(row["longest_interval_s"])  # type: ignore[arg-type]
+        fields = ", ".join(row["fields"])  # type: ignore[arg-type]
+        numbers = f"{row['samples']}", f"{row['duration_s']:.6g}", f"{row['rate_hz']:.6g}", f"{gap:.4g}"
+        table.add_row(str(row["topic"]), fields, *numbers)
+    console.print(table)
+    say(f"Joints: {', '.join(log.joint_states.names)}")
+    for warning in log.warnings:
+        say(f"warning: {warning}")

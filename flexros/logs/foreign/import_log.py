@@ -1,0 +1,195 @@
+"""A foreign log becomes a log of the contract: columns to quantities, units to SI, times to stamps."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import defaultdict
+from dataclasses import dataclass
+from fnmatch import fnmatch
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.errors import InputError, unknown_name
+from flexros.logs.foreign.quantities import QUANTITIES
+from flexros.logs.foreign.signal_source import AbstractSignalSource, open_source, safe_name
+from flexros.logs.foreign.units import TIME_UNITS
+from flexros.logs.stamps import START_NS
+from flexros.logs.time_series import JointSeries, Log
+from flexros.provenance import versions
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from flexros.arrays import FloatArray
+    from flexros.logs.foreign.mapping import LogMapping, MappedColumn
+
+_FEWEST = 2
+"""Rows that a log needs at least."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Mapped:
+    """A column as a quantity: values in SI units, shape (n,), at times [s] of the file's clock, shape (n,)."""
+
+    entry: MappedColumn
+    place: str
+    time: FloatArray
+    values: FloatArray
+
+
+def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
+    """Read files of another recorder as a log.
+
+    The columns may lie in several files of the same clock. The first row gets the stamp 1 s; the time that it had in
+    the file is kept in the provenance. Quantities of one topic that were sampled at different times (other file, other
+    time offset) are interpolated linearly at the times of the topic's first quantity, which the warnings tell.
+
+    Args:
+        mapping: What the columns are.
+        files: CSV, MATLAB or NumPy files.
+
+    Returns:
+        The log; its provenance names mapping, files and their hashes.
+
+    Raises:
+        InputError: A column is missing, no number, not finite or too short, or times do not increase; the sentence
+            names file, column and row.
+    """
+    sources = {path: open_source(path) for path in files}
+    found, absent = _find(mapping, sources)
+    signals = _read(mapping, sources, found)
+    zero = min(float(signal.time[0]) for signal in signals)
+    warnings = [f"optional column '{name}' is in none of the files" for name in absent]
+    topics: dict[str, list[_Mapped]] = defaultdict(list)
+    for signal in signals:
+        topics[QUANTITIES[signal.entry.quantity].topic].append(signal)
+    series: dict[str, Any] = {name: _series(group, zero, warnings) for name, group in topics.items()}
+    return Log(**series, provenance=_provenance(mapping, files, zero, warnings), warnings=tuple(warnings))
+
+
+def _find(
+    mapping: LogMapping, sources: dict[Path, AbstractSignalSource]
+) -> tuple[list[tuple[Path, MappedColumn]], list[str]]:
+    """Files of the columns, and the optional columns that none of them has."""
+    found, absent = [], []
+    for entry in mapping.columns:
+        holders = [path for path in sources if not entry.file or fnmatch(path.name, entry.file)]
+        having = [path for path in holders if entry.column in sources[path].names]
+        if len(having) > 1:
+            raise InputError(
+                f"mapping {mapping.name}: column '{entry.column}' is in several files "
+                f"({', '.join(path.name for path in having)}); add the key 'file' to the column"
+            )
+        if having:
+            found.append((having[0], entry))
+        elif entry.optional:
+            absent.append(entry.column)
+        else:
+            names = [name for path in holders for name in sources[path].names]
+            where = ", ".join(str(path) for path in holders) or f"any file like '{entry.file}'"
+            raise unknown_name(f"column of mapping {mapping.name}", entry.column, names, where)
+    return found, absent
+
+
+def _read(
+    mapping: LogMapping, sources: dict[Path, AbstractSignalSource], found: list[tuple[Path, MappedColumn]]
+) -> list[_Mapped]:
+    """Read all columns, file by file, and check and convert them; in the order of the mapping."""
+    clock = mapping.time
+    mapped: dict[str, _Mapped] = {}
+    for path, source in sources.items():
+        entries = [entry for holder, entry in found if holder == path]
+        if not entries:
+            raise InputError(f"{path} has none of the columns of mapping {mapping.name}; leave the file out")
+        has_clock = clock.column in source.names
+        read = source.read([*{entry.column: None for entry in entries}, *([clock.column] if has_clock else [])])
+        for entry in entries:
+            signal, place = read[entry.column], f"{path}, column '{entry.column}'"
+            _check_finite(signal.values, place)
+            if signal.time is not None:
+                time = signal.time
+            elif clock.rate is not None:
+                time = np.arange(len(signal.values)) / clock.rate
+            elif has_clock:
+                time = read[clock.column].values * TIME_UNITS[clock.unit]
+            else:
+                raise unknown_name(f"time column of mapping {mapping.name}", clock.column, source.names, str(path))
+            if len(time) != len(signal.values):
+                raise InputError(
+                    f"{place} has {len(signal.values)} rows, but its time '{clock.column}' has {len(time)}; make them "
+                    "equally long"
+                )
+            _check_increasing(time, f"{path}, time column '{clock.column}'")
+            values = entry.factor * signal.values + entry.offset
+            mapped[f"{entry.quantity} {entry.joint}"] = _Mapped(entry, place, time + entry.time_offset, values)
+    order = [f"{entry.quantity} {entry.joint}" for entry in mapping.columns]
+    return [mapped[key] for key in order if key in mapped]
+
+
+def _check_finite(values: FloatArray, place: str) -> None:
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        raise InputError(
+            f"{place}, row {bad[0] + 1}: {values[bad[0]]} is no finite number ({bad.size} such rows); cut the gap out "
+            "or fill it"
+        )
+
+
+def _check_increasing(time: FloatArray, place: str) -> None:
+    if len(time) < _FEWEST:
+        raise InputError(f"{place} has {len(time)} rows, but at least {_FEWEST} are needed; give a longer log")
+    _check_finite(time, place)
+    bad = np.flatnonzero(np.diff(time) <= 0)
+    if bad.size:
+        at = int(bad[0])
+        word = "repeats" if time[at + 1] == time[at] else "goes back"
+        raise InputError(
+            f"{place}, row {at + 2}: the time {word} ({time[at]:.9g} s, then {time[at + 1]:.9g} s; {bad.size} such "
+            "rows), but must increase; sort the rows and drop repeats"
+        )
+
+
+def _series(signals: list[_Mapped], zero: float, warnings: list[str]) -> JointSeries:
+    """Put the quantities of one topic on the times of the first and stack the joints."""
+    joints = sorted({signal.entry.joint for signal in signals}, key=lambda name: int(name.split("_")[1]))
+    base = signals[0]
+    moved = [signal for signal in signals if not np.array_equal(signal.time, base.time)]
+    inside = np.ones(len(base.time), bool)
+    for signal in moved:
+        inside &= (base.time >= signal.time[0]) & (base.time <= signal.time[-1])
+        warnings.append(
+            f"{signal.entry.quantity} of {signal.entry.joint} was interpolated linearly at the times of "
+            f"{base.entry.quantity} of {base.entry.joint}"
+        )
+    time = base.time[inside]
+    if len(time) < _FEWEST:
+        raise InputError(f"{base.place} and {moved[0].place} have no time in common; correct the clocks")
+    fields: dict[str, dict[str, FloatArray]] = defaultdict(dict)
+    for signal in signals:
+        own = signal.values[inside] if signal not in moved else np.interp(time, signal.time, signal.values)
+        fields[QUANTITIES[signal.entry.quantity].field][signal.entry.joint] = own
+    quantities = {QUANTITIES[signal.entry.quantity].field: signal.entry.quantity for signal in signals}
+    for field, values in fields.items():
+        lacking = [joint for joint in joints if joint not in values]
+        if lacking:
+            raise InputError(
+                f"the quantity {quantities[field]} was found for {', '.join(values)} but not for {', '.join(lacking)}; "
+                "map it for all joints or for none"
+            )
+    stamp = START_NS + np.rint((time - zero) * 1e9).astype(np.int64)
+    stacked: dict[str, Any] = {field: np.column_stack([v[joint] for joint in joints]) for field, v in fields.items()}
+    return JointSeries(stamp, tuple(joints), **stacked)
+
+
+def _provenance(mapping: LogMapping, files: Sequence[Path], zero: float, warnings: list[str]) -> dict[str, Any]:
+    return {
+        "import": {
+            "mapping": mapping.model_dump(mode="json", exclude_defaults=True),
+            "files": [{"name": safe_name(p), "sha256": hashlib.sha256(p.read_bytes()).hexdigest()} for p in files],
+            "time_of_first_row_s": zero,
+            "warnings": list(warnings),
+        },
+        "versions": versions(),
+    }

@@ -1,0 +1,165 @@
+"""Mapping files: which column of a foreign log is which quantity of which joint, in which unit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from flexros.config.validation import Settings, validate
+from flexros.config.yaml_file import read_yaml
+from flexros.errors import unknown_name
+from flexros.logs.foreign.quantities import QUANTITIES
+from flexros.logs.foreign.units import TIME_UNITS, UNITS, units_of
+
+MAPPINGS = Path(__file__).parents[1] / "mappings"
+"""Mapping files that are shipped."""
+
+
+class Scale(Settings):
+    """Turns a unit that says nothing about mechanics into one that does, e.g. 35.15 N/V or 6.28e-5 rad/count."""
+
+    value: float = Field(description="of the unit below; not zero")
+    unit: str = Field(pattern=r"^[^/]+(/s)?/[^/]+$", description="mechanical unit per unit of the column, e.g. N/V")
+
+    @model_validator(mode="after")
+    def _not_zero(self) -> Scale:
+        if self.value == 0:
+            raise ValueError("a scale of 0 leaves nothing of the column; give another value")
+        return self
+
+    @property
+    def target(self) -> str:
+        """Unit that the scale leads to."""
+        return self.unit.rpartition("/")[0]
+
+    @property
+    def origin(self) -> str:
+        """Unit of the column."""
+        return self.unit.rpartition("/")[2]
+
+
+class MappedColumn(Settings):
+    """One column: what it is, and how its numbers become the SI value in the coordinate of the robot file.
+
+    value = sign * gear * (scale * column in SI) + offset, where gear is 1 / gear_ratio for positions and velocities and
+    gear_ratio for torques: columns measured on the motor's side are brought to the arm's side of the gear.
+    """
+
+    column: str = Field(min_length=1, description="name in the file; name[k] is column k, from 0, of a matrix")
+    quantity: str = Field(description="what it is")
+    joint: str = Field("motor_1", pattern=r"^motor_[1-9][0-9]*$", description="motor that it belongs to")
+    unit: str = Field(min_length=1, description="unit of the numbers in the file")
+    scale: Scale | None = Field(None, description="needed for a unit like V, A or count")
+    sign: Literal[1, -1] = Field(1, description="-1 where the file counts the other way than the robot file")
+    gear_ratio: float = Field(1.0, gt=0, description="motor turns per arm turn, where the column is on the motor side")
+    offset: float = Field(0.0, description="added at the end [SI unit]")
+    time_offset: float = Field(0.0, ge=-10, le=10, description="time of the quantity minus time of its row [s]")
+    file: str = Field("", description="name of its file, with * and ?, where several files have such a column")
+    optional: bool = Field(False, description="may be missing")
+
+    @model_validator(mode="after")
+    def _unit_fits(self) -> MappedColumn:
+        if self.quantity not in QUANTITIES:
+            raise ValueError(f"'{self.quantity}' is no known quantity; allowed are {', '.join(QUANTITIES)}")
+        kind = QUANTITIES[self.quantity].kind
+        place = f"column '{self.column}', quantity {self.quantity}:"
+        if self.scale is not None and self.scale.origin != self.unit:
+            raise ValueError(
+                f"{place} the unit is '{self.unit}', but the scale is per '{self.scale.origin}'; make them the same"
+            )
+        target = self.target_unit
+        if target not in UNITS or UNITS[target].kind != kind:
+            hint = "" if self.scale else f"; another unit needs a scale, e.g. {{value: 2, unit: {units_of(kind)[0]}/V}}"
+            raise ValueError(f"{place} unit '{target}', but allowed are {', '.join(units_of(kind))}{hint}")
+        return self
+
+    @property
+    def target_unit(self) -> str:
+        """Mechanical unit that the numbers have after the scale."""
+        return self.scale.target if self.scale else self.unit
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the unit is that of a rotation."""
+        return UNITS[self.target_unit].rotary
+
+    @property
+    def factor(self) -> float:
+        """What the numbers of the column are multiplied by."""
+        gear = self.gear_ratio if QUANTITIES[self.quantity].kind == "torque" else 1 / self.gear_ratio
+        scale = self.scale.value if self.scale else 1.0
+        return self.sign * UNITS[self.target_unit].factor * scale * gear
+
+
+class Clock(Settings):
+    """Time of the rows: a column, or a rate."""
+
+    column: str = Field("", description="name of the time column")
+    unit: str = Field("s", description="unit of the time column: s, ms, us or ns")
+    rate: float | None = Field(None, gt=0, le=1e6, description="rows per second [Hz], where there is no time column")
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Clock:
+        if bool(self.column) == (self.rate is not None):
+            raise ValueError("give either 'column' (the name of the time column) or 'rate' (rows per second)")
+        if self.unit not in TIME_UNITS:
+            raise ValueError(f"unit is '{self.unit}', but allowed are {', '.join(TIME_UNITS)}")
+        return self
+
+
+class LogMapping(Settings):
+    """A mapping file."""
+
+    name: str = Field(min_length=1)
+    description: str = ""
+    source: str = Field("", description="where the data come from")
+    time: Clock
+    columns: tuple[MappedColumn, ...] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> LogMapping:
+        seen: set[tuple[str, str]] = set()
+        rotary: dict[str, MappedColumn] = {}
+        for entry in self.columns:
+            if (entry.quantity, entry.joint) in seen:
+                raise ValueError(f"{entry.quantity} of {entry.joint} is mapped twice; leave one column out")
+            seen.add((entry.quantity, entry.joint))
+            first = rotary.setdefault(entry.joint, entry)
+            if first.rotary != entry.rotary:
+                raise ValueError(
+                    f"{entry.joint} turns by column '{(first if first.rotary else entry).column}' but slides by column "
+                    f"'{(entry if first.rotary else first).column}'; correct a unit"
+                )
+        joints = {entry.joint for entry in self.columns}
+        for joint in sorted(joints):
+            if ("position", joint) not in seen:
+                raise ValueError(f"the quantity position of {joint} is missing; map its column")
+        return self
+
+
+def mapping_names() -> tuple[str, ...]:
+    """List the mapping files that are shipped."""
+    return tuple(sorted(path.stem for path in MAPPINGS.glob("*.yaml")))
+
+
+def load_mapping(name_or_path: str | Path) -> LogMapping:
+    """Load a shipped mapping or a mapping file.
+
+    Args:
+        name_or_path: Shipped name such as "emps", or path of a YAML file.
+
+    Returns:
+        The mapping.
+
+    Raises:
+        InputError: Unknown name, unreadable file, unknown key, quantity or unit, or a value that is not allowed.
+    """
+    path = MAPPINGS / f"{name_or_path}.yaml"
+    if not path.is_file():
+        path = Path(name_or_path)
+        if path.suffix not in (".yaml", ".yml"):
+            raise unknown_name("mapping", str(name_or_path), mapping_names(), other="or the path of a .yaml file")
+    source = f"mapping {name_or_path}" if path.parent == MAPPINGS else str(path)
+    return validate(LogMapping, {"name": path.stem, **read_yaml(path)}, source)

@@ -1,0 +1,135 @@
+"""Files that signals of a foreign log come from: one class per format, found by the suffix of the file."""
+
+from __future__ import annotations
+
+import re
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.discovery import members
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+    from flexros.arrays import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """Numbers of one column.
+
+    Attributes:
+        values: Numbers as they stand in the file, shape (n,).
+        time: Their times [s], shape (n,), where the format itself has them; None where the mapping's clock says them.
+    """
+
+    values: FloatArray
+    time: FloatArray | None = None
+
+
+class AbstractSignalSource(ABC):
+    """A file that holds signals by name.
+
+    A new format is one file in the package `sources` with one final subclass that provides
+      1. `format`, its name in words, e.g. "CSV table";
+      2. `suffixes`, the endings of its files, in small letters;
+      3. `__init__(path)`, which opens the file and raises InputError when it is not of the format;
+      4. `names`, the signals that can be read;
+      5. `read(names)`, the signals themselves; a name that is not among `names` is never asked for.
+
+    ROS bags of other robots fit in the same way: a source with the suffix ".mcap" whose names are made of topic, field
+    and joint ("/franka/joint_states.effort[3]"), decoded by the definitions in the file, and whose signals bring the
+    time of their header stamps along in `Signal.time`. Nothing else has to change for them: the import takes the time
+    of a signal before that of the mapping's clock, and puts signals of unequal times of one topic on one time base.
+
+    Args:
+        path: The file.
+    """
+
+    format: ClassVar[str]
+    suffixes: ClassVar[tuple[str, ...]]
+
+    @abstractmethod
+    def __init__(self, path: Path) -> None: ...
+
+    @property
+    @abstractmethod
+    def names(self) -> tuple[str, ...]:
+        """Names of the signals, in the order of the file."""
+
+    @abstractmethod
+    def read(self, names: Sequence[str]) -> dict[str, Signal]:
+        """Read signals.
+
+        Args:
+            names: Which; all of them are among `names`.
+
+        Returns:
+            Signals by name.
+
+        Raises:
+            InputError: Something in them is no number.
+        """
+
+
+def open_source(path: Path) -> AbstractSignalSource:
+    """Open a file of a foreign log.
+
+    Args:
+        path: The file; its suffix says the format.
+
+    Returns:
+        The source of its signals.
+
+    Raises:
+        InputError: There is no such file, or its format is not known.
+    """
+    from flexros.logs.foreign import sources
+
+    if not path.is_file():
+        raise InputError(f"there is no file {path}; give the path of a CSV, MATLAB or NumPy file")
+    kinds = members(sources, AbstractSignalSource, "format")  # type: ignore[type-abstract]
+    for kind in kinds.values():
+        if path.suffix.lower() in kind.suffixes:
+            return kind(path)
+    known = ", ".join(f"{suffix} ({kind.format})" for kind in kinds.values() for suffix in kind.suffixes)
+    raise InputError(f"{path} ends with '{path.suffix}', but allowed are {known}; convert the file")
+
+
+def flatten(arrays: Mapping[str, object]) -> dict[str, FloatArray]:
+    """Make columns of the arrays of a file.
+
+    A vector is one column under its name, a matrix with n rows is the columns name[0], name[1], ...; what stands in a
+    structure is named by dots. Numbers that stand alone, texts and everything else are left out.
+
+    Args:
+        arrays: Arrays and nested structures by name.
+
+    Returns:
+        Columns by name, each of shape (n,).
+    """
+    columns: dict[str, FloatArray] = {}
+    for name, value in arrays.items():
+        if isinstance(value, dict):
+            columns.update(flatten({f"{name}.{key}": entry for key, entry in value.items()}))
+            continue
+        array = np.squeeze(np.asarray(value))
+        if array.dtype.names:
+            columns.update(flatten({f"{name}.{key}": array[key] for key in array.dtype.names}))
+        elif array.dtype.kind not in "fiub" or array.size < 2 or array.ndim > 2:
+            continue
+        elif array.ndim == 1:
+            columns[name] = array.astype(np.float64)
+        else:
+            columns.update({f"{name}[{k}]": array[:, k].astype(np.float64) for k in range(array.shape[1])})
+    return columns
+
+
+def safe_name(path: Path) -> str:
+    """Name of a file without folders and control characters, for provenance."""
+    return re.sub(r"[\x00-\x1f]", "?", path.name)

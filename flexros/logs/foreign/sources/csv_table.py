@@ -1,0 +1,112 @@
+"""Tables as text: columns divided by comma, semicolon, tab or blanks, with a line of names."""
+
+from __future__ import annotations
+
+import csv
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.logs.foreign.signal_source import AbstractSignalSource, Signal
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+_DELIMITERS = (",", ";", "\t")
+_COMMENT = "#"
+
+
+class CsvTable(AbstractSignalSource):
+    """A table whose first line, commented out or not, names the columns; further lines with # are passed over."""
+
+    format: ClassVar[str] = "table as text"
+    suffixes: ClassVar[tuple[str, ...]] = (".csv", ".tsv", ".txt", ".dat")
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._lines_before, self._delimiter, self._names = _header(path)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns as in the first line."""
+        return self._names
+
+    def read(self, names: Sequence[str]) -> dict[str, Signal]:
+        """Read columns; see `AbstractSignalSource.read`."""
+        places = [self._names.index(name) for name in names]
+        try:
+            table = np.loadtxt(
+                self._path,
+                delimiter=self._delimiter,
+                comments=_COMMENT,
+                skiprows=self._lines_before,
+                usecols=places,
+                ndmin=2,
+                quotechar='"',
+                encoding="utf-8-sig",
+            )
+        except (ValueError, IndexError) as error:
+            raise self._first_fault(places, error) from error
+        return {name: Signal(table[:, k].copy()) for k, name in enumerate(names)}
+
+    def _first_fault(self, places: list[int], error: Exception) -> InputError:
+        """Say where the first entry stands that is no number."""
+        with self._path.open(encoding="utf-8-sig", newline="") as file:
+            for number, line in enumerate(file, start=1):
+                if number <= self._lines_before or not line.split(_COMMENT)[0].strip():
+                    continue
+                cells = _cells(line.split(_COMMENT)[0], self._delimiter)
+                for place in places:
+                    cell = cells[place] if place < len(cells) else None
+                    if cell is None or not _is_number(cell):
+                        given = "is missing" if not cell else f"is '{cell}', which is no number"
+                        return InputError(
+                            f"{self._path}, line {number}: column '{self._names[place]}' {given}; correct the line"
+                        )
+        return InputError(f"{self._path} cannot be read as a table ({str(error).splitlines()[0]}); correct it")
+
+
+def _header(path: Path) -> tuple[int, str | None, tuple[str, ...]]:
+    """Number of lines up to that with the names, what divides the columns (None: blanks), and the names."""
+    commented: tuple[int, str] | None = None
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            for number, line in enumerate(file, start=1):
+                if line.startswith(_COMMENT):
+                    commented = (number, line.lstrip(_COMMENT).strip())
+                elif line.strip():
+                    first = (number, line.strip())
+                    break
+            else:
+                raise InputError(f"{path} has no rows; give a table with a line of names and rows of numbers")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path} is no text (byte {error.start} is not UTF-8); give a table as text") from error
+    number, text = first
+    delimiter = next((d for d in _DELIMITERS if d in text), None)
+    names = _cells(text, delimiter)
+    if any(_is_number(name) for name in names):
+        if commented is None or len(_cells(commented[1], delimiter)) != len(names):
+            raise InputError(
+                f"{path}, line {number}: the first line holds '{names[0]}', but must name the columns; add such a line"
+            )
+        number, names = number - 1, _cells(commented[1], delimiter)
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise InputError(f"{path}, line {number}: the column name '{twice[0]}' stands there twice; rename one")
+    return number, delimiter, tuple(names)
+
+
+def _cells(line: str, delimiter: str | None) -> list[str]:
+    if delimiter is None:
+        return [cell.strip('"') for cell in line.split()]
+    return [cell.strip() for cell in next(csv.reader([line.strip("\r\n")], delimiter=delimiter), [])]
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

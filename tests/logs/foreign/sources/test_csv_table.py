@@ -1,0 +1,77 @@
+"""Tables as text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexros.errors import InputError
+from flexros.logs.foreign.sources.csv_table import CsvTable
+
+
+def table(tmp_path: Path, text: str) -> CsvTable:
+    file = tmp_path / "log.csv"
+    file.write_text(text, encoding="utf-8")
+    return CsvTable(file)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t,q\n0,1.5\n1,-2e-3\n",
+        "t;q\r\n0;1.5\r\n1;-2e-3\r\n",
+        "t\tq\n0\t1.5\n\n1\t-2e-3\n",
+        "t q\n0 1.5\n1   -2e-3\n",
+        "# made by a drive\n# t,q\n0,1.5\n1,-2e-3\n",
+        '\ufeff"t","q"\n"0","1.5"\n# pause\n"1","-2e-3"\n',
+    ],
+)
+def test_forms_of_a_table(tmp_path: Path, text: str) -> None:
+    opened = table(tmp_path, text)
+    assert opened.names == ("t", "q")
+    np.testing.assert_array_equal(opened.read(["q"])["q"].values, [1.5, -2e-3])
+    assert opened.read(["q"])["q"].time is None
+
+
+def test_columns_that_are_not_asked_for_may_be_text(tmp_path: Path) -> None:
+    signals = table(tmp_path, "t,state,q\n0,idle,1\n1,moving,2\n").read(["q", "t"])
+    np.testing.assert_array_equal(signals["q"].values, [1, 2])
+    np.testing.assert_array_equal(signals["t"].values, [0, 1])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("t,q\n0,1\n1,x\n", "line 3: column 'q' is 'x', which is no number; correct the line"),
+        ("t;q\n0;1,5\n", "line 2: column 'q' is '1,5', which is no number"),
+        ("t,q\n0,1\n\n1\n", "line 4: column 'q' is missing"),
+        ("t,q\n0,\n", "line 2: column 'q' is missing"),
+    ],
+)
+def test_entry_that_is_no_number(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        table(tmp_path, text).read(["t", "q"])
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0,1\n1,2\n", "line 1: the first line holds '0', but must name the columns"),
+        ("t,q,q\n0,1,2\n", "line 1: the column name 'q' stands there twice; rename one"),
+        ("# only a comment\n", "has no rows; give a table with a line of names"),
+    ],
+)
+def test_line_of_names(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        table(tmp_path, text)
+    assert message in str(caught.value)
+
+
+def test_no_text(tmp_path: Path) -> None:
+    file = tmp_path / "log.csv"
+    file.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match="is no text .byte 0 is not UTF-8"):
+        CsvTable(file)

@@ -1,0 +1,186 @@
+"""Foreign logs become logs of the contract."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.io import loadmat, savemat
+
+from flexros.errors import InputError
+from flexros.logs.foreign.import_log import import_log
+from flexros.logs.foreign.mapping import load_mapping
+from flexros.logs.reader import read_log
+from flexros.logs.write_log import write_log
+
+REALDATA = os.environ.get("FLEXROS_REALDATA", "")
+NEEDS_EMPS = pytest.mark.skipif(
+    not (Path(REALDATA) / "emps").is_dir() or not REALDATA,
+    reason="FLEXROS_REALDATA is unset or names no folder with emps/, the measured drive",
+)
+Q = {"column": "q", "quantity": "position", "unit": "rad"}
+U = {"column": "u", "quantity": "torque_command", "unit": "Nm"}
+R = {"column": "r", "quantity": "reference_position", "unit": "deg"}
+
+
+def test_columns_become_topics_in_si_units(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    log = import_log(mapping_of(Q, {**U, "sign": -1, "offset": 0.5}, R), [write_csv(tmp_path / "a.csv", table)])
+    np.testing.assert_array_equal(log.joint_states.position[:, 0], table["q"])
+    np.testing.assert_allclose(log.joint_commands.effort[:, 0], 0.5 - table["u"])
+    np.testing.assert_allclose(log.joint_reference.position[:, 0], np.deg2rad(table["r"]))
+    assert log.joint_states.stamp[0] == 10**9
+    assert np.all(np.diff(log.joint_states.stamp) == 10**6)
+
+
+def test_csv_matlab_and_numpy_give_the_same_log(mapping_of, table, write_csv, tmp_path: Path, assert_same_log) -> None:
+    mapping = mapping_of(Q, U, R)
+    savemat(tmp_path / "a.mat", table)
+    np.savez(tmp_path / "a.npz", **table)
+    write_csv(tmp_path / "a.csv", table)
+    logs = [import_log(mapping, [tmp_path / name]) for name in ("a.csv", "a.mat", "a.npz")]
+    assert_same_log(logs[0], logs[1])
+    assert_same_log(logs[0], logs[2])
+
+
+def test_written_log_is_read_again(mapping_of, table, write_csv, tmp_path: Path, assert_same_log) -> None:
+    log = import_log(mapping_of(Q, U), [write_csv(tmp_path / "drive.csv", table)])
+    write_log(log, tmp_path / "bag")
+    again = read_log(tmp_path / "bag")
+    assert_same_log(log, again)
+    assert again.warnings == ()
+    assert again.provenance["import"]["mapping"]["name"] == "mine"
+    assert again.provenance["import"]["files"][0]["name"] == "drive.csv"
+    assert len(again.provenance["import"]["files"][0]["sha256"]) == 64
+
+
+def test_rate_instead_of_a_time_column(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    log = import_log(mapping_of(Q, time={"rate": 250}), [write_csv(tmp_path / "a.csv", table)])
+    assert log.joint_states.stamp[-1] - log.joint_states.stamp[0] == 49 * 4_000_000
+
+
+def test_time_offset_moves_the_stamps_of_a_topic(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    log = import_log(mapping_of(Q, {**U, "time_offset": -0.0005}), [write_csv(tmp_path / "a.csv", table)])
+    assert log.joint_commands.stamp[0] - log.joint_states.stamp[0] == -500_000
+    assert log.joint_commands.stamp[0] == 10**9
+
+
+def test_quantities_of_one_topic_with_unequal_times_are_interpolated(mapping_of, write_csv, tmp_path: Path) -> None:
+    t = np.arange(20) * 0.01
+    effort = {"column": "m", "quantity": "measured_torque", "unit": "Nm", "time_offset": 0.004}
+    file = write_csv(tmp_path / "a.csv", {"t": t, "q": t, "m": 3 * (t + 0.004)})
+    log = import_log(mapping_of(Q, effort), [file])
+    np.testing.assert_allclose(log.joint_states.effort, 3 * log.joint_states.position, rtol=1e-12)
+    assert len(log.joint_states.stamp) == 19
+    assert "measured_torque of motor_1 was interpolated linearly" in log.warnings[0]
+
+
+def test_columns_in_several_files(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    q = write_csv(tmp_path / "q.csv", {"t": table["t"], "q": table["q"]})
+    u = write_csv(tmp_path / "u.csv", {"t": table["t"][::2], "u": table["u"][::2]})
+    log = import_log(mapping_of(Q, U), [q, u])
+    assert len(log.joint_states.stamp) == 50
+    assert len(log.joint_commands.stamp) == 25
+
+
+def test_same_column_in_several_files_needs_the_key_file(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    files = [
+        write_csv(tmp_path / name, {"t": table["t"], "q": table[key]}) for name, key in (("a.csv", "q"), ("b.csv", "u"))
+    ]
+    with pytest.raises(InputError, match="column 'q' is in several files .a.csv, b.csv.; add the key 'file'"):
+        import_log(mapping_of(Q), files)
+    log = import_log(mapping_of({**Q, "file": "a*"}, {**U, "column": "q", "file": "b*"}), files)
+    np.testing.assert_array_equal(log.joint_commands.effort[:, 0], table["u"])
+
+
+def test_two_joints_of_a_matrix(mapping_of, tmp_path: Path) -> None:
+    q = np.arange(20.0).reshape(10, 2)
+    np.savez(tmp_path / "a.npz", t=np.arange(10) * 1e-3, q=q)
+    columns = [{**Q, "column": f"q[{k}]", "joint": f"motor_{2 - k}"} for k in (0, 1)]
+    log = import_log(mapping_of(*columns), [tmp_path / "a.npz"])
+    assert log.joint_states.names == ("motor_1", "motor_2")
+    np.testing.assert_array_equal(log.joint_states.position, q[:, ::-1])
+
+
+def test_optional_column_may_be_missing(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    log = import_log(mapping_of(Q, {**U, "column": "x", "optional": True}), [write_csv(tmp_path / "a.csv", table)])
+    assert log.joint_commands is None
+    assert log.warnings == ("optional column 'x' is in none of the files",)
+
+
+def test_unknown_column_lists_those_there_are(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        import_log(mapping_of({**Q, "column": "qq"}), [write_csv(tmp_path / "a.csv", table)])
+    assert "unknown column of mapping mine 'qq' in" in str(caught.value)
+    assert "did you mean 'q'? allowed are q, r, t, u" in str(caught.value)
+
+
+def test_unknown_time_column(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="unknown time column of mapping mine 'time' in .*allowed are q, r, t, u"):
+        import_log(mapping_of(Q, time={"column": "time"}), [write_csv(tmp_path / "a.csv", table)])
+
+
+def test_file_without_any_of_the_columns(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    files = [write_csv(tmp_path / "a.csv", table), write_csv(tmp_path / "b.csv", {"x": table["t"]})]
+    with pytest.raises(InputError, match="b.csv has none of the columns of mapping mine; leave the file out"):
+        import_log(mapping_of(Q), files)
+
+
+@pytest.mark.parametrize(
+    ("column", "row", "value", "message"),
+    [
+        ("t", 7, 0.0055, "time column 't', row 8: the time goes back (0.006 s, then 0.0055 s; 1 such rows)"),
+        ("t", 7, 0.006, "time column 't', row 8: the time repeats (0.006 s, then 0.006 s; 1 such rows)"),
+        ("t", 7, np.nan, "time column 't', row 8: nan is no finite number"),
+        ("q", 4, np.nan, "column 'q', row 5: nan is no finite number (1 such rows); cut the gap out or fill it"),
+    ],
+)
+def test_times_that_do_not_increase_and_gaps(
+    mapping_of, table, write_csv, tmp_path, column, row, value, message
+) -> None:
+    table[column][row] = value
+    with pytest.raises(InputError) as caught:
+        import_log(mapping_of(Q), [write_csv(tmp_path / "a.csv", table)])
+    assert message in str(caught.value)
+
+
+def test_unequal_lengths(mapping_of, table, tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", t=table["t"][:-1], q=table["q"])
+    with pytest.raises(InputError, match="column 'q' has 50 rows, but its time 't' has 49; make them equally long"):
+        import_log(mapping_of(Q), [tmp_path / "a.npz"])
+
+
+def test_too_few_rows(mapping_of, tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("t,q\n0,1\n")
+    with pytest.raises(InputError, match="has 1 rows, but at least 2 are needed"):
+        import_log(mapping_of(Q), [tmp_path / "a.csv"])
+
+
+def test_quantity_for_some_joints_only(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    columns = [Q, {**Q, "column": "r", "joint": "motor_2"}, {"column": "u", "quantity": "velocity", "unit": "rad/s"}]
+    with pytest.raises(InputError, match="velocity was found for motor_1 but not for motor_2; map it for all joints"):
+        import_log(mapping_of(*columns), [write_csv(tmp_path / "a.csv", table)])
+
+
+def test_clocks_without_common_time(mapping_of, table, write_csv, tmp_path: Path) -> None:
+    effort = {"column": "m", "quantity": "measured_torque", "unit": "Nm"}
+    a = write_csv(tmp_path / "a.csv", {"t": table["t"], "q": table["q"]})
+    b = write_csv(tmp_path / "b.csv", {"t": table["t"] + 9, "m": table["u"]})
+    with pytest.raises(InputError, match="a.csv, column 'q' and .*b.csv, column 'm' have no time in common"):
+        import_log(mapping_of(Q, effort), [a, b])
+
+
+@NEEDS_EMPS
+def test_emps_from_matlab_and_from_csv(write_csv, tmp_path: Path, assert_same_log) -> None:
+    file = Path(REALDATA) / "emps" / "DATA_EMPS_PULSES.mat"
+    content = loadmat(file, squeeze_me=True)
+    columns = {name: content[name][:2000] for name in ("t", "qg", "qm", "vir", "pulses_N")}
+    savemat(tmp_path / "part.mat", columns)
+    mapping = load_mapping("emps")
+    log = import_log(mapping, [tmp_path / "part.mat"])
+    assert_same_log(log, import_log(mapping, [write_csv(tmp_path / "part.csv", columns)]))
+    np.testing.assert_allclose(log.joint_commands.effort[:, 0], 35.1506 * columns["vir"])
+    whole = import_log(mapping, [file])
+    assert len(whole.joint_states.stamp) == 24841
+    assert whole.joint_reference.effort is not None

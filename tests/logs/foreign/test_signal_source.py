@@ -1,0 +1,39 @@
+"""Opening files of foreign logs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexros.errors import InputError
+from flexros.logs.foreign.signal_source import flatten, open_source
+
+
+def test_suffix_in_capitals(tmp_path: Path) -> None:
+    file = tmp_path / "LOG.CSV"
+    file.write_text("t,q\n0,1\n")
+    assert open_source(file).names == ("t", "q")
+
+
+def test_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="there is no file .*none.csv; give the path"):
+        open_source(tmp_path / "none.csv")
+
+
+def test_unknown_format(tmp_path: Path) -> None:
+    file = tmp_path / "log.xlsx"
+    file.write_text("")
+    with pytest.raises(
+        InputError, match=r"ends with '.xlsx', but allowed are \.mat \(MATLAB\), \.npz \(NumPy archive\)"
+    ):
+        open_source(file)
+
+
+def test_matrices_and_structures_are_columns() -> None:
+    matrix = np.arange(6.0).reshape(3, 2)
+    columns = flatten({"a": {"q": matrix, "gain": 3.0}, "text": "x", "row": np.ones((1, 4)), "c": np.ones(3) * 1j})
+    assert list(columns) == ["a.q[0]", "a.q[1]", "row"]
+    np.testing.assert_array_equal(columns["a.q[1]"], [1, 3, 5])
+    assert columns["row"].shape == (4,)
