@@ -1,0 +1,135 @@
+"""A feedback controller for robots that come without one: PID per motor up to the lowest mode, stable at home."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from scipy.linalg import eigh, expm
+
+from flexros.control.pid import Pid
+from flexros.errors import InputError
+from flexros.robot.linearise import linear_model
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.control.base import AbstractControlLaw
+    from flexros.robot import Robot
+    from flexros.robot.linearise import LinearModel
+
+BANDWIDTH = 1.0
+"""Bandwidth over the lowest frequency at which the arm swings with its motors held (chosen)."""
+RIGID_BANDWIDTH = 5.0
+"""Bandwidth of a robot without elasticity [Hz] (chosen)."""
+DAMPING = 1.0
+"""Damping ratio of the rigid loop (chosen)."""
+INTEGRAL = 0.15
+"""Corner of the integral part over the bandwidth (chosen)."""
+_SLOWEST = 0.02
+"""Slowest decay that counts as stable, over the bandwidth in rad/s (chosen)."""
+_HALVINGS = 8
+"""How often the bandwidth is halved before giving up (chosen)."""
+
+
+def default_controller(robot: Robot, sample_time: float) -> Pid:
+    """Choose PID gains at the home pose: rigid inertia of each axis, bandwidth at the lowest mode.
+
+    Args:
+        robot: The robot.
+        sample_time: Time between two samples [s].
+
+    Returns:
+        The controller; its linear loop decays at the home pose.
+
+    Raises:
+        InputError: No bandwidth makes the loop stable.
+    """
+    linear = linear_model(robot, robot.home)
+    inertia = _rigid_inertia(robot, linear)
+    bandwidth = 2 * np.pi * _bandwidth(robot, linear)
+    for _ in range(_HALVINGS):
+        kp = inertia * bandwidth**2
+        law = Pid(
+            kp=tuple(_digits(kp)),
+            ki=tuple(_digits(INTEGRAL * bandwidth * kp)),
+            kd=tuple(_digits(2 * DAMPING * bandwidth * inertia)),
+            derivative_filter=2 * sample_time,
+        )
+        if slowest_decay(linear, law, sample_time, robot.delay) > _SLOWEST * bandwidth:
+            return law
+        bandwidth /= 2
+    raise InputError(
+        f"no PID controller was found that holds robot {robot.name} at its home pose with a sample time of "
+        f"{sample_time:g} s; give a scenario with a controller"
+    )
+
+
+def slowest_decay(linear: LinearModel, law: AbstractControlLaw, sample_time: float, delay: float) -> float:
+    """Compute how fast a linear loop forgets.
+
+    Args:
+        linear: The robot about a rest.
+        law: The control law.
+        sample_time: Time between two samples [s].
+        delay: Delay of the command at the plant input, at most one sample [s].
+
+    Returns:
+        Decay of the slowest motion [1/s]; negative when the loop is unstable.
+    """
+    A, B, C, _ = linear.matrices()
+    motors = B.shape[1]
+    C = C[:motors]
+    late, prompt = _held(A, B, delay), _held(A, B, sample_time - delay)
+    step = prompt[0] @ late[0]
+    uc, uy, cc, cy = _slopes(law, motors, sample_time)
+    n, m = len(A), len(cc)
+    loop = np.zeros((n + m + motors, n + m + motors))  # states of the plant, of the law, command before
+    loop[:n, :n] = step + prompt[1] @ uy @ C
+    loop[:n, n : n + m] = prompt[1] @ uc
+    loop[:n, n + m :] = prompt[0] @ late[1]
+    loop[n : n + m, :n], loop[n : n + m, n : n + m] = cy @ C, cc
+    loop[n + m :, :n], loop[n + m :, n : n + m] = uy @ C, uc
+    radii = np.abs(np.linalg.eigvals(loop))
+    moving = radii[np.abs(radii - 1.0) > 1e-9]  # the flag "has begun" of a law stays as it is
+    return float(-np.log(np.max(moving)) / sample_time)
+
+
+def _held(A: FloatArray, B: FloatArray, time: float) -> tuple[FloatArray, FloatArray]:
+    """Return state transition and input matrix of a constant input over a time."""
+    n, m = B.shape
+    whole = expm(np.block([[A, B], [np.zeros((m, n + m))]]) * time)
+    return whole[:n, :n], whole[:n, n:]
+
+
+def _slopes(law: AbstractControlLaw, motors: int, sample_time: float) -> tuple[FloatArray, ...]:
+    """Return the derivatives of command and next state with respect to state and measurement, about rest."""
+    function = law.function(motors, sample_time)
+    c, y = ca.SX.sym("c", function.size1_in("c")), ca.SX.sym("y", motors)
+    u, after = function(c, np.zeros(3 * motors), y, law.gains(motors))
+    blocks = [ca.densify(ca.jacobian(out, argument)) for out in (u, after) for argument in (c, y)]
+    rest = function(law.initial_state(motors), np.zeros(3 * motors), np.zeros(motors), law.gains(motors))[1]
+    return tuple(np.asarray(value) for value in ca.Function("slopes", [c, y], blocks)(rest, np.zeros(motors)))
+
+
+def _rigid_inertia(robot: Robot, linear: LinearModel) -> FloatArray:
+    """Inertia that each motor moves while the others stand and nothing bends, shape (M,)."""
+    shape = np.zeros((robot.n_coordinates, robot.n_motors))
+    for motor, (gear, own) in enumerate(zip(robot.chain.geared, robot.chain.motor_places, strict=True)):
+        shape[[gear, own], motor] = 1.0
+    inertia: FloatArray = np.diag(shape.T @ linear.mass @ shape).copy()
+    return inertia
+
+
+def _bandwidth(robot: Robot, linear: LinearModel) -> float:
+    """Bandwidth in Hz: that of the lowest mode with the motors held."""
+    free = [place for place in range(robot.n_coordinates) if place not in robot.chain.motor_places]
+    if not free:
+        return RIGID_BANDWIDTH
+    squares = eigh(linear.stiffness[np.ix_(free, free)], linear.mass[np.ix_(free, free)], eigvals_only=True)
+    return float(BANDWIDTH * np.sqrt(max(squares[0], 0.0)) / (2 * np.pi)) or RIGID_BANDWIDTH
+
+
+def _digits(values: FloatArray) -> list[float]:
+    """Round gains to three digits, as a person would write them."""
+    return [float(f"{value:.3g}") for value in values]

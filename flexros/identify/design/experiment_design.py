@@ -1,0 +1,140 @@
+"""From a robot to the positions of its identification experiment (Moberg 2007, Paper A, section 5.2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.identify.design.candidates import candidate_positions
+from flexros.identify.design.d_optimal import d_optimal
+from flexros.identify.design.gain import design_gain
+from flexros.identify.design.position_information import experiment_conditions, position_information
+from flexros.identify.design.rounding import round_design
+from flexros.identify.design.tour import short_tour
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import ArrayLike
+
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.control.base import AbstractControlLaw
+    from flexros.identify.design.candidates import CandidatePositions
+    from flexros.identify.design.closed_loop_input import ExperimentConditions
+    from flexros.identify.design.d_optimal import Design
+    from flexros.identify.design.gain import DesignGain
+    from flexros.identify.specification import IdentificationSpecification
+    from flexros.robot import Robot
+
+PRIOR_DEVIATION = np.log(10.0)
+"""Before the experiment a parameter is known within a factor of ten: one standard deviation of its logarithm (chosen,
+as Paper A starts its fits within a factor of ten). It keeps a parameter that nothing determines from ruling the design.
+"""
+
+
+@dataclass(frozen=True)
+class DesignSettings:
+    """How positions are chosen.
+
+    Attributes:
+        positions: Number of positions, or of shares of them where one may be taken more than once.
+        candidates: Number of candidate positions.
+        most: Most shares of one position; 1 makes all positions differ.
+        distortion: Expected level of nonlinear distortions at the output relative to its own, rms [1].
+        seed: Seed of candidates, excitation and random sets to compare with.
+    """
+
+    positions: int = 15
+    candidates: int = 4000
+    most: int | None = 1
+    distortion: float = 0.0
+    seed: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class ExperimentDesign:
+    """The chosen positions, and what they were chosen from.
+
+    Attributes:
+        names: Names of the unknown parameters, length P.
+        candidates: All positions that could have been chosen.
+        conditions: Excitation and noise of one block.
+        design: The optimal shares and the information of one share (all blocks of a position), shape (Q, P, P).
+        gain: The chosen positions beside random ones.
+        chosen: Chosen candidates in the order of a short tour from home, shape (S,).
+        counts: How many shares each of them has, shape (S,).
+    """
+
+    names: tuple[str, ...]
+    candidates: CandidatePositions
+    conditions: ExperimentConditions
+    design: Design
+    gain: DesignGain
+    chosen: IntArray
+    counts: IntArray
+
+    @property
+    def positions(self) -> FloatArray:
+        """Gear coordinates of the chosen positions in order [rad or m], shape (S, M)."""
+        return self.candidates.gears[self.chosen]
+
+    @property
+    def information(self) -> FloatArray:
+        """Predicted information of the whole experiment about the logarithms of the parameters, shape (P, P)."""
+        return np.asarray(np.tensordot(self.counts.astype(float), self.design.information[self.chosen], axes=1))
+
+
+def design_experiment(
+    robot: Robot,
+    names: Sequence[str],
+    specification: IdentificationSpecification,
+    law: AbstractControlLaw,
+    sample_time: float,
+    settings: DesignSettings,
+    ranges: ArrayLike | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> ExperimentDesign:
+    """Choose the positions that tell most about the unknown parameters.
+
+    Args:
+        robot: The robot with its nominal values.
+        names: Names of the unknown parameters, length P.
+        specification: The experiment in each position; its own positions do not matter.
+        law: Controller of the experiment.
+        sample_time: Time between two samples [s].
+        settings: How many positions, out of how many.
+        ranges: Smallest and largest coordinate of each gear [rad or m], shape (M, 2); see `candidate_positions`.
+        progress: Called with what is being done, how much of it is done, and how much there is.
+
+    Returns:
+        The design.
+
+    Raises:
+        InputError: Ranges, excitation or names are not possible.
+    """
+
+    def tell(what: str) -> Callable[[int], None]:
+        return lambda done: progress(what, done, settings.candidates) if progress else None
+
+    found = candidate_positions(robot, settings.candidates, ranges, settings.seed, tell("candidate positions"))
+    conditions = experiment_conditions(specification, robot, sample_time, settings.seed, distortion=settings.distortion)
+    one_block = position_information(
+        robot, names, found.motor_positions, conditions, law, sample_time, tell("information of the positions")
+    )
+    information = max(specification.blocks_per_position) * one_block
+    prior = np.eye(len(names)) / PRIOR_DEVIATION**2 / settings.positions
+    design = d_optimal(information, prior)
+    counts = round_design(design, settings.positions, settings.most)
+    chosen = np.flatnonzero(counts)
+    chosen = chosen[short_tour(robot.home[list(robot.chain.geared)], found.gears[chosen])]
+    return ExperimentDesign(
+        names=tuple(names),
+        candidates=found,
+        conditions=conditions,
+        design=design,
+        gain=design_gain(information, counts, design.log_det, settings.seed, prior=prior),
+        chosen=chosen,
+        counts=counts[chosen],
+    )
