@@ -8,10 +8,6 @@ the timing, decide what follows, and a run is the same in every executor, proces
 from __future__ import annotations
 
 from enum import Enum, auto
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 HANDSHAKE_PERIOD = 0.1
 """Time after which state 0 is sent again while the partners find each other [s], chosen."""
@@ -178,63 +174,3 @@ class ControllerLockStep:
             return Arrival.REPEATED
         self.old += 1
         return Arrival.OLD
-
-
-class RecorderWindow:
-    """Flow control between plant and recorder: how far the loop may run ahead of what is known to be recorded.
-
-    A queue that keeps the last messages overwrites unread ones when its reader falls behind, even with reliable
-    transport. The plant therefore waits in lock-step until the recorder has confirmed.
-
-    Args:
-        window_ns: How far the loop may run ahead [ns]; 0 switches the flow control off.
-
-    Attributes:
-        confirmed: Newest stamp up to which everything is recorded [ns].
-        by_topic: Newest stamp up to which a topic is recorded, by topic [ns].
-        waits: Times that the plant had to wait.
-    """
-
-    def __init__(self, window_ns: int) -> None:
-        self.confirmed = 0
-        self.by_topic: dict[str, int] = {}
-        self.waits = 0
-        self._window_ns = window_ns
-        self._limit: float = float("inf")
-        self._followed: tuple[str, ...] = ()
-
-    def start(self, stamp: int) -> None:
-        """Begin at the stamp of the first sample [ns]."""
-        self.confirm("", stamp)
-
-    def confirm(self, topic: str, stamp: int) -> None:
-        """Note a confirmation.
-
-        Args:
-            topic: What is recorded; empty for all topics together.
-            stamp: Up to where [ns].
-        """
-        if topic:
-            self.by_topic[topic] = max(stamp, self.by_topic.get(topic, 0))
-            stamp = min((self.by_topic.get(each, 0) for each in self._followed), default=0)
-        if stamp > self.confirmed:
-            self.confirmed = stamp
-            if self._window_ns:
-                self._limit = stamp + self._window_ns
-
-    def follow(self, topics: Iterable[str]) -> None:
-        """Let these topics alone move the window from now on: the partner that sends the others is gone.
-
-        Args:
-            topics: Their names.
-        """
-        self._followed = tuple(topics)
-        self.confirm("", min(self.by_topic.get(each, 0) for each in self._followed))
-
-    def admits(self, stamp: int) -> bool:
-        """Tell whether the sample with this stamp [ns] may be published now."""
-        return stamp <= self._limit
-
-    def holds(self, topics: Iterable[str], stamp: int) -> bool:
-        """Tell whether all these topics are recorded up to a stamp [ns]."""
-        return all(self.by_topic.get(topic, -1) >= stamp for topic in topics)

@@ -15,11 +15,12 @@ from flexros_nodes.command_reader import CommandReader
 from flexros_nodes.ending import Ending
 from flexros_nodes.executable import run_node
 from flexros_nodes.held_command import HeldCommand
-from flexros_nodes.lockstep import FASTEST_RESEND, PlantLockStep, RecorderWindow, Tick
+from flexros_nodes.lockstep import FASTEST_RESEND, PlantLockStep, Tick
+from flexros_nodes.loop_figures import loop_figures
 from flexros_nodes.message_loss import MessageLoss
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.pacing import Schedule
-from flexros_nodes.plant_messages import OWN_TOPICS, PlantMessages
+from flexros_nodes.plant_messages import OWN_TOPICS, PlantMessages, recorder_window
 from flexros_nodes.prepared_run import prepared_run
 from flexros_nodes.topic_interface import topic
 
@@ -73,15 +74,14 @@ class PlantNode(FlexrosNode):
         self._k = -1
         self._newest: HeldCommand | None = None
         self._began = self._ended = 0.0
-        self._held = False
+        self._first: FloatArray | None = None
         self._ending = None
         self._loss = MessageLoss(self.value("drop_fraction"), self.value("drop_seed"))
         self._drops: Callable[[], bool] | None = self._loss.drops if self.value("drop_fraction") else None
         timeouts = (self.value(f"{name}_timeout") for name in ("resend", "partner", "start"))
         self._lockstep = PlantLockStep(FASTEST_RESEND, *timeouts)
-        wait_for_recorder = self.value("observers") and not self._real_time
-        window = stamp_ns(self.value("recorder_window") if wait_for_recorder else 0, self._sample_time)
-        self._window = RecorderWindow(window - stamp_ns(0, self._sample_time))
+        window = self.value("recorder_window") if self.value("observers") else 0
+        self._window = recorder_window(window, self._sample_time, self._real_time)
 
     @property
     def paced(self) -> PlantNode | None:
@@ -113,18 +113,8 @@ class PlantNode(FlexrosNode):
         if self._k < 0:
             return {"samples": 0}
         samples = self._k if self.active and self._ending is None else self._k + 1
-        wall = max((self._ended or perf_counter()) - self._began, 1e-9)
-        return {
-            "samples": samples,
-            "simulated_time_s": samples * self._sample_time,
-            "wall_time_s": wall,
-            "samples_per_s": samples / wall,
-            "resends": self._lockstep.resends,
-            "stale_commands": self._lockstep.stale,
-            "dropped_on_purpose": self._loss.dropped,
-            "waits_for_recorder": self._window.waits,
-            "braked_samples": self._ending.braked if self._ending else 0,
-        }
+        time, wall = samples * self._sample_time, (self._ended or perf_counter()) - self._began
+        return loop_figures(time, samples, wall, self._lockstep, self._loss, self._window, self._ending)
 
     def _timing(self, sum_up: Callable[[Schedule], PeriodStatistics | None]) -> dict[str, float]:
         if not self._real_time:
@@ -156,10 +146,11 @@ class PlantNode(FlexrosNode):
     def _watch(self) -> None:
         if self._k < 0 or self._ending is not None or self.schedule is not None:
             return
-        if self._held:
-            self._recorder_silence += FASTEST_RESEND
-            if self._recorder_silence > self.value("recorder_timeout"):
+        if self._window.held or self._first is not None:
+            if self._window.wait(FASTEST_RESEND) > self.value("recorder_timeout"):
                 raise RunError(recorder_silence_text(self._window.confirmed, self.value("recorder_timeout")))
+            self._go_on()
+        if self._window.held:
             return
         tick = self._lockstep.tick()
         if tick is Tick.RESEND:
@@ -176,10 +167,12 @@ class PlantNode(FlexrosNode):
         command = self._reader.read(message, self._k)
         if self._newest is not None:
             self._newest.offer(command)
-        elif self._real_time:
-            self._begin_pacing(command)
-        else:
+        elif self._k:
             self._advance(command)
+        else:
+            self._first = command
+            self._lockstep.hold()  # while the recorder is awaited; the first sample is repeated until it is heard
+            self._go_on()
 
     def _advance(self, command: FloatArray) -> None:
         if self._k + 1 >= self._n_samples:
@@ -196,9 +189,7 @@ class PlantNode(FlexrosNode):
         if self._window.admits(stamp):
             self._messages.publish()
         else:
-            self._held = True
-            self._recorder_silence = 0.0
-            self._window.waits += 1
+            self._window.hold()
 
     def _on_recorded(self, message: bytes) -> None:
         cursor = CdrCursor(message)
@@ -207,17 +198,23 @@ class PlantNode(FlexrosNode):
         self._go_on()
 
     def _go_on(self) -> None:
-        """Publish the sample that was held back as soon as the recorder is near enough."""
-        if self._held and self._window.admits(self.stamp):
-            self._held = False
+        """Publish the sample that was held back, or go on after the first one, as soon as the recorder permits."""
+        if self._window.held and self._window.admits(self.stamp):
+            self._window.held = False
             self._lockstep.hold()
             self._messages.publish()
+        elif self._first is not None and self._window.has_begun():
+            command, self._first = self._first, None
+            self._began = perf_counter()
+            if self._real_time:
+                self._begin_pacing(command)
+            else:
+                self._advance(command)
 
     # Real time.
 
     def _begin_pacing(self, command: FloatArray) -> None:
         self._newest = HeldCommand(command, self._sample_time, self.value("real_time_patience"))
-        self._began = perf_counter()
         self._cycles = Schedule(self._sample_time)
         self._cycles.begin(self._began + self._sample_time)
         self.schedule = self._cycles
@@ -255,6 +252,7 @@ class PlantNode(FlexrosNode):
     def _finish(self, error: FlexrosError | None) -> None:
         """Stop the loop, brake if it broke off, and wait for the recorder."""
         self._ended = perf_counter()
+        self._first = None
         self.schedule = None
         n_brake = 0 if error is None else round(self.value("brake_duration") / self._sample_time)
         self._ending = Ending(error, n_brake)
@@ -281,7 +279,7 @@ class PlantNode(FlexrosNode):
         nothing = np.zeros(len(self._names))
         try:
             for _ in range(max(round(LOOK_PERIOD / self._sample_time), 1)):
-                if self._held or not ending.brakes:
+                if self._window.held or not ending.brakes:
                     return
                 self._plant.advance(nothing)
                 self._next_sample()

@@ -10,7 +10,8 @@ from flexros.logs.joint_state_message import JointStateTemplate
 from flexros.logs.pose_stamped_message import PoseStampedTemplate
 from flexros.logs.stamps import NANOSECONDS, stamp_ns
 from flexros.logs.time_series import BASE_FRAME
-from flexros_nodes.topic_interface import topic
+from flexros_nodes.recorder_window import RecorderWindow
+from flexros_nodes.topic_interface import sampled_topics, topic
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -72,3 +73,18 @@ class PlantMessages:
         self._poses.publish(self._pose)
         if self._clock_message is not None:
             self._clock.publish(self._clock_message)
+
+
+def recorder_window(samples: int, sample_time: float, real_time: bool) -> RecorderWindow:
+    """Make the flow control between plant and recorder.
+
+    Args:
+        samples: How far the loop may run ahead of the recorder; 0 waits for nothing, not even at the start.
+        sample_time: Time between two samples [s].
+        real_time: Whether the loop waits at the start alone.
+    """
+    if not samples:
+        return RecorderWindow(0)
+    width = 0 if real_time else stamp_ns(samples, sample_time) - stamp_ns(0, sample_time)
+    others = [name for name in sampled_topics() if name not in OWN_TOPICS]
+    return RecorderWindow(width, OWN_TOPICS, others)

@@ -17,6 +17,7 @@ from flexros_nodes.executable import run_node
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.prepared_run import prepared_run
 from flexros_nodes.recording import ArrivalTime, EventRecording, TopicRecording
+from flexros_nodes.topic_interface import sampled_topics
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,9 +28,8 @@ if TYPE_CHECKING:
 CONFIRM_PERIOD = 0.05
 """Longest time until what was recorded is confirmed [s] (wall clock), chosen."""
 
-EVENT_TYPES = ("diagnostic_msgs/msg/DiagnosticArray",)
-"""Types of topics that do not carry one message for each sampling instant."""
-
+STALL_PERIODS = 16
+"""While the loop stands still, confirmations are said again after 1, 2, 4, 8 and then every 16 periods, chosen."""
 
 LOOP_PRODUCERS = ("plant", "controller")
 """Nodes whose topics go on sample by sample; the others may run ahead, or end."""
@@ -55,7 +55,7 @@ class RecorderNode(FlexrosNode):
         self._all_confirmed = -1
         self._confirmed: dict[str, int] = {}
         self._confirm_every = self.value("confirm_every")
-        self._since_confirmed = 0
+        self._since_confirmed = self._stalls = 0
         self._samples: dict[str, TopicRecording] = {}
         self._in_loop: list[TopicRecording] = []
         self._events: dict[str, EventRecording] = {}
@@ -74,11 +74,11 @@ class RecorderNode(FlexrosNode):
             raise
 
     def _record(self, writer: LogWriter, name: str, row: Topic, number: int) -> None:
-        if row.type in EVENT_TYPES:
+        if name not in sampled_topics():
             self._events[name] = EventRecording(writer, number, self._arrival)
             self.listen(name, self._events[name].take, recorder=True)
             return
-        recording = self._samples[name] = TopicRecording(writer, number, self._arrival)
+        recording = self._samples[name] = TopicRecording(writer, number, self._arrival, self._confirm_each)
         if row.producer in LOOP_PRODUCERS:
             self._in_loop.append(recording)
         take = partial(self._take_and_confirm, recording) if name == "joint_states" else recording.take
@@ -102,13 +102,26 @@ class RecorderNode(FlexrosNode):
         self._say("", until)
         return True
 
-    def _confirm_each(self) -> None:
-        """Say of each topic that went on up to where it is recorded."""
-        self._confirm()
+    def _confirm_each(self) -> bool:
+        """Say of each topic that went on up to where it is recorded; tells whether there was news."""
+        news = self._confirm()
         for name, recording in self._samples.items():
             if recording.last > self._confirmed.get(name, -1):
+                news = True
                 self._confirmed[name] = recording.last
                 self._say(name, recording.last)
+        return news
+
+    def _look_around(self) -> None:
+        """Confirm what is new; when the loop stands still, say again what the plant may not have heard.
+
+        It may know this recorder only since a moment ago, and would wait for ever for what was said before.
+        """
+        self._stalls = 0 if self._confirm_each() else self._stalls + 1
+        if self._stalls and (self._stalls & (self._stalls - 1) == 0 or self._stalls % STALL_PERIODS == 0):
+            for name, stamp in {"": self._all_confirmed, **self._confirmed}.items():
+                if stamp >= 0:
+                    self._say(name, stamp)
 
     def _say(self, name: str, stamp: int) -> None:
         message = Header(frame_id=name)
@@ -117,7 +130,7 @@ class RecorderNode(FlexrosNode):
 
     def start(self) -> None:
         """Confirm now and then, also when the loop stands still."""
-        self.every(CONFIRM_PERIOD, self._confirm_each)
+        self.every(CONFIRM_PERIOD, self._look_around)
 
     def refusal(self) -> str:
         """Refuse to go on with a log that is closed."""

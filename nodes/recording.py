@@ -45,6 +45,7 @@ class TopicRecording:
         sink: Where the messages go.
         topic_id: Number of the topic there.
         arrival: Gives the log time [ns]; the stamp if None.
+        on_first: Called when the first message has been taken.
 
     Attributes:
         first: Stamp of the first message [ns], -1 before.
@@ -53,7 +54,13 @@ class TopicRecording:
         repeated: Messages whose stamp was there already, left out.
     """
 
-    def __init__(self, sink: MessageSink, topic_id: int, arrival: Callable[[], int] | None = None) -> None:
+    def __init__(
+        self,
+        sink: MessageSink,
+        topic_id: int,
+        arrival: Callable[[], int] | None = None,
+        on_first: Callable[[], None] = lambda: None,
+    ) -> None:
         self.first = -1
         self.last = -1
         self.count = 0
@@ -61,6 +68,7 @@ class TopicRecording:
         self._write = sink.write
         self._topic_id = topic_id
         self._arrival = arrival
+        self._on_first = on_first
 
     def take(self, message: bytes) -> None:
         """Write a message unless its stamp is not newer than the last one.
@@ -72,11 +80,12 @@ class TopicRecording:
         if stamp <= self.last:
             self.repeated += 1
             return
-        if self.first < 0:
-            self.first = stamp
         self.last = stamp
         self.count += 1
         self._write(self._topic_id, stamp if self._arrival is None else self._arrival(), stamp, message)
+        if self.first < 0:
+            self.first = stamp
+            self._on_first()
 
     def missing(self, sample_time: float) -> int:
         """Count sampling instants between the first and the last message that have none.

@@ -123,7 +123,8 @@ class ReferenceStream:
     def _send_due(self) -> None:
         for samples in self._stream.due(self.progress):
             self._send(samples)
-        stop = min(self.progress + self._poses_ahead, self._n_samples)
+        # at the first sample the loop waits until every reader is known: what is sent again then must be one message
+        stop = min(self.progress + self._poses_ahead, self._n_samples) if self.progress else 1
         self._send_poses(range(self._poses_sent, stop))
         self._poses_sent = max(self._poses_sent, stop)
 

@@ -23,6 +23,16 @@ def topic(name: str) -> Topic:
     return topics[name]
 
 
+EVENT_TYPES = ("diagnostic_msgs/msg/DiagnosticArray",)
+"""Types of recorded topics that do not carry one message for each sampling instant."""
+
+
+@cache
+def sampled_topics() -> tuple[str, ...]:
+    """Name the recorded topics that carry one message for each sampling instant, in the order of `topics.yaml`."""
+    return tuple(name for name, row in load_topics().items() if row.recorded and row.type not in EVENT_TYPES)
+
+
 @cache
 def message_class(type_name: str) -> type:
     """Give the Python class of a message type, e.g. of "sensor_msgs/msg/JointState"."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros_nodes.lockstep import Arrival, ControllerLockStep, PlantLockStep, RecorderWindow, Tick
+from flexros_nodes.lockstep import Arrival, ControllerLockStep, PlantLockStep, Tick
 
 T = 5e-4
 
@@ -129,51 +129,3 @@ def test_controller_counts_samples_it_never_saw() -> None:
     lockstep.arrival(1_000_000_000)
     lockstep.arrival(1_002_000_000)
     assert lockstep.missed == 3
-
-
-def test_window_admits_up_to_its_width_beyond_what_is_recorded() -> None:
-    window = RecorderWindow(1_000)
-    window.start(10_000)
-    assert window.admits(11_000)
-    assert not window.admits(11_001)
-    window.confirm("", 10_500)
-    assert window.admits(11_500)
-    assert not window.admits(11_501)
-
-
-def test_window_of_zero_never_waits() -> None:
-    window = RecorderWindow(0)
-    window.start(10_000)
-    assert window.admits(10**18)
-
-
-def test_confirmation_of_one_topic_does_not_widen_the_window() -> None:
-    window = RecorderWindow(1_000)
-    window.start(10_000)
-    window.confirm("joint_states", 50_000)
-    assert not window.admits(12_000)
-    assert window.holds(["joint_states"], 50_000)
-    assert not window.holds(["joint_states", "tool_pose"], 50_000)
-
-
-def test_older_confirmations_change_nothing() -> None:
-    window = RecorderWindow(1_000)
-    window.start(10_000)
-    window.confirm("", 9_000)
-    window.confirm("tool_pose", 3)
-    window.confirm("tool_pose", 2)
-    assert window.admits(11_000)
-    assert window.holds(["tool_pose"], 3)
-
-
-def test_window_follows_the_plants_own_topics_when_the_partner_is_gone() -> None:
-    window = RecorderWindow(1_000)
-    window.start(10_000)
-    window.confirm("joint_states", 10_400)
-    window.confirm("tool_pose", 10_300)
-    window.follow(["joint_states", "tool_pose"])
-    assert window.admits(11_300)
-    assert not window.admits(11_301)
-    window.confirm("tool_pose", 10_600)
-    assert window.admits(11_400)
-    assert not window.admits(11_401)

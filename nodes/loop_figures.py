@@ -1,0 +1,45 @@
+"""What a plant tells of its loop, by the keys of the diagnostics; free of ROS."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from flexros_nodes.ending import Ending
+    from flexros_nodes.lockstep import PlantLockStep
+    from flexros_nodes.message_loss import MessageLoss
+    from flexros_nodes.recorder_window import RecorderWindow
+
+
+def loop_figures(
+    simulated_time: float,
+    samples: int,
+    wall_time: float,
+    lockstep: PlantLockStep,
+    loss: MessageLoss,
+    window: RecorderWindow,
+    ending: Ending | None,
+) -> dict[str, float]:
+    """Give counts and speed.
+
+    Args:
+        simulated_time: Time that the samples cover [s].
+        samples: Samples of the loop.
+        wall_time: Time that they took [s].
+        lockstep: Counts what was sent again.
+        loss: Counts what was lost on purpose.
+        window: Counts the waits for the recorder.
+        ending: Counts the samples of the end, if it has come.
+    """
+    wall = max(wall_time, 1e-9)
+    return {
+        "samples": samples,
+        "simulated_time_s": simulated_time,
+        "wall_time_s": wall,
+        "samples_per_s": samples / wall,
+        "resends": lockstep.resends,
+        "stale_commands": lockstep.stale,
+        "dropped_on_purpose": loss.dropped,
+        "waits_for_recorder": window.waits,
+        "braked_samples": ending.braked if ending else 0,
+    }
