@@ -195,9 +195,7 @@ class _Search:
         def cost(point: FloatArray) -> float:
             return squares.cost(scale.values(point))
 
-        return minimise(
-            equations, cost, x, self._lower, self._upper, self._largest, self._settings.stop, damping
-        )
+        return minimise(equations, cost, x, self._lower, self._upper, self._largest, self._settings.stop, damping)
 
 
 def _target(problem: GrayBoxProblem) -> ResponseTarget:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -80,9 +80,25 @@ class GrayBoxProblem:
         array = _weight_array(setting, self.responses, chosen)
         return GrayBoxProblem(self.robot, self.scale, self.responses, chosen, setting, array, self.model)
 
+    def reweighted(self, values: FloatArray) -> GrayBoxProblem:
+        """Make the weights anew with the model's responses in place of the measured ones.
+
+        (8) of Moberg (2007, Paper A) asks for the true response; near the end of an identification the model is
+        nearer to it than the measurement, and weights that do not depend on the noise of the same lines leave no bias.
+
+        Args:
+            values: Values of the unknown parameters [SI], shape (P,).
+
+        Returns:
+            The same problem with other weights.
+        """
+        modelled = self.model_at(values).response(values)
+        stand_ins = [replace(given, response=model) for given, model in zip(self.responses, modelled, strict=True)]
+        return replace(self, weights=_weight_array(self.setting, stand_ins, self.estimator))
+
     def __reduce__(self) -> tuple[Any, ...]:
         robot = (self.robot.spec.model_dump(mode="json"), self.robot.source)
-        return _rebuilt, (*robot, self.names, self.responses, self.estimator.name, self.setting)
+        return _rebuilt, (*robot, self.names, self.responses, self.estimator.name, self.setting, self.weights)
 
 
 def graybox_problem(
@@ -123,9 +139,14 @@ def _rebuilt(
     names: tuple[str, ...],
     responses: tuple[FrequencyResponse, ...],
     estimator: str,
-    weights: Weights,
+    setting: Weights,
+    weights: FloatArray,
 ) -> GrayBoxProblem:
-    return graybox_problem(robot_from_data(data, source), responses, names, estimator, weights)
+    """Build a problem from what `GrayBoxProblem.__reduce__` takes apart: in another process functions are made anew."""
+    robot = robot_from_data(data, source)
+    scale = parameter_scale(robot, names)
+    model = _frequency_model(robot, names, responses, scale.nominal)
+    return GrayBoxProblem(robot, scale, responses, estimator_named(estimator), setting, weights, model)
 
 
 def _frequency_model(
@@ -136,9 +157,7 @@ def _frequency_model(
     return FrequencyModel(positions, responses[0].frequency, responses[0].sample_time, robot.delay)
 
 
-def _weight_array(
-    setting: Weights, responses: Sequence[FrequencyResponse], estimator: AbstractEstimator
-) -> FloatArray:
+def _weight_array(setting: Weights, responses: Sequence[FrequencyResponse], estimator: AbstractEstimator) -> FloatArray:
     array = setting.array(responses, estimator)
     if not np.any(array > 0):
         raise InputError(

@@ -28,6 +28,11 @@ class AbstractWeights(Settings, ABC):
 
     lowest: float = Field(0.0, ge=0, description="no weight below this frequency [Hz], where the FRF is uncertain")
     highest: float | None = Field(None, gt=0, description="no weight above this frequency [Hz]; default: all lines")
+    least_signal_to_noise: float = Field(
+        10.0,
+        description="no weight where |G| is not this much above its standard deviation [dB]: for logarithms, which are "
+        "biased below 10 dB, line by line; for NLS with user weights, element by element",
+    )
 
     @abstractmethod
     def array(self, responses: Sequence[FrequencyResponse], estimator: AbstractEstimator) -> FloatArray:
@@ -56,14 +61,34 @@ class AbstractWeights(Settings, ABC):
             )
         return inside[..., None, None].astype(float)
 
+    def above_noise(self, responses: Sequence[FrequencyResponse], by_line: bool) -> FloatArray:
+        """Return 1 where responses stand out of their noise or the noise is not known, else 0.
+
+        Args:
+            responses: Responses, one per position.
+            by_line: Whether to judge each line, or each element by its mean square over all lines.
+
+        Returns:
+            Shape (Q, F, n_y, n_u), or (Q, 1, n_y, n_u) for elements.
+        """
+        least = 10.0 ** (self.least_signal_to_noise / 10.0)
+        masks = []
+        for response in responses:
+            noise, power = response_noise(response), np.abs(response.response) ** 2
+            variance = np.zeros_like(power) if noise is None else noise.variance
+            if not by_line:
+                power, variance = power.mean(axis=0, keepdims=True), variance.mean(axis=0, keepdims=True)
+            masks.append(power >= least * variance)
+        return np.stack(masks).astype(float)
+
 
 class UserWeights(AbstractWeights):
     """Constant for each element and the same for all positions, smaller off the diagonal (Moberg 2007, Paper A, 6).
 
     With logarithmic errors a constant weight already makes the fit match resonances and antiresonances. NLS weighs
     absolute errors, so there the constants are divided by the mean square of the element's magnitude (chosen).
-    Lines at which an element is lost in noise get none: the logarithm is biased below a signal-to-noise ratio of
-    10 dB (Pintelon and Schoukens 2001, p. 207).
+    What is lost in noise gets none: logarithms are biased below a signal-to-noise ratio of 10 dB (Pintelon and
+    Schoukens 2001, p. 207).
     """
 
     kind: Literal["user"] = "user"
@@ -72,15 +97,12 @@ class UserWeights(AbstractWeights):
     elements: dict[str, float] = Field(
         default_factory=dict, description="weight of single elements, written output.input, e.g. motor_2.motor_1: 0.5"
     )
-    least_signal_to_noise: float = Field(
-        10.0, description="lines where |G| is not this much above its standard deviation get no weight [dB]"
-    )
 
     def array(self, responses: Sequence[FrequencyResponse], estimator: AbstractEstimator) -> FloatArray:
         """Compute the weights; see `AbstractWeights.array`."""
         measured = np.stack([response.response for response in responses])
         weights = self.in_band(responses) * self._constants(responses[0])
-        weights = weights * self._above_noise(responses)
+        weights = weights * self.above_noise(responses, by_line=estimator.name != "NLS")
         if estimator.name == "NLS":
             used = weights > 0
             power = np.sum(np.abs(measured) ** 2 * used, axis=(0, 1)) / np.maximum(np.sum(used, axis=(0, 1)), 1)
@@ -100,18 +122,6 @@ class UserWeights(AbstractWeights):
             constants[places[name]] = weight
         return constants
 
-    def _above_noise(self, responses: Sequence[FrequencyResponse]) -> FloatArray:
-        """Return 1 where the response stands out of its noise or the noise is not known, else 0."""
-        least = 10.0 ** (self.least_signal_to_noise / 10.0)
-        masks = []
-        for response in responses:
-            noise = response_noise(response)
-            clear = np.ones(response.response.shape, dtype=bool)
-            if noise is not None:
-                clear = np.abs(response.response) ** 2 >= least * noise.variance
-            masks.append(clear)
-        return np.stack(masks).astype(float)
-
 
 class OptimalWeights(AbstractWeights):
     """Inverse of the measured covariance, diagonal (Moberg 2007, Paper A, equations 6 and 8 with G_0 ~ G measured)."""
@@ -121,7 +131,8 @@ class OptimalWeights(AbstractWeights):
     def array(self, responses: Sequence[FrequencyResponse], estimator: AbstractEstimator) -> FloatArray:
         """Compute the weights; see `AbstractWeights.array`."""
         rows = [estimator.optimal_weight(_known_variance(response), response.response) for response in responses]
-        return self.in_band(responses) * np.stack(rows)
+        clear = 1.0 if estimator.name == "NLS" else self.above_noise(responses, by_line=True)
+        return self.in_band(responses) * np.stack(rows) * clear
 
 
 class CombinedWeights(AbstractWeights):
@@ -142,9 +153,9 @@ class CombinedWeights(AbstractWeights):
             highest=self.highest,
             diagonal=self.diagonal**-2,
             off_diagonal=self.off_diagonal**-2,
-            least_signal_to_noise=-300.0,
+            least_signal_to_noise=self.least_signal_to_noise,
         ).array(responses, estimator)
-        optimal = OptimalWeights(lowest=self.lowest, highest=self.highest).array(responses, estimator)
+        optimal = OptimalWeights(least_signal_to_noise=self.least_signal_to_noise).array(responses, estimator)
         used = (user > 0) & (optimal > 0)
         inverse = 1.0 / np.where(used, user, 1.0) + 1.0 / np.where(used, optimal, 1.0)
         return np.where(used, 1.0 / inverse, 0.0)

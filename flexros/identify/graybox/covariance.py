@@ -1,0 +1,186 @@
+"""Covariance of the fitted parameters from that of the measured responses (Moberg 2007, Paper A, equation 5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.identify.graybox.response_noise import response_noise
+
+if TYPE_CHECKING:
+    from flexros.arrays import ComplexArray, FloatArray
+    from flexros.identify.graybox.fit import Fit
+    from flexros.identify.graybox.parameter_scale import ParameterScale
+    from flexros.identify.graybox.problem import GrayBoxProblem
+    from flexros.identify.graybox.response_noise import ResponseNoise
+
+NORMAL_95 = 1.959964
+"""Half width of a 95 % interval in standard deviations."""
+
+NOTHING_KNOWN = 1e3
+"""Standard deviation of a scaled parameter that no response depends on (stands for infinite)."""
+
+NULL = 1e-13
+"""Eigenvalues of the normalised information below this share of the largest are rounding errors (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterCovariance:
+    """How far fitted values can be trusted, to first order.
+
+    Attributes:
+        scale: The scaled parameters x: logarithms, or multiples of a typical size.
+        values: Fitted values [SI], shape (P,).
+        matrix: Covariance of x, after the correction, shape (P, P).
+        basis: Where the covariance of the responses came from: "total" (blocks), "noise" (periods), or "residuals".
+        reduced_cost: Cost over the value to expect from that covariance; 1 where the model explains all but noise.
+        factor: What (5) was multiplied with: `reduced_cost` if larger than 1, and the inflation by weights that were
+            themselves estimated from few degrees of freedom.
+        explanation: One sentence on basis and factor.
+    """
+
+    scale: ParameterScale
+    values: FloatArray
+    matrix: FloatArray
+    basis: str
+    reduced_cost: float
+    factor: float
+    explanation: str
+
+    @property
+    def standard_deviation(self) -> FloatArray:
+        """Standard deviation of x: relative for logarithmic parameters, in typical sizes else, shape (P,)."""
+        return np.sqrt(np.maximum(np.diag(self.matrix), 0.0))
+
+    @property
+    def relative(self) -> FloatArray:
+        """Standard deviation relative to the value, shape (P,); infinite for a value of zero."""
+        absolute = self.standard_deviation * self.scale.per_value(self.values)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(np.where(self.values == 0, np.inf, np.abs(absolute / self.values)))
+
+    def intervals(self, width: float = NORMAL_95) -> FloatArray:
+        """Return intervals of the values, symmetric in x.
+
+        Args:
+            width: Half width in standard deviations; default: 95 %.
+
+        Returns:
+            Lower and upper ends [SI], shape (P, 2).
+        """
+        x, reach = self.scale.scaled(self.values), width * self.standard_deviation
+        with np.errstate(over="ignore"):
+            return np.stack([self.scale.values(x - reach), self.scale.values(x + reach)], axis=1)
+
+
+def parameter_covariance(problem: GrayBoxProblem, fit: Fit, correct: bool = True) -> ParameterCovariance:
+    """Evaluate (5) with the full covariance of the responses.
+
+    Args:
+        problem: What was fitted.
+        fit: Where the fit ended.
+        correct: Whether to multiply (5) by `ParameterCovariance.factor`; (5) is for known covariances and a model
+            that can describe the truth.
+
+    Returns:
+        The covariance. Where no covariance of the responses is known, the weights are taken for its inverse up to a
+        factor that the residuals tell.
+    """
+    noises = [response_noise(response) for response in problem.responses]
+    known = [noise for noise in noises if noise is not None]
+    sums = _sums(problem, fit, known if len(known) == len(noises) else None)
+    inverse, unknown = _inverse(sums.information)
+    if len(known) < len(noises):
+        degrees = max(problem.estimator.noise_share * sums.count - 0.5 * len(fit.names), 1.0)
+        matrix = 0.5 * fit.cost / degrees * inverse + unknown
+        text = "The responses have no covariance: the residuals stand for it."
+        return ParameterCovariance(problem.scale, fit.values, matrix, "residuals", 1.0, 1.0, text)
+    matrix = 0.5 * inverse @ sums.spread @ inverse
+    expected = sums.expected_cost - float(np.trace(sums.information @ matrix))
+    degrees = min(noise.degrees_of_freedom for noise in known)
+    inflation, ratio = _of_estimated_weights(problem, degrees)
+    reduced = fit.cost / max(ratio * expected, np.finfo(float).tiny)
+    factor = max(reduced, 1.0) * inflation if correct else 1.0
+    text = _explanation(reduced, inflation, factor, correct)
+    return ParameterCovariance(
+        problem.scale, fit.values, factor * matrix + unknown, known[0].kind, reduced, factor, text
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Sums:
+    """Sums over positions and frequencies.
+
+    Attributes:
+        information: sum Re(J^H W J), shape (P, P).
+        spread: sum Re(J^H W L W J), shape (P, P).
+        expected_cost: Expected cost at the true parameters.
+        count: Number of elements with a weight.
+    """
+
+    information: FloatArray
+    spread: FloatArray
+    expected_cost: float
+    count: int
+
+
+def _sums(problem: GrayBoxProblem, fit: Fit, noises: list[ResponseNoise] | None) -> _Sums:
+    model = problem.model_at(fit.values)
+    response, jacobian = model.response_and_jacobian(fit.values, problem.scale.per_value(fit.values))
+    n = len(fit.names)
+    information, spread, expected = np.zeros((n, n)), np.zeros((n, n)), 0.0
+    for place, (given, slopes, weights) in enumerate(zip(response, jacobian, problem.weights, strict=True)):
+        stacked, w = _stack(given), _stack(weights)
+        J = np.where((w > 0)[..., None], problem.estimator.slope(stacked, _stack(slopes)), 0.0)
+        weighted = w[..., None] * J
+        information += np.real(np.tensordot(J.conj(), weighted, ((0, 1), (0, 1))))
+        if noises is not None:
+            L = problem.estimator.error_covariance(noises[place].covariance(), stacked)
+            spread += np.real(np.tensordot(weighted.conj(), L @ weighted, ((0, 1), (0, 1))))
+            expected += problem.estimator.noise_share * float(np.sum(w * np.einsum("fmm->fm", L).real))
+    return _Sums(information, spread, expected, int(np.count_nonzero(problem.weights)))
+
+
+def _stack(elements: ComplexArray | FloatArray) -> ComplexArray | FloatArray:
+    """Stack the columns of (F, n_y, n_u, ...), shape (F, n_u n_y, ...), as vec does."""
+    swapped = np.swapaxes(elements, 1, 2)
+    return swapped.reshape(len(swapped), -1, *swapped.shape[3:])
+
+
+def _inverse(information: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Invert, apart from directions that nothing is known about; return the inverse and their covariance."""
+    size = np.sqrt(np.diag(information))
+    size = np.where(size > 0, size, np.max(size, initial=0.0) or 1.0)
+    eigenvalues, vectors = np.linalg.eigh(information / np.outer(size, size))
+    seen = eigenvalues > NULL * eigenvalues[-1]
+    directions = vectors / size[:, None]
+    inverse = (directions[:, seen] / eigenvalues[seen]) @ directions[:, seen].T
+    blind = directions[:, ~seen] / np.linalg.norm(directions[:, ~seen], axis=0)
+    return inverse, NOTHING_KNOWN**2 * blind @ blind.T
+
+
+def _of_estimated_weights(problem: GrayBoxProblem, degrees: float) -> tuple[float, float]:
+    """Growth of covariance and of expected cost with weights from variances of few degrees of freedom.
+
+    With v = s chi^2 / (2 nu) for the estimate of a variance s, E[1/v] = nu / (nu - 1) / s and
+    E[1/v^2] = nu^2 / ((nu - 1)(nu - 2)) / s^2, so that (5), in which both are taken for exact, is too small by
+    nu / (nu - 2), and the cost too small by nu / (nu - 1) (derived).
+    """
+    if problem.setting.kind != "optimal":
+        return 1.0, 1.0
+    steady = max(degrees, 3.0)
+    return steady / (steady - 2.0), steady / (steady - 1.0)
+
+
+def _explanation(reduced: float, inflation: float, factor: float, correct: bool) -> str:
+    text = f"The cost is {reduced:.3g} times what the covariance of the responses explains"
+    if not correct:
+        return f"{text}; nothing was corrected."
+    causes = ["by this, because the model misses something"] if reduced > 1 else []
+    if inflation > 1:
+        causes.append(f"by {inflation:.3g}, because the weights come from few blocks")
+    if not causes:
+        return f"{text}; the parameter covariance is that of the responses alone."
+    return f"{text}; the parameter covariance was multiplied by {factor:.3g}: {' and '.join(causes)}."
