@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from flexros.identify.graybox.response_noise import response_noise
 
 if TYPE_CHECKING:
-    from flexros.arrays import ComplexArray, FloatArray
+    from numpy.typing import NDArray
+
+    from flexros.arrays import FloatArray
     from flexros.identify.graybox.fit import Fit
     from flexros.identify.graybox.parameter_scale import ParameterScale
     from flexros.identify.graybox.problem import GrayBoxProblem
     from flexros.identify.graybox.response_noise import ResponseNoise
+
+Number = TypeVar("Number", np.float64, np.complex128)
 
 NORMAL_95 = 1.959964
 """Half width of a 95 % interval in standard deviations."""
@@ -143,7 +147,7 @@ def _sums(problem: GrayBoxProblem, fit: Fit, noises: list[ResponseNoise] | None)
     return _Sums(information, spread, expected, int(np.count_nonzero(problem.weights)))
 
 
-def _stack(elements: ComplexArray | FloatArray) -> ComplexArray | FloatArray:
+def _stack(elements: NDArray[Number]) -> NDArray[Number]:
     """Stack the columns of (F, n_y, n_u, ...), shape (F, n_u n_y, ...), as vec does."""
     swapped = np.swapaxes(elements, 1, 2)
     return swapped.reshape(len(swapped), -1, *swapped.shape[3:])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,7 +33,7 @@ class FitSettings:
         settled: Relative change of every value below which the robot is not linearised again.
     """
 
-    stop: StopRule = StopRule()
+    stop: StopRule = field(default_factory=StopRule)
     relinearisations: int = 10
     settled: float = 1e-6
 

@@ -157,16 +157,14 @@ def _directions(names: tuple[str, ...], matrix: FloatArray) -> tuple[Direction, 
 def _sparse_basis(loose: FloatArray) -> list[FloatArray]:
     """Bring a basis, shape (P, k), into a form in which every vector has one parameter for itself, of size 1."""
     rows = loose.T.copy()
-    pivots: list[int] = []
     for number in range(len(rows)):
         rest = np.abs(rows[number:])
-        row, column = np.unravel_index(int(np.argmax(rest)), rest.shape)
+        row, column = divmod(int(np.argmax(rest)), rest.shape[1])
         rows[[number, number + row]] = rows[[number + row, number]]
         rows[number] /= rows[number, column]
         for other in range(len(rows)):
             if other != number:
                 rows[other] -= rows[other, column] * rows[number]
-        pivots.append(int(column))
     return [row / row[np.argmax(np.abs(row))] for row in rows]
 
 

@@ -13,7 +13,6 @@ from flexros.robot.robot import robot_from_data
 from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
     from pathlib import Path
 
     from flexros.identify.graybox.covariance import ParameterCovariance
@@ -84,34 +83,33 @@ def write_identified_robot(
     write_result(path, identified_yaml(robot, fit, covariance, origin), "identified robot")
 
 
-def _place(data: dict[str, Any], full: Mapping[str, Any], parameter: Parameter, source: str, relative: float) -> None:
+def _place(data: Any, full: Any, parameter: Parameter, source: str, relative: float) -> None:
     """Copy one parameter with what belongs to it from the full content into the content that a file sets."""
-    path = [step for place, step in enumerate(parameter.path) if not (isinstance(step, int) and place != 1)]
-    path = path if path[0] == "bodies" else [step for step in path if isinstance(step, str)]
-    *way, last = path
+    *way, last = _path_of_quantity(parameter)
     here, there = data, full
     for step in way:
-        if isinstance(here, dict):
-            here = here.setdefault(step, {})
-        else:
-            here = here[step]
-        there = there[step]  # type: ignore[index]
-    entry = dict(there[last])  # type: ignore[index]
-    target = entry
+        here = here.setdefault(step, {}) if isinstance(step, str) else here[step]
+        there = there[step]
+    target = entry = dict(there[last])
     if last == "spring":
         law = next(word for word in ("stiffness", "piecewise_linear", "cubic") if entry[word] is not None)
-        entry = target = dict(entry[law])
-        if law != "stiffness":
-            entry = {law: target}
+        target = dict(entry[law])
+        entry = target if law == "stiffness" else {law: target}
     if "unit" in target:
         target["unit"] = parameter.unit
     before = here.get(last, {})
     known = before.get("tolerance") if before.get("source") == source else None  # another component of the same vector
     target["source"] = source
-    target["tolerance"] = None
+    target["tolerance"] = known
     if np.isfinite(relative):
         target["tolerance"] = max(float(f"{min(relative, LARGEST_TOLERANCE):.4g}"), known or 0.0)
     here[last] = entry
+
+
+def _path_of_quantity(parameter: Parameter) -> tuple[str | int, ...]:
+    """Keys that lead to the quantity that holds a parameter: for a component of a vector, to the vector."""
+    component = isinstance(parameter.path[-1], int)
+    return parameter.path[:-1] if component else parameter.path
 
 
 def _without_empty(node: Any) -> Any:

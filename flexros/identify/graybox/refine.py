@@ -66,9 +66,11 @@ def refine(
         InputError: Optimal weights without a measured covariance.
     """
     chosen = problem.with_choice(estimator, weights)
-    for number in range(1, MOST_ROUNDS + 1):
+    rounds = 0
+    while rounds < MOST_ROUNDS:
+        rounds += 1
         chosen, before = chosen.reweighted(found.values), found
         found = fit(chosen, before.values, bounds, settings)
         if np.max(np.abs(problem.scale.scaled(found.values) - problem.scale.scaled(before.values))) < SETTLED:
             break
-    return Refinement(chosen, found, number)
+    return Refinement(chosen, found, rounds)

@@ -12,7 +12,7 @@ from flexros.identify.graybox.response_noise import response_noise
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flexros.arrays import ComplexArray, FloatArray
+    from flexros.arrays import BoolArray, ComplexArray, FloatArray, IntArray
     from flexros.identify.graybox.fit import Fit
     from flexros.identify.graybox.problem import GrayBoxProblem
 
@@ -133,7 +133,7 @@ class _Figures:
     error: float
 
 
-def _figures(cost: FloatArray, misfit: FloatArray, error: FloatArray, used: FloatArray) -> _Figures:
+def _figures(cost: FloatArray, misfit: FloatArray, error: FloatArray, used: BoolArray) -> _Figures:
     """Sum up the lines of one cell that count."""
     known = bool(np.all(np.isfinite(misfit[used])))
     ranked = np.where(used, misfit if known else cost, -1.0)
@@ -162,7 +162,7 @@ def _correction(problem: GrayBoxProblem, fit: Fit, count: int) -> float:
     return count / max(count - 0.5 * free, 1.0)
 
 
-def _lines_of_bands(frequency: FloatArray, bands: Sequence[float] | int) -> list[FloatArray]:
+def _lines_of_bands(frequency: FloatArray, bands: Sequence[float] | int) -> list[IntArray]:
     """Divide the lines among the bands; bands without lines are left out."""
     if isinstance(bands, int):
         parts = np.array_split(np.arange(len(frequency)), bands)

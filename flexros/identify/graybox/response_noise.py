@@ -1,4 +1,4 @@
-"""What is known of the covariance of a measured response, steadied over neighbouring lines where the record is short."""
+"""What is known of the covariance of a measured response, steadied over neighbouring lines in short records."""
 
 from __future__ import annotations
 
