@@ -45,7 +45,7 @@ class SlowSine(Settings):
     cycles: int = Field(
         default=1,
         ge=1,
-        description="whole cycles in a period, a line that the excitation must leave out; odd keeps even lines quiet [1]",
+        description="whole cycles in a period, a line without excitation; an odd number keeps even lines quiet [1]",
     )
 
     def speeds(self, n_motors: int) -> FloatArray:

@@ -13,6 +13,9 @@ from flexros.control.controller import Controller
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.errors import InputError, source_named
 from flexros.feedforward.reference import compute_reference
+from flexros.identify.limits import check_limits
+from flexros.identify.plan import ExperimentPlan, plan_of_scenario
+from flexros.identify.reference import identification_reference, moves_of
 from flexros.provenance import versions
 from flexros.robot import load_robot
 from flexros.simulate.plant import Plant
@@ -41,9 +44,10 @@ class Experiment:
         nominal: The robot as the feedforward knows it.
         plant: The robot that is simulated, without the laws of its effects.
         sample_time: Time between two samples [s].
-        trajectory: Desired motion; a rest where the scenario has none.
+        trajectory: Desired motion; a rest where the scenario has none, the moves alone where it is an identification.
         n_samples: Number of samples, the first at 0 and the last at or just before the end.
         laws: Laws of effects at the motors of the plant.
+        plan: Plan of the identification experiment; None where the scenario is none.
     """
 
     scenario: Scenario
@@ -53,6 +57,7 @@ class Experiment:
     trajectory: Trajectory
     n_samples: int
     laws: tuple[PlacedLaw, ...] = ()
+    plan: ExperimentPlan | None = None
 
     @classmethod
     def prepare(cls, scenario: Scenario) -> Experiment:
@@ -71,17 +76,18 @@ class Experiment:
         nominal = load_robot(scenario.robot).with_values(scenario.model.values, f"{source}, key model.values")
         changed = _plant(scenario, nominal, source)
         sample_time = nominal.sample_time if scenario.sample_time is None else scenario.sample_time
-        trajectory = _trajectory(scenario, nominal, source)
+        plan = None if scenario.identification is None else plan_of_scenario(scenario)
+        trajectory = _trajectory(scenario, nominal, source) if plan is None else moves_of(plan)
         duration = trajectory.duration if scenario.duration is None else scenario.duration
-        n_samples = int(np.floor(duration / sample_time + 1e-6)) + 1
-        needed = n_samples * bytes_per_sample(nominal, trajectory.n_out)
+        n_samples = int(np.floor(duration / sample_time + 1e-6)) + 1 if plan is None else plan.n_samples
+        needed = n_samples * bytes_per_sample(nominal, trajectory.n_out, planned=plan is not None)
         if needed > MOST_BYTES:
             raise InputError(
-                f"{source}: {duration:g} s at a sample time of {sample_time:g} s are {n_samples} samples, which need "
-                f"some {needed / 1e9:.2g} GB of memory with robot {nominal.name}, allowed are {MOST_BYTES / 1e9:g} GB; "
-                "shorten the duration or raise the sample time"
+                f"{source}: {(n_samples - 1) * sample_time:g} s at a sample time of {sample_time:g} s are {n_samples} "
+                f"samples, which need some {needed / 1e9:.2g} GB of memory with robot {nominal.name}, allowed are "
+                f"{MOST_BYTES / 1e9:g} GB; shorten the duration or raise the sample time"
             )
-        experiment = cls(scenario, nominal, changed.robot, sample_time, trajectory, n_samples, changed.laws)
+        experiment = cls(scenario, nominal, changed.robot, sample_time, trajectory, n_samples, changed.laws, plan)
         with source_named(source):  # what is cheap to check is refused before anything costly is made
             _ = experiment.gains, experiment.signals(scenario.seed)
         return experiment
@@ -98,10 +104,18 @@ class Experiment:
 
     @cached_property
     def reference(self) -> Reference:
-        """References and feedforward torques of all samples; the torques are zero where the scenario says so."""
+        """References and feedforward torques of all samples; the torques are zero where the scenario says so.
+
+        Raises:
+            InputError: The robot cannot reach the path, or the nominal robot would leave a limit of an identification.
+        """
         with source_named(f"scenario {self.scenario.name}"):
-            _check_reachable(self.trajectory, self.nominal, self.start)
-        return self._reference(self.duration)
+            if self.plan is None:
+                _check_reachable(self.trajectory, self.nominal, self.start)
+                return self._reference(self.duration)
+            reference = identification_reference(self.plan, self.nominal, self.scenario.feedforward, self.start)
+            check_limits(self.plan, self.nominal, self.scenario.controller, reference)
+            return self._with_torque(reference)
 
     @cached_property
     def reference_signal(self) -> FloatArray:
@@ -181,17 +195,22 @@ class Experiment:
             reference = compute_reference(
                 self.nominal, self.trajectory, scenario.feedforward, self.sample_time, duration, self.start
             )
-        if scenario.feedforward_torque:
+        return self._with_torque(reference)
+
+    def _with_torque(self, reference: Reference) -> Reference:
+        """Take the feedforward torque away where the scenario does not want it."""
+        if self.scenario.feedforward_torque:
             return reference
         return replace(reference, torque=np.zeros_like(reference.torque))
 
 
-def bytes_per_sample(robot: Robot, n_out: int) -> int:
+def bytes_per_sample(robot: Robot, n_out: int, *, planned: bool = False) -> int:
     """Give the memory that each sample of a run takes, as all signals are held at once.
 
     Args:
         robot: The robot, with M motors.
         n_out: Number of coordinates of the trajectory.
+        planned: Whether it is an identification, whose reference is written where it stays.
 
     Returns:
         Memory [bytes]: the reference (its parts and the whole), the signal to the controller, the motion with its
@@ -199,7 +218,7 @@ def bytes_per_sample(robot: Robot, n_out: int) -> int:
     """
     m = robot.n_motors
     reference, signal, derivatives, log = 8 + 3 * m + n_out, 3 * m, 5 * (m + n_out), 7 + 2 * m
-    return 8 * (2 * reference + signal + derivatives + log)
+    return 8 * (reference + signal + log + (1 if planned else reference + derivatives))
 
 
 def _plant_hash(robot: Robot, laws: tuple[PlacedLaw, ...]) -> str:

@@ -38,7 +38,7 @@ class Burst(AbstractExcitation):
     kind: Literal["burst"] = Field(description="kind of excitation [name]")
     content: Literal["noise", "multisine"] = Field(
         default="noise",
-        description="noise: random amplitudes and phases, normal; multisine: random phases alone [name]",
+        description="noise: random amplitudes and phases; multisine: random phases alone [name]",
     )
     duration: float = Field(default=4.0, gt=0.0, le=3600.0, description="length of the burst [s]")
     lowest: float = Field(default=0.5, gt=0.0, description="lower end of the band [Hz]")
@@ -53,9 +53,7 @@ class Burst(AbstractExcitation):
     @model_validator(mode="after")
     def _fits(self) -> Burst:
         if 2.0 * self.taper > self.duration:
-            raise ValueError(
-                f"taper is {self.taper:g} s, allowed is at most half the duration, {self.duration / 2:g} s"
-            )
+            raise ValueError(f"taper is {self.taper:g} s, allowed is at most half the duration of {self.duration:g} s")
         if self.highest < self.lowest:
             raise ValueError(f"highest is {self.highest:g} Hz, allowed is lowest = {self.lowest:g} Hz or more")
         return self

@@ -53,9 +53,7 @@ class Chirp(AbstractExcitation):
     @model_validator(mode="after")
     def _taper_fits(self) -> Chirp:
         if 2.0 * self.taper > self.duration:
-            raise ValueError(
-                f"taper is {self.taper:g} s, allowed is at most half the duration, {self.duration / 2:g} s"
-            )
+            raise ValueError(f"taper is {self.taper:g} s, allowed is at most half the duration of {self.duration:g} s")
         return self
 
     def record_samples(self, sample_time: float) -> int:
@@ -81,7 +79,7 @@ class Chirp(AbstractExcitation):
             start = phase_generator(seed, position, block).uniform(0.0, 2.0 * np.pi, (n_motors, n_motors))
         before = round(self.rest_before / sample_time)
         length = round(self.duration / sample_time)
-        angle, rate, change = self._sweep(np.arange(length) * sample_time)
+        angle, rate, change = self._sweep(np.arange(length, dtype=np.float64) * sample_time)
         height, slope, _ = window(length, round(self.taper / sample_time), sample_time)
         phi = angle[None, :, None] + start[:, None, :]
         height, slope, rate, change = (part[None, :, None] for part in (height, slope, rate, change))

@@ -21,8 +21,8 @@ def low_crest_phases(
 ) -> FloatArray:
     """Lower the crest factor by clipping in time and restoring the amplitudes in frequency.
 
-    The swapping of time and frequency domain of Van der Ouderaa, Schoukens and Renneboog (1988): clip the peaks, take the
-    phases of the clipped signal, put them to the wanted amplitudes, and so on; the best phases met are kept. The
+    The swapping of time and frequency domain of Van der Ouderaa, Schoukens and Renneboog (1988): clip the peaks, take
+    the phases of the clipped signal, put them to the wanted amplitudes, and so on; the best phases are kept. The
     experiments of an orthogonal set differ by a phase that is the same on all lines. What bounds the peaks of all of
     them is the envelope, the size of the analytic signal, so that is clipped instead for such a set (chosen).
 

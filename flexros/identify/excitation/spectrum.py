@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import numpy as np
@@ -16,7 +17,7 @@ Point: TypeAlias = tuple[Annotated[float, Field(gt=0.0)], Annotated[float, Field
 
 def _increasing(points: tuple[Point, ...]) -> tuple[Point, ...]:
     frequencies = [frequency for frequency, _ in points]
-    if any(low >= high for low, high in zip(frequencies[:-1], frequencies[1:], strict=True)):
+    if any(low >= high for low, high in pairwise(frequencies)):
         raise ValueError(f"the frequencies of the spectrum are {frequencies}, allowed are increasing ones; sort them")
     return points
 

@@ -1,0 +1,96 @@
+"""Torque that a reference causes in the linear closed loop, line by line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.robot.linearise import linear_model
+
+if TYPE_CHECKING:
+    from flexros.arrays import ComplexArray, FloatArray
+    from flexros.control.base import AbstractControlLaw
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class ControllerResponse:
+    """Frequency responses of a feedback controller about rest, u = to_reference [position; speed] + to_measured y.
+
+    Attributes:
+        to_reference: From motor position and speed reference to the torque command, shape (F, M, 2 M).
+        to_measured: From the measured motor position to the torque command, shape (F, M, M).
+    """
+
+    to_reference: ComplexArray
+    to_measured: ComplexArray
+
+
+def controller_response(
+    law: AbstractControlLaw, n_motors: int, sample_time: float, frequency: FloatArray
+) -> ControllerResponse:
+    """Linearise a controller away from its limits; exact for a sampled linear law.
+
+    Args:
+        law: The controller.
+        n_motors: Number of motors M.
+        sample_time: Time between two samples [s].
+        frequency: Frequencies, above 0 and below half the sampling rate [Hz], shape (F,).
+
+    Returns:
+        Its responses.
+    """
+    function = law.function(n_motors, sample_time)
+    c, r, y = (ca.SX.sym(name, function.size1_in(index)) for index, name in enumerate("cry"))
+    gains = law.gains(n_motors)
+    u, after = function(c, r, y, gains)
+    parts = [ca.densify(ca.jacobian(out, part)) for out in (u, after) for part in (c, r, y)]
+    rest = [np.zeros(function.size1_in(1)), np.zeros(function.size1_in(2))]
+    started = function(law.initial_state(n_motors), *rest, gains)[1]
+    evaluate = ca.Function("linearised", [c, r, y], parts)
+    direct, ur, uy, step, cr, cy = (np.asarray(part, dtype=float) for part in evaluate(started, *rest))
+    z = np.exp(2j * np.pi * frequency * sample_time)[:, None, None]
+    memory = np.linalg.solve(
+        z * np.eye(len(step)) - step, np.broadcast_to(np.hstack([cr, cy]), (len(z), *_size(cr, cy)))
+    )
+    whole = direct @ memory + np.hstack([ur, uy])
+    return ControllerResponse(whole[:, :, : 2 * n_motors], whole[:, :, 3 * n_motors :])
+
+
+def torque_response(
+    robot: Robot, arm: FloatArray, controller: ControllerResponse, sample_time: float, frequency: FloatArray
+) -> ComplexArray:
+    """Give the torque command of the closed loop for motor references.
+
+    The robot is linearised at rest. Its response to the held command is that to a continuous one times the response of
+    the hold, sin(x) / x with x = w T / 2, and of half a sample and the command's delay; what folds back from above
+    the sampling rate is neglected, a relative error of the order (frequency / sampling rate)^2.
+
+    Args:
+        robot: The nominal robot.
+        arm: Arm coordinates at rest [rad or m], shape (N,).
+        controller: Response of the controller at the same frequencies.
+        sample_time: Time between two samples [s].
+        frequency: Frequencies [Hz], shape (F,).
+
+    Returns:
+        From motor position and speed reference to the torque command, shape (F, M, 2 M).
+    """
+    linear = linear_model(robot, arm)
+    w = (2.0 * np.pi * frequency)[:, None, None]
+    moved = np.linalg.solve(
+        linear.stiffness + 1j * w * linear.damping - w**2 * linear.mass,
+        np.broadcast_to(linear.input, (len(w), *linear.input.shape)),
+    )
+    hold = np.sinc(frequency * sample_time) * np.exp(-2j * np.pi * frequency * (0.5 * sample_time + robot.delay))
+    plant = hold[:, None, None] * (linear.encoder @ moved)
+    loop = np.eye(robot.n_motors) - controller.to_measured @ plant
+    return np.asarray(np.linalg.solve(loop, controller.to_reference), dtype=np.complex128)
+
+
+def _size(*parts: FloatArray) -> tuple[int, int]:
+    """Give the shape of matrices put side by side."""
+    return len(parts[0]), sum(part.shape[1] for part in parts)

@@ -1,0 +1,111 @@
+"""What excitation and slow motion add to the reference while the robot stays in a position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.identify.excitation.window import window
+from flexros.identify.slow_motion import ConstantSpeed, SlowSine
+from flexros.identify.timetable import half_travel, move_law
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.identify.excitation.base import BlockSignals
+    from flexros.identify.plan import ExperimentPlan
+    from flexros.identify.timetable import Visit
+
+
+@dataclass(frozen=True, eq=False)
+class Excursion:
+    """Motor motion about a position.
+
+    Attributes:
+        position: Added to the motor position [rad or m], shape (n, M).
+        speed: Its exact derivative [rad/s or m/s], shape (n, M).
+    """
+
+    position: FloatArray
+    speed: FloatArray
+
+
+def excursion(plan: ExperimentPlan, visit: Visit) -> Excursion:
+    """Give the motion of a stay, from the approach of a constant speed to the end of the last experiment and back.
+
+    Args:
+        plan: The plan.
+        visit: The stay.
+
+    Returns:
+        The motion of the samples visit.lead to visit.end - 1; it is zero before and after.
+    """
+    n, m = visit.end - visit.lead, plan.n_motors
+    result = Excursion(np.zeros((n, m)), np.zeros((n, m)))
+    signals: BlockSignals | None = None
+    for number in range(visit.n_experiments):
+        block, experiment = divmod(number, m)
+        if experiment == 0:
+            signals = plan.signals(visit.position, block)
+        assert signals is not None
+        part = _experiment(plan, signals, experiment, backwards=number % 2 == 1)
+        first = visit.begin_first - visit.lead + number * visit.experiment
+        result.position[first : first + visit.experiment] = part.position
+        result.speed[first : first + visit.experiment] = part.speed
+    if plan.timing.lead:
+        _add_approaches(plan, visit, result)
+    return result
+
+
+def _experiment(plan: ExperimentPlan, signals: BlockSignals, experiment: int, *, backwards: bool) -> Excursion:
+    """Give one experiment: faded periods, or records from rest to rest, on top of the slow motion."""
+    timing, motion, time = plan.timing, plan.specification.slow_motion, plan.sample_time
+    k = np.arange(timing.experiment) - timing.fade
+    height, slope, area = np.ones(len(k)), np.zeros(len(k)), np.zeros(len(k))
+    if timing.fade:
+        height, slope, area = window(timing.experiment, timing.fade, time)
+    h, dh = height[:, None], slope[:, None]
+    moved, speed = signals.position[experiment][k % timing.period], signals.speed[experiment][k % timing.period]
+    if plan.periodic:
+        moved, speed = h * moved, h * speed + dh * moved
+    else:
+        outside = (k < 0) | (k >= plan.specification.periods * timing.period)
+        moved[outside], speed[outside] = 0.0, 0.0
+    if isinstance(motion, SlowSine):
+        rate = 2.0 * np.pi * motion.cycles / (timing.period * time)
+        angle = rate * time * (k % timing.period)[:, None]
+        size = motion.speeds(plan.n_motors)
+        moved = moved + h * size / rate * np.sin(angle)
+        speed = speed + h * size * np.cos(angle) + dh * size / rate * np.sin(angle)
+    elif isinstance(motion, ConstantSpeed):
+        sign = -1.0 if backwards else 1.0
+        moved = moved + sign * (motion.speeds(plan.n_motors) * area[:, None] - half_way(plan))
+        speed = speed + sign * motion.speeds(plan.n_motors) * h
+    return Excursion(moved, speed)
+
+
+def half_way(plan: ExperimentPlan) -> FloatArray:
+    """Give how far the slow motion alone takes the motors from a position, either way [rad or m], shape (M,).
+
+    Args:
+        plan: The plan.
+    """
+    timing, motion = plan.timing, plan.specification.slow_motion
+    if isinstance(motion, SlowSine):
+        rate = 2.0 * np.pi * motion.cycles / (timing.period * plan.sample_time)
+        return motion.speeds(plan.n_motors) / rate
+    if isinstance(motion, ConstantSpeed):
+        return half_travel(plan.specification, plan.n_motors, timing.experiment - timing.fade, plan.sample_time)
+    return np.zeros(plan.n_motors)
+
+
+def _add_approaches(plan: ExperimentPlan, visit: Visit, result: Excursion) -> None:
+    """Write the way to the start of the first experiment, and from the end of the last one back."""
+    half, lead = half_way(plan), plan.timing.lead
+    law = move_law(np.zeros(plan.n_motors), half, plan.specification.move)
+    time = np.arange(lead, dtype=np.float64) * plan.sample_time
+    share, back = law.evaluate(time, 1), law.mirrored().evaluate(time, 1)
+    end = half if visit.n_experiments % 2 else -half
+    result.position[:lead], result.speed[:lead] = -share[0][:, None] * half, -share[1][:, None] * half
+    result.position[-lead:], result.speed[-lead:] = back[0][:, None] * end, back[1][:, None] * end
