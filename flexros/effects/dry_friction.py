@@ -10,7 +10,10 @@ from the exact motion of the motor under the present acceleration, and held duri
 - A motor at rest under less torque than the level has exactly the opposite torque: it stays where it is. It does not
   creep, as it would with a smoothed sign, nor drift, as it would with the friction split off the rest (Strang).
 
-Under torques that change by D while the motor sticks, it moves by D h^2 / (2 J) (step h, inertia J), and back again.
+The torques that count are those a third of the step ahead, as far as the turning of springs tells them. With this
+choice a motor that sticks under the torque of a swinging arm neither takes energy from it nor gives it any: at angular
+frequency w and step h the work per cycle is proportional to (1/3 - share ahead) (w h)^2, from the mean of torque times
+speed over a step. Under torques that change by D the sticking motor moves by some D h^2 / (12 J), and back again.
 """
 
 from __future__ import annotations
@@ -28,6 +31,10 @@ if TYPE_CHECKING:
 
     from flexros.robot import Robot
     from flexros.robot.kinematics import Value
+
+
+AHEAD = 1 / 3
+"""Instant in a step at which the torques against the friction are taken [share of the step]; see above."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +82,7 @@ def mean_friction(speed: ca.SX, acceleration: ca.SX, mobility: ca.SX, levels: Fr
 
     Args:
         speed: Speed v at the begin of the step [rad/s or m/s].
-        acceleration: Acceleration a of the motor without its friction [rad/s2 or m/s2].
+        acceleration: Acceleration a of the motor without its friction, `AHEAD` in the step [rad/s2 or m/s2].
         mobility: Acceleration per torque at the motor, 1/J for a motor behind a spring [1/(kg m2) or 1/kg].
         levels: Levels of the friction.
         step: Length h of the step [s].

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from flexros.compile.loop_functions import WRENCH_SIZE, LoopFunctions
-from flexros.effects.dry_friction import AbstractDryFriction, FrictionLevels, mean_friction
+from flexros.effects.dry_friction import AHEAD, AbstractDryFriction, FrictionLevels, mean_friction
 from flexros.effects.motor_law import AbstractMotorTorque, MotorState
 from flexros.errors import unknown_name
 
@@ -172,6 +172,7 @@ class PlantModel:
         free = self.model.acceleration(q, v, torque, self._w, self._robot_parameters)[places]
         mobility = ca.jacobian(free, torque)[:, list(self._rubbing)]
         free = ca.substitute(free, torque, self._u + self._smooth_torque)
+        free = free + AHEAD * 2 * half * ca.jtimes(free, q, v)
         for _ in range(1 if mobility.sparsity().is_diag() else SWEEPS):
             for place, motor in enumerate(self._rubbing):
                 own = mobility[place, place]
