@@ -1,0 +1,191 @@
+"""The rigid model of a robot from a log, and how well it predicts the torques of others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.identify.rigid.base_parameters import BaseParameters, base_parameters
+from flexros.identify.rigid.excitation import LARGEST_CONDITION, Excitation, judge_excitation
+from flexros.identify.rigid.least_squares import condition_number, weighted_least_squares
+from flexros.identify.rigid.motion_estimate import check_rows, decimate, decimation, edge, estimate_motion
+from flexros.identify.rigid.record import RigidRecord, rigid_record
+from flexros.identify.rigid.regressor import RigidRegressor
+from flexros.identify.rigid.settings import RigidSettings
+
+if TYPE_CHECKING:
+    from flexros.arrays import BoolArray, FloatArray
+    from flexros.logs.time_series import Log
+    from flexros.robot import Robot
+
+_CHUNK_ROWS = 200
+"""Decimated rows made at a time, to keep the regressor of a long log small (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueError:
+    """How far the torque of the model is off in one log.
+
+    Attributes:
+        label: Name of the log.
+        total: 100 |tau - H pi| / |tau| over all motors [%].
+        motors: The same of each motor [%], shape (M,); NaN where the torque is zero throughout.
+        rows: Decimated rows that it was taken over.
+    """
+
+    label: str
+    total: float
+    motors: FloatArray
+    rows: int
+
+
+@dataclass(frozen=True, eq=False)
+class RigidFit:
+    """Rigid model identified from a log.
+
+    Attributes:
+        robot: The robot with its nominal values.
+        settings: How it was identified.
+        base: The base parameters, r of them.
+        values: Their values, shape (r,); nominal where the motion does not show them.
+        covariance: Covariance of the values, shape (r, r); zero where the motion does not show them.
+        excitation: Which base parameters the motion shows.
+        condition: Condition number of the scaled regressor of those that it shows.
+        error: Torque error on the log itself.
+        cutoff: Corner of the low-pass for the positions [Hz].
+        rate: Rate after decimation [Hz].
+        measured_torque: Whether the torque was measured, else it is the command.
+        moving: Which motors moved, shape (M,).
+        warnings: What was noticed, one sentence each.
+    """
+
+    robot: Robot
+    settings: RigidSettings
+    base: BaseParameters
+    values: FloatArray
+    covariance: FloatArray
+    excitation: Excitation
+    condition: float
+    error: TorqueError
+    cutoff: float
+    rate: float
+    measured_torque: bool
+    moving: BoolArray
+    warnings: tuple[str, ...]
+
+    @property
+    def deviation(self) -> FloatArray:
+        """Standard deviations of the values, shape (r,); zero where the motion does not show them."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def rich_enough(self) -> bool:
+        """Whether the motion shows every base parameter, and well conditioned."""
+        return not self.excitation.not_excited and self.condition <= LARGEST_CONDITION
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Decimated regression of one log: H, shape (n, M, r), and torques [Nm or N], shape (n, M)."""
+
+    H: FloatArray
+    torque: FloatArray
+    cutoff: float
+    rate: float
+    moving: BoolArray
+    record: RigidRecord
+
+
+def fit_rigid(log: Log, robot: Robot, settings: RigidSettings | None = None, label: str = "the log") -> RigidFit:
+    """Identify the rigid model of a robot from a log (Moberg 2007, eq. 4.11 to 4.13).
+
+    Gears and elastic directions are taken as locked, so the motion should not excite the resonances.
+
+    Args:
+        log: The log; needs motor positions and a torque.
+        robot: The robot.
+        settings: How; default: `RigidSettings()`.
+        label: Name of the log in texts.
+
+    Returns:
+        The fit.
+
+    Raises:
+        InputError: The log does not fit the robot, has gaps, or is too short.
+    """
+    settings = settings or RigidSettings()
+    regressor = RigidRegressor(robot, settings.asymmetric)
+    base = base_parameters(regressor, robot.n_motors)
+    rows = _rows(log, robot, settings, label, regressor, base)
+    check_rows(len(rows.torque), len(base.leading))
+    size = np.sqrt(np.mean(rows.torque**2, axis=0))
+    excitation = judge_excitation(rows.H / np.where(size > 0, size, 1.0)[:, None], base)
+    shown = list(excitation.shown)
+    values = base.nominal.copy()
+    values[shown] = 0.0
+    estimate = weighted_least_squares(rows.H[:, :, shown], rows.torque - rows.H @ values)
+    values[shown] = estimate.values
+    covariance = np.zeros((len(values), len(values)))
+    covariance[np.ix_(shown, shown)] = estimate.covariance
+    return RigidFit(
+        robot=robot,
+        settings=settings,
+        base=base,
+        values=values,
+        covariance=covariance,
+        excitation=excitation,
+        condition=condition_number(rows.H[:, :, shown], estimate.deviation),
+        error=_error(label, rows.torque, estimate.residual),
+        cutoff=rows.cutoff,
+        rate=rows.rate,
+        measured_torque=rows.record.measured,
+        moving=rows.moving,
+        warnings=rows.record.warnings,
+    )
+
+
+def cross_test(fit: RigidFit, log: Log, label: str = "the log") -> TorqueError:
+    """Predict the torques of another log with a fitted model.
+
+    Args:
+        fit: The fit.
+        log: A log of the same robot.
+        label: Name of the log in texts.
+
+    Returns:
+        The torque error, filtered as in the fit.
+
+    Raises:
+        InputError: The log does not fit the robot, has gaps, or is too short.
+    """
+    settings = fit.settings.model_copy(update={"cutoff": fit.cutoff})
+    rows = _rows(log, fit.robot, settings, label, RigidRegressor(fit.robot, settings.asymmetric), fit.base)
+    return _error(label, rows.torque, rows.torque - rows.H @ fit.values)
+
+
+def _rows(
+    log: Log, robot: Robot, settings: RigidSettings, label: str, regressor: RigidRegressor, base: BaseParameters
+) -> _Rows:
+    """Filter a log and build its decimated regression, a stretch at a time."""
+    record = rigid_record(log, robot, label, settings.hold)
+    cutoff = settings.cutoff_at(1 / record.sample_time)
+    motion = estimate_motion(record.position, record.sample_time, cutoff)
+    factor = decimation(record.sample_time, cutoff)
+    half, n = edge(factor), len(record.position)
+    parts = []
+    for start in range(0, n - 2 * half, _CHUNK_ROWS * factor):
+        cut = slice(start, min(start + (_CHUNK_ROWS - 1) * factor + 2 * half + 1, n))
+        H = regressor.matrix(motion.position[cut], motion.velocity[cut], motion.acceleration[cut])
+        parts.append(decimate(H[:, :, list(base.leading)], factor))
+    torque = decimate(record.torque, factor)
+    rate = 1 / (record.sample_time * factor)
+    return _Rows(np.concatenate(parts), torque, cutoff, rate, motion.moving, record)
+
+
+def _error(label: str, torque: FloatArray, residual: FloatArray) -> TorqueError:
+    with np.errstate(invalid="ignore", divide="ignore"):
+        motors = 100 * np.linalg.norm(residual, axis=0) / np.linalg.norm(torque, axis=0)
+        total = float(100 * np.linalg.norm(residual) / np.linalg.norm(torque))
+    return TorqueError(label, total, np.where(np.isfinite(motors), motors, np.nan), len(torque))

@@ -1,0 +1,138 @@
+"""Speeds and accelerations from measured positions, and one low-pass for all that enters the regression."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.signal import butter, firwin, oaconvolve, sosfiltfilt
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from flexros.arrays import BoolArray, FloatArray
+
+_ORDER = 4
+"""Order of the Butterworth filter, run forwards and backwards (as the authors of EMPS)."""
+
+_LENGTH = 20
+"""Length of the low-pass before decimation, in decimated samples (as usual for decimation by a finite response)."""
+
+_PASS = 0.9
+"""Its corner, relative to half the decimated rate (chosen)."""
+
+_STILL = 20.0
+"""Range of a position, in rms values of what the filter took away, up to which the motor stands still (chosen)."""
+
+_FEWEST = 50
+"""Rows that must be left after decimation (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionEstimate:
+    """Motion by zero-phase filtering.
+
+    Attributes:
+        position: Filtered positions [rad or m], shape (n, M).
+        velocity: Speeds, shape (n, M); zero for a motor that stood still.
+        acceleration: Accelerations, shape (n, M); zero for a motor that stood still.
+        moving: Which motors moved, shape (M,).
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    moving: BoolArray
+
+
+def estimate_motion(position: FloatArray, sample_time: float, cutoff: float) -> MotionEstimate:
+    """Filter positions without phase and take central differences (thesis 4.2.1: speeds have to be estimated).
+
+    A motor whose filtered position varies no more than its noise counts as standing still: its speed would be noise,
+    and noise in the regressor makes parameters too small.
+
+    Args:
+        position: Measured positions [rad or m], shape (n, M).
+        sample_time: Interval [s].
+        cutoff: Corner of the Butterworth filter [Hz].
+
+    Returns:
+        The motion.
+
+    Raises:
+        InputError: The corner is too high for the sampling rate, or the record too short.
+    """
+    rate = 1 / sample_time
+    if not 0 < cutoff <= rate / 4:
+        raise InputError(
+            f"the cut-off is {cutoff:.6g} Hz, but must be above 0 and at most a quarter of the sampling rate of "
+            f"{rate:.6g} Hz; give another --cutoff"
+        )
+    least = 2 * decimation(sample_time, cutoff) * _LENGTH
+    if len(position) < least:
+        raise InputError(
+            f"the log has {len(position)} samples, but a cut-off of {cutoff:.6g} Hz needs at least {least}; give a "
+            "longer log or a higher --cutoff"
+        )
+    sections = butter(_ORDER, 2 * cutoff * sample_time, output="sos")
+    filtered: FloatArray = sosfiltfilt(sections, position, axis=0)
+    noise = np.sqrt(np.mean((position - filtered) ** 2, axis=0))
+    moving: BoolArray = np.ptp(filtered, axis=0) > _STILL * noise
+    velocity = np.gradient(filtered, sample_time, axis=0)
+    acceleration = np.zeros_like(filtered)
+    acceleration[1:-1] = np.diff(filtered, 2, axis=0) / sample_time**2
+    return MotionEstimate(
+        np.where(moving, filtered, filtered.mean(axis=0)), velocity * moving, acceleration * moving, moving
+    )
+
+
+def decimation(sample_time: float, cutoff: float) -> int:
+    """Return of how many samples one is kept: as many as leave one per period of the cut-off [Hz]."""
+    return max(1, round(1 / (sample_time * cutoff)))
+
+
+def decimate(values: FloatArray, factor: int) -> FloatArray:
+    """Low-pass without phase and keep one sample of several; what the ends of the record touch is left out.
+
+    Torque and every column of the regressor go through the same filter, so that it changes no parameter (M. Gautier,
+    1997, parallel filtering).
+
+    Args:
+        values: Shape (n, ...).
+        factor: Of how many samples one is kept.
+
+    Returns:
+        Shape (m, ...), the first row at sample `edge(factor)`.
+
+    Raises:
+        InputError: Fewer rows are left than a regression needs.
+    """
+    if factor == 1:
+        return values
+    response = firwin(_LENGTH * factor + 1, _PASS / factor).reshape(-1, *[1] * (values.ndim - 1))
+    kept: FloatArray = oaconvolve(values, response, mode="valid", axes=0)[::factor]
+    return kept
+
+
+def edge(factor: int) -> int:
+    """Return how many samples at each end `decimate` leaves out."""
+    return _LENGTH * factor // 2 if factor > 1 else 0
+
+
+def check_rows(rows: int, parameters: int) -> None:
+    """Refuse records that are too short for a regression.
+
+    Args:
+        rows: Rows after decimation.
+        parameters: Number of parameters.
+
+    Raises:
+        InputError: There are too few.
+    """
+    least = max(_FEWEST, 2 * parameters)
+    if rows < least:
+        raise InputError(
+            f"{rows} samples are left after filtering and decimation, but {parameters} parameters need at least {least}"
+            "; give a longer log or a higher --cutoff"
+        )

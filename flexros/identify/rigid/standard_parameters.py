@@ -1,0 +1,144 @@
+"""Parameters in which the torque of a rigid robot is linear: inertial parameters of the bodies, rotors, friction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.robot.parameters import INERTIA_COMPONENTS
+from flexros.robot.quantity import unit_of
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.robot import Robot
+
+FRICTION = ("viscous_friction", "coulomb_friction", "torque_offset")
+"""Friction of a motor: viscous, Coulomb, and what the torque is off at any speed."""
+
+ASYMMETRIC_FRICTION = (
+    "viscous_friction_forward",
+    "coulomb_friction_forward",
+    "viscous_friction_backward",
+    "coulomb_friction_backward",
+)
+"""Friction of a motor by direction of motion; it contains the offset as half the difference of the Coulomb levels."""
+
+
+@dataclass(frozen=True)
+class StandardParameter:
+    """One parameter in which the torque is linear.
+
+    Attributes:
+        name: Place and quantity, e.g. "body_2.first_moment.x" or "motor_1.coulomb_friction".
+        words: What it is.
+        unit: SI unit.
+        nominal: Value by the robot file; friction that the file does not know is 0.
+    """
+
+    name: str
+    words: str
+    unit: str
+    nominal: float
+
+
+def standard_parameters(robot: Robot, asymmetric: bool = False) -> tuple[StandardParameter, ...]:
+    """List the parameters of a robot, from base to tool.
+
+    The inertial parameters of a body are its inertia at the joint L = I + m (c'c E - c c'), its first moment m c and
+    its mass m (thesis 4.2.1: not the link parameters themselves, of which the torque is no linear function). They come
+    in the order in which they shall stand for those that cannot be told from them, see `base_parameters`.
+
+    Args:
+        robot: The robot, all gears and elastic directions locked.
+        asymmetric: Friction by direction of motion.
+
+    Returns:
+        Parameters: first the bodies, each followed by the inertia of its motor, then the friction of all motors, then
+        that of bodies where the robot file gives one.
+    """
+    found: list[StandardParameter] = []
+    motor = 0
+    for index, body in enumerate(robot.spec.bodies):
+        name = f"body_{index + 1}"
+        found += _of_body(robot, name)
+        for axis, direction in body.directions.items():
+            if direction.motor is not None:
+                motor += 1
+                unit = unit_of("inertia", axis.startswith("r"))
+                value = robot.parameters[f"motor_{motor}.inertia"].value
+                found.append(
+                    StandardParameter(f"motor_{motor}.inertia", f"inertia of motor_{motor} at the arm", unit, value)
+                )
+    for number in range(robot.n_motors):
+        found += _friction(robot, number, asymmetric)
+    return (*found, *_body_friction(robot))
+
+
+def _of_body(robot: Robot, name: str) -> list[StandardParameter]:
+    parameters = robot.parameters
+    mass = parameters[f"{name}.mass"].value
+    center = np.array([parameters[f"{name}.center_of_mass.{axis}"].value for axis in "xyz"])
+    inertia = {entry: parameters[f"{name}.inertia.{entry}"].value for entry in INERTIA_COMPONENTS}
+    at_joint = inertia_at_joint(inertia, mass, center)
+    moment = mass * center
+    return [
+        *[
+            StandardParameter(
+                f"{name}.inertia_at_joint.{entry}", f"inertia {entry} of {name} at its joint", "kg m2", at_joint[entry]
+            )
+            for entry in INERTIA_COMPONENTS
+        ],
+        *[
+            StandardParameter(
+                f"{name}.first_moment.{axis}", f"mass times centre {axis} of {name}", "kg m", float(moment[place])
+            )
+            for place, axis in enumerate("xyz")
+        ],
+        StandardParameter(f"{name}.mass", f"mass of {name}", "kg", mass),
+    ]
+
+
+def _body_friction(robot: Robot) -> list[StandardParameter]:
+    """Friction against the absolute rotation of bodies, of those bodies for which the robot file gives it."""
+    names = [f"body_{index + 1}" for index in range(len(robot.spec.bodies))]
+    values = {name: robot.parameters[f"{name}.viscous_friction"].value for name in names}
+    return [
+        StandardParameter(
+            f"{name}.viscous_friction", f"friction against the absolute rotation of {name}", "Nm s/rad", value
+        )
+        for name, value in values.items()
+        if value
+    ]
+
+
+def _friction(robot: Robot, number: int, asymmetric: bool) -> list[StandardParameter]:
+    name = f"motor_{number + 1}"
+    rotary = robot.chain.joints[robot.chain.geared[number]].rotary
+    units = {"viscous": unit_of("damping", rotary), "coulomb": unit_of("torque", rotary)}
+    viscous = robot.parameters[f"{name}.viscous_friction"].value
+    found = []
+    for kind in ASYMMETRIC_FRICTION if asymmetric else FRICTION:
+        first, _, rest = kind.partition("_")
+        unit = units.get(first, units["coulomb"])
+        words = f"{first} {rest.replace('_', ' ')} of {name}"
+        found.append(StandardParameter(f"{name}.{kind}", words, unit, viscous if first == "viscous" else 0.0))
+    return found
+
+
+def inertia_at_joint(inertia: dict[str, float], mass: float, center: FloatArray, sign: float = 1.0) -> dict[str, float]:
+    """Move an inertia tensor between the centre of mass and the joint (Steiner's theorem).
+
+    Args:
+        inertia: Components [kg m2] by name.
+        mass: Mass [kg].
+        center: Centre of mass [m], shape (3,).
+        sign: 1 from the centre to the joint, -1 back.
+
+    Returns:
+        Components [kg m2] by name.
+    """
+    shift = mass * (center @ center * np.eye(3) - np.outer(center, center))
+    places = {entry: ("xyz".index(entry[0]), "xyz".index(entry[1])) for entry in INERTIA_COMPONENTS}
+    return {entry: float(inertia[entry] + sign * shift[place]) for entry, place in places.items()}
