@@ -1,0 +1,164 @@
+"""Frequency responses and their Jacobian in machine code, eight frequencies at once."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from flexros.identify.graybox.frequency_kernel import kernel_for
+from flexros.identify.graybox.kernel_structure import (
+    kernel_structure,
+    out_of_blocks,
+    packed_hold,
+    packed_matrices,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from flexros.arrays import ComplexArray, FloatArray, IntArray
+    from flexros.identify.graybox.frequency_kernel import FrequencyKernel
+    from flexros.identify.graybox.frequency_model import FrequencyModel
+
+Part = TypeVar("Part")
+
+
+@dataclass(frozen=True, eq=False)
+class FactoredJacobian:
+    """Responses and what their derivatives are products of.
+
+    The derivative by log theta_p is factors_p times the product of v_j with itself, for the vector j of p.
+
+    Attributes:
+        response: Responses, shape (Q, F, M, M).
+        vectors: v, shape (Q, F, J, M).
+        vector_of: Number of the vector of each parameter, shape (P,).
+        factors: -theta_p s_p gain (jw)^k, shape (Q, F, P).
+    """
+
+    response: ComplexArray
+    vectors: ComplexArray
+    vector_of: IntArray
+    factors: ComplexArray
+
+    def jacobian(self) -> ComplexArray:
+        """Write the derivatives out, shape (Q, F, M, M, P)."""
+        v = self.vectors[:, :, self.vector_of].swapaxes(2, 3)
+        products: ComplexArray = v[:, :, :, None, :] * (v * self.factors[:, :, None, :])[:, :, None, :, :]
+        return products
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledFrequencyModel:
+    """A frequency model in machine code; see `FrequencyModel` for what it computes.
+
+    Attributes:
+        model: The model in NumPy; it answers where pivots are so small that rows would have to be exchanged.
+        kernel: Code of the model's structure.
+        threads: Threads that share the positions.
+    """
+
+    model: FrequencyModel
+    kernel: FrequencyKernel
+    threads: int = 1
+
+    @cached_property
+    def _hold(self) -> FloatArray:
+        return packed_hold(self.model)
+
+    @cached_property
+    def _expansion(self) -> FloatArray:
+        rows, columns = np.array(self.kernel.structure.pairs).T
+        return np.ascontiguousarray(self.model.expansion[:, :, rows, columns])
+
+    @cached_property
+    def _workers(self) -> ThreadPoolExecutor:
+        return ThreadPoolExecutor(self.threads)
+
+    def response(self, theta: FloatArray) -> ComplexArray:
+        """Evaluate the frequency responses; see `FrequencyModel.response`."""
+        factored = self.factored_jacobian(theta)
+        return self.model.response(theta) if factored is None else factored.response
+
+    def jacobian(self, theta: FloatArray, scale: FloatArray | None = None) -> ComplexArray:
+        """Evaluate the derivatives; see `FrequencyModel.jacobian`."""
+        factored = self.factored_jacobian(theta, scale)
+        return self.model.jacobian(theta, scale) if factored is None else factored.jacobian()
+
+    def factored_jacobian(self, theta: FloatArray, scale: FloatArray | None = None) -> FactoredJacobian | None:
+        """Evaluate responses and the factors of their derivatives.
+
+        Args:
+            theta: Values of the parameters (SI), shape (P,).
+            scale: dtheta/dx of scaled parameters x, shape (P,); default: theta, so that x is the logarithm.
+
+        Returns:
+            Responses and factors; None where rows would have to be exchanged.
+        """
+        parts = self.of_parts(
+            theta, lambda matrices, hold, expansion, _: self.kernel.response(matrices, hold, expansion)
+        )
+        if any(part.small_pivots for part in parts):
+            return None
+        structure, n_frequencies = self.kernel.structure, self.model.hold.omega.shape[1]
+        responses = out_of_blocks(np.concatenate([part.responses for part in parts]), n_frequencies)
+        vectors = out_of_blocks(np.concatenate([part.vectors for part in parts]), n_frequencies)
+        motors = len(structure.places)
+        pair = np.zeros((motors, motors), dtype=np.int64)
+        for number, (m, n) in enumerate(structure.pairs):
+            pair[m, n] = pair[n, m] = number
+        return FactoredJacobian(
+            response=responses[:, :, pair],
+            vectors=vectors.reshape(*vectors.shape[:2], len(structure.vectors), motors),
+            vector_of=np.array([vector for vector, _ in structure.parameters], dtype=np.int64),
+            factors=self._factors(theta if scale is None else scale),
+        )
+
+    def of_parts(
+        self, theta: FloatArray, evaluate: Callable[[FloatArray, FloatArray, FloatArray, slice], Part]
+    ) -> list[Part]:
+        """Evaluate the positions in as many parts as there are threads.
+
+        Args:
+            theta: Values of the parameters (SI), shape (P,).
+            evaluate: Called with matrices, hold and expansion of some positions, and which ones these are.
+
+        Returns:
+            Results in the order of the positions.
+        """
+        matrices = packed_matrices(self.kernel.structure, self.model.positions, theta)
+        edges = np.linspace(0, len(matrices), min(self.threads, len(matrices)) + 1).astype(int)
+        slices = [slice(int(a), int(b)) for a, b in pairwise(edges)]
+
+        def one(part: slice) -> Part:
+            return evaluate(matrices[part], self._hold[part], self._expansion[part], part)
+
+        return [one(slices[0])] if len(slices) == 1 else list(self._workers.map(one, slices))
+
+    def _factors(self, per_step: FloatArray) -> ComplexArray:
+        hold, positions = self.model.hold, self.model.positions
+        powers = (1j * hold.omega[..., None]) ** positions.powers
+        factors: ComplexArray = -(per_step * positions.factors)[:, None, :] * hold.gain[..., None] * powers
+        return factors
+
+
+def compiled_model(model: FrequencyModel, threads: int = 1) -> CompiledFrequencyModel | None:
+    """Compile a frequency model; models of equal structure share their code.
+
+    Args:
+        model: The model in NumPy.
+        threads: Threads that share the positions.
+
+    Returns:
+        The compiled model; None without a compiler, for a very large robot, or when a parameter is neither spring,
+        damper, motor inertia nor motor friction.
+    """
+    if model.positions.sloped.size:
+        return None
+    kernel = kernel_for(kernel_structure(model.positions))
+    return None if kernel is None else CompiledFrequencyModel(model, kernel, threads)

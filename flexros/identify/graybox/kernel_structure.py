@@ -1,0 +1,148 @@
+"""What compiled frequency responses depend on besides numbers: sizes, non-zero places, parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.identify.graybox.elimination import Elimination, eliminate
+from flexros.identify.graybox.sampled import ORDERS
+
+if TYPE_CHECKING:
+    from flexros.arrays import ComplexArray, FloatArray
+    from flexros.identify.graybox.frequency_model import FrequencyModel
+    from flexros.identify.graybox.linearised_positions import LinearisedPositions
+
+LANES = 8
+"""Frequencies side by side."""
+
+
+@dataclass(frozen=True)
+class KernelStructure:
+    """Structure of the code; equal structures share it.
+
+    Attributes:
+        n: Number of coordinates.
+        places: Place of each motor among the coordinates, length M.
+        entries: Places (row >= column) of A that are not zero in some position.
+        damped: Those of them where D is not zero.
+        vectors: Distinct rank-one vectors as pairs (place, coefficient), length J.
+        parameters: Number of the vector and power of jw of each rank-one parameter, length P.
+    """
+
+    n: int
+    places: tuple[int, ...]
+    entries: tuple[tuple[int, int], ...]
+    damped: tuple[tuple[int, int], ...]
+    vectors: tuple[tuple[tuple[int, float], ...], ...]
+    parameters: tuple[tuple[int, int], ...]
+
+    @cached_property
+    def elimination(self) -> Elimination:
+        """Order of elimination and fill-in."""
+        return eliminate(self.n, self.entries, self.places)
+
+    @property
+    def pairs(self) -> tuple[tuple[int, int], ...]:
+        """Elements (m, n) of the symmetric response with m <= n, in the order of all packed arrays."""
+        motors = range(len(self.places))
+        return tuple((m, n) for m in motors for n in motors if m <= n)
+
+    @property
+    def hold_numbers(self) -> int:
+        """Numbers per frequency in packed holds: w, gain and aliases."""
+        return 3 + 2 * len(ORDERS)
+
+
+def kernel_structure(positions: LinearisedPositions) -> KernelStructure:
+    """Find the structure of linearised positions whose parameters are rank-one terms.
+
+    Args:
+        positions: Linear models.
+
+    Returns:
+        The structure, with every place that a parameter can make non-zero.
+    """
+    touched = np.einsum("pi,pj->ij", np.abs(positions.vectors), np.abs(positions.vectors)) != 0
+    damped = touched | np.any(positions.damping != 0, axis=0)
+    filled = damped | np.any((positions.mass != 0) | (positions.stiffness != 0), axis=0)
+    n = len(filled)
+    lower = [(i, j) for i in range(n) for j in range(i + 1)]
+    vectors: dict[tuple[tuple[int, float], ...], int] = {}
+    parameters = []
+    for vector, power in zip(positions.vectors, positions.powers, strict=True):
+        key = tuple((int(place), float(vector[place])) for place in np.flatnonzero(vector))
+        parameters.append((vectors.setdefault(key, len(vectors)), int(power)))
+    return KernelStructure(
+        n=n,
+        places=tuple(int(place) for place in positions.motor_places),
+        entries=tuple(place for place in lower if filled[place] or place[0] == place[1]),
+        damped=tuple(place for place in lower if damped[place]),
+        vectors=tuple(vectors),
+        parameters=tuple(parameters),
+    )
+
+
+def packed_matrices(structure: KernelStructure, positions: LinearisedPositions, theta: FloatArray) -> FloatArray:
+    """Entries K, M, D of every position in the order of `entries`.
+
+    Args:
+        structure: Structure of the code.
+        positions: Linear models.
+        theta: Values of the parameters (SI), shape (P,).
+
+    Returns:
+        Entries, shape (Q, number of entries, 3).
+    """
+    rows, columns = np.array(structure.entries).T
+    mass, damping, stiffness = (matrix[:, rows, columns] for matrix in positions.matrices(theta))
+    return np.ascontiguousarray(np.stack([stiffness, mass, damping], axis=-1))
+
+
+def packed_hold(model: FrequencyModel) -> FloatArray:
+    """Angular frequency, gain and aliases in blocks of LANES frequencies; the last frequency fills the last block.
+
+    Args:
+        model: Frequency model.
+
+    Returns:
+        Numbers per block, shape (Q, blocks, 3 + 2 orders, LANES).
+    """
+    hold = model.hold
+    aliases = np.stack([hold.aliases.real, hold.aliases.imag], axis=-1)
+    numbers = [hold.omega, hold.gain.real, hold.gain.imag, *np.moveaxis(aliases.reshape(*hold.omega.shape, -1), -1, 0)]
+    return in_blocks(np.stack(numbers, axis=-1))
+
+
+def in_blocks(numbers: FloatArray, fill: float | None = None) -> FloatArray:
+    """Bring numbers per frequency into blocks of frequencies.
+
+    Args:
+        numbers: Numbers, shape (Q, F, k).
+        fill: What fills the last block; default: the numbers of the last frequency.
+
+    Returns:
+        The numbers, shape (Q, blocks, k, LANES).
+    """
+    missing = -numbers.shape[1] % LANES
+    tail = np.repeat(numbers[:, -1:], missing, axis=1)
+    padded = np.concatenate([numbers, tail if fill is None else np.full_like(tail, fill)], axis=1)
+    blocks = padded.reshape(len(numbers), -1, LANES, numbers.shape[-1])
+    return np.ascontiguousarray(blocks.swapaxes(2, 3))
+
+
+def out_of_blocks(blocks: FloatArray, n_frequencies: int) -> ComplexArray:
+    """Undo `in_blocks` for complex numbers whose parts stand in turn.
+
+    Args:
+        blocks: Parts, shape (Q, blocks, 2 k, LANES).
+        n_frequencies: F.
+
+    Returns:
+        Numbers, shape (Q, F, k).
+    """
+    parts = blocks.swapaxes(2, 3).reshape(len(blocks), -1, blocks.shape[2])[:, :n_frequencies]
+    return np.ascontiguousarray(parts).view(np.complex128)
