@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from flexros.arrays import ComplexArray, FloatArray, IntArray
+    from flexros.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 POINTS_PER_CYCLE = 8
 """Points per cycle of the highest line at which peaks are looked for, at least [1] (chosen)."""
@@ -17,37 +17,38 @@ CLIP = (0.7, 0.95)
 
 
 def low_crest_phases(
-    lines: IntArray, size: FloatArray, phases: FloatArray, iterations: int, *, envelope: bool
+    lines: IntArray, size: FloatArray, phases: FloatArray, iterations: int, envelope: BoolArray
 ) -> FloatArray:
     """Lower the crest factor by clipping in time and restoring the amplitudes in frequency.
 
     The swapping of time and frequency domain of Van der Ouderaa, Schoukens and Renneboog (1988): clip the peaks, take
     the phases of the clipped signal, put them to the wanted amplitudes, and so on; the best phases are kept. The
     experiments of an orthogonal set differ by a phase that is the same on all lines. What bounds the peaks of all of
-    them is the envelope, the size of the analytic signal, so that is clipped instead for such a set (chosen).
+    them is the envelope, the size of the analytic signal, so that is clipped instead where there are several (chosen).
 
     Args:
         lines: Multiples of one over the period, shape (F,).
         size: Amplitudes, shape (M, F).
         phases: Phases to start from [rad], shape (M, F).
         iterations: Number of iterations.
-        envelope: Lower the peak of the envelope instead of that of the signal.
+        envelope: For which rows the peak of the envelope is lowered instead of that of the signal, shape (M,).
 
     Returns:
         Phases [rad], shape (M, F).
     """
     n_points = 1 << int(np.ceil(np.log2(POINTS_PER_CYCLE * int(lines[-1]))))
+    shared = envelope[:, None]
     best, best_peak = phases, np.full(len(phases), np.inf)
     for iteration in range(iterations + 1):
         signal = _signal(lines, size, phases, n_points)
-        height = np.abs(signal if envelope else signal.real)
+        height = np.where(shared, np.abs(signal), np.abs(signal.real))
         peak = np.max(height, axis=1)
         better = peak < best_peak
         best = np.where(better[:, None], phases, best)
         best_peak = np.where(better, peak, best_peak)
         level = (CLIP[0] + (CLIP[1] - CLIP[0]) * iteration / max(iterations, 1)) * peak[:, None]
         over = np.maximum(height / np.where(level > 0.0, level, 1.0), 1.0)
-        clipped = signal / over if envelope else signal.real / over
+        clipped = np.where(shared, signal, signal.real) / over
         phases = np.angle(np.fft.fft(clipped, axis=1)[:, lines])
     return best
 

@@ -67,7 +67,7 @@ class Multisine(AbstractExcitation):
         default="flat", description="relative amplitudes of the speed: flat, or points [[Hz, 1], ...]"
     )
     crest_iterations: int = Field(
-        default=100, ge=0, le=100_000, description="iterations that lower the crest factor; 0: phases stay random [1]"
+        default=200, ge=0, le=100_000, description="iterations that lower the crest factor; 0: phases stay random [1]"
     )
 
     @model_validator(mode="after")
@@ -100,8 +100,8 @@ class Multisine(AbstractExcitation):
         random = phase_generator(seed, PHASES_STREAM, position, block)
         n_sets = 1 if self.orthogonal else n_motors
         phases = random.uniform(0.0, 2.0 * np.pi, (n_sets, n_motors, len(lines)))
-        shared = self.orthogonal and n_motors > 1
-        phases = np.array([low_crest_phases(lines, size, p, self.crest_iterations, envelope=shared) for p in phases])
+        shifted = self.orthogonal & np.any(np.sin(shifts(n_motors)) ** 2 > 1e-9, axis=1)  # else only the sign changes
+        phases = np.array([low_crest_phases(lines, size, p, self.crest_iterations, shifted) for p in phases])
         if self.orthogonal:
             phases = phases + shifts(n_motors).T[:, :, None]
         return synthesise(lines, size, phases, n_samples, sample_time)
