@@ -21,6 +21,9 @@ DataWindow = Literal["boxcar", "bartlett", "hann"]
 class FrfSettings(Settings):
     """Choices of the estimation of frequency responses."""
 
+    partial: bool = Field(
+        False, description="use the complete blocks of a log that ends before its plan, instead of refusing it"
+    )
     method: Method = Field(
         "auto",
         description="periodic: whole periods in steady state; local_polynomial: any record, transients modelled; "

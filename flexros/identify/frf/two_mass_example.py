@@ -62,7 +62,7 @@ class TwoMassAxis:
         Returns:
             Response [rad/s/Nm], shape (F,).
         """
-        s = 2j * np.pi * frequency
+        s: ComplexArray = np.asarray(2j * np.pi * frequency, dtype=complex)
         A, B = self.continuous
         return np.asarray(s * _resolvent(A, B[:, 0], self.motor, s))
 
@@ -75,7 +75,7 @@ class TwoMassAxis:
         Returns:
             Response [rad/s/Nm], shape (F,).
         """
-        s = 2j * np.pi * frequency
+        s: ComplexArray = np.asarray(2j * np.pi * frequency, dtype=complex)
         z: ComplexArray = np.asarray(np.exp(s * self.sample_time), dtype=complex)
         return np.asarray(s * _resolvent(self.transition, self.entry, self.motor, z))
 

@@ -1,0 +1,178 @@
+"""Positions, torques and reference of a log, sample by sample as the plan counts them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.identify.frf.record_timing import check_equal_rates, check_no_gap, sample_numbers
+from flexros.logs.stamps import START_NS
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.identify.plan import ExperimentPlan
+    from flexros.logs.time_series import JointSeries, Log
+
+MOST_HELD = 0.01
+"""Largest share of samples without a command of their own, whose torque is the one before (chosen)."""
+
+_NUMBERED = re.compile(r"motor_(\d+)")
+
+
+@dataclass(frozen=True, eq=False)
+class AlignedLog:
+    """Signals of a log with one row per measurement.
+
+    Attributes:
+        names: Joint names in the order of the motors, length M.
+        numbers: Number of the sample of each row, increasing, shape (n,).
+        position: Measured motor positions [rad or m], shape (n, M).
+        torque: Torque commands [Nm or N], shape (n, M).
+        reference: Position reference (speed reference where there is no other), shape (n, M); None where it is missing.
+        sample_time: T_s [s].
+        warnings: What was found, one sentence each.
+    """
+
+    names: tuple[str, ...]
+    numbers: IntArray
+    position: FloatArray
+    torque: FloatArray
+    reference: FloatArray | None
+    sample_time: float
+    warnings: tuple[str, ...]
+
+    def rows(self, first: int, stop: int, what: str) -> slice:
+        """Return the rows of samples first ... stop - 1, all of which must be there.
+
+        Args:
+            first: First sample.
+            stop: Sample after the last one.
+            what: What they belong to, for the text.
+
+        Raises:
+            InputError: Samples are missing.
+        """
+        check_no_gap(self.numbers, first, stop, self.sample_time, what)
+        begin = int(np.searchsorted(self.numbers, first))
+        return slice(begin, begin + stop - first)
+
+
+def align(log: Log, plan: ExperimentPlan, start_stamp: int | None = None) -> AlignedLog:
+    """Bring the topics of a log together.
+
+    A measurement and the command with the same stamp belong together; where a command is missing, the one before was
+    held. Nothing is interpolated.
+
+    Args:
+        log: The log.
+        plan: The plan of its experiment.
+        start_stamp: Stamp of the plan's sample 0 [ns]; default: 1 s for logs of FlexROS, else the first measurement.
+
+    Returns:
+        The signals.
+
+    Raises:
+        InputError: A topic is missing, or its joints, rate or stamps do not fit.
+    """
+    warnings: list[str] = []
+    states = log.joint_states
+    position = _required(states.position, "joint_states.position")
+    torques, torque = _torque(log, warnings)
+    check_equal_rates(states.stamp, torques.stamp)
+    order = _motor_order(states.names, plan.n_motors)
+    names = tuple(states.names[i] for i in order)
+    if start_stamp is None:
+        start_stamp = START_NS if log.provenance.get("scenario") else int(states.stamp[0])
+    highest = float(plan.frequency[-1])
+    numbers = sample_numbers(states.stamp, start_stamp, plan.sample_time, "joint_states", highest, warnings)
+    if torques.stamp is not states.stamp:
+        given = sample_numbers(torques.stamp, start_stamp, plan.sample_time, "joint_commands", highest, warnings)
+        _check_recorded(given, numbers, warnings)
+        torque = torque[np.clip(np.searchsorted(given, numbers, side="right") - 1, 0, None)]
+    return AlignedLog(
+        names=names,
+        numbers=numbers,
+        position=position[:, order],
+        torque=torque[:, _places(names, torques.names, "joint_commands")],
+        reference=_reference(log, names, numbers, start_stamp, plan.sample_time, warnings),
+        sample_time=plan.sample_time,
+        warnings=tuple(warnings),
+    )
+
+
+def _required(values: FloatArray | None, name: str) -> FloatArray:
+    if values is None:
+        raise InputError(f"the log has no {name}, without which there is no frequency response; record it")
+    if not np.all(np.isfinite(values)):
+        raise InputError(f"{name} of the log holds values that are not finite; cut the log before them")
+    return values
+
+
+def _torque(log: Log, warnings: list[str]) -> tuple[JointSeries, FloatArray]:
+    """Take the command, else the measured torque."""
+    if log.joint_commands is not None and log.joint_commands.effort is not None:
+        return log.joint_commands, _required(log.joint_commands.effort, "joint_commands.effort")
+    if log.joint_states.effort is not None:
+        warnings.append("the log has no joint_commands; the measured torque of joint_states is taken as the input")
+    return log.joint_states, _required(log.joint_states.effort, "joint_commands.effort (nor joint_states.effort)")
+
+
+def _motor_order(names: tuple[str, ...], n_motors: int) -> list[int]:
+    """Order joints by number where they are called motor_<number>, else as they stand."""
+    if len(names) != n_motors:
+        raise InputError(
+            f"joint_states of the log has {len(names)} joints ({', '.join(names)}), the plan has {n_motors} motors; "
+            "give the plan of this log"
+        )
+    found = [_NUMBERED.fullmatch(name) for name in names]
+    if all(found):
+        return sorted(range(len(names)), key=lambda i: int(found[i].group(1)))  # type: ignore[union-attr]
+    return list(range(len(names)))
+
+
+def _places(names: tuple[str, ...], given: tuple[str, ...], topic: str) -> list[int]:
+    missing = [name for name in names if name not in given]
+    if missing:
+        raise InputError(
+            f"{topic} of the log has no joint {missing[0]}, allowed are the joints of joint_states "
+            f"({', '.join(names)}), given are {', '.join(given)}; name the joints alike"
+        )
+    return [given.index(name) for name in names]
+
+
+def _check_recorded(given: IntArray, numbers: IntArray, warnings: list[str]) -> None:
+    """Count the measurements that have no command of their own."""
+    missing = len(numbers) - len(np.intersect1d(given, numbers, assume_unique=True))
+    if given[0] > numbers[0]:
+        missing -= int(np.searchsorted(numbers, given[0]))
+    if missing > MOST_HELD * len(numbers):
+        raise InputError(
+            f"{missing} of {len(numbers)} measurements have no command with the same stamp, allowed is a share of "
+            f"{MOST_HELD:g}; record joint_commands without losses"
+        )
+    if missing:
+        warnings.append(f"{missing} measurements have no command with the same stamp; the command before was held")
+
+
+def _reference(
+    log: Log, names: tuple[str, ...], numbers: IntArray, origin: int, sample_time: float, warnings: list[str]
+) -> FloatArray | None:
+    """Take the reference where every sample has one."""
+    series = log.joint_reference
+    if series is None:
+        return None
+    values = series.velocity if series.position is None else series.position
+    if values is None or any(name not in series.names for name in names):
+        return None
+    given = np.rint((series.stamp - origin) / (sample_time * 1e9)).astype(np.int64)
+    places = np.searchsorted(given, numbers)
+    there = places < len(given)
+    there[there] = given[places[there]] == numbers[there]
+    if not np.all(there):
+        warnings.append("joint_reference is not there for every sample, so the reference is taken as unknown")
+        return None
+    return values[places][:, _places(names, series.names, "joint_reference")]

@@ -1,0 +1,129 @@
+"""Whether every command belongs to the position of its name: joints that were swapped in a log."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from flexros.arrays import ComplexArray, FloatArray, IntArray
+    from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.robot import Robot
+
+PAIRING_MARGIN = 1.0
+"""How much larger the sum of relative gains of another pairing must be to be believed (chosen)."""
+
+MODEL_MARGIN = 1.5
+"""How many times larger the misfit to the model must be than that of another order to be believed (chosen)."""
+
+
+def check_pairing(response: FrequencyResponse, label: str) -> None:
+    """Refuse commands that belong to another joint's position, by the response alone.
+
+    The matrix of relative gains G o G^-T does not depend on units. Its diagonal is at least 1 for every symmetric
+    positive definite G, which the response to acceleration is where the robot is rigid (inverse inertia) and again
+    above its resonances (inverse motor inertia); so the pairing with the largest sum is the right one.
+
+    Args:
+        response: The response of one position.
+        label: What the record is called.
+
+    Raises:
+        InputError: Another pairing fits clearly better; names the joints.
+    """
+    G = response.response
+    if G.shape[1] != G.shape[2] or G.shape[1] < 2:
+        return
+    gain = np.median(np.real(G * np.swapaxes(np.linalg.pinv(G), 1, 2)), axis=0)
+    best = _assignment(-gain)
+    if np.sum(gain[best, np.arange(len(best))]) - np.trace(gain) < PAIRING_MARGIN:
+        return
+    column, row = next((j, int(i)) for j, i in enumerate(best) if i != j)
+    raise InputError(
+        f"{label}: swapped joints: the command of {response.input_names[column]} moves {response.output_names[row]}, "
+        "not the joint of its name; correct the joint names of joint_commands or joint_states"
+    )
+
+
+def check_order(response: FrequencyResponse, robot: Robot, label: str) -> None:
+    """Refuse joints that fit the nominal robot clearly better in another order.
+
+    Args:
+        response: The response of one position.
+        robot: The nominal robot.
+        label: What the record is called.
+
+    Raises:
+        InputError: Another order of the joints fits better; names the joints.
+    """
+    if response.response.shape[1:] != (robot.n_motors, robot.n_motors) or robot.n_motors < 2:
+        return
+    model = _nominal(response, robot)
+    cost = _order_cost(response.as_quantity("acceleration").response, model)
+    best = _search(cost)
+    here, there = _total(cost, np.arange(robot.n_motors)), _total(cost, best)
+    if here <= MODEL_MARGIN * there:
+        return
+    names = ", ".join(
+        f"{response.output_names[i]} behaves like {response.output_names[j]}" for i, j in enumerate(best) if i != j
+    )
+    raise InputError(
+        f"{label}: swapped joints: {names} of robot {robot.name} (misfit {here:.2g} against {there:.2g}); correct the "
+        "joint names, or give the right robot"
+    )
+
+
+def _nominal(response: FrequencyResponse, robot: Robot) -> ComplexArray:
+    """Return the nominal response to accelerations at the measured position, shape (F, M, M)."""
+    from flexros.robot.bode import frequency_response
+    from flexros.robot.linearise import linear_model
+
+    state = robot.equilibrium(motor_position=response.motor_position)
+    linear = linear_model(robot, state[: robot.n_arm])
+    M = robot.n_motors
+    position = frequency_response(linear, response.frequency)[:, :M]
+    return np.asarray(-((2 * np.pi * response.frequency[:, None, None]) ** 2) * position)
+
+
+def _order_cost(measured: ComplexArray, model: ComplexArray) -> FloatArray:
+    """Return the mean squared logarithm of |G_ab| / |model_cd|, shape (M, M, M, M)."""
+    here, there = (np.log(np.maximum(abs(part), 1e-300)) for part in (measured, model))
+    difference = here[:, :, :, None, None] - there[:, None, None, :, :]
+    return np.asarray(np.mean(np.minimum(difference**2, 9.0), axis=0))
+
+
+def _total(cost: FloatArray, order: IntArray) -> float:
+    """Return the misfit when joint a of the log is joint order[a] of the robot."""
+    place = np.arange(len(order))
+    return float(np.mean(cost[place[:, None], place[None, :], order[:, None], order[None, :]]))
+
+
+def _search(cost: FloatArray) -> IntArray:
+    """Find the order of the smallest misfit: from the diagonals, then by exchanging pairs until nothing improves."""
+    M = len(cost)
+    place = np.arange(M)
+    diagonal = cost[place[:, None], place[:, None], place[None, :], place[None, :]]
+    candidates = []
+    for start in (place, _assignment(diagonal.T)):
+        order, improved = np.array(start), True
+        while improved:
+            improved = False
+            for i in range(M):
+                for j in range(i + 1, M):
+                    other = order.copy()
+                    other[[i, j]] = order[[j, i]]
+                    if _total(cost, other) < _total(cost, order) - 1e-12:
+                        order, improved = other, True
+        candidates.append(order)
+    return min(candidates, key=lambda order: _total(cost, order))
+
+
+def _assignment(cost: FloatArray) -> IntArray:
+    """Return for each column the row so that the summed cost is smallest."""
+    from scipy.optimize import linear_sum_assignment  # here, because it loads slowly
+
+    columns, rows = linear_sum_assignment(cost.T)
+    return np.asarray(rows[np.argsort(columns)], dtype=np.int64)

@@ -1,0 +1,129 @@
+"""The frequency responses of all positions of a log."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.identify.frf.aligned_log import align
+from flexros.identify.frf.experiments import Experiments
+from flexros.identify.frf.response_of import frequency_response_of
+from flexros.identify.frf.settings import FrfSettings
+from flexros.robot.quantity import unit_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from flexros.identify.frf.aligned_log import AlignedLog
+    from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.identify.plan import ExperimentPlan
+    from flexros.identify.timetable import Segment
+    from flexros.logs.time_series import Log
+    from flexros.robot import Robot
+
+
+def estimate_responses(
+    log: Log,
+    plan: ExperimentPlan,
+    settings: FrfSettings | None = None,
+    robot: Robot | None = None,
+    start_stamp: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[FrequencyResponse, ...]:
+    """Estimate the response from torque commands to motor accelerations in every position of a log.
+
+    Args:
+        log: The log.
+        plan: The plan of its experiment, e.g. from `plan_of_log`.
+        settings: How.
+        robot: The nominal robot: its torque limits and the order of its joints are then checked too.
+        start_stamp: Stamp of the plan's sample 0 [ns]; default: 1 s for logs of FlexROS, else the first measurement.
+        progress: Called with positions done and their number.
+
+    Returns:
+        One response per position that was visited, in the order of the plan's positions.
+
+    Raises:
+        InputError: The record would give a wrong response; the sentence says where and why.
+    """
+    chosen = FrfSettings() if settings is None else settings
+    aligned = align(log, plan, start_stamp)
+    segments, warnings = _complete(plan, aligned, chosen.partial)
+    visited = sorted({segment.position for segment in segments})
+    responses = []
+    for done, position in enumerate(visited):
+        mine = [segment for segment in segments if segment.position == position]
+        experiments = experiments_of(aligned, plan, mine, robot)
+        response = frequency_response_of(experiments, chosen, robot).as_quantity("acceleration")
+        responses.append(replace(response, warnings=(*aligned.warnings, *warnings, *response.warnings)))
+        if progress is not None:
+            progress(done + 1, len(visited))
+    return tuple(responses)
+
+
+def experiments_of(
+    aligned: AlignedLog, plan: ExperimentPlan, segments: list[Segment], robot: Robot | None = None
+) -> Experiments:
+    """Cut the recorded periods of one position out of a log.
+
+    Args:
+        aligned: The signals.
+        plan: The plan.
+        segments: The recorded periods, all of one position.
+        robot: The nominal robot, which knows units; None: rotating motors.
+
+    Returns:
+        The samples of all its experiments.
+
+    Raises:
+        InputError: Samples are missing.
+    """
+    rows = [aligned.rows(segment.first, segment.stop, _name(segment)) for segment in segments]
+    n_motors, position = plan.n_motors, segments[0].position
+    rotary = [True] * n_motors
+    if robot is not None:
+        rotary = [robot.chain.joints[place].rotary for place in robot.chain.geared]
+    return Experiments(
+        inputs=np.array([aligned.torque[part] for part in rows]),
+        outputs=np.array([aligned.position[part] for part in rows]),
+        reference=None if aligned.reference is None else np.array([aligned.reference[part] for part in rows]),
+        n_periods=segments[0].n_periods,
+        sample_time=aligned.sample_time,
+        periodic=plan.periodic,
+        excited=plan.excited_lines,
+        odd_detection=plan.odd_detection_lines,
+        even_detection=plan.even_detection_lines,
+        block=np.array([segment.block for segment in segments], dtype=np.int64),
+        input_names=aligned.names,
+        output_names=aligned.names,
+        input_units=tuple(unit_of("torque", turns) for turns in rotary),
+        coordinate_units=tuple(unit_of("position", turns) for turns in rotary),
+        quantity="position",
+        gears=plan.positions[position],
+        label=f"position {position + 1}",
+    )
+
+
+def _complete(plan: ExperimentPlan, aligned: AlignedLog, partial: bool) -> tuple[list[Segment], list[str]]:
+    """Return the segments to use: all, or where a part suffices those of blocks that ended within the log."""
+    segments = list(plan.segments)
+    if not partial:
+        return segments, []
+    last = int(aligned.numbers[-1])
+    cut = {(segment.position, segment.block) for segment in segments if segment.stop - 1 > last}
+    used = [segment for segment in segments if (segment.position, segment.block) not in cut]
+    if not used:
+        raise InputError(
+            f"too short a log: it ends at {last * plan.sample_time:.3f} s, before the first block is complete at "
+            f"{(segments[plan.n_motors - 1].stop - 1) * plan.sample_time:.3f} s; record longer"
+        )
+    if not cut:
+        return used, []
+    return used, [f"the log ends before its plan; {len(cut)} blocks that are not complete were left out"]
+
+
+def _name(segment: Segment) -> str:
+    return f"position {segment.position + 1}, block {segment.block + 1}, experiment {segment.experiment + 1}"
