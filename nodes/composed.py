@@ -13,6 +13,7 @@ from flexros_nodes.controller import ControllerNode
 from flexros_nodes.domain import DOMAIN_VARIABLE
 from flexros_nodes.executable import close
 from flexros_nodes.feedforward import FeedforwardNode
+from flexros_nodes.identification import IdentificationNode
 from flexros_nodes.plant import PlantNode
 from flexros_nodes.recorder import RecorderNode
 from flexros_nodes.run_plan import RunSummary, summarise
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from flexros_nodes.run_plan import RunPlan
 
 NODE_CLASSES: dict[str, type[FlexrosNode]] = {
-    node.node_name: node for node in (RecorderNode, FeedforwardNode, ControllerNode, PlantNode)
+    node.node_name: node for node in (RecorderNode, FeedforwardNode, IdentificationNode, ControllerNode, PlantNode)
 }
 
 

@@ -6,12 +6,13 @@ import traceback
 from abc import abstractmethod
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidHandle
 from rclpy.lifecycle import TransitionCallbackReturn
+from std_srvs.srv import Trigger
 
 from flexros.errors import INTERNAL_ERROR, FlexrosError
 from flexros.logs.stamps import NANOSECONDS, START_NS
@@ -37,6 +38,13 @@ class NodeFaultError(FlexrosError):
     """A fault in a node itself; its traceback is in the node's output."""
 
     exit_code = INTERNAL_ERROR
+
+
+class Answer(NamedTuple):
+    """What a service answers: whether it did what was asked for, and a text."""
+
+    success: bool
+    message: str
 
 
 class FlexrosNode(AbstractParameterNode):
@@ -142,6 +150,16 @@ class FlexrosNode(AbstractParameterNode):
         kind = message_class(row.type)
         subscription = self.create_subscription(kind, row.name, receive, qos_profile(profile), raw=True)
         self._made.append(partial(self.destroy_subscription, subscription))
+
+    def offer(self, name: str, answer: Callable[[], Answer]) -> None:
+        """Offer a service of type std_srvs/srv/Trigger below the node's name; it refuses unless the node is active."""
+
+        def respond(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+            inactive = Answer(False, f"node {self.node_name} is not active; activate it first")
+            response.success, response.message = answer() if self.active else inactive
+            return response
+
+        self._made.append(partial(self.destroy_service, self.create_service(Trigger, f"~/{name}", respond)))
 
     def every(self, period: float, callback: Callable[[], None]) -> None:
         """Call back at a period of the wall clock [s] until the node is deactivated."""

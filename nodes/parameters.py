@@ -24,6 +24,10 @@ _TYPES: dict[str, tuple[type, ...]] = {"bool": (bool,), "int": (int,), "double":
 _ARTICLES = {"bool": "true or false", "int": "a whole number", "double": "a number", "string": "a text"}
 
 
+TAKES_THE_PLACE_OF = {"identification": "feedforward"}
+"""Nodes that do the work of another one, and so have its parameters too."""
+
+
 class ParameterSpecification(Settings):
     """One row of a parameter file."""
 
@@ -88,16 +92,17 @@ def read_parameters(path: Path) -> dict[str, ParameterSpecification]:
 
 
 def node_parameters(node: str) -> dict[str, ParameterSpecification]:
-    """Give the parameters of a node: those of all nodes and its own.
+    """Give the parameters of a node: those of all nodes, of the node whose place it takes, and its own.
 
     Args:
-        node: "plant", "controller", "feedforward" or "recorder".
+        node: "plant", "controller", "feedforward", "identification" or "recorder".
 
     Returns:
         Specifications by parameter name.
     """
     folder = data_folder("msgs_config")
-    return {**read_parameters(folder / "all_nodes.yaml"), **read_parameters(folder / f"{node}.yaml")}
+    files = ("all_nodes", TAKES_THE_PLACE_OF.get(node), node)
+    return {name: row for file in files if file for name, row in read_parameters(folder / f"{file}.yaml").items()}
 
 
 def gain_parameters(law: str, names: Sequence[str], gains: FloatArray) -> dict[str, ParameterSpecification]:

@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import FlexrosError, RunError
-from flexros.logs.cdr_cursor import CdrCursor
 from flexros.logs.stamps import stamp_ns, stamp_of
 from flexros_nodes.breakdown import no_partners_text, partner_ended_text, recorder_silence_text, silence_text
 from flexros_nodes.command_reader import CommandReader
 from flexros_nodes.ending import Ending
 from flexros_nodes.executable import run_node
+from flexros_nodes.experiment_state import read_experiment_state
 from flexros_nodes.held_command import HeldCommand
 from flexros_nodes.lockstep import FASTEST_RESEND, PlantLockStep, Tick
 from flexros_nodes.loop_figures import loop_figures
 from flexros_nodes.message_loss import MessageLoss
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.pacing import Schedule
-from flexros_nodes.plant_messages import OWN_TOPICS, PlantMessages, recorder_window
+from flexros_nodes.plant_messages import OWN_TOPICS, PlantMessages, read_recorder_progress, recorder_window
 from flexros_nodes.prepared_run import prepared_run
-from flexros_nodes.topic_interface import topic
+from flexros_nodes.topic_interface import period, topic
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,9 +32,6 @@ if TYPE_CHECKING:
 
 LOOK_PERIOD = 0.01
 """Period at which the plant looks for its partners, and at the end brakes and awaits the recorder [s], chosen."""
-
-DIAGNOSTICS_PERIOD = 1.0
-"""Period of the diagnostics [s] (wall clock)."""
 
 
 class PlantNode(FlexrosNode):
@@ -57,7 +54,6 @@ class PlantNode(FlexrosNode):
     def configure(self) -> None:
         """Prepare the robot, publishers and the subscription to commands."""
         self._run = run = prepared_run(self.value("scenario"))
-        self._n_samples = run.n_samples
         self._sample_time = run.sample_time
         self._names = run.nominal.joint_names
         self._real_time = bool(self.value("real_time"))
@@ -65,11 +61,13 @@ class PlantNode(FlexrosNode):
         self._messages = PlantMessages(self, self._names, self._sample_time)
         self.listen("joint_commands", self._on_command)
         self.listen("recorder_progress", self._on_recorded)
+        self.listen("experiment_state", self._on_experiment)
         self._begin()
 
     def _begin(self) -> None:
         """Stand before the first sample."""
         self._plant = self._run.plant_in_time()
+        self._n_samples = self._run.n_samples
         self.schedule = None
         self._k = -1
         self._newest: HeldCommand | None = None
@@ -95,7 +93,7 @@ class PlantNode(FlexrosNode):
         self._search_time = 0.0
         self.every(LOOK_PERIOD, self._look_around)
         self.every(FASTEST_RESEND, self._watch)
-        self.every(DIAGNOSTICS_PERIOD, self.diagnose)
+        self.every(period("diagnostics"), self.diagnose)
 
     def stop(self) -> None:
         """Stop pacing."""
@@ -192,9 +190,7 @@ class PlantNode(FlexrosNode):
             self._window.hold()
 
     def _on_recorded(self, message: bytes) -> None:
-        cursor = CdrCursor(message)
-        cursor.skip(8, "stamp")
-        self._window.confirm(cursor.string("frame_id"), stamp_of(message))
+        self._window.confirm(*read_recorder_progress(message))
         self._go_on()
 
     def _go_on(self) -> None:
@@ -210,6 +206,13 @@ class PlantNode(FlexrosNode):
                 self._begin_pacing(command)
             else:
                 self._advance(command)
+
+    def _on_experiment(self, message: bytes) -> None:
+        """Be patient while an experiment waits for its start; end with its last sample when it was stopped."""
+        state = read_experiment_state(message)
+        if state.state == "waiting":
+            self._lockstep.hold()
+        self._n_samples = min(self._n_samples, state.last_sample + 1)
 
     # Real time.
 

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 from rosgraph_msgs.msg import Clock
 
+from flexros.logs.cdr_cursor import CdrCursor
 from flexros.logs.joint_state_message import JointStateTemplate
 from flexros.logs.pose_stamped_message import PoseStampedTemplate
-from flexros.logs.stamps import NANOSECONDS, stamp_ns
+from flexros.logs.stamps import NANOSECONDS, stamp_ns, stamp_of
 from flexros.logs.time_series import BASE_FRAME
 from flexros_nodes.recorder_window import RecorderWindow
-from flexros_nodes.topic_interface import sampled_topics, topic
+from flexros_nodes.topic_interface import period, sampled_topics
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,7 +38,7 @@ class PlantMessages:
         self._states = node.announce("joint_states")
         self._poses = node.announce("tool_pose")
         self._clock = node.announce("clock")
-        self._clock_every = max(round(1.0 / ((topic("clock").rate or 1.0) * sample_time)), 1)
+        self._clock_every = max(round(period("clock") / sample_time), 1)
         self._state_template = JointStateTemplate(names, position=True)
         self._pose_template = PoseStampedTemplate(BASE_FRAME)
         self._clock_message: Clock | None = None
@@ -88,3 +89,10 @@ def recorder_window(samples: int, sample_time: float, real_time: bool) -> Record
     width = 0 if real_time else stamp_ns(samples, sample_time) - stamp_ns(0, sample_time)
     others = [name for name in sampled_topics() if name not in OWN_TOPICS]
     return RecorderWindow(width, OWN_TOPICS, others)
+
+
+def read_recorder_progress(message: bytes) -> tuple[str, int]:
+    """Read a confirmation of the recorder: name of the topic, empty for all together, and stamp [ns]."""
+    cursor = CdrCursor(message)
+    cursor.skip(8, "stamp")
+    return cursor.string("frame_id"), stamp_of(message)

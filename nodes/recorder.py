@@ -14,6 +14,7 @@ from flexros.errors import InputError, RunError
 from flexros.logs.stamps import NANOSECONDS
 from flexros.logs.writer import LogWriter
 from flexros_nodes.executable import run_node
+from flexros_nodes.experiment_state import read_experiment_state
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.prepared_run import prepared_run
 from flexros_nodes.recording import ArrivalTime, EventRecording, TopicRecording
@@ -64,6 +65,8 @@ class RecorderNode(FlexrosNode):
         self._progress = self.announce("recorder_progress")
         for number, (name, row) in enumerate(self._topics.items(), 1):
             self._record(writer, name, row, number)
+        self._stopped: Mapping[str, Any] | None = None
+        self.listen("experiment_state", self._on_experiment)
 
     def _open(self, topics: list[Topic]) -> LogWriter:
         try:
@@ -123,6 +126,12 @@ class RecorderNode(FlexrosNode):
                 if stamp >= 0:
                     self._say(name, stamp)
 
+    def _on_experiment(self, message: bytes) -> None:
+        """Remember that the user has stopped an experiment, and what was complete by then."""
+        state = read_experiment_state(message)
+        if state.stopped_at_sample >= 0:
+            self._stopped = state.as_dict()
+
     def _say(self, name: str, stamp: int) -> None:
         message = Header(frame_id=name)
         message.stamp.sec, message.stamp.nanosec = divmod(stamp, NANOSECONDS)
@@ -143,7 +152,8 @@ class RecorderNode(FlexrosNode):
         """Close the log."""
         if self._writer is not None and not self._closed:
             self._closed = True
-            self._writer.close({**self._provenance, "recorded": self.figures()})
+            stopped = {} if self._stopped is None else {"stopped": self._stopped}
+            self._writer.close({**self._provenance, **stopped, "recorded": self.figures()})
 
     def release(self) -> None:
         """Close the log of a run that never began."""

@@ -10,7 +10,7 @@ from flexros.logs.stamps import sample_number, stamp_of, stamps_ns
 from flexros.logs.time_series import BASE_FRAME
 from flexros_nodes.chunk_stream import ChunkStream
 from flexros_nodes.reference_rows import PlannedRows
-from flexros_nodes.topic_interface import topic
+from flexros_nodes.topic_interface import period
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,6 +41,7 @@ class ReferenceStream:
 
     Attributes:
         progress: Newest sample of the loop that is known.
+        clock_samples: Samples between two messages of the clock.
         closed: Whether nothing is sent yet; set it before `start`, and call `open` when the time has come.
         on_progress: Called with the progress when it has grown, before anything is sent.
     """
@@ -52,8 +53,7 @@ class ReferenceStream:
         self._n_samples = run.n_samples
         self._planned = PlannedRows(run.reference)
         self._stamps = stamps_ns(self._n_samples, self._sample_time)
-        clock_period = 1.0 / (topic("clock").rate or 1.0)
-        self._poses_ahead = max(round(CLOCK_PERIODS_AHEAD * clock_period / self._sample_time), 1)
+        self.clock_samples = max(round(period("clock") / self._sample_time), 1)
         self._pose_message = PoseStampedTemplate(BASE_FRAME)
         self.on_progress: Callable[[int], None] = lambda _: None
         self.closed = False
@@ -124,7 +124,7 @@ class ReferenceStream:
         for samples in self._stream.due(self.progress):
             self._send(samples)
         # at the first sample the loop waits until every reader is known: what is sent again then must be one message
-        stop = min(self.progress + self._poses_ahead, self._n_samples) if self.progress else 1
+        stop = min(self.progress + CLOCK_PERIODS_AHEAD * self.clock_samples, self._n_samples) if self.progress else 1
         self._send_poses(range(self._poses_sent, stop))
         self._poses_sent = max(self._poses_sent, stop)
 

@@ -18,7 +18,7 @@ from flexros_nodes.domain import DOMAIN_VARIABLE, environment, run_environment
 from flexros_nodes.interruption import interruption
 from flexros_nodes.parameters import check_value, gain_parameters, node_parameters
 from flexros_nodes.processes import run_processes
-from flexros_nodes.run_plan import NODES, RunPlan, RunSummary
+from flexros_nodes.run_plan import LEADERS, NODES, RunPlan, RunSummary, leader_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -46,7 +46,7 @@ def run_scenario(
     real_time: bool = False,
     parameters: Mapping[str, Mapping[str, Value]] | None = None,
 ) -> RunSummary:
-    """Run a scenario with plant, controller, feedforward and recorder as ROS 2 nodes.
+    """Run a scenario with plant, controller, feedforward or identification, and recorder as ROS 2 nodes.
 
     The run has a ROS domain of its own and stays on this machine, unless the environment says otherwise. SIGINT and
     SIGTERM end it in order.
@@ -76,7 +76,7 @@ def run_scenario(
         interruption() as interrupted,
         environment(run_environment(os.environ, os.getpid())),
     ):
-        plan = RunPlan(_scenario_file(scenario, Path(scratch)), folder, given)
+        plan = RunPlan(_scenario_file(scenario, Path(scratch)), folder, given, leader_of(loaded))
         summary = replace(LAYOUTS[layout](plan, interrupted), domain_id=int(os.environ[DOMAIN_VARIABLE]))
     # nodes refer to each other in circles: their sockets stay open until they are collected, and DDS finds only so many
     gc.collect()
@@ -89,6 +89,11 @@ def _checked(node: str, values: Mapping[str, Value], scenario: Scenario) -> dict
     """Check the parameters given for a node before anything starts."""
     if node not in NODES:
         raise unknown_name("node", node, NODES)
+    if node in LEADERS and node != (leader := leader_of(scenario)):
+        raise InputError(
+            f"parameters of node {node} are given, but in scenario {scenario.name} node {leader} streams the "
+            "reference; give its parameters"
+        )
     specifications = node_parameters(node)
     if node == "controller":
         robot = load_robot(scenario.robot)

@@ -12,11 +12,25 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
+    from flexros.config.scenario import Scenario
     from flexros_nodes.parameters import Value
     from flexros_nodes.report import NodeReport
 
-NODES = ("recorder", "feedforward", "controller", "plant")
+LEADERS = ("feedforward", "identification")
+"""Nodes that stream the reference; one of them leads a run."""
+
+NODES = ("recorder", *LEADERS, "controller", "plant")
 """Nodes in the order in which they come up; they go down the other way."""
+
+
+def leader_of(scenario: Scenario) -> str:
+    """Name the node that streams the reference of a scenario."""
+    return "feedforward" if scenario.identification is None else "identification"
+
+
+def nodes_led_by(leader: str) -> tuple[str, ...]:
+    """Name the nodes of a run in the order in which they come up: all but the other leaders."""
+    return tuple(name for name in NODES if name == leader or name not in LEADERS)
 
 
 @dataclass(frozen=True)
@@ -27,16 +41,18 @@ class RunPlan:
         scenario: Shipped scenario, or path of a scenario file.
         folder: Folder of the log; None records nothing.
         parameters: Parameter values by node, beside those that follow from the plan.
+        leader: Node that streams the reference: feedforward or identification.
     """
 
     scenario: str
     folder: Path | None
     parameters: Mapping[str, Mapping[str, Value]]
+    leader: str = "feedforward"
 
     @property
     def nodes(self) -> tuple[str, ...]:
         """Names of the nodes that take part, in the order in which they come up."""
-        return NODES if self.folder is not None else NODES[1:]
+        return tuple(name for name in nodes_led_by(self.leader) if name != "recorder" or self.folder is not None)
 
     def values(self, node: str) -> dict[str, Value]:
         """Give the parameter values of a node.

@@ -23,6 +23,11 @@ def topic(name: str) -> Topic:
     return topics[name]
 
 
+def period(name: str) -> float:
+    """Give the time between two messages of a topic that has a rate [s]."""
+    return 1.0 / (topic(name).rate or 1.0)
+
+
 EVENT_TYPES = ("diagnostic_msgs/msg/DiagnosticArray",)
 """Types of recorded topics that do not carry one message for each sampling instant."""
 

@@ -70,8 +70,8 @@ class Topic(Settings):
     subscription_qos: QosProfile
     recorded: bool
     required: bool
-    producer: Literal["plant", "controller", "feedforward", "recorder", "user"]
-    consumers: tuple[Literal["plant", "controller", "feedforward", "recorder"], ...]
+    producer: Literal["plant", "controller", "feedforward", "identification", "recorder", "user"]
+    consumers: tuple[Literal["plant", "controller", "feedforward", "identification", "recorder"], ...]
     fields: dict[str, FieldUnit] = Field(min_length=1)
 
 

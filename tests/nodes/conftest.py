@@ -1,17 +1,26 @@
-"""What tests of nodes share: comparing logs, bad controllers, a long scenario."""
+"""What tests of nodes share: comparing logs, nodes to be spun by hand, a long scenario, an identification."""
 
 from __future__ import annotations
 
+import gc
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import fields
 from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
 from flexros.config.scenario import load_scenario
 from flexros.logs.time_series import Log
+
+if TYPE_CHECKING:
+    from rclpy.context import Context
+    from rclpy.executors import Executor
+
+    from flexros_nodes.node_base import FlexrosNode
 
 SAMPLED = ("joint_states", "joint_commands", "joint_reference", "tool_pose", "tool_reference")
 
@@ -45,3 +54,72 @@ def long_scenario(tmp_path: Path) -> Path:
     path = tmp_path / "long.yaml"
     path.write_text(json.dumps(settings))
     return path
+
+
+@pytest.fixture
+def identification_scenario(tmp_path: Path) -> Path:
+    """Write a short identification of the two-mass robot: two positions, two blocks, 4.2 s."""
+    settings = {
+        **{key: load_scenario("two_mass_step").settings()[key] for key in ("robot", "controller")},
+        "name": "identify",
+        "identification": {
+            "positions": [[0.0], [0.3]],
+            "blocks": 2,
+            "excitation": {"kind": "multisine", "period": 0.2, "lowest": 5, "highest": 40, "amplitude": 0.02},
+            "periods": 2,
+            "transient_periods": 1,
+            "fade": 0.05,
+            "settle": 0.1,
+        },
+    }
+    path = tmp_path / "identify.yaml"
+    path.write_text(json.dumps(settings))
+    return path
+
+
+class Bench:
+    """Nodes in a context of their own, with an executor to spin them."""
+
+    def __init__(self, context: Context, executor: Executor) -> None:
+        self.context = context
+        self.executor = executor
+        self.nodes: list[Any] = []
+
+    def add(self, node_class: type[FlexrosNode], **values: Any) -> Any:
+        return self.hold(node_class(context=self.context, values={"scenario": "circle_dae", **values}))
+
+    def hold(self, node: Any) -> Any:
+        self.nodes.append(node)
+        self.executor.add_node(node)
+        return node
+
+    def spin_for(self, time: float) -> None:
+        end = monotonic() + time
+        while monotonic() < end:
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def spin_until(self, condition: Callable[[], bool], timeout: float = 20.0) -> None:
+        deadline = monotonic() + timeout
+        while not condition():
+            assert monotonic() < deadline, "the condition did not come true"
+            self.executor.spin_once(timeout_sec=0.02)
+
+
+@pytest.fixture
+def bench(ros_domain: int) -> Iterator[Bench]:
+    """Give a context and an executor for nodes that a test makes itself."""
+    import rclpy
+    from rclpy.context import Context
+
+    from flexros_nodes.spinning import make_executor
+
+    context = Context()
+    rclpy.init(context=context, args=[], domain_id=ros_domain)
+    bench = Bench(context, make_executor(context))
+    yield bench
+    bench.executor.shutdown()
+    for node in bench.nodes:
+        node.destroy_node()
+    bench.nodes.clear()
+    rclpy.try_shutdown(context=context)
+    gc.collect()

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import ast
+import runpy
+import sys
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -11,6 +15,7 @@ from flexros_nodes.parameters import node_parameters
 from flexros_nodes.run_plan import NODES
 
 FOLDER = Path(__file__).parents[2] / "nodes"
+ARGUMENTS = ["scenario", "folder", "real_time", "begin_at_once", "namespace"]
 FILES = sorted((FOLDER / "launch").glob("*.launch.py"))
 
 
@@ -44,3 +49,43 @@ def test_launch_file_names_nodes_and_parameters_that_exist(path: Path) -> None:
         for parameter in (*parameters, "scenario"):
             assert parameter in node_parameters(node)
             assert parameter in arguments
+
+
+class Recorded:
+    """Stands for any class of launch: keeps what it was made with."""
+
+    def __init__(self, *arguments: Any, **named: Any) -> None:
+        self.arguments, self.named = arguments, named
+
+    def perform(self, context: dict[str, str]) -> str:
+        return context[self.arguments[0]]
+
+
+@pytest.fixture
+def launch_stubs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Put stand-ins in the place of launch and launch_ros."""
+    classes = {
+        "launch": ("LaunchContext", "LaunchDescription"),
+        "launch.actions": ("DeclareLaunchArgument", "OpaqueFunction", "Shutdown"),
+        "launch.substitutions": ("LaunchConfiguration",),
+        "launch_ros": (),
+        "launch_ros.actions": ("Node",),
+        "launch_ros.parameter_descriptions": ("ParameterValue",),
+    }
+    for name, members in classes.items():
+        module = ModuleType(name)
+        for member in members:
+            setattr(module, member, type(member, (Recorded,), {}))
+        monkeypatch.setitem(sys.modules, name, module)
+
+
+@pytest.mark.usefixtures("launch_stubs")
+def test_launch_starts_the_node_that_leads_the_scenario(identification_scenario: Path) -> None:
+    description = runpy.run_path(str(FILES[0]))["generate_launch_description"]()
+    *arguments, function = description.arguments[0]
+    assert [argument.arguments[0] for argument in arguments] == ARGUMENTS
+    for scenario, leader in (("circle_pd", "feedforward"), (str(identification_scenario), "identification")):
+        nodes = function.named["function"]({"scenario": scenario})
+        assert [node.named["executable"] for node in nodes] == ["recorder", leader, "controller", "plant"]
+        assert [node.named["on_exit"] is not None for node in nodes] == [False, False, False, True]
+    assert list(nodes[1].named["parameters"][0]) == ["scenario", "begin_at_once"]

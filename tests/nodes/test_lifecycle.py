@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import gc
 import json
-from collections.abc import Callable, Iterator
 from importlib.resources import files
 from pathlib import Path
-from time import monotonic
 from typing import Any
 
 import pytest
@@ -17,8 +14,6 @@ pytest.importorskip("rclpy", reason="needs ROS 2")
 import rclpy
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
-from rclpy.context import Context
-from rclpy.executors import Executor
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
@@ -32,51 +27,11 @@ from flexros_nodes.parameters import node_parameters
 from flexros_nodes.plant import PlantNode
 from flexros_nodes.prepared_run import prepared_run
 from flexros_nodes.recorder import RecorderNode
-from flexros_nodes.spinning import make_executor
 
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 NODES = (RecorderNode, FeedforwardNode, ControllerNode, PlantNode)
-
-
-class Bench:
-    """Nodes in a context of their own, with an executor to spin them."""
-
-    def __init__(self, context: Context, executor: Executor) -> None:
-        self.context = context
-        self.executor = executor
-        self.nodes: list[Any] = []
-
-    def add(self, node_class: type[FlexrosNode], **values: Any) -> Any:
-        node = node_class(context=self.context, values={"scenario": "circle_dae", **values})
-        self.nodes.append(node)
-        self.executor.add_node(node)
-        return node
-
-    def spin_for(self, time: float) -> None:
-        end = monotonic() + time
-        while monotonic() < end:
-            self.executor.spin_once(timeout_sec=0.02)
-
-    def spin_until(self, condition: Callable[[], bool], timeout: float = 20.0) -> None:
-        deadline = monotonic() + timeout
-        while not condition():
-            assert monotonic() < deadline, "the condition did not come true"
-            self.executor.spin_once(timeout_sec=0.02)
-
-
-@pytest.fixture
-def bench(ros_domain: int) -> Iterator[Bench]:
-    context = Context()
-    rclpy.init(context=context, args=[], domain_id=ros_domain)
-    bench = Bench(context, make_executor(context))
-    yield bench
-    bench.executor.shutdown()
-    for node in bench.nodes:
-        node.destroy_node()
-    bench.nodes.clear()
-    rclpy.try_shutdown(context=context)
-    gc.collect()
+Bench = Any  # the class is in conftest
 
 
 @pytest.mark.parametrize("node_class", NODES)

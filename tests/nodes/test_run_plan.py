@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from flexros.config.scenario import load_scenario
 from flexros_nodes.report import NodeReport
-from flexros_nodes.run_plan import RunPlan, summarise
+from flexros_nodes.run_plan import RunPlan, leader_of, summarise
 
 PLANT = NodeReport("plant", figures={"samples": 100, "simulated_time_s": 0.05, "resends": 3, "dropped_on_purpose": 2})
 
@@ -16,6 +17,17 @@ def test_run_without_log_has_no_recorder_and_waits_for_none() -> None:
     plan = RunPlan("circle_pd", None, {})
     assert plan.nodes == ("feedforward", "controller", "plant")
     assert plan.values("plant")["observers"] == 0
+
+
+def test_identification_leads_a_run_in_the_place_of_feedforward() -> None:
+    plan = RunPlan("identify", Path("log"), {}, "identification")
+    assert plan.nodes == ("recorder", "identification", "controller", "plant")
+    assert RunPlan("circle_pd", Path("log"), {}).nodes == ("recorder", "feedforward", "controller", "plant")
+
+
+def test_key_of_the_scenario_chooses_the_leader(identification_scenario: Path) -> None:
+    assert leader_of(load_scenario(identification_scenario)) == "identification"
+    assert leader_of(load_scenario("circle_pd")) == "feedforward"
 
 
 def test_given_parameters_come_last() -> None:
