@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.identify.graybox.kernel_structure import in_blocks
 from flexros.identify.graybox.levenberg_marquardt import NormalEquations
 from flexros.identify.graybox.normal_equations_text import product_pairs
 from flexros.identify.graybox.numpy_least_squares import AbstractLeastSquares, NumpyLeastSquares
+from flexros.identify.graybox.packed_target import packed_target
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.identify.graybox.compiled_frequency_model import CompiledFrequencyModel
-    from flexros.identify.graybox.kernel_structure import KernelStructure
     from flexros.identify.graybox.numpy_least_squares import ResponseTarget
 
 
@@ -33,8 +32,9 @@ class CompiledLeastSquares(AbstractLeastSquares):
     target: ResponseTarget
 
     @cached_property
-    def _packed(self) -> FloatArray:
-        return packed_target(self.model.kernel.structure, self.target)
+    def _last(self) -> dict[bytes, FloatArray | None]:
+        """Sums of the last parameters: a search asks for the cost of a trial and then for its normal equations."""
+        return {}
 
     @cached_property
     def _by_numpy(self) -> NumpyLeastSquares:
@@ -61,41 +61,19 @@ class CompiledLeastSquares(AbstractLeastSquares):
         return NormalEquations(float(np.sum(sums[:, 0])), table[:n, n].copy(), table[:n, :n].copy())
 
     def _sums(self, theta: FloatArray) -> FloatArray | None:
-        estimator = self.target.estimator
+        """Cost and product pairs of every position; None where rows would have to be exchanged."""
+        key = theta.tobytes()
+        if key in self._last:
+            return self._last[key]
+        target = packed_target(self.target)
         parts = self.model.of_parts(
             theta,
             lambda matrices, hold, expansion, part: self.model.kernel.sums(
-                estimator, matrices, hold, expansion, self._packed[part]
+                self.target.estimator, matrices, hold, expansion, target[part]
             ),
         )
-        return None if any(part.small_pivots for part in parts) else np.concatenate([part.sums for part in parts])
-
-
-def packed_target(structure: KernelStructure, target: ResponseTarget) -> FloatArray:
-    """Bring measured responses and weights into the order of the compiled code.
-
-    Args:
-        structure: Structure of the code.
-        target: Measured responses, weights and estimator.
-
-    Returns:
-        Numbers per element (see `TARGET_NUMBERS`), shape (Q, blocks, pairs * TARGET_NUMBERS, LANES).
-    """
-    counted = target.weights > 0
-    measured = np.where(counted, target.response, 1.0)
-    if target.estimator != "NLS":
-        measured = np.log(measured)
-    m, n = np.array(structure.pairs).T
-    second = np.where(m != n, target.weights[:, :, n, m], 0.0)
-    total = target.weights[:, :, m, n] + second
-    root = np.sqrt(total)
-    first, other = measured[:, :, m, n], measured[:, :, n, m]
-    numbers = np.stack(
-        [
-            *(first.real, first.imag, target.weights[:, :, m, n]),
-            *(other.real, other.imag, second),
-            *(root, np.where(root > 0, 1.0 / np.where(root > 0, root, 1.0), 0.0)),
-        ],
-        axis=-1,
-    )
-    return in_blocks(numbers.reshape(*numbers.shape[:2], -1), fill=0.0)
+        exchange = any(part.small_pivots for part in parts)
+        sums = None if exchange else np.concatenate([part.sums for part in parts])
+        self._last.clear()
+        self._last[key] = sums
+        return sums

@@ -48,13 +48,17 @@ class KernelStructure:
     @property
     def pairs(self) -> tuple[tuple[int, int], ...]:
         """Elements (m, n) of the symmetric response with m <= n, in the order of all packed arrays."""
-        motors = range(len(self.places))
-        return tuple((m, n) for m in motors for n in motors if m <= n)
+        return motor_pairs(len(self.places))
 
     @property
     def hold_numbers(self) -> int:
         """Numbers per frequency in packed holds: w, gain and aliases."""
         return 3 + 2 * len(ORDERS)
+
+
+def motor_pairs(n_motors: int) -> tuple[tuple[int, int], ...]:
+    """List the elements (m, n) with m <= n of a symmetric matrix, row by row."""
+    return tuple((m, n) for m in range(n_motors) for n in range(m, n_motors))
 
 
 def kernel_structure(positions: LinearisedPositions) -> KernelStructure:

@@ -12,6 +12,7 @@ so their sums over m are the same functions of frequency for all models.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -57,6 +58,7 @@ def sampled_hold(frequency: FloatArray, sample_time: float, delay: float = 0.0) 
     Raises:
         InputError: A frequency is not between zero and half the sampling frequency.
     """
+    frequency = np.ascontiguousarray(frequency, dtype=float)
     nyquist = 0.5 / sample_time
     if not np.all((frequency > 0) & (frequency < nyquist)):
         wrong = frequency[~((frequency > 0) & (frequency < nyquist))][0]
@@ -64,7 +66,13 @@ def sampled_hold(frequency: FloatArray, sample_time: float, delay: float = 0.0) 
             f"a frequency of {wrong:g} Hz was given to the sampled model, but frequencies must lie between 0 and half "
             f"the sampling frequency, {nyquist:g} Hz; leave it out"
         )
-    omega = 2 * np.pi * frequency
+    return _sampled_hold(frequency.tobytes(), frequency.shape, sample_time, delay)
+
+
+@lru_cache(maxsize=8)
+def _sampled_hold(frequencies: bytes, shape: tuple[int, ...], sample_time: float, delay: float) -> SampledHold:
+    """Evaluate once what all linearisations of a fit share."""
+    omega = 2 * np.pi * np.frombuffer(frequencies).reshape(shape)
     turns = 2 * np.pi / sample_time * np.concatenate([np.arange(-_ALIASES, 0), np.arange(1, _ALIASES + 1)])
     s = 1j * (omega[..., None] + turns)
     weighted = np.exp(-s * delay) / s
