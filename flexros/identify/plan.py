@@ -80,8 +80,9 @@ class ExperimentPlan:
         n_motors = robot.n_motors
         begin = robot.home[list(robot.chain.geared)] if start is None else start
         seed = seed if specification.seed is None else specification.seed
+        specification.check_motors(n_motors)
+        positions = specification.gears(n_motors)
         with source_named("identification"):
-            positions = specification.gears(n_motors)
             timing = timing_of(specification, n_motors, sample_time)
             visits = visits_of(specification, timing, begin, n_motors, sample_time)
             lines = _without_sine(specification, specification.excitation.lines(sample_time, seed))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import numpy as np
 from pydantic import Field, model_validator
 
-from flexros.config.per_motor import PositivePerMotor
+from flexros.config.per_motor import PositivePerMotor, per_motor
 from flexros.config.validation import Settings
 from flexros.errors import InputError
 from flexros.identify.excitation.multisine import Multisine
@@ -112,6 +112,29 @@ class IdentificationSpecification(Settings):
     def blocks_per_position(self) -> tuple[int, ...]:
         """Number of blocks in every position, length Q."""
         return (self.blocks,) * len(self.positions) if isinstance(self.blocks, int) else self.blocks
+
+    def check_motors(self, n_motors: int) -> None:
+        """Refuse settings that are given for another number of motors.
+
+        Args:
+            n_motors: Number of motors M of the robot.
+
+        Raises:
+            InputError: Names the key.
+        """
+        self.gears(n_motors)
+        self.excitation.sizes(n_motors)
+        per_motor("identification.move.speed", self.move.speed, n_motors)
+        per_motor("identification.move.acceleration", self.move.acceleration, n_motors)
+        if not isinstance(self.slow_motion, NoSlowMotion):
+            self.slow_motion.speeds(n_motors)
+        if self.limits.speed is not None:
+            per_motor("identification.limits.speed", self.limits.speed, n_motors)
+        if self.limits.position is not None and len(self.limits.position) != n_motors:
+            raise InputError(
+                f"identification.limits.position has {len(self.limits.position)} ranges, allowed is one [low, high] "
+                f"for each of the {n_motors} motors; correct it"
+            )
 
     def gears(self, n_motors: int) -> FloatArray:
         """Give the positions.

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
     from flexros.simulate.signals import PlantSignals
 
-MOST_BYTES = 2_000_000_000
+MOST_BYTES = 4_000_000_000
 """Largest memory for the signals of a run [bytes]; a longer run is taken for a mistake in its duration (chosen)."""
 
 

@@ -118,7 +118,7 @@ def test_plant_hash_tells_a_changed_plant() -> None:
         (
             {"duration": 1e6},
             r"scenario mine: 1e\+06 s .* are 2000000001 samples, which need some 1\.1e\+03 GB of memory with robot "
-            r"e12, allowed are 2 GB; shorten",
+            r"e12, allowed are 4 GB; shorten",
         ),
         (
             {"plant": {"values": {"sample_time": 1e-3}}},
@@ -144,12 +144,12 @@ def test_circle_through_a_singularity_names_the_place() -> None:
 
 
 def test_memory_is_bounded_in_bytes_not_in_samples() -> None:
-    with pytest.raises(InputError, match=r"are 4000001 samples, which need some 2\.2 GB of memory with robot e12"):
-        Experiment.prepare(scenario(duration=2000.0))
+    with pytest.raises(InputError, match=r"are 8000001 samples, which need some 4\.5 GB of memory with robot e12"):
+        Experiment.prepare(scenario(duration=4000.0))
     assert Experiment.prepare(scenario(duration=1000.0)).n_samples == 2_000_001
     six_axis = {"robot": "six_axis", "controller": {"kind": "pid", "kp": 1e3}}
-    with pytest.raises(InputError, match=r"some 2\.\d GB of memory with robot six_axis"):
-        Experiment.prepare(scenario(**six_axis, duration=1000.0))
+    with pytest.raises(InputError, match=r"some 5\.\d GB of memory with robot six_axis"):
+        Experiment.prepare(scenario(**six_axis, duration=2000.0))
 
 
 def test_bytes_per_sample_cover_the_arrays_that_are_held() -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from pydantic import Field
 
-from flexros.config.per_motor import NotNegativePerMotor
+from flexros.config.per_motor import NotNegativePerMotor, per_motor
 from flexros.config.validation import Settings
 from flexros.errors import InputError
 from flexros.simulate.noise import Stream, generator
@@ -52,6 +52,10 @@ class AbstractExcitation(Settings, ABC):
         description="whether the experiments of a block differ by the phases exp(2 pi j (i-1)(l-1)/n) alone; false: "
         "by random phases of their own [true/false]",
     )
+
+    def sizes(self, n_motors: int) -> FloatArray:
+        """Give the amplitude of every motor [rad/s or m/s], shape (M,)."""
+        return per_motor("identification.excitation.amplitude", self.amplitude, n_motors)
 
     @abstractmethod
     def record_samples(self, sample_time: float) -> int:

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from flexros.config.per_motor import per_motor
-from flexros.errors import source_named
 from flexros.identify.excitation.base import (
     AbstractExcitation,
     BlockSignals,
@@ -72,9 +70,7 @@ class Burst(AbstractExcitation):
         """Make the records of one block; see `AbstractExcitation.block`."""
         length = round(self.duration / sample_time)
         lines = self._band(length * sample_time)
-        with source_named("excitation"):
-            rms = per_motor("amplitude", self.amplitude, n_motors)
-        size = amplitudes(self.spectrum, lines / (length * sample_time), rms)
+        size = amplitudes(self.spectrum, lines / (length * sample_time), self.sizes(n_motors))
         random = phase_generator(seed, position, block)
         phases = random.uniform(0.0, 2.0 * np.pi, (1 if self.orthogonal else n_motors, n_motors, len(lines)))
         if self.content == "noise":

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from flexros.config.per_motor import per_motor
-from flexros.errors import source_named
 from flexros.identify.excitation.base import (
     AbstractExcitation,
     BlockSignals,
@@ -72,8 +70,7 @@ class Chirp(AbstractExcitation):
 
     def block(self, n_motors: int, sample_time: float, seed: int, position: int, block: int) -> BlockSignals:
         """Make the records of one block, the same in all blocks unless `orthogonal` is false."""
-        with source_named("excitation"):
-            size = per_motor("amplitude", self.amplitude, n_motors)
+        size = self.sizes(n_motors)
         start = shifts(n_motors).T
         if not self.orthogonal:
             start = phase_generator(seed, position, block).uniform(0.0, 2.0 * np.pi, (n_motors, n_motors))

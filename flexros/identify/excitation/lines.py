@@ -70,7 +70,7 @@ def spread(candidates: IntArray, number: int | None, logarithmic: bool) -> IntAr
 
     Args:
         candidates: Lines to choose from, shape (n,).
-        number: How many are wanted; None takes all, or as many as a decade of the highest lines would hold.
+        number: How many are wanted; None takes all, or on a logarithmic grid as many goals as there are candidates.
         logarithmic: Even over the logarithm of frequency; the nearest candidates, none twice.
 
     Returns:

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from flexros.config.per_motor import per_motor
-from flexros.errors import source_named
 from flexros.identify.excitation.base import (
     AbstractExcitation,
     BlockSignals,
@@ -94,9 +92,7 @@ class Multisine(AbstractExcitation):
     def block(self, n_motors: int, sample_time: float, seed: int, position: int, block: int) -> BlockSignals:
         """Make the periods of one block; see `AbstractExcitation.block`."""
         n_samples, lines = self.record_samples(sample_time), self.lines(sample_time, seed).excited
-        with source_named("excitation"):
-            rms = per_motor("amplitude", self.amplitude, n_motors)
-        size = amplitudes(self.spectrum, lines / (n_samples * sample_time), rms)
+        size = amplitudes(self.spectrum, lines / (n_samples * sample_time), self.sizes(n_motors))
         random = phase_generator(seed, PHASES_STREAM, position, block)
         n_sets = 1 if self.orthogonal else n_motors
         phases = random.uniform(0.0, 2.0 * np.pi, (n_sets, n_motors, len(lines)))
