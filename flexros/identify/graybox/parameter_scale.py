@@ -77,7 +77,7 @@ class ParameterScale:
         upper = np.where(self.logarithmic, centre + reach, np.inf)
         for name, (low, high) in (given or {}).items():
             if name not in self.names:
-                raise unknown_name("unknown parameter", name, self.names, "bounds")
+                raise unknown_name("fitted parameter", name, self.names, "bounds")
             place = self.names.index(name)
             if not low < high or (self.logarithmic[place] and low <= 0):
                 raise InputError(

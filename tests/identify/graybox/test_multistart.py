@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from flexros.errors import InputError
+from flexros.identify.graybox.fit import fit
+from flexros.identify.graybox.multistart import best, multistart, random_starts
+from flexros.identify.graybox.problem import GrayBoxProblem, graybox_problem
+
+if TYPE_CHECKING:
+    from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.robot.robot import Robot
+
+
+@pytest.fixture(scope="module")
+def problem(e12: Robot, e12_names: list[str], noisy_e12: tuple[FrequencyResponse, ...]) -> GrayBoxProblem:
+    return graybox_problem(e12, noisy_e12, e12_names)
+
+
+def test_starts_are_within_a_decade_and_fill_it(problem: GrayBoxProblem) -> None:
+    decades = np.log10(random_starts(problem, 500, seed=1) / problem.scale.nominal)
+    assert np.all(np.abs(decades) <= 1.0)
+    np.testing.assert_allclose(
+        np.quantile(decades, [0.1, 0.5, 0.9], axis=0), [[-0.8] * 6, [0] * 6, [0.8] * 6], atol=0.1
+    )
+
+
+def test_first_starts_do_not_depend_on_their_number(problem: GrayBoxProblem) -> None:
+    np.testing.assert_array_equal(random_starts(problem, 9, seed=1)[:3], random_starts(problem, 3, seed=1))
+
+
+def test_linear_parameters_start_around_their_value(e12: Robot, exact_e12: tuple[FrequencyResponse, ...]) -> None:
+    problem = graybox_problem(e12, exact_e12, ["body_2.length.x", "motor_1.viscous_friction"])
+    starts = random_starts(problem, 200, seed=0)
+    assert np.all((starts[:, 0] >= 0.0) & (starts[:, 0] <= 2.0))
+    assert np.all(starts[:, 1] >= 0.0)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_fits_come_in_the_order_of_their_starts_whatever_the_threads(problem: GrayBoxProblem, threads: int) -> None:
+    starts = random_starts(problem, 5, seed=2)
+    found = multistart(problem, starts, threads=threads)
+    for each, start in zip(found, starts, strict=True):
+        np.testing.assert_array_equal(each.start, start)
+        np.testing.assert_array_equal(each.values, fit(problem, start).values)
+
+
+def test_dask_finds_the_same(problem: GrayBoxProblem) -> None:
+    distributed = pytest.importorskip("distributed")
+    with (
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None, protocol="tcp"
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        there = multistart(problem, 4, seed=2, client=client)
+    for remote, local in zip(there, multistart(problem, 4, seed=2), strict=True):
+        np.testing.assert_array_equal(remote.values, local.values)
+
+
+def test_progress_counts_the_fits(problem: GrayBoxProblem) -> None:
+    counted: list[int] = []
+    multistart(problem, 3, seed=0, progress=counted.append)
+    assert counted == [1, 2, 3]
+
+
+def test_wrong_start_ends_all(problem: GrayBoxProblem) -> None:
+    with pytest.raises(InputError, match=r"start of body_1.ry.stiffness is 1e\+09"):
+        multistart(problem, np.array([problem.scale.nominal, problem.scale.nominal * 1e4]))
+
+
+def test_best_is_the_one_of_lowest_cost(problem: GrayBoxProblem) -> None:
+    found = multistart(problem, 5, seed=2)
+    assert best(found).cost == min(each.cost for each in found)
+
+
+def test_best_of_none_is_refused() -> None:
+    with pytest.raises(InputError, match=r"no fit was given to choose the best from"):
+        best(())
+
+
+def test_no_start_is_refused(problem: GrayBoxProblem) -> None:
+    with pytest.raises(InputError, match=r"0 random starts were asked for, allowed is 1 or more"):
+        multistart(problem, 0)
