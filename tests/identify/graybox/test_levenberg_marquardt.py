@@ -36,9 +36,11 @@ def search(
     lower: FloatArray = -WIDE,
     upper: FloatArray = WIDE,
     largest: FloatArray = WIDE,
-    stop: StopRule = StopRule(),
+    stop: StopRule | None = None,
 ) -> Minimum:
-    return minimise(rosenbrock, lambda x: rosenbrock(x).cost, np.array(start), lower, upper, largest, stop)
+    return minimise(
+        rosenbrock, lambda x: rosenbrock(x).cost, np.array(start), lower, upper, largest, stop or StopRule()
+    )
 
 
 def test_minimum_of_rosenbrock_is_found() -> None:
