@@ -53,11 +53,13 @@ def error_covariance(spectra: PeriodSpectra, found: MatrixEstimate, order: int, 
     noise, noise_degrees = noise_scatter(spectra, found.response), 0.0
     if noise is not None:
         noise_degrees = float(width * spectra.input.shape[0] * (spectra.n_periods - 1))
-        noise = pooled(noise, forms, pool_lines)
+        following = _following(noise, pool_lines)
+        noise = pooled(noise, forms, pool_lines, noise_degrees / width)
+        forms = forms if following is None else [*forms, following]
     scatter, degrees = _total_scatter(spectra, found)
     if scatter is None:
         return ErrorCovariance(noise, None, noise_degrees)
-    return ErrorCovariance(noise, pooled(scatter, forms, pool_lines), width * degrees)
+    return ErrorCovariance(noise, pooled(scatter, forms, pool_lines, degrees), width * degrees)
 
 
 def noise_scatter(spectra: PeriodSpectra, response: ComplexArray) -> ComplexArray | None:
@@ -101,6 +103,15 @@ def _total_scatter(spectra: PeriodSpectra, found: MatrixEstimate) -> tuple[Compl
     degrees = trace**2 / np.einsum("fij,fji->f", square, square).real
     scatter = error @ adjoint(error) / trace[:, None, None]
     return scatter, float(np.median(degrees))
+
+
+def _following(noise: ComplexArray, half: int) -> ComplexArray | None:
+    """Return the form in which an error that is distributed over the lines as the noise between periods is flat."""
+    variance = np.einsum("fii->fi", noise).real
+    smooth = variance[windows(len(variance), min(half, 1))].mean(axis=1)
+    if not np.all(smooth > 0):
+        return None
+    return np.asarray(np.eye(smooth.shape[1]) / np.sqrt(smooth)[:, :, None], dtype=complex)
 
 
 def flattenings(response: ComplexArray, frequency: FloatArray, order: int) -> list[ComplexArray]:

@@ -11,7 +11,13 @@ from flexros.identify.frf.matrix_estimate import adjoint
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flexros.arrays import ComplexArray, IntArray
+    from flexros.arrays import ComplexArray, FloatArray, IntArray
+
+CLEARLY = 3.0
+"""Gain in log-likelihood over the lines beside a line from which another form is believed (chosen)."""
+
+SINGULAR = -15.0
+"""Log det of a matrix of correlations, per dimension, below which it counts as singular."""
 
 
 def windows(n_lines: int, half: int) -> IntArray:
@@ -26,17 +32,20 @@ def windows(n_lines: int, half: int) -> IntArray:
     return np.asarray(first[:, None] + np.arange(width))
 
 
-def pooled(scatter: ComplexArray, flattenings: Sequence[ComplexArray], half: int) -> ComplexArray:
+def pooled(scatter: ComplexArray, flattenings: Sequence[ComplexArray], half: int, degrees: float = 1.0) -> ComplexArray:
     """Average covariances over neighbouring lines where they are flattest.
 
-    An error covariance may change fast with frequency: encoder noise is flat in position, while torque disturbances
-    and friction are flat referred to the input. Each flattening T is tried, C = T^-1 mean(T S T^H) T^-H, and the one
-    whose result explains the scatter best (Gaussian likelihood summed over the lines) is taken.
+    An error covariance may change fast with frequency: encoder noise is flat in position, torque disturbances and
+    friction are flat referred to the input, a transient that has not died out follows the noise between periods. Each
+    flattening T is tried, C_k = T_k^-1 mean(T_l S_l T_l^H) T_k^-H over the lines l beside line k, and for each line the
+    one that explains the scatter beside it clearly best (Gaussian likelihood) is taken.
 
     Args:
         scatter: Unbiased covariance of each line, shape (F, n, n).
-        flattenings: Stacks T, each of shape (F, n, n), at least one.
+        flattenings: Stacks T, each of shape (F, n, n), at least one; the first is taken unless another is better by
+            `CLEARLY`.
         half: Neighbours on either side; 0 pools nothing.
+        degrees: Complex degrees of freedom of each scatter.
 
     Returns:
         Covariance, shape (F, n, n).
@@ -44,25 +53,23 @@ def pooled(scatter: ComplexArray, flattenings: Sequence[ComplexArray], half: int
     if half == 0 or len(scatter) == 1:
         return scatter
     places = windows(len(scatter), half)
-    candidates = []
-    for flattening in flattenings:
+    covariances, misfits = [], []
+    for number, flattening in enumerate(flattenings):
         flat = flattening @ scatter @ adjoint(flattening)
         mean = flat[places].mean(axis=1)
         back: ComplexArray = np.asarray(np.linalg.inv(flattening), dtype=complex)
-        pooled_scatter = back @ mean @ adjoint(back)
-        candidates.append((_misfit(pooled_scatter, scatter), pooled_scatter))
-    best: ComplexArray = min(candidates, key=lambda pair: pair[0])[1]
-    return best
+        covariances.append(back @ mean @ adjoint(back))
+        volume = 2.0 * np.log(abs(np.linalg.det(back)))[places].sum(axis=1)
+        misfits.append(degrees * (_log_volume(mean) * places.shape[1] + volume) + (CLEARLY if number else 0.0))
+    best = np.argmin(misfits, axis=0)
+    return np.asarray(np.array(covariances)[best, np.arange(len(scatter))])
 
 
-def _misfit(covariance: ComplexArray, scatter: ComplexArray) -> float:
-    """Return the summed log det C + tr(C^-1 S); of the diagonals alone where a covariance is singular."""
-    n = covariance.shape[1]
-    if n == 1 or np.min(np.linalg.cond(covariance)) > 1e12:
-        model = np.einsum("fii->fi", covariance).real
-        sample = np.einsum("fii->fi", scatter).real
-        model = np.maximum(model, np.finfo(float).tiny)
-        return float(np.sum(np.log(model) + sample / model))
-    sign, logarithm = np.linalg.slogdet(covariance)
-    fit = np.einsum("fii->f", np.linalg.solve(covariance, scatter)).real
-    return float(np.sum(np.where(sign.real > 0, logarithm, np.inf) + fit))
+def _log_volume(covariance: ComplexArray) -> FloatArray:
+    """Return log det of each covariance, of its diagonal where it is singular, shape (F,)."""
+    diagonal = np.maximum(np.einsum("fii->fi", covariance).real, np.finfo(float).tiny)
+    scale = np.sqrt(diagonal)
+    correlation = covariance / (scale[:, :, None] * scale[:, None, :])
+    sign, logarithm = np.linalg.slogdet(correlation)
+    usable = (sign.real > 0) & (logarithm > SINGULAR * covariance.shape[1])
+    return np.asarray(np.log(diagonal).sum(axis=1) + np.where(np.all(usable), logarithm, 0.0))
