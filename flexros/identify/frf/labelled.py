@@ -91,7 +91,7 @@ def response_of(dataset: xarray.Dataset) -> FrequencyResponse:
         dataset: What `dataset_of` returned, or a file gave back.
     """
     attributes = dataset.attrs
-    text = str(attributes["warnings"])
+    text = str(attributes.get("warnings", ""))  # an empty attribute does not come back from netCDF
     units = dataset["response"].attrs
     return FrequencyResponse(
         frequency=dataset["frequency"].to_numpy(),
