@@ -61,6 +61,8 @@ class ExperimentDesign:
         names: Names of the unknown parameters, length P.
         candidates: All positions that could have been chosen.
         conditions: Excitation and noise of one block.
+        law: Controller of the experiment.
+        sample_time: Time between two samples [s].
         design: The optimal shares and the information of one share (all blocks of a position), shape (Q, P, P).
         gain: The chosen positions beside random ones.
         chosen: Chosen candidates in the order of a short tour from home, shape (S,).
@@ -70,6 +72,8 @@ class ExperimentDesign:
     names: tuple[str, ...]
     candidates: CandidatePositions
     conditions: ExperimentConditions
+    law: AbstractControlLaw
+    sample_time: float
     design: Design
     gain: DesignGain
     chosen: IntArray
@@ -133,6 +137,8 @@ def design_experiment(
         names=tuple(names),
         candidates=found,
         conditions=conditions,
+        law=law,
+        sample_time=sample_time,
         design=design,
         gain=design_gain(information, counts, design.log_det, settings.seed, prior=prior),
         chosen=chosen,

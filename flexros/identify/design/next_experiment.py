@@ -19,14 +19,11 @@ class NextExperiment:
         candidate: Number of the candidate position, 0-based.
         before: Standard deviation of the combination now [1].
         after: The same with the further experiment [1].
-        frequency_index: Frequency at which that experiment tells most about the combination, 0-based; None if not
-            asked for.
     """
 
     candidate: int
     before: float
     after: float
-    frequency_index: int | None = None
 
 
 def next_experiment(total: FloatArray, information: FloatArray, direction: FloatArray) -> NextExperiment:

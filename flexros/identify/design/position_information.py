@@ -6,12 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.identify.design.closed_loop_input import (
-    ExperimentConditions,
-    controller_response,
-    input_spectrum,
-    output_error,
-)
+from flexros.identify.closed_loop_response import controller_response
+from flexros.identify.design.closed_loop_input import ExperimentConditions, input_spectrum, output_error
 from flexros.identify.design.information import frf_information
 from flexros.identify.graybox.frequency_model import FrequencyModel
 from flexros.identify.graybox.linearised_positions import linearise_positions
@@ -125,10 +121,10 @@ def _by_frequency(
     sample_time: float,
 ) -> Iterator[FloatArray]:
     """Yield the information of some positions at a time, shape (q, F, P, P)."""
-    reference_gain, feedback_gain = controller_response(law, robot.n_motors, sample_time, conditions.frequency)
+    controller = controller_response(law, robot.n_motors, sample_time, conditions.frequency)
     for first in range(0, len(motor_positions), _CHUNK):
         positions = linearise_positions(robot, names, motor_positions[first : first + _CHUNK])
         model = FrequencyModel(positions, conditions.frequency, sample_time, robot.delay)
         response, jacobian = model.response_and_jacobian(positions.values)
-        spectrum = input_spectrum(response, conditions, reference_gain, feedback_gain)
+        spectrum = input_spectrum(response, conditions, controller)
         yield frf_information(jacobian, spectrum, output_error(response, spectrum, conditions))

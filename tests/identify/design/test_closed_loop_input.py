@@ -1,4 +1,4 @@
-"""Predicted torque spectrum: controller responses against their formulas, the loop against a simulation."""
+"""Predicted torque spectrum: the loop against a simulation, orthogonality, errors."""
 
 from __future__ import annotations
 
@@ -6,44 +6,10 @@ import numpy as np
 import pytest
 
 from flexros.control.base import control_law
-from flexros.identify.design.closed_loop_input import (
-    ExperimentConditions,
-    controller_response,
-    input_spectrum,
-    output_error,
-)
+from flexros.identify.closed_loop_response import ControllerResponse, controller_response
+from flexros.identify.design.closed_loop_input import ExperimentConditions, input_spectrum, output_error
 
 T = 5e-4
-FREQUENCY = np.array([0.5, 3.0, 40.0, 300.0])
-
-
-def test_pid_has_its_formula() -> None:
-    law = control_law({"kind": "pid", "kp": [3.0, 5.0], "ki": 7.0, "kd": 0.2, "derivative_filter": 1e-3})
-    reference, feedback = controller_response(law, 2, T, FREQUENCY)
-    back = np.exp(-2j * np.pi * FREQUENCY * T)
-    for motor, kp in enumerate([3.0, 5.0]):
-        expected = kp + 7.0 * T / (1 - back) + 0.2 * (1 - back) / (1e-3 + T - 1e-3 * back)
-        assert reference[:, motor, motor] == pytest.approx(expected)
-        assert feedback[:, motor, motor] == pytest.approx(-expected)
-    assert np.all(reference[:, 0, [1, 2, 3, 5]] == 0)
-    assert reference[:, 0, 4] == pytest.approx(np.ones(4))  # feedforward torque
-
-
-def test_cascade_follows_the_speed_reference() -> None:
-    settings = {
-        "kind": "cascade",
-        "position_gain": 4.0,
-        "speed_gain": 30.0,
-        "integral_gain": 50.0,
-        "speed_filter": 2e-3,
-    }
-    reference, feedback = controller_response(control_law(settings), 1, T, FREQUENCY)
-    back = np.exp(-2j * np.pi * FREQUENCY * T)
-    integral = 30.0 + 50.0 * T / (1 - back)
-    assert reference[:, 0, 1] == pytest.approx(integral)
-    assert reference[:, 0, 0] == pytest.approx(4.0 * integral)
-    speed = (1 - back) / (2e-3 + T - 2e-3 * back)
-    assert feedback[:, 0, 0] == pytest.approx(-integral * (4.0 + speed))
 
 
 def test_torques_are_those_of_a_simulated_loop() -> None:
@@ -55,7 +21,7 @@ def test_torques_are_those_of_a_simulated_loop() -> None:
     sampled = T**2 / 2 * (z + 1) / (z - 1) ** 2 / mass  # held force on a mass, exactly
     response = ((2j * np.pi * frequency) ** 2 * sampled)[:, None, None]
     conditions = ExperimentConditions(frequency, np.array([[0.3]]), np.zeros(1))
-    predicted = input_spectrum(response, conditions, *controller_response(law, 1, T, frequency))[0, 0, 0]
+    predicted = input_spectrum(response, conditions, controller_response(law, 1, T, frequency))[0, 0, 0]
 
     time = np.arange(20 * n) * T
     position_reference = 0.3 / (2 * np.pi * frequency) * np.sin(2 * np.pi * frequency * time)
@@ -72,8 +38,8 @@ def test_torques_are_those_of_a_simulated_loop() -> None:
 def test_multisines_of_a_block_are_orthogonal() -> None:
     conditions = ExperimentConditions(np.array([2.0]), np.array([[1.0, 2.0, 3.0]]), np.zeros(3))
     none, unit = np.zeros((1, 3, 3)), np.eye(3)[None]
-    gain = np.concatenate([none, unit, none], axis=2)
-    spectrum = input_spectrum(none, conditions, gain, none)[0]
+    controller = ControllerResponse(np.concatenate([none, unit], axis=2), none)
+    spectrum = input_spectrum(none, conditions, controller)[0]
     assert spectrum @ spectrum.conj().T == pytest.approx(3 * np.diag([1.0, 4.0, 9.0]))
 
 

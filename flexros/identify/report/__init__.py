@@ -1,0 +1,8 @@
+"""Report of an identification: one section per file, one HTML page that opens offline."""
+
+from __future__ import annotations
+
+from flexros.identify.report.result import ExperimentFacts, IdentificationResult, identification_result
+from flexros.identify.report.write import write_identification_report
+
+__all__ = ["ExperimentFacts", "IdentificationResult", "identification_result", "write_identification_report"]

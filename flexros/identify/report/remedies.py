@@ -1,0 +1,144 @@
+"""Which further experiment would determine what is not determined yet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.identify.design.experiment_design import PRIOR_DEVIATION
+from flexros.identify.design.information import frf_information
+from flexros.identify.design.next_experiment import most_telling_frequency, next_experiment
+from flexros.identify.design.position_information import frequency_information
+from flexros.identify.graybox.response_noise import response_noise
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.identify.report.result import IdentificationResult
+
+MOST = 8
+"""Combinations for which an experiment is looked for (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Remedy:
+    """The best single further experiment for a combination of parameters.
+
+    Attributes:
+        what: The combination, in words.
+        gears: Gear coordinates of the position [rad or m], shape (M,).
+        measured: Whether the position was among those measured already.
+        frequency: Frequency at which it tells most [Hz].
+        now: Standard deviation of the combination now [1].
+        bound: The smallest that any weights could get from the same responses [1] (Cramér and Rao).
+        gain: Factor by which the bound falls with the further experiment, at most 1.
+    """
+
+    what: str
+    gears: FloatArray
+    measured: bool
+    frequency: float
+    now: float
+    bound: float
+    gain: float
+
+
+def remedies(result: IdentificationResult) -> tuple[Remedy, ...]:
+    """Find experiments for all combinations that are not determined, and for weak parameters.
+
+    Candidates are those of the design, else the measured positions. What the design promises is scaled to what the
+    measured responses gave, so that their errors beyond encoder noise count as well.
+
+    Args:
+        result: The identification.
+
+    Returns:
+        One remedy per combination; none where the responses have no covariance.
+    """
+    wanted = _wanted(result)[:MOST]
+    if not wanted or any(response_noise(response) is None for response in result.problem.responses):
+        return ()
+    by_line = measured_information(result)
+    given = by_line.sum(axis=(0, 1))
+    candidates, gears = by_line.sum(axis=1), np.array([each.gears for each in result.problem.responses])
+    if result.design is not None and result.design.names == result.fit.names:
+        candidates = _ratio(given, result.design.information) * result.design.design.information
+        gears = result.design.candidates.gears
+    total = given + np.eye(len(given)) / PRIOR_DEVIATION**2
+    found = []
+    for what, direction in wanted:
+        best = next_experiment(total, candidates, direction)
+        frequency, lines = _lines(result, best.candidate, gears[best.candidate], by_line)
+        place = most_telling_frequency(lines, total + candidates[best.candidate], direction)
+        found.append(
+            Remedy(
+                what=what,
+                gears=gears[best.candidate],
+                measured=frequency is result.problem.frequency,
+                frequency=float(frequency[place]),
+                now=float(np.sqrt(direction @ result.covariance.matrix @ direction)),
+                bound=best.before,
+                gain=best.after / best.before,
+            )
+        )
+    return tuple(found)
+
+
+def measured_information(result: IdentificationResult) -> FloatArray:
+    """Compute the information of the measured responses line by line, from their own covariance.
+
+    Args:
+        result: The identification.
+
+    Returns:
+        Information about the scaled parameters, shape (Q, F, P, P).
+    """
+    problem = result.problem
+    model = problem.model_at(result.fit.values)
+    _, jacobian = model.response_and_jacobian(result.fit.values, problem.scale.per_value(result.fit.values))
+    parts = []
+    for slopes, response in zip(jacobian, problem.responses, strict=True):
+        noise = response_noise(response)
+        assert noise is not None
+        spectrum = np.asarray(np.linalg.cholesky(np.linalg.inv(noise.input_inverse)), dtype=complex)
+        parts.append(frf_information(slopes, spectrum, np.einsum("fii->fi", noise.error).real))
+    return np.array(parts)
+
+
+def _wanted(result: IdentificationResult) -> list[tuple[str, FloatArray]]:
+    """List the combinations in words and as directions of the scaled parameters."""
+    names = list(result.fit.names)
+    wanted = []
+    for each in result.identifiability.directions:
+        direction = np.zeros(len(names))
+        for name, exponent in each.exponents:
+            direction[names.index(name)] = exponent
+        wanted.append((" and ".join(name for name, _ in each.exponents), direction / np.linalg.norm(direction)))
+    told = {what for what, _ in wanted}
+    for entry in result.identifiability.parameters:
+        if entry.verdict != "determined" and not any(entry.name in what.split(" and ") for what in told):
+            wanted.append((entry.name, np.eye(len(names))[names.index(entry.name)]))
+    return wanted
+
+
+def _ratio(given: FloatArray, promised: FloatArray) -> float:
+    """Compare two information matrices by the P-th root of the ratio of their determinants."""
+    (sign, value), (other_sign, other) = (np.linalg.slogdet(matrix) for matrix in (given, promised))
+    if sign <= 0 or other_sign <= 0:
+        return float(np.trace(given) / np.trace(promised))
+    return float(np.exp((value - other) / len(given)))
+
+
+def _lines(
+    result: IdentificationResult, candidate: int, gears: FloatArray, measured: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return frequencies and information line by line of a candidate, measured where it was."""
+    same = [place for place, each in enumerate(result.problem.responses) if np.allclose(gears, each.gears)]
+    if same or result.design is None:
+        return result.problem.frequency, measured[same[0]]
+    design = result.design
+    motors = design.candidates.motor_positions[[candidate]]
+    robot = result.problem.robot
+    lines = frequency_information(robot, design.names, motors, design.conditions, design.law, design.sample_time)
+    return design.conditions.frequency, lines[0]

@@ -1,0 +1,98 @@
+"""Section: what the identified model leaves unexplained, and where."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+import plotly.graph_objects as go
+
+from flexros.analysis.figures_table import number
+from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
+from flexros.analysis.report.theme import stacked
+from flexros.identify.report.base import AbstractIdentificationSection
+from flexros.identify.report.words import percent
+
+if TYPE_CHECKING:
+    from flexros.identify.report.result import IdentificationResult
+
+_WORST = 8
+"""Rows of the table (chosen)."""
+
+
+class ResidualSection(AbstractIdentificationSection):
+    """Shares of the cost by position and element, and the places of the largest misfits."""
+
+    title: ClassVar[str] = "What is left unexplained"
+
+    def blocks(self, result: IdentificationResult) -> tuple[Block, ...]:
+        """Return the picture and the table."""
+        return (Paragraph(_sentence(result)), _picture(result), _table(result))
+
+
+def _sentence(result: IdentificationResult) -> str:
+    chi = result.residuals.chi_square
+    if not np.isfinite(chi):
+        return "The responses have no covariance, so the misfit is told by its share of the cost alone."
+    text = f"Squared misfit over the variance of the responses: {number(chi, 3)} in the mean of all lines that count"
+    if chi < 1.3:
+        return f"{text}; 1 is to be expected, so nothing systematic is left."
+    return (
+        f"{text}, where 1 is to be expected. What exceeds it is not noise: nonlinear effects, or flexibilities that "
+        "the model does not have. The intervals were widened for it."
+    )
+
+
+def _picture(result: IdentificationResult) -> Picture:
+    responses = result.problem.responses
+    outputs, inputs = responses[0].output_names, responses[0].input_names
+    elements = [f"{inp} → {out}" for out in outputs for inp in inputs]
+    shares = np.zeros((len(elements), len(responses)))
+    for cell in result.residuals.cells:
+        shares[elements.index(f"{cell.input} → {cell.output}"), cell.position] += cell.share
+    figure = stacked(["Share of the cost by element and position"], height=max(120, 15 * len(elements) + 40))
+    figure.add_trace(
+        go.Heatmap(
+            z=100 * shares,
+            x=[str(place + 1) for place in range(len(responses))],
+            y=elements,
+            colorscale=[[0, "#ffffff"], [1, "#0072b2"]],
+            colorbar={"title": {"text": "%"}, "thickness": 12},
+            xgap=1,
+            ygap=1,
+            hovertemplate="position %{x}, %{y}: %{z:.3g} %<extra></extra>",
+        )
+    )
+    figure.update_yaxes(autorange="reversed", showgrid=False, tickfont={"size": 10}, dtick=1)
+    figure.update_xaxes(title_text="position", showgrid=False, type="category", dtick=1)
+    figure.update_layout(margin={"l": 140})
+    return Picture(figure, "Where the cost of the fit comes from.")
+
+
+def _table(result: IdentificationResult) -> TextTable:
+    rows = []
+    for cell in result.residuals.worst(_WORST):
+        rows.append(
+            (
+                str(cell.position + 1),
+                f"{cell.input} → {cell.output}",
+                f"{number(cell.lowest, 3)} to {number(cell.highest, 3)}",
+                percent(cell.share),
+                number(cell.chi_square, 3),
+                number(cell.largest, 3),
+                number(cell.at, 4),
+                percent(cell.error),
+            )
+        )
+    header = (
+        "Position",
+        "Element",
+        "band [Hz]",
+        "share of cost [%]",
+        "misfit² / variance",
+        "largest [σ]",
+        "at [Hz]",
+        "largest error [%]",
+    )
+    caption = "The largest contributions to the cost; errors relative to the measured magnitude."
+    return TextTable(header, tuple(rows), caption, left=2)

@@ -1,0 +1,238 @@
+"""Everything an identification found, for table, JSON and report alike."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.identify.graybox.covariance import parameter_covariance
+from flexros.identify.graybox.fit import cost_at
+from flexros.identify.graybox.identifiability import identifiability
+from flexros.identify.graybox.residuals import residual_report
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros.identify.design.experiment_design import ExperimentDesign
+    from flexros.identify.graybox.covariance import ParameterCovariance
+    from flexros.identify.graybox.fit import Fit
+    from flexros.identify.graybox.identifiability import Identifiability
+    from flexros.identify.graybox.problem import GrayBoxProblem
+    from flexros.identify.graybox.residuals import ResidualReport
+
+SAME_MINIMUM = 1.01
+"""Fits whose cost is within this factor of the best one count as the same minimum (chosen)."""
+
+
+@dataclass(frozen=True)
+class ExperimentFacts:
+    """What the experiment took.
+
+    Attributes:
+        robot_time: Time that the robot was at work [s].
+        positions: Number of positions.
+        blocks: Blocks of experiments in all positions together.
+        experiments: Experiments in all.
+        periods: Recorded whole periods of each experiment.
+        period: Length of a period [s].
+        excitation: Kind of the excitation, e.g. "multisine".
+        log: Where the log lies; empty if not known.
+        transport: How it ran, "direct" or "ros, composed"; empty if not known.
+    """
+
+    robot_time: float
+    positions: int
+    blocks: int
+    experiments: int
+    periods: int
+    period: float
+    excitation: str
+    log: str = ""
+    transport: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class IdentificationResult:
+    """An identification with all that is told about it.
+
+    Attributes:
+        problem: Measured responses, robot with nominal values, unknowns; as of the last fit.
+        fit: The fit that counts.
+        searched: Fits from all starts, from which the last fit began, in the order of the starts; may be empty.
+        covariance: Covariance of the parameters.
+        identifiability: Verdict per parameter.
+        residuals: What the fitted model leaves unexplained.
+        design: How the positions were chosen, where they were.
+        facts: What the experiment took, where it is known.
+        truth: Values of the robot that was measured (SI), where it was a simulated one and they are known.
+        warnings: What limits the result, one sentence each.
+        provenance: Where the data came from.
+    """
+
+    problem: GrayBoxProblem
+    fit: Fit
+    searched: tuple[Fit, ...]
+    covariance: ParameterCovariance
+    identifiability: Identifiability
+    residuals: ResidualReport
+    design: ExperimentDesign | None = None
+    facts: ExperimentFacts | None = None
+    truth: Mapping[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def nominal(self) -> FloatArray:
+        """Values of the robot before the identification (SI), shape (P,)."""
+        return self.problem.scale.nominal
+
+    @cached_property
+    def nominal_cost(self) -> float:
+        """Cost of the robot's values before the identification, at their own rests."""
+        return cost_at(self.problem, self.problem.model_at(self.nominal), self.nominal)
+
+    @property
+    def same_minimum(self) -> int:
+        """Number of starts that ended in the best minimum."""
+        costs = np.array([each.cost for each in self.searched])
+        return int(np.sum(costs <= SAME_MINIMUM * np.min(costs, initial=np.inf)))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all figures for JSON; values in SI units, standard deviations relative to the value."""
+        return {
+            "schema": 1,
+            "robot": self.problem.robot.name,
+            "estimator": self.fit.estimator,
+            "weights": self.fit.weights,
+            "verdict": verdict(self),
+            "cost": {"nominal": self.nominal_cost, "identified": self.fit.cost},
+            "covariance": {
+                "basis": self.covariance.basis,
+                "reduced_cost": self.covariance.reduced_cost,
+                "factor": self.covariance.factor,
+                "explanation": self.covariance.explanation,
+            },
+            "parameters": [self._parameter(place) for place in range(len(self.fit.names))],
+            "not_determined": [
+                {"combination": dict(each.exponents), "std": each.standard_deviation, "text": each.sentence}
+                for each in self.identifiability.directions
+            ],
+            "starts": {
+                "number": len(self.searched),
+                "same_minimum": self.same_minimum,
+                "costs": sorted(each.cost for each in self.searched),
+            },
+            "positions": [response.gears.tolist() for response in self.problem.responses],
+            "experiment": None if self.facts is None else vars(self.facts),
+            "warnings": list(self.warnings),
+            "provenance": dict(self.provenance),
+        }
+
+    def _parameter(self, place: int) -> dict[str, Any]:
+        entry = self.identifiability.parameters[place]
+        content: dict[str, Any] = {
+            "name": entry.name,
+            "unit": entry.unit,
+            "nominal": float(self.nominal[place]),
+            "value": entry.value,
+            "relative_std": float(self.covariance.relative[place]),
+            "interval_95": list(entry.interval),
+            "verdict": entry.verdict,
+            "reason": entry.reason,
+        }
+        if entry.name in self.truth:
+            content["truth"] = self.truth[entry.name]
+        return content
+
+
+def identification_result(
+    problem: GrayBoxProblem,
+    found: Fit,
+    searched: Sequence[Fit] = (),
+    *,
+    design: ExperimentDesign | None = None,
+    facts: ExperimentFacts | None = None,
+    truth: Mapping[str, float] | None = None,
+    warnings: Sequence[str] = (),
+    provenance: Mapping[str, Any] | None = None,
+) -> IdentificationResult:
+    """Judge a fit: covariance, identifiability, residuals; warnings of the responses and of the fit are added.
+
+    Args:
+        problem: What was fitted last.
+        found: The fit that counts.
+        searched: Fits from all starts before it.
+        design: How the positions were chosen.
+        facts: What the experiment took.
+        truth: True values (SI) by name, where they are known.
+        warnings: What else limits the result.
+        provenance: Where the data came from.
+
+    Returns:
+        The result.
+    """
+    covariance = parameter_covariance(problem, found)
+    return IdentificationResult(
+        problem=problem,
+        fit=found,
+        searched=tuple(searched),
+        covariance=covariance,
+        identifiability=identifiability(problem, found, covariance),
+        residuals=residual_report(problem, found),
+        design=design,
+        facts=facts,
+        truth={} if truth is None else truth,
+        warnings=(*warnings, *_own_warnings(problem, found)),
+        provenance={} if provenance is None else provenance,
+    )
+
+
+def verdict(result: IdentificationResult) -> str:
+    """Say in a few sentences what was determined and how well the model explains the responses."""
+    names = result.fit.names
+    determined, weak = (len(result.identifiability.names(kind)) for kind in ("determined", "weak"))
+    open_ones = result.identifiability.names("not_determined")
+    text = f"{determined} of {len(names)} parameters of {result.problem.robot.name} are determined within 10 %"
+    if weak:
+        text += f", {weak} {'is' if weak == 1 else 'are'} known less well"
+    if open_ones:
+        shown = ", ".join(open_ones[:3]) + (f" and {len(open_ones) - 3} more" if len(open_ones) > 3 else "")
+        text += f", {len(open_ones)} {'is' if len(open_ones) == 1 else 'are'} not determined ({shown})"
+    return f"{text}. {_explained(result)}"
+
+
+def _explained(result: IdentificationResult) -> str:
+    """Say how well the model explains what was measured."""
+    count = len(result.problem.responses)
+    where = f"the responses in {count} positions" if count > 1 else "the response"
+    share = 1.0 - result.fit.cost / result.nominal_cost if result.nominal_cost > 0 else 0.0
+    gain = f"{100 * share:.3g} % less is left unexplained than by the nominal values"
+    if result.covariance.basis == "residuals":
+        return f"Of {where}, {gain}; how large their errors are is not known."
+    reduced = result.covariance.reduced_cost
+    if reduced < 1.3:
+        return f"The identified model explains {where} within their uncertainty; {gain}."
+    if reduced < 100:
+        return f"The identified model misses {where} by {np.sqrt(reduced):.2g} times their uncertainty (rms); {gain}."
+    return (
+        f"The identified model misses {where} by far more than their uncertainty ({np.sqrt(reduced):.2g} times, rms); "
+        f"{gain}."
+    )
+
+
+def _own_warnings(problem: GrayBoxProblem, found: Fit) -> tuple[str, ...]:
+    told: dict[str, int] = {}
+    for response in problem.responses:
+        for text in response.warnings:
+            told[text] = told.get(text, 0) + 1
+    texts = [text if count == 1 else f"{text} ({count} positions)" for text, count in told.items()]
+    if not found.converged:
+        texts.append(f"The fit did not converge: {found.message}.")
+    bound = [name for name, at in zip(found.names, found.at_bound, strict=True) if at]
+    if bound:
+        texts.append(f"On a bound of the search: {', '.join(bound)}.")
+    return tuple(texts)

@@ -1,0 +1,52 @@
+"""Section: where the search from many starts ended (Paper A, figures 3 and 4)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+import plotly.graph_objects as go
+
+from flexros.analysis.figures_table import number
+from flexros.analysis.report.base import Block, Paragraph, Picture
+from flexros.analysis.report.theme import run_colour, stacked
+from flexros.identify.report.base import AbstractIdentificationSection
+
+if TYPE_CHECKING:
+    from flexros.identify.report.result import IdentificationResult
+
+
+class StartSection(AbstractIdentificationSection):
+    """Cost of the fit from each start, sorted."""
+
+    title: ClassVar[str] = "Local minima"
+
+    def blocks(self, result: IdentificationResult) -> tuple[Block, ...]:
+        """Return sentence and picture; nothing for a single start."""
+        if len(result.searched) < 2:
+            return ()
+        costs = np.sort([each.cost for each in result.searched])
+        first = result.searched[0]
+        text = (
+            f"{result.same_minimum} of {len(costs)} fits ({first.estimator}, {first.weights} weights) ended in the "
+            f"best minimum; the others cost up to {number(float(costs[-1] / costs[0]), 3)} times as much. "
+        )
+        text += (
+            "One more start would hardly find a better one."
+            if result.same_minimum > 1
+            else "No minimum was found twice, so a better one may exist: give more starts."
+        )
+        figure = stacked(["Cost from each start over the lowest, sorted"], height=240)
+        figure.add_trace(
+            go.Scatter(
+                x=np.arange(1, len(costs) + 1),
+                y=costs / costs[0],
+                mode="markers",
+                marker={"color": run_colour(0), "size": 7},
+                hovertemplate="%{x}: %{y:.4g}<extra></extra>",
+                showlegend=False,
+            )
+        )
+        figure.update_yaxes(title_text="cost / lowest cost", type="log")
+        figure.update_xaxes(title_text="start")
+        return (Paragraph(text), Picture(figure, "Costs of the fits from all starts."))

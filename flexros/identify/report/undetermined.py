@@ -1,0 +1,94 @@
+"""Section: what the experiment does not determine, and which experiment would."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.analysis.figures_table import number
+from flexros.analysis.report.base import Block, Paragraph, TextTable
+from flexros.identify.report.base import AbstractIdentificationSection
+from flexros.identify.report.remedies import Remedy, remedies
+from flexros.identify.report.words import percent
+
+if TYPE_CHECKING:
+    from flexros.identify.graybox.identifiability import Direction
+    from flexros.identify.report.result import IdentificationResult
+
+_HELPS = 0.7
+"""An experiment that leaves more of the standard deviation than this share is told to help little (chosen)."""
+
+
+class UndeterminedSection(AbstractIdentificationSection):
+    """Combinations that the responses leave open, and the best further experiment for each."""
+
+    title: ClassVar[str] = "What is not determined, and what would determine it"
+
+    def blocks(self, result: IdentificationResult) -> tuple[Block, ...]:
+        """Return a sentence per combination and the table of experiments; one sentence where all is determined."""
+        found = remedies(result)
+        directions = _directions(result.identifiability.directions)
+        if not found:
+            open_ones = directions or result.identifiability.names("weak")
+            text = (
+                "Which experiment would help cannot be told, because the responses have no covariance."
+                if open_ones
+                else "All parameters are determined; no further experiment is needed."
+            )
+            return (*directions, Paragraph(text))
+        return (*directions, _table(found, result), *_better_weights(found), *_hopeless(found))
+
+
+def _directions(directions: tuple[Direction, ...]) -> tuple[Paragraph, ...]:
+    """Tell single parameters in one sentence, and each combination in one of its own."""
+    single = [each.exponents[0][0] for each in directions if not each.determined]
+    told = [Paragraph(each.sentence) for each in directions if each.determined]
+    if len(single) > 1:
+        told.insert(0, Paragraph(f"The responses hardly depend on {', '.join(single[:-1])} and {single[-1]}."))
+    elif single:
+        told.insert(0, Paragraph(next(each.sentence for each in directions if not each.determined)))
+    return tuple(told)
+
+
+def _table(found: tuple[Remedy, ...], result: IdentificationResult) -> TextTable:
+    rows = tuple(
+        (
+            each.what,
+            ", ".join(f"{value:.3g}" for value in each.gears + 0.0),
+            number(each.frequency, 3),
+            percent(each.now),
+            percent(each.bound),
+            percent(each.bound * each.gain),
+        )
+        for each in found
+    )
+    where = f"{len(result.problem.responses)} measured positions"
+    if result.design is not None:
+        where = f"{len(result.design.candidates.gears)} candidate positions"
+    unit = "rad" if all(unit == "rad" for unit in result.problem.responses[0].coordinate_units) else "rad or m"
+    header = ("Parameters", f"position, gears [{unit}]", "tells most at [Hz]", "std [%]", "bound [%]", "then [%]")
+    caption = (
+        f"The single further experiment that helps most, out of {where}, with as many blocks as the others. Standard "
+        "deviations of the logarithm of the combination: of this fit, the smallest that any weights could get from the "
+        "same responses, and that with the further experiment."
+    )
+    return TextTable(header, rows, caption, left=2)
+
+
+def _better_weights(found: tuple[Remedy, ...]) -> tuple[Paragraph, ...]:
+    names = [each.what for each in found if each.bound < _HELPS / 2 * each.now]
+    if not names:
+        return ()
+    text = f"For {', '.join(names)} no experiment may be needed: optimal weights would use the same responses better."
+    return (Paragraph(text),)
+
+
+def _hopeless(found: tuple[Remedy, ...]) -> tuple[Paragraph, ...]:
+    names = [each.what for each in found if each.gain > _HELPS]
+    if not names:
+        return ()
+    text = (
+        f"One more position of this kind helps little for {', '.join(names)}: the responses of the motors hardly "
+        "depend on it anywhere. Repeat the experiment with a larger amplitude, more periods or a band around the "
+        "frequency in the table, or measure the arm itself, for instance with accelerometers."
+    )
+    return (Paragraph(text),)

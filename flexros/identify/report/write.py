@@ -1,0 +1,58 @@
+"""Write the report of an identification: one HTML file that opens offline."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.analysis.report.page import Chapter, page_html
+from flexros.identify.report.distortion import DistortionSection
+from flexros.identify.report.experiment import ExperimentSection
+from flexros.identify.report.parameters import ParameterSection
+from flexros.identify.report.provenance import ProvenanceSection
+from flexros.identify.report.residuals import ResidualSection
+from flexros.identify.report.responses import ResponseSection
+from flexros.identify.report.starts import StartSection
+from flexros.identify.report.summary import SummarySection
+from flexros.identify.report.undetermined import UndeterminedSection
+from flexros.whole_file import write_result
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from flexros.identify.report.base import AbstractIdentificationSection
+    from flexros.identify.report.result import IdentificationResult
+
+SECTIONS: tuple[AbstractIdentificationSection, ...] = (
+    SummarySection(),
+    ParameterSection(),
+    UndeterminedSection(),
+    ResponseSection(),
+    ResidualSection(),
+    DistortionSection(),
+    ExperimentSection(),
+    StartSection(),
+    ProvenanceSection(),
+)
+"""Sections in order of appearance."""
+
+
+def write_identification_report(result: IdentificationResult, file: Path, *, title: str | None = None) -> None:
+    """Write the report of an identification.
+
+    Args:
+        result: What was identified.
+        file: The HTML file; one that exists is replaced once the new one is complete.
+        title: Heading; None for the name of the robot.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    chapters = [Chapter(section.title, section.blocks(result)) for section in SECTIONS]
+    heading = title or f"Identification of {result.problem.robot.name}"
+    write_result(file, page_html(heading, _subtitle(result), chapters), "report")
+
+
+def _subtitle(result: IdentificationResult) -> str:
+    positions = len(result.problem.responses)
+    text = f"{len(result.fit.names)} parameters, {positions} position{'s' if positions > 1 else ''}"
+    return f"{text}, estimator {result.fit.estimator} with {result.fit.weights} weights"
