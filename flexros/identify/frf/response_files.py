@@ -41,7 +41,7 @@ def save_responses(responses: Sequence[FrequencyResponse], path: Path | str) -> 
     if not responses:
         raise InputError(f"there are no frequency responses to write to '{file}'; estimate at least one")
     parts = [_numbered(_without_complex(response.dataset()), number) for number, response in enumerate(responses)]
-    whole = xr.merge(parts, combine_attrs="drop")
+    whole = xr.merge(parts, combine_attrs="override")
     whole.attrs = {"schema": SCHEMA, "n_responses": len(responses)}
     temporary = file.with_name(f".{file.name}.part")
     try:

@@ -27,6 +27,7 @@ def response(n_lines: int, n: int = 2, errors: bool = True, distortion: bool = T
         else rng.random((3 if field.name.startswith(("odd", "even")) else n_lines, n))
         for field in fields(Distortion)
     }
+    levels["frequency"] = np.arange(1.0, n_lines + 1)
     names = tuple(f"motor_{i + 1}" for i in range(n))
     return FrequencyResponse(
         frequency=np.arange(1.0, n_lines + 1),
