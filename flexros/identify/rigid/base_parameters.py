@@ -55,16 +55,20 @@ class BaseParameters:
         used = np.any(self.combination != 0, axis=0)
         return tuple(p.name for p, shown in zip(self.standard, used, strict=True) if not shown)
 
+    def parts(self, number: int) -> dict[str, float]:
+        """Factors of the parameters that a base parameter is made of, by name, the leading one first."""
+        row, lead = self.combination[number], self.leading[number]
+        others = [place for place in range(len(row)) if row[place] != 0 and place != lead]
+        return {self.standard[place].name: float(f"{row[place]:.10g}") for place in (lead, *others)}
+
     def words(self, number: int) -> str:
         """Say which combination a base parameter is, e.g. "mass of body_1 + inertia of motor_1 at the arm"."""
+        named = {parameter.name: parameter.words for parameter in self.standard}
         text = ""
-        row = self.combination[number]
-        others = [place for place in range(len(row)) if row[place] != 0 and place != self.leading[number]]
-        for place in [self.leading[number], *others]:
-            size = abs(row[place])
-            factor = "" if abs(size - 1) < _DEPENDENT else f"{size:.6g} "
-            sign = " - " if row[place] < 0 else " + " if text else ""
-            text += f"{sign}{factor}{self.standard[place].words}"
+        for name, factor in self.parts(number).items():
+            size = "" if abs(abs(factor) - 1) < _DEPENDENT else f"{abs(factor):.6g} "
+            sign = " - " if factor < 0 else " + " if text else ""
+            text += f"{sign}{size}{named[name]}"
         return text
 
 

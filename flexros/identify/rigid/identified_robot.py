@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 _LEAST_EFFECT = 1e-9
 """Relative change of a parameter below which the regression says nothing about it (chosen: round-off)."""
 
+_OF_ZERO = 0.02
+"""Size at which a parameter that is nominally zero may change, relative to the largest of its kind (chosen)."""
+
 
 @dataclass(frozen=True, eq=False)
 class IdentifiedRobot:
@@ -38,9 +41,9 @@ class IdentifiedRobot:
 def identified_values(fit: RigidFit) -> IdentifiedRobot:
     """Bring base parameters back to parameters of the robot file.
 
-    A base parameter is a combination; all of its deviation is put down to the parameter that it is named after, the
-    others keep their nominal values. So the new file gives the identified torques, though its single numbers rest on
-    the nominal ones. What no body can have, such as a negative inertia, is left out and said.
+    Base parameters are combinations, so many files give the identified torques: that with the smallest changes relative
+    to the nominal values is taken. Its single numbers therefore rest on the nominal ones. A body or motor that would
+    get what none can have, such as a negative inertia, is left as it is, which is said.
 
     Args:
         fit: The fit.
@@ -49,13 +52,12 @@ def identified_values(fit: RigidFit) -> IdentifiedRobot:
         Values with their relative standard deviations.
     """
     nominal = np.array([parameter.nominal for parameter in fit.base.standard])
-    lead = list(fit.base.leading)
-    standard = nominal.copy()
-    standard[lead] += fit.values - fit.base.nominal
+    share = _smallest_change(fit)
+    standard = nominal + share @ (fit.values - fit.base.nominal)
     values: dict[str, IdentifiedValue] = {}
     left_out: dict[str, str] = {}
     for owner in dict.fromkeys(parameter.name.split(".")[0] for parameter in fit.base.standard):
-        found = _of_owner(fit, owner, standard)
+        found = _of_owner(fit, owner, standard, share)
         if isinstance(found, str):
             left_out[owner] = found
         elif found:
@@ -83,7 +85,20 @@ def identified_yaml(fit: RigidFit, identified: IdentifiedRobot) -> str:
     return identified_file(fit.robot, identified.values, source)
 
 
-def _of_owner(fit: RigidFit, owner: str, standard: FloatArray) -> dict[str, IdentifiedValue] | str:
+def _smallest_change(fit: RigidFit) -> FloatArray:
+    """Matrix from changes of base parameters to the smallest relative changes of parameters, shape (P, r)."""
+    standard = fit.base.standard
+    kinds = [parameter.name.split(".", 1)[1].split(".")[0] for parameter in standard]
+    largest = {kind: max(abs(p.nominal) for p, k in zip(standard, kinds, strict=True) if k == kind) for kind in kinds}
+    size = np.array([max(abs(p.nominal), _OF_ZERO * largest[k]) for p, k in zip(standard, kinds, strict=True)])
+    alone = np.zeros(len(standard), bool)
+    alone[list(fit.base.leading)] = True
+    size[alone & (size == 0)] = 1.0  # friction of which the file knows nothing
+    weighted = fit.base.combination * size
+    return size[:, None] * np.linalg.pinv(weighted, rcond=1e-12)
+
+
+def _of_owner(fit: RigidFit, owner: str, standard: FloatArray, share: FloatArray) -> dict[str, IdentifiedValue] | str:
     """Parameters of one body or motor that depend on what was estimated, or why there are none."""
     names = [parameter.name for parameter in fit.base.standard]
     evaluate = _body_values if owner.startswith("body") else _motor_values
@@ -98,8 +113,7 @@ def _of_owner(fit: RigidFit, owner: str, standard: FloatArray) -> dict[str, Iden
         step = max(fit.deviation[place], 1e-9 * abs(fit.values[place]), np.finfo(float).tiny)
         sides = []
         for sign in (1, -1):
-            moved = standard.copy()
-            moved[fit.base.leading[place]] += sign * 1e-3 * step
+            moved = standard + sign * 1e-3 * step * share[:, place]
             sides.append(np.array(list(evaluate(fit, owner, names, moved).values())))
         slopes[:, place] = (sides[0] - sides[1]) / (2e-3 * step)
     reach = np.abs(slopes) * fit.deviation
@@ -130,6 +144,9 @@ def _body_values(fit: RigidFit, body: str, names: list[str], standard: FloatArra
         center = moment / mass
     at_joint = {entry: own[f"{body}.inertia_at_joint.{entry}"] for entry in INERTIA_COMPONENTS}
     about_center = inertia_at_joint(at_joint, mass, center, sign=-1.0)
+    for entry in INERTIA_COMPONENTS:  # what no motion shows stays as it is about the centre, wherever that moves
+        if f"{body}.inertia_at_joint.{entry}" in fit.base.without_effect:
+            about_center[entry] = fit.robot.parameters[f"{body}.inertia.{entry}"].value
     found[f"{body}.mass"] = mass
     found.update({f"{body}.center_of_mass.{axis}": float(center[place]) for place, axis in enumerate("xyz")})
     found.update({f"{body}.inertia.{entry}": value for entry, value in about_center.items()})

@@ -10,6 +10,9 @@ import numpy as np
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
+_MOST_ROUNDS = 20
+"""Largest number of times that the weights are renewed (chosen; few are needed)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
@@ -32,8 +35,8 @@ def weighted_least_squares(H: FloatArray, y: FloatArray) -> Estimate:
     """Solve tau = H pi, each motor weighted by its own residual.
 
     pi = (H' W H)^-1 H' W tau (eq. 4.13 with weights W). The first solution, with equal weights, gives the weights of
-    the second. The covariance is that of W. K. Newey and K. D. West (1987): residuals are correlated over time wherever
-    the model is not complete, and the usual formula would then promise too much.
+    the second, and so on until they stay. The covariance is that of W. K. Newey and K. D. West (1987): residuals are
+    correlated over time wherever the model is not complete, and the usual formula would then promise too much.
 
     Args:
         H: Regressor, shape (n, M, k), of full rank.
@@ -45,7 +48,7 @@ def weighted_least_squares(H: FloatArray, y: FloatArray) -> Estimate:
     n, motors, k = H.shape
     deviation = np.ones(motors)
     tiny = np.finfo(float).eps * np.maximum(np.sqrt(np.mean(y**2, axis=0)), np.finfo(float).tiny)
-    for _ in range(2):
+    for _ in range(_MOST_ROUNDS):
         weighted = (H / deviation[:, None]).reshape(n * motors, k)
         scale = np.linalg.norm(weighted, axis=0)
         orthogonal, upper = np.linalg.qr(weighted / scale)
@@ -53,6 +56,8 @@ def weighted_least_squares(H: FloatArray, y: FloatArray) -> Estimate:
         residual = y - H @ values
         used = deviation
         deviation = np.maximum(np.sqrt(np.sum(residual**2, axis=0) / max(n - k / motors, 1.0)), tiny)
+        if np.allclose(deviation, used, rtol=1e-3, atol=0.0):
+            break
     inverse = np.linalg.inv(upper)
     bread = (inverse @ inverse.T) / np.outer(scale, scale)
     moments = np.einsum("nmk,nm->nk", H, residual / used**2)

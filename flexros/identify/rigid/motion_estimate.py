@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.signal import butter, firwin, oaconvolve, sosfiltfilt
+from scipy.signal import butter, firwin, sosfiltfilt, upfirdn
 
 from flexros.errors import InputError
 
@@ -104,14 +104,12 @@ def decimate(values: FloatArray, factor: int) -> FloatArray:
 
     Returns:
         Shape (m, ...), the first row at sample `edge(factor)`.
-
-    Raises:
-        InputError: Fewer rows are left than a regression needs.
     """
     if factor == 1:
         return values
-    response = firwin(_LENGTH * factor + 1, _PASS / factor).reshape(-1, *[1] * (values.ndim - 1))
-    kept: FloatArray = oaconvolve(values, response, mode="valid", axes=0)[::factor]
+    rows = (len(values) - _LENGTH * factor - 1) // factor + 1
+    response = firwin(_LENGTH * factor + 1, _PASS / factor)
+    kept: FloatArray = upfirdn(response, values, down=factor, axis=0)[_LENGTH : _LENGTH + rows]
     return kept
 
 

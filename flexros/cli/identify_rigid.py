@@ -1,0 +1,94 @@
+"""Command that identifies the rigid model of a robot from logs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+from rich.table import Table
+
+from flexros.cli.output import console, print_json, say
+from flexros.errors import InputError
+from flexros.whole_file import write_result
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+def rigid(
+    log: list[Path] = typer.Argument(help="Log to identify from, then logs to test the model on."),
+    model: str = typer.Option(..., "--model", help="Robot: shipped name or YAML; all its springs count as rigid."),
+    out: Path = typer.Option(..., "--out", help="Folder for rigid.json and identified.yaml."),
+    asymmetric: bool = typer.Option(False, "--asymmetric", help="Friction by direction of motion, without offset."),
+    cutoff: float = typer.Option(
+        None, "--cutoff", help="Low-pass of the positions [Hz]; default: a tenth of the rate, at most 100."
+    ),
+    hold: bool = typer.Option(
+        False, "--hold", help="Pair positions with the command as it acts (delayed, held), not with its samples."
+    ),
+    namespace: str = typer.Option("", "--namespace", help="Namespace of the topics, when a log holds several."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> None:
+    """Identify masses, inertias and friction of the rigid robot by linear regression."""
+    from flexros.identify.rigid.fit import cross_test, fit_rigid
+    from flexros.identify.rigid.identified_robot import identified_values, identified_yaml
+    from flexros.identify.rigid.result import result_record
+    from flexros.identify.rigid.settings import RigidSettings
+    from flexros.logs.reader import read_log
+    from flexros.robot import load_robot
+
+    if cutoff is not None and cutoff <= 0:
+        raise InputError(f"--cutoff is {cutoff:g} Hz, but must be positive")
+    robot = load_robot(model)
+    logs = {str(path): read_log(path, namespace=namespace or None) for path in log}
+    first, *others = logs
+    settings = RigidSettings(cutoff=cutoff, asymmetric=asymmetric, hold=hold)
+    fit = fit_rigid(logs[first], robot, settings, first)
+    tests = [cross_test(fit, logs[label], label) for label in others]
+    held = fit
+    if not (hold or fit.measured_torque):
+        held = fit_rigid(logs[first], robot, settings.model_copy(update={"hold": True}), first)
+    identified = identified_values(fit)
+    record = result_record(fit, identified, tests, {label: dict(entry.provenance) for label, entry in logs.items()})
+    record["force_error_percent"]["fit_with_hold"] = None if fit.measured_torque else held.error.total
+    out.mkdir(parents=True, exist_ok=True)
+    write_result(out / "rigid.json", json.dumps(record, indent=2, allow_nan=False) + "\n", "result")
+    write_result(out / "identified.yaml", identified_yaml(fit, identified), "identified robot")
+    if as_json:
+        print_json(record)
+        return
+    _print(record)
+    say(f"Result: {out / 'rigid.json'}; identified robot: {out / 'identified.yaml'}")
+
+
+def _print(record: Mapping[str, Any]) -> None:
+    """Print parameters, errors and verdict for people."""
+    table = Table("base parameter", "value", "± std", "nominal", "unit")
+    table.columns[0].overflow = "fold"
+    for row in record["parameters"]:
+        deviation = "kept" if row["std"] is None else f"{row['std']:.3g}"
+        table.add_row(row["name"], f"{row['value']:.6g}", deviation, f"{row['nominal']:.6g}", row["unit"])
+    console.print(table)
+    for row in record["parameters"]:
+        if len(row["combination"]) > 1:
+            say(f"{row['name']} = {row['words']}")
+    errors = record["force_error_percent"]
+    say(f"Force error: {errors['fit']['total']:.4f} % in {errors['fit']['log']}")
+    for test in errors["cross_tests"]:
+        say(f"Force error: {test['total']:.4f} % in {test['log']} (cross-test)")
+    if errors["fit_with_hold"] is not None and errors["fit_with_hold"] < errors["fit"]["total"]:
+        say(f"With delay and hold of the command (--hold): {errors['fit_with_hold']:.4f} %")
+    verdict = record["excitation"]
+    word = "rich enough" if verdict["rich_enough"] else "NOT rich enough"
+    say(
+        f"Excitation {word}: condition number {verdict['condition_number']:.4g} "
+        f"(up to {verdict['largest_condition_number']:g}), {len(verdict['not_excited'])} parameters not excited"
+    )
+    for entry in verdict["not_excited"]:
+        say(f"not excited: {entry['name']}, {entry['reason']}; its nominal value is kept")
+    for owner, reason in record["left_at_nominal"].items():
+        say(f"left at nominal in the robot file: {owner} ({reason})")
+    for warning in record["warnings"]:
+        say(f"warning: {warning}")

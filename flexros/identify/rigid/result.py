@@ -1,0 +1,96 @@
+"""The result of a rigid regression as a record for programs."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from flexros.identify.rigid.excitation import LARGEST_CONDITION
+from flexros.provenance import versions
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flexros.identify.rigid.fit import RigidFit, TorqueError
+    from flexros.identify.rigid.identified_robot import IdentifiedRobot
+
+SCHEMA = 1
+"""Version of the record."""
+
+
+def result_record(
+    fit: RigidFit,
+    identified: IdentifiedRobot,
+    cross_tests: Sequence[TorqueError],
+    logs: Mapping[str, Mapping[str, Any]],
+) -> dict[str, Any]:
+    """Put a fit and its cross-tests into a record of numbers and texts.
+
+    Args:
+        fit: The fit.
+        identified: What of it goes into the robot file.
+        cross_tests: Torque errors in other logs.
+        logs: Provenance of all logs by name.
+
+    Returns:
+        The record, to be written as JSON.
+    """
+    return {
+        "schema": SCHEMA,
+        "robot": fit.robot.name,
+        "settings": fit.settings.model_dump(mode="json"),
+        "torque": "measured" if fit.measured_torque else "command",
+        "cutoff_hz": fit.cutoff,
+        "rate_hz": fit.rate,
+        "rows": fit.error.rows,
+        "parameters": _parameters(fit),
+        "excitation": {
+            "rich_enough": fit.rich_enough,
+            "condition_number": fit.condition,
+            "largest_condition_number": LARGEST_CONDITION,
+            "not_excited": [{"name": entry.name, "reason": entry.reason} for entry in fit.excitation.not_excited],
+            "motors_that_stood_still": [
+                name for name, moved in zip(fit.robot.joint_names, fit.moving, strict=True) if not moved
+            ],
+            "without_effect_in_any_motion": list(fit.base.without_effect),
+        },
+        "force_error_percent": {"fit": _error(fit, fit.error), "cross_tests": [_error(fit, t) for t in cross_tests]},
+        "identified_values": {
+            name: {
+                "value": entry.value,
+                "std": entry.relative * abs(entry.value),
+                "unit": fit.robot.parameters[name].unit,
+            }
+            for name, entry in identified.values.items()
+        },
+        "left_at_nominal": dict(identified.left_out),
+        "warnings": list(fit.warnings),
+        "provenance": {"versions": versions(), "model_hash": fit.robot.model_hash, "logs": dict(logs)},
+    }
+
+
+def _parameters(fit: RigidFit) -> list[dict[str, Any]]:
+    rows = []
+    for place, name in enumerate(fit.base.names):
+        shown = place in fit.excitation.shown
+        value, deviation = float(fit.values[place]), float(fit.deviation[place])
+        rows.append(
+            {
+                "name": name,
+                "words": fit.base.words(place),
+                "combination": fit.base.parts(place),
+                "value": value,
+                "std": deviation if shown else None,
+                "relative_std_percent": 100 * deviation / abs(value) if shown and value else None,
+                "unit": fit.base.units[place],
+                "nominal": float(fit.base.nominal[place]),
+                "estimated": shown,
+            }
+        )
+    return rows
+
+
+def _error(fit: RigidFit, error: TorqueError) -> dict[str, Any]:
+    finite = [value if math.isfinite(value) else None for value in error.motors.tolist()]
+    motors = dict(zip(fit.robot.joint_names, finite, strict=True))
+    return {"log": error.label, "total": error.total, "motors": motors, "rows": error.rows}

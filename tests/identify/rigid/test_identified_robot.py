@@ -1,0 +1,73 @@
+"""From base parameters back to the robot file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexros.feedforward.rigid_arm import RigidArm
+from flexros.identify.rigid.fit import fit_rigid
+from flexros.identify.rigid.identified_robot import identified_values, identified_yaml
+from flexros.identify.rigid.settings import RigidSettings
+from flexros.robot import load_robot
+
+SLOW = RigidSettings(cutoff=25.0)
+
+
+def test_drive_gets_mass_and_viscous_friction(emps, fourier_motion, rigid_log) -> None:
+    real = emps.with_values({"body_1.mass": 101.0, "motor_1.viscous_friction": 180.0})
+    fit = fit_rigid(rigid_log(real, fourier_motion(8000, 1e-3, 1), noise=1e-6), emps, SLOW)
+    identified = identified_values(fit)
+    assert set(identified.values) == {"body_1.mass", "motor_1.viscous_friction"}
+    assert identified.values["body_1.mass"].value == pytest.approx(101.0, rel=1e-3)
+    assert identified.values["motor_1.viscous_friction"].value == pytest.approx(180.0, rel=1e-2)
+    mass = fit.base.names.index("body_1.mass")
+    assert identified.values["body_1.mass"].relative == pytest.approx(fit.deviation[mass] / fit.values[mass], rel=1e-3)
+
+
+def test_both_directions_of_friction_give_their_mean(emps, fourier_motion, rigid_log) -> None:
+    log = rigid_log(emps, fourier_motion(8000, 1e-3, 1), friction=lambda v: 40 * v * (v > 0))
+    fit = fit_rigid(log, emps, RigidSettings(cutoff=25.0, asymmetric=True))
+    assert identified_values(fit).values["motor_1.viscous_friction"].value == pytest.approx(223.5, rel=0.01)
+
+
+def test_identified_file_of_the_elbow_gives_the_torques_of_the_real_one(
+    elbow, fourier_motion, rigid_log, tmp_path: Path
+) -> None:
+    real = elbow.with_values({"body_2.mass": 52.0, "body_1.center_of_mass.z": 0.45, "motor_2.inertia": 28.0})
+    fit = fit_rigid(rigid_log(real, fourier_motion(12_000, 1e-3, 2), noise=1e-6), elbow, SLOW, "moves")
+    identified = identified_values(fit)
+    assert identified.left_out == {}
+    file = tmp_path / "identified.yaml"
+    file.write_text(identified_yaml(fit, identified))
+    new = load_robot(file)
+    motion = fourier_motion(500, 1e-2, 2, seed=5)
+    wanted, got, before = (RigidArm(robot).inverse_dynamics(motion).torque for robot in (real, new, elbow))
+    assert np.linalg.norm(got - wanted) < 2e-3 * np.linalg.norm(wanted)
+    assert np.linalg.norm(before - wanted) > 0.03 * np.linalg.norm(wanted)
+    parameter = new.parameters["motor_2.inertia"]
+    assert parameter.source == "identified by FlexROS, rigid regression of moves"
+    assert 0 < parameter.tolerance < 0.05
+    assert new.parameters["body_1.length.z"].source == elbow.parameters["body_1.length.z"].source
+
+
+def test_what_no_body_can_have_is_left_out(elbow, fourier_motion, rigid_log) -> None:
+    fit = fit_rigid(rigid_log(elbow, fourier_motion(8000, 1e-3, 2)), elbow, SLOW)
+    values = fit.values.copy()
+    values[fit.base.names.index("motor_2.inertia")] = -5.0
+    identified = identified_values(replace(fit, values=values))
+    assert "motor_2.inertia" not in identified.values
+    assert "motor_2" in identified.left_out
+    assert "-5" in identified.left_out["motor_2"]
+    assert "body_2.inertia.yy" in identified.values
+
+
+def test_first_moment_of_a_body_without_mass_has_no_place(fourier_motion, rigid_log) -> None:
+    robot = load_robot("four_mass_linear")
+    fit = fit_rigid(rigid_log(robot, fourier_motion(8000, 1e-3, 1)), robot, SLOW)
+    identified = identified_values(fit)
+    assert identified.left_out == {}  # neither mass nor moment: the centre stays where it is
+    assert "body_1.inertia.zz" in identified.values

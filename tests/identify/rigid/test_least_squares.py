@@ -1,0 +1,60 @@
+"""Weighted least squares and the honesty of its standard deviations."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.signal import lfilter
+
+from flexros.identify.rigid.least_squares import condition_number, correlation_length, weighted_least_squares
+
+
+def problem(n: int = 400, seed: int = 1) -> np.ndarray:
+    """Slow columns, as those of a motion are."""
+    rng = np.random.default_rng(seed)
+    return lfilter([1], [1, -0.95], rng.normal(size=(n, 2, 3)), axis=0)
+
+
+def test_exact_torques_give_exact_parameters() -> None:
+    H, true = problem(), np.array([3.0, -2e3, 1e-3])
+    found = weighted_least_squares(H, H @ true)
+    np.testing.assert_allclose(found.values, true, rtol=1e-9)
+
+
+def test_motor_with_the_larger_residual_counts_less() -> None:
+    rng = np.random.default_rng(2)
+    H, true = problem(), np.array([1.0, 2.0, 3.0])
+    noise = rng.normal(size=(400, 2)) * [1e-3, 10.0]
+    weighted = weighted_least_squares(H, H @ true + noise)
+    assert np.abs(weighted.values - true).max() < 1e-3
+    assert 5e3 < weighted.deviation[1] / weighted.deviation[0] < 2e4
+
+
+def test_standard_deviations_cover_correlated_residuals() -> None:
+    rng = np.random.default_rng(3)
+    H, true = problem(), np.array([1.0, 2.0, 3.0])
+    scores = []
+    plain = []
+    for _ in range(150):
+        noise = lfilter([1], [1, -0.9], rng.normal(size=(400, 2)), axis=0)
+        found = weighted_least_squares(H, H @ true + noise)
+        scores.append((found.values - true) / np.sqrt(np.diag(found.covariance)))
+        white = np.linalg.inv(np.einsum("nmi,nmj->ij", H, H)) * found.residual.var()
+        plain.append((found.values - true) / np.sqrt(np.diag(white)))
+    assert 0.8 < np.std(scores) < 1.45
+    assert np.std(plain) > 2.0  # what the usual formula would have promised
+
+
+def test_correlation_length() -> None:
+    rng = np.random.default_rng(4)
+    white = rng.normal(size=(3000, 1))
+    slow = lfilter([1], [1, -0.98], rng.normal(size=(3000, 1)), axis=0)
+    assert correlation_length(white) < 20
+    assert correlation_length(slow) > 60
+    assert correlation_length(np.hstack([white, slow])) == correlation_length(slow)
+
+
+def test_condition_number_does_not_depend_on_units() -> None:
+    H = problem()
+    one = np.ones(2)
+    np.testing.assert_allclose(condition_number(H, one), condition_number(H * [1, 1e6, 1e-3], one), rtol=1e-9)
+    assert condition_number(np.eye(4).reshape(2, 2, 4), one) == 1

@@ -1,0 +1,71 @@
+"""Speeds and accelerations from positions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.errors import InputError
+from flexros.identify.rigid.motion_estimate import check_rows, decimate, decimation, edge, estimate_motion
+
+T = 1e-3
+
+
+def test_derivatives_of_a_sine() -> None:
+    time = np.arange(6000)[:, None] * T
+    w = 2 * np.pi * 2
+    motion = estimate_motion(np.sin(w * time), T, 100.0)
+    inner = slice(200, -200)
+    np.testing.assert_allclose(motion.velocity[inner], w * np.cos(w * time)[inner], atol=1e-4 * w)
+    np.testing.assert_allclose(motion.acceleration[inner], -(w**2) * np.sin(w * time)[inner], atol=1e-4 * w**2)
+
+
+def test_motor_that_stands_still_has_no_speed() -> None:
+    rng = np.random.default_rng(1)
+    time = np.arange(3000) * T
+    q = np.column_stack([np.sin(5 * time), 0.3 * np.ones_like(time)]) + 1e-5 * rng.normal(size=(3000, 2))
+    motion = estimate_motion(q, T, 50.0)
+    assert motion.moving.tolist() == [True, False]
+    assert not np.any(motion.velocity[:, 1])
+    assert not np.any(motion.acceleration[:, 1])
+    assert np.ptp(motion.position[:, 1]) == 0
+    assert motion.position[0, 1] == pytest.approx(0.3, abs=1e-5)
+
+
+def test_decimation_leaves_slow_signals_and_their_phase_alone() -> None:
+    factor = decimation(T, 50.0)
+    assert factor == 20
+    time = np.arange(4000) * T
+    kept = decimate(np.column_stack([np.sin(9 * time), np.ones_like(time)]), factor)
+    at = time[edge(factor) :][: (len(kept) - 1) * factor + 1 : factor]
+    np.testing.assert_allclose(kept[:, 0], np.sin(9 * at), atol=3e-3)
+    np.testing.assert_allclose(kept[:, 1], 1.0, rtol=1e-12)
+
+
+def test_decimation_takes_fast_signals_away() -> None:
+    time = np.arange(4000) * T
+    assert np.abs(decimate(np.sin(2 * np.pi * 45 * time), 20)).max() < 5e-3
+
+
+def test_no_decimation_where_the_cutoff_is_near_the_rate() -> None:
+    values = np.arange(10.0)
+    assert decimation(1.0, 1.0) == 1
+    assert decimate(values, 1) is values
+    assert edge(1) == 0
+
+
+@pytest.mark.parametrize("cutoff", [0.0, 251.0, np.nan])
+def test_cutoff_beyond_the_rate(cutoff: float) -> None:
+    with pytest.raises(InputError, match="must be above 0 and at most a quarter of the sampling rate of 1000 Hz"):
+        estimate_motion(np.zeros((5000, 1)), T, cutoff)
+
+
+def test_record_shorter_than_its_filter() -> None:
+    with pytest.raises(InputError, match="the log has 300 samples, but a cut-off of 50 Hz needs at least 800"):
+        estimate_motion(np.zeros((300, 1)), T, 50.0)
+
+
+def test_too_few_rows_for_a_regression() -> None:
+    check_rows(50, 4)
+    with pytest.raises(InputError, match="90 samples are left after filtering and decimation, but 60 parameters need"):
+        check_rows(90, 60)
