@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.identify.excitation.window import window
-from flexros.identify.slow_motion import ConstantSpeed, SlowSine
+from flexros.identify.slow_motion import ConstantSpeed, NoSlowMotion, SlowSine
 from flexros.identify.timetable import half_travel, move_law
 
 if TYPE_CHECKING:
@@ -49,40 +49,52 @@ def excursion(plan: ExperimentPlan, visit: Visit) -> Excursion:
         if experiment == 0:
             signals = plan.signals(visit.position, block)
         assert signals is not None
-        part = _experiment(plan, signals, experiment, backwards=number % 2 == 1)
         first = visit.begin_first - visit.lead + number * visit.experiment
-        result.position[first : first + visit.experiment] = part.position
-        result.speed[first : first + visit.experiment] = part.speed
+        rows = slice(first, first + visit.experiment)
+        for part in (faded(plan, signals, experiment), _slow(plan, backwards=number % 2 == 1)):
+            result.position[rows] += part.position
+            result.speed[rows] += part.speed
     if plan.timing.lead:
         _add_approaches(plan, visit, result)
     return result
 
 
-def _experiment(plan: ExperimentPlan, signals: BlockSignals, experiment: int, *, backwards: bool) -> Excursion:
-    """Give one experiment: faded periods, or records from rest to rest, on top of the slow motion."""
-    timing, motion, time = plan.timing, plan.specification.slow_motion, plan.sample_time
+def faded(plan: ExperimentPlan, signals: BlockSignals, experiment: int) -> Excursion:
+    """Give the excitation of one experiment, without slow motion.
+
+    Args:
+        plan: The plan.
+        signals: Excitation of the block.
+        experiment: Number of the experiment in the block.
+
+    Returns:
+        Periods that are faded in and out, or records from rest to rest, over the samples of the experiment.
+    """
+    timing = plan.timing
     k = np.arange(timing.experiment) - timing.fade
-    height, slope, area = np.ones(len(k)), np.zeros(len(k)), np.zeros(len(k))
-    if timing.fade:
-        height, slope, area = window(timing.experiment, timing.fade, time)
-    h, dh = height[:, None], slope[:, None]
     moved, speed = signals.position[experiment][k % timing.period], signals.speed[experiment][k % timing.period]
     if plan.periodic:
-        moved, speed = h * moved, h * speed + dh * moved
-    else:
-        outside = (k < 0) | (k >= plan.specification.periods * timing.period)
-        moved[outside], speed[outside] = 0.0, 0.0
-    if isinstance(motion, SlowSine):
-        rate = 2.0 * np.pi * motion.cycles / (timing.period * time)
-        angle = rate * time * (k % timing.period)[:, None]
-        size = motion.speeds(plan.n_motors)
-        moved = moved + h * size / rate * np.sin(angle)
-        speed = speed + h * size * np.cos(angle) + dh * size / rate * np.sin(angle)
-    elif isinstance(motion, ConstantSpeed):
-        sign = -1.0 if backwards else 1.0
-        moved = moved + sign * (motion.speeds(plan.n_motors) * area[:, None] - half_way(plan))
-        speed = speed + sign * motion.speeds(plan.n_motors) * h
+        height, slope, _ = (part[:, None] for part in window(timing.experiment, timing.fade, plan.sample_time))
+        return Excursion(height * moved, height * speed + slope * moved)
+    outside = (k < 0) | (k >= plan.specification.periods * timing.period)
+    moved[outside], speed[outside] = 0.0, 0.0
     return Excursion(moved, speed)
+
+
+def _slow(plan: ExperimentPlan, *, backwards: bool) -> Excursion:
+    """Give the slow motion of one experiment; a constant speed begins and ends half its way from the position."""
+    timing, motion, time = plan.timing, plan.specification.slow_motion, plan.sample_time
+    if isinstance(motion, NoSlowMotion):
+        return Excursion(np.zeros((timing.experiment, plan.n_motors)), np.zeros((timing.experiment, plan.n_motors)))
+    height, slope, area = (part[:, None] for part in window(timing.experiment, timing.fade, time))
+    speed = motion.speeds(plan.n_motors)
+    if isinstance(motion, ConstantSpeed):
+        sign = -1.0 if backwards else 1.0
+        return Excursion(sign * (speed * area - half_way(plan)), sign * speed * height)
+    rate = 2.0 * np.pi * motion.cycles / (timing.period * time)
+    angle = rate * time * ((np.arange(timing.experiment) - timing.fade) % timing.period)[:, None]
+    moved, moving = speed / rate * np.sin(angle), speed * np.cos(angle)
+    return Excursion(height * moved, height * moving + slope * moved)
 
 
 def half_way(plan: ExperimentPlan) -> FloatArray:

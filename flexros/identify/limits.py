@@ -9,7 +9,7 @@ import numpy as np
 from flexros.config.per_motor import per_motor
 from flexros.control.motorwise import AbstractMotorwiseLaw
 from flexros.errors import InputError
-from flexros.identify.excursion import half_way
+from flexros.identify.excursion import faded, half_way
 from flexros.identify.margin import Margin, Swing, smallest_margin
 from flexros.identify.predicted_torque import TorquePrediction
 from flexros.identify.slow_motion import ConstantSpeed, NoSlowMotion
@@ -84,23 +84,35 @@ def torque_limits(robot: Robot, law: AbstractControlLaw) -> FloatArray:
 def _motion(plan: ExperimentPlan, visit: Visit, signals: BlockSignals, experiment: int) -> Iterator[Swing]:
     """Give position and speed of an experiment, as far as they are limited."""
     limits, slow, m = plan.specification.limits, plan.specification.slow_motion, plan.n_motors
-    speed, moved = signals.speed[experiment], signals.position[experiment]
+    whole = faded(plan, signals, experiment)
     slow_speed = np.zeros(m) if isinstance(slow, NoSlowMotion) else slow.speeds(m)
     if isinstance(slow, ConstantSpeed) and not slow.allow_reversal:
-        yield Swing("speed against the slow motion", np.zeros(m), np.zeros(m), speed, -slow_speed, slow_speed)
+        recorded = signals.speed[experiment]
+        yield Swing("speed against the slow motion", np.zeros(m), np.zeros(m), recorded, -slow_speed, slow_speed)
     if limits.speed is not None:
         fastest = per_motor("identification.limits.speed", limits.speed, m)
-        yield Swing("speed", -slow_speed, slow_speed, speed, -fastest, fastest)
+        yield Swing("speed", -slow_speed, slow_speed, whole.speed, -fastest, fastest)
     if limits.position is not None:
         low, high = np.array(limits.position).T
         gears, way = plan.positions[visit.position], half_way(plan)
-        yield Swing("position", gears - way, gears + way, moved, low, high)
+        yield Swing("position", gears - way, gears + way, whole.position, low, high)
 
 
 def _check_move(plan: ExperimentPlan, robot: Robot, visit: Visit, reference: Reference, allowed: FloatArray) -> None:
     """Refuse a move whose feedforward torque is too large."""
     if visit.lead == visit.begin:
         return
+    fastest = plan.specification.limits.speed
+    if fastest is not None:
+        speed = np.max(np.abs(reference.motor_velocity[visit.begin : visit.lead]), axis=0)
+        over = speed / per_motor("identification.limits.speed", fastest, plan.n_motors)
+        motor = int(np.argmax(over))
+        if over[motor] > 1.0:
+            raise InputError(
+                f"{_place(plan, visit)}: {robot.joint_names[motor]} moves there at up to {speed[motor]:.4g} "
+                f"{_unit(robot, motor, 'speed')}, allowed are {speed[motor] / over[motor]:.4g}; lower "
+                "identification.move.speed"
+            )
     torque = np.abs(reference.torque[visit.begin : visit.lead])
     largest = np.max(torque, axis=0)
     motor = int(np.argmax(largest / allowed))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from typing import TYPE_CHECKING
 
 import pytest
@@ -120,6 +122,23 @@ def test_digest_tells_effects_but_not_that_there_are_none() -> None:
     scenario = load_scenario("circle_dae")
     assert scenario.with_values({"plant.effects": []}).digest() == scenario.digest()
     assert scenario.with_values({"plant.effects": ["delay@all:time=0.001"]}).digest() != scenario.digest()
+
+
+def test_digest_tells_an_identification_but_not_that_there_is_none() -> None:
+    scenario = load_scenario("circle_dae")
+    settings = scenario.model_dump(mode="json", exclude={"name", "description", "identification"})
+    del settings["plant"]["effects"]
+    text = json.dumps(settings, sort_keys=True, separators=(",", ":"))
+    assert scenario.digest() == hashlib.sha256(text.encode()).hexdigest()
+    identify = load_scenario("identify_e12")
+    assert identify.with_values({"identification.blocks": 3}).digest() != identify.digest()
+
+
+@pytest.mark.parametrize("key", ["duration", "trajectory"])
+def test_identification_excludes_trajectory_and_duration(key: str) -> None:
+    values = {"duration": 1.0, "trajectory": load_scenario("circle_dae").settings()["trajectory"]}
+    with pytest.raises(InputError, match=f"has identification and {key}, allowed is one of them, .* remove {key}"):
+        load_scenario("identify_e12").with_values({key: values[key]})
 
 
 def test_digest_changes_with_the_settings() -> None:

@@ -160,6 +160,14 @@ def test_bytes_per_sample_cover_the_arrays_that_are_held() -> None:
     assert held < bytes_per_sample(experiment.nominal, experiment.trajectory.n_out) < 4 * held
 
 
+def test_identification_needs_little_more_memory_than_its_reference() -> None:
+    experiment = Experiment.prepare(load_scenario("identify_e12"))
+    reference = experiment.reference
+    arrays = [getattr(reference, field.name) for field in fields(reference)]
+    held = sum(array.nbytes for array in (*arrays, experiment.reference_signal)) / experiment.n_samples
+    assert held < bytes_per_sample(experiment.nominal, 2, planned=True) < 2 * held
+
+
 def test_effects_change_the_plant_after_its_values() -> None:
     experiment = Experiment.prepare(
         scenario(plant={"values": {"body_3.mass": 100}, "effects": ["payload_error@tool:relative=0.1"] * 2})
