@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.table import Table
 
-from flexros.cli.output import console, print_json, say
+from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError
 from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
 
 def rigid(
@@ -45,11 +45,16 @@ def rigid(
     logs = {str(path): read_log(path, namespace=namespace or None) for path in log}
     first, *others = logs
     settings = RigidSettings(cutoff=cutoff, asymmetric=asymmetric, hold=hold)
-    fit = fit_rigid(logs[first], robot, settings, first)
-    tests = [cross_test(fit, logs[label], label) for label in others]
-    held = fit
-    if not (hold or fit.measured_torque):
-        held = fit_rigid(logs[first], robot, settings.model_copy(update={"hold": True}), first)
+    with progress_bar() as progress:
+        task = progress.add_task("regression", total=len(logs) + 1)
+
+        def at(step: int) -> Callable[[float], None]:
+            return lambda share: progress.update(task, completed=step + share)
+
+        held = fit = fit_rigid(logs[first], robot, settings, first, at(0))
+        if not (hold or fit.measured_torque):
+            held = fit_rigid(logs[first], robot, settings.model_copy(update={"hold": True}), first, at(1))
+        tests = [cross_test(fit, logs[label], label, at(step)) for step, label in enumerate(others, start=2)]
     identified = identified_values(fit)
     record = result_record(fit, identified, tests, {label: dict(entry.provenance) for label, entry in logs.items()})
     record["force_error_percent"]["fit_with_hold"] = None if fit.measured_torque else held.error.total

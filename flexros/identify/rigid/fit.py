@@ -10,12 +10,14 @@ import numpy as np
 from flexros.identify.rigid.base_parameters import BaseParameters, base_parameters
 from flexros.identify.rigid.excitation import LARGEST_CONDITION, Excitation, judge_excitation
 from flexros.identify.rigid.least_squares import condition_number, weighted_least_squares
-from flexros.identify.rigid.motion_estimate import check_rows, decimate, decimation, edge, estimate_motion
+from flexros.identify.rigid.motion_estimate import check_rows, check_size, decimate, decimation, edge, estimate_motion
 from flexros.identify.rigid.record import RigidRecord, rigid_record
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.settings import RigidSettings
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from flexros.arrays import BoolArray, FloatArray
     from flexros.logs.time_series import Log
     from flexros.robot import Robot
@@ -98,7 +100,13 @@ class _Rows:
     record: RigidRecord
 
 
-def fit_rigid(log: Log, robot: Robot, settings: RigidSettings | None = None, label: str = "the log") -> RigidFit:
+def fit_rigid(
+    log: Log,
+    robot: Robot,
+    settings: RigidSettings | None = None,
+    label: str = "the log",
+    progress: Callable[[float], None] | None = None,
+) -> RigidFit:
     """Identify the rigid model of a robot from a log (Moberg 2007, eq. 4.11 to 4.13).
 
     Gears and elastic directions are taken as locked, so the motion should not excite the resonances.
@@ -108,6 +116,7 @@ def fit_rigid(log: Log, robot: Robot, settings: RigidSettings | None = None, lab
         robot: The robot.
         settings: How; default: `RigidSettings()`.
         label: Name of the log in texts.
+        progress: Called with the share of the log that is in the regression.
 
     Returns:
         The fit.
@@ -118,7 +127,7 @@ def fit_rigid(log: Log, robot: Robot, settings: RigidSettings | None = None, lab
     settings = settings or RigidSettings()
     regressor = RigidRegressor(robot, settings.asymmetric)
     base = base_parameters(regressor, robot.n_motors)
-    rows = _rows(log, robot, settings, label, regressor, base)
+    rows = _rows(log, settings, label, regressor, base, progress)
     check_rows(len(rows.torque), len(base.leading))
     size = np.sqrt(np.mean(rows.torque**2, axis=0))
     excitation = judge_excitation(rows.H / np.where(size > 0, size, 1.0)[:, None], base)
@@ -146,13 +155,16 @@ def fit_rigid(log: Log, robot: Robot, settings: RigidSettings | None = None, lab
     )
 
 
-def cross_test(fit: RigidFit, log: Log, label: str = "the log") -> TorqueError:
+def cross_test(
+    fit: RigidFit, log: Log, label: str = "the log", progress: Callable[[float], None] | None = None
+) -> TorqueError:
     """Predict the torques of another log with a fitted model.
 
     Args:
         fit: The fit.
         log: A log of the same robot.
         label: Name of the log in texts.
+        progress: Called with the share of the log that was predicted.
 
     Returns:
         The torque error, filtered as in the fit.
@@ -161,24 +173,32 @@ def cross_test(fit: RigidFit, log: Log, label: str = "the log") -> TorqueError:
         InputError: The log does not fit the robot, has gaps, or is too short.
     """
     settings = fit.settings.model_copy(update={"cutoff": fit.cutoff})
-    rows = _rows(log, fit.robot, settings, label, RigidRegressor(fit.robot, settings.asymmetric), fit.base)
+    rows = _rows(log, settings, label, RigidRegressor(fit.robot, settings.asymmetric), fit.base, progress)
     return _error(label, rows.torque, rows.torque - rows.H @ fit.values)
 
 
 def _rows(
-    log: Log, robot: Robot, settings: RigidSettings, label: str, regressor: RigidRegressor, base: BaseParameters
+    log: Log,
+    settings: RigidSettings,
+    label: str,
+    regressor: RigidRegressor,
+    base: BaseParameters,
+    progress: Callable[[float], None] | None,
 ) -> _Rows:
     """Filter a log and build its decimated regression, a stretch at a time."""
-    record = rigid_record(log, robot, label, settings.hold)
+    record = rigid_record(log, regressor.robot, label, settings.hold)
     cutoff = settings.cutoff_at(1 / record.sample_time)
     motion = estimate_motion(record.position, record.sample_time, cutoff)
     factor = decimation(record.sample_time, cutoff)
     half, n = edge(factor), len(record.position)
+    check_size((n - 2 * half) // factor, record.torque.shape[1], len(base.leading))
     parts = []
     for start in range(0, n - 2 * half, _CHUNK_ROWS * factor):
         cut = slice(start, min(start + (_CHUNK_ROWS - 1) * factor + 2 * half + 1, n))
         H = regressor.matrix(motion.position[cut], motion.velocity[cut], motion.acceleration[cut])
         parts.append(decimate(H[:, :, list(base.leading)], factor))
+        if progress is not None:
+            progress(cut.stop / n)
     torque = decimate(record.torque, factor)
     rate = 1 / (record.sample_time * factor)
     return _Rows(np.concatenate(parts), torque, cutoff, rate, motion.moving, record)

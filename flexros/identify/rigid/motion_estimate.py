@@ -25,6 +25,9 @@ _PASS = 0.9
 _STILL = 20.0
 """Range of a position, in rms values of what the filter took away, up to which the motor stands still (chosen)."""
 
+_MOST_BYTES = 400_000_000
+"""Largest regressor that is made [bytes] (chosen; the least squares need a few times that)."""
+
 _FEWEST = 50
 """Rows that must be left after decimation (chosen)."""
 
@@ -133,4 +136,23 @@ def check_rows(rows: int, parameters: int) -> None:
         raise InputError(
             f"{rows} samples are left after filtering and decimation, but {parameters} parameters need at least {least}"
             "; give a longer log or a higher --cutoff"
+        )
+
+
+def check_size(rows: int, motors: int, parameters: int) -> None:
+    """Refuse records whose regressor would not fit into memory.
+
+    Args:
+        rows: Rows after decimation.
+        motors: Number of motors.
+        parameters: Number of parameters.
+
+    Raises:
+        InputError: It would be too large.
+    """
+    size = 8 * rows * motors * parameters
+    if size > _MOST_BYTES:
+        raise InputError(
+            f"{rows} samples after decimation with {motors} motors and {parameters} parameters make a regressor of "
+            f"{size / 1e6:.0f} MB, allowed are {_MOST_BYTES / 1e6:.0f} MB; give a lower --cutoff or a shorter log"
         )

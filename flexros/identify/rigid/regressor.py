@@ -31,11 +31,12 @@ class RigidRegressor:
         asymmetric: Friction by direction of motion.
 
     Attributes:
+        robot: The robot.
         parameters: What the columns belong to, length P.
     """
 
     def __init__(self, robot: Robot, asymmetric: bool = False) -> None:
-        self._robot = robot
+        self.robot = robot
         self.parameters = standard_parameters(robot, asymmetric)
         self._column = {parameter.name: place for place, parameter in enumerate(self.parameters)}
         self._bodies = _body_columns(robot)
@@ -55,14 +56,14 @@ class RigidRegressor:
         """
         n, motors = q.shape
         H = np.zeros((n, motors, len(self.parameters)))
-        names = _body_names(self._robot)
+        names = _body_names(self.robot)
         places = [self._column[_linear_name(name)] for name in names]
         for first in range(0, n, _CHUNK):
             rows = slice(first, min(first + _CHUNK, n))
             arguments = (q[rows].T, v[rows].T, a[rows].T)
             H[rows, :, places] = _unstack(self._bodies(*arguments), motors, len(names))
             if self._rotors is not None:
-                columns = [self._column[f"motor_{k + 1}.inertia"] for k in self._robot.chain.flexible_motors]
+                columns = [self._column[f"motor_{k + 1}.inertia"] for k in self.robot.chain.flexible_motors]
                 H[rows, :, columns] = _unstack(self._rotors(*arguments), motors, len(columns))
         for motor in range(motors):
             self._motor_columns(H[:, motor], motor, v[:, motor], a[:, motor])
@@ -71,7 +72,7 @@ class RigidRegressor:
     def _motor_columns(self, rows: FloatArray, motor: int, v: FloatArray, a: FloatArray) -> None:
         """Fill the columns of one motor into its rows, shape (n, P)."""
         name = f"motor_{motor + 1}"
-        if self._rotors is None or motor not in self._robot.chain.flexible_motors:
+        if self._rotors is None or motor not in self.robot.chain.flexible_motors:
             rows[:, self._column[f"{name}.inertia"]] = a
         if not self._asymmetric:
             for kind, values in zip(FRICTION, (v, np.sign(v), np.ones_like(v)), strict=True):

@@ -42,7 +42,7 @@ def truth(fit) -> np.ndarray:
 @pytest.mark.parametrize("name", ["elbow", "e12", "six_axis"])
 def test_base_parameters_and_torques_are_recovered(name: str, fourier_motion, rigid_log) -> None:
     robot = load_robot(name)
-    log = rigid_log(robot, fourier_motion(16_000, 1e-3, robot.n_motors), noise=2e-6, friction=friction)
+    log = rigid_log(robot, fourier_motion(10_000, 1e-3, robot.n_motors), noise=2e-6, friction=friction)
     fit = fit_rigid(log, robot, SLOW)
     assert fit.rich_enough
     assert fit.moving.all()
@@ -111,8 +111,12 @@ def test_log_that_is_too_short(emps, fourier_motion, rigid_log) -> None:
 
 def test_long_logs_are_taken_in_parts(emps, fourier_motion, rigid_log) -> None:
     log = rigid_log(emps, fourier_motion(45_000, 1e-3, 1), friction=friction)
-    fit = fit_rigid(log, emps, RigidSettings(cutoff=100.0))
+    shares: list[float] = []
+    fit = fit_rigid(log, emps, RigidSettings(cutoff=100.0), progress=shares.append)
     assert fit.error.rows == 4480
+    assert len(shares) > 10
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
     np.testing.assert_allclose(fit.values, truth(fit), rtol=1e-3)
 
 
