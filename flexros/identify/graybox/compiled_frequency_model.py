@@ -113,7 +113,7 @@ class CompiledFrequencyModel:
         for number, (m, n) in enumerate(structure.pairs):
             pair[m, n] = pair[n, m] = number
         return FactoredJacobian(
-            response=responses[:, :, pair],
+            response=np.take(responses, pair, axis=2),
             vectors=vectors.reshape(*vectors.shape[:2], len(structure.vectors), motors),
             vector_of=np.array([vector for vector, _ in structure.parameters], dtype=np.int64),
             factors=self._factors(theta if scale is None else scale),

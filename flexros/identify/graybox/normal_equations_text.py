@@ -13,6 +13,7 @@ column, which gives the gradient.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from flexros.compile.ir_text import IrBlock
@@ -36,6 +37,7 @@ class ProductPair(NamedTuple):
     second: int
 
 
+@lru_cache(maxsize=64)
 def product_pairs(structure: KernelStructure) -> tuple[ProductPair, ...]:
     """Pairs of columns (parameters, then the error) whose products are summed, in the order of the sums.
 
