@@ -26,7 +26,7 @@ BURST = {"kind": "burst", "duration": 0.8, "rest_before": 0.1, "rest_after": 0.3
 def reference_of(plan: ExperimentPlan, method: str = "flexible_joint") -> Reference:
     from flexros.feedforward.specification import FeedforwardSpecification
 
-    return identification_reference(plan, load_robot("e12"), FeedforwardSpecification(method=method))  # type: ignore[arg-type]
+    return identification_reference(plan, load_robot("e12"), FeedforwardSpecification(method=method))
 
 
 @pytest.mark.parametrize("slow", SLOW, ids=lambda slow: str(slow["kind"]))

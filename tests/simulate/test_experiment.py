@@ -144,7 +144,7 @@ def test_circle_through_a_singularity_names_the_place() -> None:
 
 
 def test_memory_is_bounded_in_bytes_not_in_samples() -> None:
-    with pytest.raises(InputError, match=r"are 8000001 samples, which need some 4\.5 GB of memory with robot e12"):
+    with pytest.raises(InputError, match=r"are 8000001 samples, which need some 4\.4 GB of memory with robot e12"):
         Experiment.prepare(scenario(duration=4000.0))
     assert Experiment.prepare(scenario(duration=1000.0)).n_samples == 2_000_001
     six_axis = {"robot": "six_axis", "controller": {"kind": "pid", "kp": 1e3}}

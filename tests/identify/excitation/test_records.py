@@ -83,4 +83,4 @@ def test_frequencies_and_times_are_checked() -> None:
         Burst(kind="burst", highest=500.0).record_samples(T)
     for kind in (Chirp, Burst):
         with pytest.raises(ValidationError, match="taper is 3 s, allowed is at most half the duration of 4 s"):
-            kind(kind=kind.__name__.lower(), duration=4.0, taper=3.0)  # type: ignore[arg-type]
+            kind(kind=kind.__name__.lower(), duration=4.0, taper=3.0)
