@@ -42,7 +42,7 @@ def rigid(
     if cutoff is not None and cutoff <= 0:
         raise InputError(f"--cutoff is {cutoff:g} Hz, but must be positive")
     robot = load_robot(model)
-    logs = {str(path): read_log(path, namespace=namespace or None) for path in log}
+    logs = {label: read_log(path, namespace=namespace or None) for label, path in _labelled(log).items()}
     first, *others = logs
     settings = RigidSettings(cutoff=cutoff, asymmetric=asymmetric, hold=hold)
     with progress_bar() as progress:
@@ -66,6 +66,12 @@ def rigid(
         return
     _print(record)
     say(f"Result: {out / 'rigid.json'}; identified robot: {out / 'identified.yaml'}")
+
+
+def _labelled(paths: list[Path]) -> dict[str, Path]:
+    """Name logs by their folders, by the whole path where folders have the same name."""
+    names = [path.absolute().name for path in paths]
+    return {str(path) if names.count(name) > 1 else name: path for name, path in zip(names, paths, strict=True)}
 
 
 def _print(record: Mapping[str, Any]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import typer
 from rich.table import Table
 
-from flexros.cli.output import console, print_json, say
+from flexros.cli.output import console, print_json, progress_bar, say
 
 if TYPE_CHECKING:
     from flexros.logs.time_series import JointSeries, Log
@@ -29,8 +29,11 @@ def import_log(
     from flexros.logs.foreign.mapping import load_mapping
     from flexros.logs.write_log import write_log
 
-    log = read_files(load_mapping(mapping), file)
-    write_log(log, out)
+    with progress_bar() as progress:
+        task = progress.add_task("reading", total=2)
+        log = read_files(load_mapping(mapping), file)
+        progress.update(task, description="writing", completed=1)
+        write_log(log, out)
     rows = [_figures(name, getattr(log, name)) for name in _TOPICS if getattr(log, name) is not None]
     if as_json:
         print_json({"log": str(out), "topics": rows, "warnings": list(log.warnings)})

@@ -71,3 +71,17 @@ def test_first_moment_of_a_body_without_mass_has_no_place(fourier_motion, rigid_
     identified = identified_values(fit)
     assert identified.left_out == {}  # neither mass nor moment: the centre stays where it is
     assert "body_1.inertia.zz" in identified.values
+
+
+def test_identified_file_of_a_robot_in_space(fourier_motion, rigid_log, tmp_path: Path) -> None:
+    robot = load_robot("six_axis")
+    real = robot.with_values({"body_4.mass": 280.0, "body_7.center_of_mass.x": 0.25, "body_3.inertia.yy": 45.0})
+    fit = fit_rigid(rigid_log(real, fourier_motion(10_000, 1e-3, 6), noise=1e-6), robot, SLOW)
+    identified = identified_values(fit)
+    assert identified.left_out == {}
+    file = tmp_path / "identified.yaml"
+    file.write_text(identified_yaml(fit, identified))
+    motion = fourier_motion(300, 1e-2, 6, seed=5)
+    wanted, got, before = (RigidArm(r).inverse_dynamics(motion).torque for r in (real, load_robot(file), robot))
+    assert np.linalg.norm(got - wanted) < 1e-3 * np.linalg.norm(wanted)
+    assert np.linalg.norm(before - wanted) > 0.03 * np.linalg.norm(wanted)
