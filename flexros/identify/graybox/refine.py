@@ -42,14 +42,14 @@ def refine(
     found: Fit,
     *,
     estimator: str = "LLS",
-    weights: Weights | str = "optimal",
+    weights: Weights | str = "combined",
     bounds: Mapping[str, tuple[float, float]] | None = None,
     settings: FitSettings | None = None,
 ) -> Refinement:
     """Fit again from what a robust fit has found, with weights from the fitted model and the measured covariance.
 
-    User weights find the valley from far away, optimal ones use the data best at its bottom; the weights (8) of
-    Moberg (2007, Paper A) need the true response, for which each round takes that of the fit before.
+    User weights find the valley from far away, weights that know the noise use the data best at its bottom; the
+    weights (8) of Moberg (2007, Paper A) need the true response, for which each round takes that of the fit before.
 
     Args:
         problem: What was fitted.

@@ -139,12 +139,13 @@ class CombinedWeights(AbstractWeights):
     """Inverse of measured covariance plus the error the model is allowed: w = 1 / (1 / w_user + 1 / w_optimal).
 
     Where the noise is small this is the user's weight, where it is large the optimal one, so no line needs to be left
-    out (chosen; Moberg 2007, Paper A, section 7 names such a combination as future work).
+    out (chosen; Moberg 2007, Paper A, section 7 names such a combination as future work). Lines whose noise is far
+    below what a linear model of a nonlinear robot can reach no longer rule the fit, so that intervals stay honest.
     """
 
     kind: Literal["combined"] = "combined"
-    diagonal: float = Field(0.05, gt=0, description="error allowed to the model, relative to |G|, motor i to motor i")
-    off_diagonal: float = Field(0.1, gt=0, description="the same, motor i to motor j")
+    diagonal: float = Field(0.02, gt=0, description="error allowed to the model, relative to |G|, motor i to motor i")
+    off_diagonal: float = Field(0.04, gt=0, description="the same, motor i to motor j")
 
     def array(self, responses: Sequence[FrequencyResponse], estimator: AbstractEstimator) -> FloatArray:
         """Compute the weights; see `AbstractWeights.array`."""
