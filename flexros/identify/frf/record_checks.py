@@ -12,6 +12,7 @@ from flexros.identify.frf.record_levels import (
     check_reference,
     check_saturation,
 )
+from flexros.identify.frf.settling import check_settled
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -25,7 +26,10 @@ if TYPE_CHECKING:
 
 
 def check_record(
-    experiments: Experiments, spectra: PeriodSpectra | None, torque_limits: FloatArray | None = None
+    experiments: Experiments,
+    spectra: PeriodSpectra | None,
+    torque_limits: FloatArray | None = None,
+    drift_degree: int = 2,
 ) -> list[str]:
     """Check samples before they are divided.
 
@@ -33,6 +37,7 @@ def check_record(
         experiments: The samples.
         spectra: Their spectra where they are periodic, else None.
         torque_limits: Limits of the inputs [Nm or N], shape (n_u,); None where they are not known.
+        drift_degree: Degree of the drift of a slow motion, which is no transient.
 
     Returns:
         Warnings: the response stays usable.
@@ -43,8 +48,8 @@ def check_record(
     if spectra is None:
         warnings = check_reference(experiments)
     else:
-        warnings = []
         check_periods(experiments, spectra)
+        warnings = check_settled(experiments, drift_degree)
     return [*warnings, *check_saturation(experiments, torque_limits), *check_aliasing(experiments)]
 
 

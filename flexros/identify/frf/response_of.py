@@ -36,7 +36,7 @@ def frequency_response_of(
     limits = None if robot is None else robot.torque_limits
     if chosen.method == "periodic" or (chosen.method == "auto" and experiments.periodic):
         spectra = spectra_of(experiments, chosen)
-        warnings = check_record(experiments, spectra, limits)
+        warnings = check_record(experiments, spectra, limits, chosen.drift_degree)
         response = periodic_response(experiments, chosen, spectra)
     else:
         warnings = check_record(experiments, None, limits)

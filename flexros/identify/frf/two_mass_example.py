@@ -16,7 +16,7 @@ SPEED_GAIN = 10.0
 CHIRP_AMPLITUDE = 1.0
 """Amplitude of the motor speed reference [rad/s] (chosen)."""
 
-NOISE = 1e-4
+NOISE = 2e-5
 """Measurement noise of the motor position, rms [rad] (chosen; the thesis shows it as very high)."""
 
 

@@ -1,0 +1,46 @@
+"""Pooling of covariances over lines."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexros.identify.frf.line_pooling import pooled, windows
+
+EYE = np.broadcast_to(np.eye(2, dtype=complex), (40, 2, 2))
+
+
+def scatter_of(covariance: np.ndarray, degrees: int, seed: int) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    shape = (len(covariance), 2, degrees)
+    noise = (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2)
+    noise = np.linalg.cholesky(covariance) @ noise
+    return np.asarray(noise @ np.conj(np.swapaxes(noise, 1, 2)) / degrees)
+
+
+def test_windows_are_the_nearest_lines() -> None:
+    np.testing.assert_array_equal(windows(5, 1), [[0, 1, 2], [0, 1, 2], [1, 2, 3], [2, 3, 4], [2, 3, 4]])
+    assert windows(2, 3).shape == (2, 2)
+
+
+def test_flat_covariance_gains_degrees_of_freedom() -> None:
+    covariance = np.tile(np.array([[2.0, 0.5j], [-0.5j, 1.0]]), (40, 1, 1))
+    scatter = scatter_of(covariance, 2, 0)
+    before = np.mean(abs(scatter - covariance) ** 2)
+    after = np.mean(abs(pooled(scatter, [EYE], 3, 2.0) - covariance) ** 2)
+    assert after < 0.25 * before
+
+
+def test_form_that_is_flat_is_chosen() -> None:
+    """A covariance that grows with the 8th power of the line, flat once multiplied by line^-4."""
+    line = np.arange(1.0, 41.0)[:, None, None]
+    covariance = line**8 * np.tile(np.eye(2), (40, 1, 1))
+    scatter = scatter_of(covariance, 4, 1)
+    ratio = pooled(scatter, [EYE, EYE / line**4], 3, 4.0)[:, 0, 0].real / covariance[:, 0, 0]
+    assert ratio.min() > 0.3
+    assert ratio.max() < 2.5
+    assert abs(ratio.mean() - 1) < 0.15
+
+
+def test_nothing_is_pooled_with_no_neighbours() -> None:
+    scatter = scatter_of(np.tile(np.eye(2), (40, 1, 1)), 2, 2)
+    assert pooled(scatter, [EYE], 0) is scatter
