@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.signal import butter, sosfiltfilt
 
 from flexros.errors import InputError
-from flexros.identify.rigid.motion_estimate import decimate, decimation, edge, estimate_motion
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,6 +19,12 @@ if TYPE_CHECKING:
 
 DAMPING_RATIO = 0.02
 """Relative damping of the springs to start from (chosen)."""
+
+EXPLAINED = 0.5
+"""Share of the variance of the torque that a rigid axis must explain at low frequencies (chosen)."""
+
+_ORDER = 4
+"""Order of the Butterworth filter, run forwards and backwards (chosen)."""
 
 
 @dataclass(frozen=True)
@@ -50,26 +56,31 @@ def rigid_start(record: AxisRecord, cutoff: float, smoothing: float) -> RigidSta
         The rigid axis; friction is not below zero.
 
     Raises:
-        InputError: The record is too short, or the motor stands still.
+        InputError: The record is too short, or a rigid axis does not explain its torque.
     """
     T = record.sample_time
-    motion = estimate_motion(record.position[:, None], T, cutoff)
-    if not motion.moving[0]:
-        raise InputError(f"{record.label}: the motor stands still but for noise; give a log in which it moves")
-    speed, acceleration = motion.velocity[:, 0], motion.acceleration[:, 0]
-    time = T * np.arange(len(speed))
-    acting = np.interp(time - record.delay - T / 2, time, record.torque)  # held, at those instants
-    columns = [acceleration, speed, np.tanh(speed / smoothing), np.ones_like(speed), acting]
-    factor = decimation(T, cutoff)
-    rows = decimate(np.column_stack(columns), factor)
-    rows = rows[edge(factor) // factor : len(rows) - edge(factor) // factor or None]
-    inertia, viscous, coulomb, constant = np.linalg.lstsq(rows[:, :4], rows[:, 4], rcond=None)[0]
-    if inertia <= 0:
+    sections, settling = butter(_ORDER, 2 * cutoff * T, output="sos"), round(1 / (cutoff * T))
+    if len(record.torque) < 4 * settling:
         raise InputError(
-            f"{record.label}: the regression below {cutoff:.3g} Hz gives an inertia of {inertia:.3g}, but it must be "
-            "positive; check sign and unit of torque and position, or give a log with more acceleration"
+            f"{record.label} has {len(record.torque)} samples, but a regression below {cutoff:.3g} Hz needs at least "
+            f"{4 * settling}; give a longer log, or start values for all parameters instead of frequencies"
         )
-    return RigidStart(float(inertia), max(float(viscous), 0.0), max(float(coulomb), 0.0), float(-constant))
+    position = sosfiltfilt(sections, record.position)
+    speed = np.gradient(position, T)
+    time = T * np.arange(len(speed))
+    acting = np.interp(time - record.delay - T / 2, time, record.torque)  # what is held, at those instants
+    columns = [np.gradient(speed, T), speed, np.tanh(speed / smoothing), np.ones_like(speed), acting]
+    rows = sosfiltfilt(sections, np.column_stack(columns), axis=0)[settling:-settling]  # all through the same filter
+    solution = np.linalg.lstsq(rows[:, :4], rows[:, 4], rcond=None)[0]
+    left = 1 - float(np.var(rows[:, 4] - rows[:, :4] @ solution) / max(np.var(rows[:, 4]), np.finfo(float).tiny))
+    inertia, viscous, coulomb, constant = (float(value) for value in solution)
+    if inertia <= 0 or not left >= EXPLAINED:
+        raise InputError(
+            f"{record.label}: a rigid axis of inertia {inertia:.3g} explains {100 * left:.3g} % of the torque below "
+            f"{cutoff:.3g} Hz, needed are a positive inertia and {100 * EXPLAINED:g} %; check joint, sign and unit of "
+            "torque and position and the first antiresonance, or give a log with more motion"
+        )
+    return RigidStart(inertia, max(viscous, 0.0), max(coulomb, 0.0), -constant)
 
 
 def chain_of_masses(
@@ -92,11 +103,11 @@ def chain_of_masses(
     Raises:
         InputError: The frequencies do not alternate, antiresonance first, as those of masses in a row do.
     """
-    a, r = sorted(antiresonances), sorted(resonances)
+    a, r = sorted(map(float, antiresonances)), sorted(map(float, resonances))
     order = [frequency for pair in zip(a, r) for frequency in pair]
     if len(a) != len(r) or not a or a[0] <= 0 or any(low >= high for low, high in itertools.pairwise(order)):
         raise InputError(
-            f"antiresonances are {list(antiresonances)} Hz and resonances {list(resonances)} Hz, but those of masses "
+            f"antiresonances are {a} Hz and resonances {r} Hz, but those of masses "
             "in a row alternate, an antiresonance first: give equally many, each antiresonance below its resonance"
         )
     numerator, denominator = np.array([inertia, 0.0]), np.array([1.0])

@@ -216,23 +216,25 @@ def _result(
 
 
 def _covariance(errors: FloatArray, slopes: FloatArray, lags: int) -> FloatArray:
-    """Compute the covariance of a least-squares estimate whose errors are correlated over some samples.
+    """Compute the covariance of a least-squares estimate, also where its errors are correlated over some samples.
 
-    The sandwich of W. Newey and K. West (1987) with Bartlett weights; a direction that the record does not tell becomes
-    infinite.
+    Gauss-Newton covariance for white errors; deviations that the sandwich of W. Newey and K. West (1987, Bartlett
+    weights) finds larger are raised to it. A direction that the record does not tell becomes infinite.
     """
-    scores = slopes * errors[:, None]
+    size = np.sqrt(np.sum(slopes**2, axis=0))
+    told = size > 1e-12 * np.max(size)
+    scaled = slopes[:, told] / size[told]
+    scores = scaled * errors[:, None]
     middle = scores.T @ scores
     for lag in range(1, min(lags, len(errors) // 10) + 1):
         product = scores[lag:].T @ scores[:-lag]
         middle += (1 - lag / (lags + 1)) * (product + product.T)
-    size = np.sqrt(np.sum(slopes**2, axis=0))
-    told = size > 1e-12 * np.max(size)
-    covariance = np.full((len(size), len(size)), 0.0)
-    scaled = slopes[:, told] / size[told]
     inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-13, hermitian=True)
-    inner = inverse @ (middle[np.ix_(told, told)] / np.outer(size[told], size[told])) @ inverse
-    covariance[np.ix_(told, told)] = inner / np.outer(size[told], size[told])
+    white = inverse * float(errors @ errors) / (len(errors) - len(size))
+    sandwich = np.diag(inverse @ middle @ inverse)
+    raised = np.sqrt(np.maximum(sandwich / np.diag(white), 1.0)) / size[told]
+    covariance = np.zeros((len(size), len(size)))
+    covariance[np.ix_(told, told)] = raised[:, None] * white * raised
     covariance[~told, ~told] = np.inf
     return covariance
 

@@ -63,7 +63,7 @@ def starting_values(
     torque, speed = record.rms_torque, record.rms_speed
     begin = {"coulomb_friction": 0.0, "viscous_friction": 0.0, "offset": 0.0}
     begin |= {"stribeck_friction": 0.05 * torque, "stribeck_speed": 0.1 * speed}
-    if antiresonances or resonances:
+    if len(antiresonances) or len(resonances):
         lowest = min(antiresonances, default=0.25 / record.sample_time)
         rigid = rigid_start(record, BELOW * lowest, smoothing)
         begin |= linear_start(structure, rigid, antiresonances, resonances)
