@@ -32,25 +32,35 @@ Part = TypeVar("Part")
 class FactoredJacobian:
     """Responses and what their derivatives are products of.
 
-    The derivative by log theta_p is factors_p times the product of v_j with itself, for the vector j of p.
+    The derivative by parameter p is `factors` of p times the product of vector j with itself, or, where j is J + g,
+    times the product g of slopes.
 
     Attributes:
         response: Responses, shape (Q, F, M, M).
         vectors: v, shape (Q, F, J, M).
-        vector_of: Number of the vector of each parameter, shape (P,).
-        factors: -theta_p s_p gain (jw)^k, shape (Q, F, P).
+        slopes: Z^T (dA/dtheta) Z of parameters that are no rank-one terms, shape (Q, F, G, M, M).
+        vector_of: j of each parameter, shape (P,).
+        factors: -dtheta_p/dx s_p gain (jw)^k, shape (Q, F, P).
     """
 
     response: ComplexArray
     vectors: ComplexArray
+    slopes: ComplexArray
     vector_of: IntArray
     factors: ComplexArray
 
     def jacobian(self) -> ComplexArray:
         """Write the derivatives out, shape (Q, F, M, M, P)."""
-        v = self.vectors[:, :, self.vector_of].swapaxes(2, 3)
-        products: ComplexArray = v[:, :, :, None, :] * (v * self.factors[:, :, None, :])[:, :, None, :, :]
-        return products
+        n_vectors = self.vectors.shape[2]
+        jacobian = np.empty((*self.response.shape, len(self.vector_of)), complex)
+        simple = np.flatnonzero(self.vector_of < n_vectors)
+        v = self.vectors[:, :, self.vector_of[simple]].swapaxes(2, 3)
+        scaled = v * self.factors[:, :, None, simple]
+        jacobian[..., simple] = v[:, :, :, None, :] * scaled[:, :, None, :, :]
+        for p in np.flatnonzero(self.vector_of >= n_vectors):
+            slope = self.slopes[:, :, self.vector_of[p] - n_vectors]
+            jacobian[..., p] = slope * self.factors[:, :, None, None, p]
+        return jacobian
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,14 +117,16 @@ class CompiledFrequencyModel:
             return None
         structure, n_frequencies = self.kernel.structure, self.model.hold.omega.shape[1]
         responses = out_of_blocks(np.concatenate([part.responses for part in parts]), n_frequencies)
-        vectors = out_of_blocks(np.concatenate([part.vectors for part in parts]), n_frequencies)
-        motors = len(structure.places)
+        factors = out_of_blocks(np.concatenate([part.factors for part in parts]), n_frequencies)
+        motors, shape = len(structure.places), factors.shape[:2]
+        vectors, slopes = np.split(factors, [len(structure.vectors) * motors], axis=2)
         pair = np.zeros((motors, motors), dtype=np.int64)
         for number, (m, n) in enumerate(structure.pairs):
             pair[m, n] = pair[n, m] = number
         return FactoredJacobian(
             response=np.take(responses, pair, axis=2),
-            vectors=vectors.reshape(*vectors.shape[:2], len(structure.vectors), motors),
+            vectors=vectors.reshape(*shape, len(structure.vectors), motors),
+            slopes=np.take(slopes.reshape(*shape, structure.n_slopes, len(structure.pairs)), pair, axis=3),
             vector_of=np.array([vector for vector, _ in structure.parameters], dtype=np.int64),
             factors=self._factors(theta if scale is None else scale),
         )
@@ -142,7 +154,7 @@ class CompiledFrequencyModel:
 
     def _factors(self, per_step: FloatArray) -> ComplexArray:
         hold, positions = self.model.hold, self.model.positions
-        powers = (1j * hold.omega[..., None]) ** positions.powers
+        powers = (1j * hold.omega[..., None]) ** np.maximum(positions.powers, 0)
         factors: ComplexArray = -(per_step * positions.factors)[:, None, :] * hold.gain[..., None] * powers
         return factors
 
@@ -155,10 +167,7 @@ def compiled_model(model: FrequencyModel, threads: int = 1) -> CompiledFrequency
         threads: Threads that share the positions.
 
     Returns:
-        The compiled model; None without a compiler, for a very large robot, or when a parameter is neither spring,
-        damper, motor inertia nor motor friction.
+        The compiled model; None without a compiler or for a very large robot.
     """
-    if model.positions.sloped.size:
-        return None
     kernel = kernel_for(kernel_structure(model.positions))
     return None if kernel is None else CompiledFrequencyModel(model, kernel, threads)

@@ -31,12 +31,12 @@ class KernelResponse:
 
     Attributes:
         responses: Real and imaginary parts in turn, shape (Q, blocks, 2 pairs, LANES).
-        vectors: The same of v, shape (Q, blocks, 2 J M, LANES).
+        factors: The same of what derivatives are made of, shape (Q, blocks, 2 factor_numbers, LANES).
         small_pivots: Number of pivots that call for an exchange of rows.
     """
 
     responses: FloatArray
-    vectors: FloatArray
+    factors: FloatArray
     small_pivots: int
 
 
@@ -75,24 +75,24 @@ class FrequencyKernel:
         self._equations = {name: signature(self._code.address(f"equations.{name}")) for name in ESTIMATORS}
 
     def response(self, matrices: FloatArray, hold: FloatArray, expansion: FloatArray) -> KernelResponse:
-        """Evaluate sampled responses and the vectors v of their Jacobian.
+        """Evaluate sampled responses and what their Jacobian is made of.
 
         Args:
-            matrices: Packed matrices, shape (Q, entries, 3).
+            matrices: Packed matrices, shape (Q, matrix_numbers).
             hold: Packed hold, shape (Q, blocks, numbers, LANES).
             expansion: Packed expansion, shape (Q, orders, pairs).
 
         Returns:
-            Responses and vectors.
+            Responses and factors.
         """
         n_positions, n_blocks = hold.shape[:2]
         structure = self.structure
         responses = np.empty((n_positions, n_blocks, 2 * len(structure.pairs), LANES))
-        vectors = np.empty((n_positions, n_blocks, 2 * len(structure.vectors) * len(structure.places), LANES))
+        factors = np.empty((n_positions, n_blocks, 2 * structure.factor_numbers, LANES))
         small = np.zeros(LANES)
-        arrays = (matrices, hold, expansion, responses, vectors, small)
+        arrays = (matrices, hold, expansion, responses, factors, small)
         self._response(n_positions, n_blocks, *(array.ctypes.data for array in arrays))
-        return KernelResponse(responses, vectors, int(small.sum()))
+        return KernelResponse(responses, factors, int(small.sum()))
 
     def sums(
         self, estimator: str, matrices: FloatArray, hold: FloatArray, expansion: FloatArray, target: FloatArray
@@ -101,7 +101,7 @@ class FrequencyKernel:
 
         Args:
             estimator: "LLS", "LLSM" or "NLS".
-            matrices: Packed matrices, shape (Q, entries, 3).
+            matrices: Packed matrices, shape (Q, matrix_numbers).
             hold: Packed hold, shape (Q, blocks, numbers, LANES).
             expansion: Packed expansion, shape (Q, orders, pairs).
             target: Packed target, shape (Q, blocks, pairs * TARGET_NUMBERS, LANES).
@@ -133,9 +133,9 @@ _ARGUMENTS = "i64 %positions, i64 %blocks, ptr %matrices, ptr %hold, ptr %expans
 
 
 def _response_driver(structure: KernelStructure) -> str:
-    """Write the loop over positions and blocks that stores responses and vectors."""
+    """Write the loop over positions and blocks that stores responses and factors."""
     block = IrBlock()
-    sizes = {"responses": 2 * len(structure.pairs), "vectors": 2 * len(structure.vectors) * len(structure.places)}
+    sizes = {"responses": 2 * len(structure.pairs), "vectors": 2 * structure.factor_numbers}
     with block.loop(0, "%positions") as position:
         matrices, expansion = _of_position(block, structure, position.index)
         first = block.value(f"mul nsw i64 {position.index}, %blocks")
@@ -152,9 +152,9 @@ def _equations_driver(structure: KernelStructure, estimator: str) -> str:
     """Write the loop over positions and blocks that adds up the sums of each position."""
     block = IrBlock()
     scratch = block.of_lanes(LANES)
-    n_vectors = len(structure.vectors) * len(structure.places)
     response, vectors = (
-        block.value(f"alloca {scratch.type}, i64 {2 * size}, align 64") for size in (len(structure.pairs), n_vectors)
+        block.value(f"alloca {scratch.type}, i64 {2 * size}, align 64")
+        for size in (len(structure.pairs), structure.factor_numbers)
     )
     with block.loop(0, "%positions") as position:
         matrices, expansion = _of_position(block, structure, position.index)
@@ -173,7 +173,7 @@ def _equations_driver(structure: KernelStructure, estimator: str) -> str:
 
 
 def _of_position(block: IrBlock, structure: KernelStructure, position: str) -> tuple[str, str]:
-    matrices = _element(block, "%matrices", position, 3 * len(structure.entries))
+    matrices = _element(block, "%matrices", position, structure.matrix_numbers)
     return matrices, _element(block, "%expansion", position, len(ORDERS) * len(structure.pairs))
 
 

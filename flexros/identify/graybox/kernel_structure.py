@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.frequency_model import FrequencyModel
     from flexros.identify.graybox.linearised_positions import LinearisedPositions
 
+Vector: TypeAlias = "tuple[tuple[int, float], ...]"
+"""A rank-one vector as pairs (place, coefficient)."""
 LANES = 8
 """Frequencies side by side."""
 
@@ -30,15 +32,20 @@ class KernelStructure:
         entries: Places (row >= column) of A that are not zero in some position.
         damped: Those of them where D is not zero.
         vectors: Distinct rank-one vectors as pairs (place, coefficient), length J.
-        parameters: Number of the vector and power of jw of each rank-one parameter, length P.
+        parameters: Number of the vector and power of jw of each parameter, length P; slope g counts as vector J + g
+            with power 0.
+        n_slopes: Number of parameters that are no rank-one terms, G.
+        touched: Coordinates that slopes reach.
     """
 
     n: int
     places: tuple[int, ...]
     entries: tuple[tuple[int, int], ...]
     damped: tuple[tuple[int, int], ...]
-    vectors: tuple[tuple[tuple[int, float], ...], ...]
+    vectors: tuple[Vector, ...]
     parameters: tuple[tuple[int, int], ...]
+    n_slopes: int
+    touched: tuple[int, ...]
 
     @cached_property
     def elimination(self) -> Elimination:
@@ -49,6 +56,22 @@ class KernelStructure:
     def pairs(self) -> tuple[tuple[int, int], ...]:
         """Elements (m, n) of the symmetric response with m <= n, in the order of all packed arrays."""
         return motor_pairs(len(self.places))
+
+    @cached_property
+    def sloped(self) -> range:
+        """Turns of elimination between the first and the last coordinate that slopes reach."""
+        turns = [turn for turn, place in enumerate(self.elimination.order) if place in self.touched]
+        return range(turns[0], turns[-1] + 1) if turns else range(0)
+
+    @property
+    def matrix_numbers(self) -> int:
+        """Numbers per position in packed matrices: K, M, D of entries, then of slopes."""
+        return 3 * (len(self.entries) + self.n_slopes * len(self.sloped) ** 2)
+
+    @property
+    def factor_numbers(self) -> int:
+        """Complex numbers per frequency that derivatives are made of: v of each vector, then products of slopes."""
+        return len(self.vectors) * len(self.places) + self.n_slopes * len(self.pairs)
 
     @property
     def hold_numbers(self) -> int:
@@ -62,7 +85,7 @@ def motor_pairs(n_motors: int) -> tuple[tuple[int, int], ...]:
 
 
 def kernel_structure(positions: LinearisedPositions) -> KernelStructure:
-    """Find the structure of linearised positions whose parameters are rank-one terms.
+    """Find the structure of linearised positions.
 
     Args:
         positions: Linear models.
@@ -70,28 +93,42 @@ def kernel_structure(positions: LinearisedPositions) -> KernelStructure:
     Returns:
         The structure, with every place that a parameter can make non-zero.
     """
+    slopes = (positions.mass_slopes, positions.damping_slopes, positions.stiffness_slopes)
+    sloped = [np.any(slope != 0, axis=(0, 1)) for slope in slopes]
     touched = np.einsum("pi,pj->ij", np.abs(positions.vectors), np.abs(positions.vectors)) != 0
-    damped = touched | np.any(positions.damping != 0, axis=0)
-    filled = damped | np.any((positions.mass != 0) | (positions.stiffness != 0), axis=0)
-    n = len(filled)
-    lower = [(i, j) for i in range(n) for j in range(i + 1)]
-    vectors: dict[tuple[tuple[int, float], ...], int] = {}
-    parameters = []
-    for vector, power in zip(positions.vectors, positions.powers, strict=True):
-        key = tuple((int(place), float(vector[place])) for place in np.flatnonzero(vector))
-        parameters.append((vectors.setdefault(key, len(vectors)), int(power)))
+    damped = touched | sloped[1] | np.any(positions.damping != 0, axis=0)
+    filled = damped | sloped[0] | sloped[2] | np.any((positions.mass != 0) | (positions.stiffness != 0), axis=0)
+    lower = [(i, j) for i in range(len(filled)) for j in range(i + 1)]
+    vectors, parameters = _vectors(positions)
     return KernelStructure(
-        n=n,
+        n=len(filled),
         places=tuple(int(place) for place in positions.motor_places),
         entries=tuple(place for place in lower if filled[place] or place[0] == place[1]),
         damped=tuple(place for place in lower if damped[place]),
-        vectors=tuple(vectors),
-        parameters=tuple(parameters),
+        vectors=vectors,
+        parameters=parameters,
+        n_slopes=len(positions.sloped),
+        touched=tuple(int(place) for place in np.flatnonzero(np.any(sloped, axis=(0, 1)))),
     )
 
 
+def _vectors(positions: LinearisedPositions) -> tuple[tuple[Vector, ...], tuple[tuple[int, int], ...]]:
+    """Distinct rank-one vectors, and number and power of each parameter."""
+    numbers: dict[Vector, int] = {}
+    keys = [tuple((int(i), float(vector[i])) for i in np.flatnonzero(vector)) for vector in positions.vectors]
+    for key in keys:
+        if key:
+            numbers.setdefault(key, len(numbers))
+    slopes = {int(place): len(numbers) + slope for slope, place in enumerate(positions.sloped)}
+    parameters = tuple(
+        (slopes[place], 0) if place in slopes else (numbers[key], int(power))
+        for place, (key, power) in enumerate(zip(keys, positions.powers, strict=True))
+    )
+    return tuple(numbers), parameters
+
+
 def packed_matrices(structure: KernelStructure, positions: LinearisedPositions, theta: FloatArray) -> FloatArray:
-    """Entries K, M, D of every position in the order of `entries`.
+    """K, M, D of every position: of the entries, then of the slopes in the order of elimination.
 
     Args:
         structure: Structure of the code.
@@ -99,11 +136,19 @@ def packed_matrices(structure: KernelStructure, positions: LinearisedPositions, 
         theta: Values of the parameters (SI), shape (P,).
 
     Returns:
-        Entries, shape (Q, number of entries, 3).
+        Numbers, shape (Q, matrix_numbers).
     """
+    n_positions = len(positions.mass)
     rows, columns = np.array(structure.entries).T
     mass, damping, stiffness = (matrix[:, rows, columns] for matrix in positions.matrices(theta))
-    return np.ascontiguousarray(np.stack([stiffness, mass, damping], axis=-1))
+    packed = np.empty((n_positions, structure.matrix_numbers))
+    packed[:, : 3 * len(rows)] = np.stack([stiffness, mass, damping], axis=-1).reshape(n_positions, -1)
+    if structure.n_slopes:
+        order = np.array(structure.elimination.order)[list(structure.sloped)]
+        slopes = (positions.stiffness_slopes, positions.mass_slopes, positions.damping_slopes)
+        picked = np.stack([slope[:, :, order[:, None], order] for slope in slopes], axis=-1)
+        packed[:, 3 * len(rows) :] = picked.reshape(n_positions, -1)
+    return packed
 
 
 def packed_hold(model: FrequencyModel) -> FloatArray:

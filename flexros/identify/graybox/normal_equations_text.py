@@ -7,7 +7,7 @@ For element e of the symmetric response and rank-one vector j let X_je = sqrt(w_
     S_ij = sum_e conj(X_ie) X_je,    w^(k+k') Re(conj(j^k) j^k' S_ij),
 
 or, where only magnitudes are compared, from those of the real and imaginary parts. The weighted error is one more
-column, which gives the gradient.
+column, which gives the gradient. A parameter that is no rank-one term has its product in place of v_jm v_jn.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class _EquationsWriter:
         self.structure, self.estimator = structure, estimator
         self.block = IrBlock(LANES)
         self.complex = ComplexBlock(self.block)
-        self._n_columns = len(structure.vectors) + 1
+        self._n_columns = len(structure.vectors) + structure.n_slopes + 1
         elements = len(structure.pairs)
         self._X = self.block.value(f"alloca {self.block.type}, i64 {2 * elements * self._n_columns}, align 64")
         self._omega = self.block.load("%hold", 0)
@@ -94,7 +94,7 @@ class _EquationsWriter:
 
     def _element(self, element: str, m: IrLoop, n: IrLoop) -> str:
         """Write the columns of one element; return its cost."""
-        block, motors = self.block, len(self.structure.places)
+        block = self.block
         numbers = block.pointer("%target", block.value(f"mul nsw i64 {element}, {TARGET_NUMBERS}"))
         root, inverse_root = block.load(numbers, 6), block.load(numbers, 7)
         response = self.complex.load("%response", element)
@@ -111,13 +111,21 @@ class _EquationsWriter:
         factor = self.complex.scaled(factor, root)
         row = block.value(f"mul nsw i64 {element}, {self._n_columns}")
         for j in range(self._n_columns - 1):
-            places = [block.value(f"add nsw i64 {loop.index}, {j * motors}") for loop in (m, n)]
-            v, other = (self.complex.load("%vectors", place) for place in places)
-            column = self.complex.mul(self.complex.mul(v, other), factor)
+            column = self.complex.mul(self._factor(j, element, m, n), factor)
             self.complex.store(column, self._X, block.value(f"add nsw i64 {row}, {j}"))
         last = block.value(f"add nsw i64 {row}, {self._n_columns - 1}")
         self.complex.store(self.complex.scaled(error, inverse_root), self._X, last)
         return cost
+
+    def _factor(self, j: int, element: str, m: IrLoop, n: IrLoop) -> ComplexValue:
+        """Write the product v_m v_n of a vector, or the product Z^T (dA/dtheta) Z of a slope."""
+        motors, slope = len(self.structure.places), j - len(self.structure.vectors)
+        if slope >= 0:
+            first = len(self.structure.vectors) * motors + slope * len(self.structure.pairs)
+            return self.complex.load("%vectors", self.block.value(f"add nsw i64 {element}, {first}"))
+        places = [self.block.value(f"add nsw i64 {loop.index}, {j * motors}") for loop in (m, n)]
+        v, other = (self.complex.load("%vectors", place) for place in places)
+        return self.complex.mul(v, other)
 
     def _weighted_error(self, numbers: str, response: ComplexValue) -> tuple[ComplexValue, str]:
         """Write the sum of weight times error of (m, n) and (n, m), and their cost."""

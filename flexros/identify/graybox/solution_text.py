@@ -15,6 +15,7 @@ from flexros.compile.ir_text import IrBlock
 from flexros.identify.graybox.complex_block import ComplexBlock, ComplexValue
 from flexros.identify.graybox.kernel_structure import LANES
 from flexros.identify.graybox.sampled import ORDERS
+from flexros.identify.graybox.slope_text import SlopeWriter
 
 if TYPE_CHECKING:
     from flexros.identify.graybox.kernel_structure import KernelStructure
@@ -33,7 +34,8 @@ def solution_text(structure: KernelStructure, symbol: str) -> str:
     """Write `void @symbol(ptr matrices, ptr hold, ptr expansion, ptr response, ptr vectors, ptr small)`.
 
     It reads the packed matrices and expansion of a position and the hold of a block, writes the sampled response
-    (complex, one per pair), v of each rank-one vector (complex, (J, M)) and adds the number of small pivots.
+    (complex, one per pair), v of each rank-one vector and the products of slopes (complex, `factor_numbers`) and adds
+    the number of small pivots.
 
     Args:
         structure: Structure of the model.
@@ -43,6 +45,7 @@ def solution_text(structure: KernelStructure, symbol: str) -> str:
     writer.factorise()
     writer.back_substitute()
     writer.finish()
+    SlopeWriter(structure, writer.block, writer.Z, writer.omega).write()
     arguments = ", ".join(f"ptr noalias %{name}" for name in ("matrices", "hold", "expansion", "response", "vectors"))
     return (
         f"define internal void @{symbol}({arguments}, ptr noalias %small) nounwind {{\nentry:\n"
@@ -78,9 +81,9 @@ class _SolutionWriter:
         self._U = self._array((n + motors) * self._stride)
         self._inverse = self._array(n)  # of the pivots
         self._rows = self._array(TILE * n)  # -L of the columns at work
-        self._Z = self._array(n * motors)
-        self._omega = self.block.load("%hold", 0)
-        self._minus_square = self._minus(self.block.mul(self._omega, self._omega))
+        self.Z = self._array(n * motors)
+        self.omega = self.block.load("%hold", 0)
+        self._minus_square = self._minus(self.block.mul(self.omega, self.omega))
         self._small = self.block.load("%small", 0)
 
     def _array(self, size: int) -> str:
@@ -146,7 +149,7 @@ class _SolutionWriter:
             return ComplexValue(zero, zero)
         K, M, D = (self._matrix(row, column, part) for part in range(3))
         re = self.block.fma(self._minus_square, M, K)
-        return ComplexValue(re, self.block.mul(self._omega, D) if (row, column) in self._damped else zero)
+        return ComplexValue(re, self.block.mul(self.omega, D) if (row, column) in self._damped else zero)
 
     def _matrix(self, row: int, column: int, part: int) -> str:
         one = self.block.of_lanes(1).load("%matrices", 3 * self._given[row, column] + part)
@@ -213,7 +216,7 @@ class _SolutionWriter:
         """Write the inverse of a pivot and the check of its size."""
         block = self.block
         K, M, D = (block.intrinsic("fabs", self._matrix(column, column, part)) for part in range(3))
-        size = block.fma(self._omega, D, block.fma(block.mul(self._omega, self._omega), M, K))
+        size = block.fma(self.omega, D, block.fma(block.mul(self.omega, self.omega), M, K))
         limit = block.mul(size, block.number(SMALLEST_PIVOT))
         small = block.compare("ult", self.complex.square(pivot), block.mul(limit, limit))  # also where it is NaN
         one = block.select(small, block.number(1.0), block.number(0.0))
@@ -243,14 +246,14 @@ class _SolutionWriter:
                 totals = self._over(run, totals, self._substitution(pivot, motors))
             inverse = self.complex.load(self._inverse, pivot)
             for m, total in enumerate(totals):
-                self.complex.store(self.complex.mul(total, inverse), self._Z, pivot * motors + m)
+                self.complex.store(self.complex.mul(total, inverse), self.Z, pivot * motors + m)
 
     def _substitution(self, pivot: int, motors: int) -> _Body:
         """Write what one row of Z takes from the row of a pivot."""
 
         def body(row: int | str, totals: list[ComplexValue]) -> list[ComplexValue]:
             U = self.complex.load(self._at(self._U, row, self._stride), pivot)
-            minus_U, Z = self.complex.negative(U), self._at(self._Z, row, motors)
+            minus_U, Z = self.complex.negative(U), self._at(self.Z, row, motors)
             return [self.complex.add_product(total, minus_U, self.complex.load(Z, m)) for m, total in enumerate(totals)]
 
         return body
@@ -261,7 +264,7 @@ class _SolutionWriter:
         gain = ComplexValue(self.block.load("%hold", 1), self.block.load("%hold", 2))
         scalar = self.block.of_lanes(1)
         for number, (m, n) in enumerate(self.structure.pairs):
-            total = self.complex.mul(gain, self.complex.load(self._Z, self._turn[places[m]] * motors + n))
+            total = self.complex.mul(gain, self.complex.load(self.Z, self._turn[places[m]] * motors + n))
             for order in range(len(ORDERS)):
                 alias = ComplexValue(self.block.load("%hold", 3 + 2 * order), self.block.load("%hold", 4 + 2 * order))
                 factor = self.block.splat(scalar.load("%expansion", order * len(self.structure.pairs) + number))
@@ -279,4 +282,4 @@ class _SolutionWriter:
                 self.complex.store(total, "%vectors", number * motors + m)
 
     def _unknown(self, place: int, m: int) -> ComplexValue:
-        return self.complex.load(self._Z, self._turn[place] * len(self.structure.places) + m)
+        return self.complex.load(self.Z, self._turn[place] * len(self.structure.places) + m)

@@ -15,6 +15,9 @@ from flexros.robot import load_robot
 FREQUENCY = np.geomspace(0.5, 120.0, 13)  # not a multiple of the lanes
 CASES = {
     "six_axis": (),
+    "six_axis with inertias": ("body_7.mass", "body_3.ry.stiffness", "body_5.center_of_mass.x", "body_4.length.x"),
+    "elbow with inertias": ("body_2.mass", "body_2.inertia.yy"),
+    "four_mass with friction": ("body_2.viscous_friction", "body_1.rz.stiffness"),
     "e12": ("body_1.ry.stiffness", "body_1.ry.damping", "body_3.ry.stiffness", "motor_2.inertia"),
     "elbow": ("body_1.ry.stiffness", "body_2.ry.damping", "motor_1.viscous_friction"),
     "four_mass": ("body_1.rz.stiffness", "body_2.rz.stiffness", "body_3.rz.damping", "motor_1.inertia"),
@@ -24,7 +27,7 @@ CASES = {
 
 
 def model_of(name: str, number: int = 3) -> FrequencyModel:
-    robot = load_robot(name)
+    robot = load_robot(name.split()[0])
     motors = robot.home[list(robot.chain.geared)] + 0.3 * np.random.default_rng(2).normal(size=(number, robot.n_motors))
     positions = linearise_positions(robot, CASES[name] or robot.spec.unknown_parameters, motors)
     return FrequencyModel(positions, FREQUENCY, robot.sample_time, robot.delay)
@@ -34,7 +37,7 @@ def shifted(model: FrequencyModel) -> np.ndarray:
     """Values up to a factor of ten away from those linearised at."""
     rng = np.random.default_rng(3)
     theta: np.ndarray = model.positions.values * 10.0 ** rng.uniform(-1, 1, len(model.positions.values))
-    return theta
+    return np.where(model.positions.powers >= 0, theta, model.positions.values * rng.uniform(0.9, 1.1, len(theta)))
 
 
 @pytest.mark.parametrize("name", CASES)
