@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from dataclasses import dataclass
 from functools import lru_cache
+from threading import Lock
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 MOST_PRODUCTS = 12_000
 """Complex products per frequency up to which unrolled code is worth compiling (about 45 coordinates, chosen)."""
 ESTIMATORS = ("LLS", "LLSM", "NLS")
+_COMPILING = Lock()  # threads that fit the same robot wait for one compilation
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +123,8 @@ def kernel_for(structure: KernelStructure) -> FrequencyKernel | None:
     """Return the compiled code of a structure, compiled once; None where it is too large or there is no compiler."""
     if not can_compile() or structure.elimination.products > MOST_PRODUCTS:
         return None
-    return _kernel(structure)
+    with _COMPILING:
+        return _kernel(structure)
 
 
 @lru_cache(maxsize=16)

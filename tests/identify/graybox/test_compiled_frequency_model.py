@@ -8,7 +8,7 @@ import pytest
 from flexros.identify.graybox.compiled_frequency_model import compiled_model
 from flexros.identify.graybox.frequency_kernel import kernel_for
 from flexros.identify.graybox.frequency_model import FrequencyModel
-from flexros.identify.graybox.kernel_structure import in_blocks, kernel_structure, out_of_blocks
+from flexros.identify.graybox.kernel_structure import kernel_structure
 from flexros.identify.graybox.linearised_positions import linearise_positions
 from flexros.robot import load_robot
 
@@ -109,12 +109,3 @@ def test_vanishing_pivot_is_left_to_numpy() -> None:
     compiled = compiled_model(away)
     assert compiled is not None
     assert compiled.factored_jacobian(theta) is not None
-
-
-def test_blocks_of_frequencies_go_both_ways() -> None:
-    rng = np.random.default_rng(4)
-    numbers = rng.normal(size=(2, 11, 3)) + 1j * rng.normal(size=(2, 11, 3))
-    blocks = in_blocks(numbers.view(np.float64))
-    assert blocks.shape == (2, 2, 6, 8)
-    np.testing.assert_array_equal(out_of_blocks(blocks, 11), numbers)
-    np.testing.assert_array_equal(blocks[:, 1, 0, 3:], np.repeat(numbers.real[:, -1:, 0], 5, axis=1))
