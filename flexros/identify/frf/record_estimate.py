@@ -120,12 +120,15 @@ def independent_spacing(half: int, degree: int) -> int:
 
 
 def _spectra(samples: FloatArray, experiments: Experiments, settings: FrfSettings, band: IntArray) -> ComplexArray:
-    """Transform all records of all experiments, shape (F, n, m P)."""
+    """Transform all records of all experiments, shape (F, n, m P).
+
+    A window that ends in zeros needs no line taken off, whose slope would rest on the noise of the two ends.
+    """
     period, n = experiments.period, samples.shape[2]
     records = samples.reshape(-1, period, n)
-    weight = data_window(settings.window, period) if settings.method == "smoothing" else np.ones(period)
-    spectra = [
-        2.0 / period * np.fft.rfft(weight[:, None] * without_line(record, settings.rest_samples), axis=0)[band]
-        for record in records
-    ]
-    return np.moveaxis(np.array(spectra), 0, 2)
+    if settings.method == "smoothing" and settings.window != "boxcar":
+        weight = data_window(settings.window, period)[:, None]
+        parts = [weight * (record - record.mean(axis=0)) for record in records]
+    else:
+        parts = [without_line(record, settings.rest_samples) for record in records]
+    return np.moveaxis(np.array([2.0 / period * np.fft.rfft(part, axis=0)[band] for part in parts]), 0, 2)
