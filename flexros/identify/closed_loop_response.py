@@ -1,4 +1,4 @@
-"""Torque that a reference causes in the linear closed loop, line by line."""
+"""Torque and motion that a reference causes in the linear closed loop, line by line."""
 
 from __future__ import annotations
 
@@ -60,10 +60,23 @@ def controller_response(
     return ControllerResponse(whole[:, :, : 2 * n_motors], whole[:, :, 3 * n_motors :])
 
 
-def torque_response(
+@dataclass(frozen=True, eq=False)
+class LoopResponse:
+    """Frequency responses of the closed loop from [motor position; speed] reference.
+
+    Attributes:
+        torque: To the torque command [Nm or N], shape (F, M, 2 M).
+        speed: To the motor speed [rad/s or m/s], shape (F, M, 2 M).
+    """
+
+    torque: ComplexArray
+    speed: ComplexArray
+
+
+def loop_response(
     robot: Robot, arm: FloatArray, controller: ControllerResponse, sample_time: float, frequency: FloatArray
-) -> ComplexArray:
-    """Give the torque command of the closed loop for motor references.
+) -> LoopResponse:
+    """Give torque and motor speed of the closed loop for motor references.
 
     The robot is linearised at rest. Its response to the held command is that to a continuous one times the response of
     the hold, sin(x) / x with x = w T / 2, and of half a sample and the command's delay; what folds back from above
@@ -77,7 +90,7 @@ def torque_response(
         frequency: Frequencies [Hz], shape (F,).
 
     Returns:
-        From motor position and speed reference to the torque command, shape (F, M, 2 M).
+        The responses.
     """
     linear = linear_model(robot, arm)
     w = (2.0 * np.pi * frequency)[:, None, None]
@@ -88,7 +101,8 @@ def torque_response(
     hold = np.sinc(frequency * sample_time) * np.exp(-2j * np.pi * frequency * (0.5 * sample_time + robot.delay))
     plant = hold[:, None, None] * (linear.encoder @ moved)
     loop = np.eye(robot.n_motors) - controller.to_measured @ plant
-    return np.asarray(np.linalg.solve(loop, controller.to_reference), dtype=np.complex128)
+    torque: ComplexArray = np.linalg.solve(loop, controller.to_reference).astype(np.complex128)
+    return LoopResponse(torque, 1j * w * (plant @ torque))
 
 
 def _size(*parts: FloatArray) -> tuple[int, int]:

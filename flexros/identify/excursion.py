@@ -43,15 +43,11 @@ def excursion(plan: ExperimentPlan, visit: Visit) -> Excursion:
     """
     n, m = visit.end - visit.lead, plan.n_motors
     result = Excursion(np.zeros((n, m)), np.zeros((n, m)))
-    signals: BlockSignals | None = None
-    for number in range(visit.n_experiments):
-        block, experiment = divmod(number, m)
-        if experiment == 0:
-            signals = plan.signals(visit.position, block)
-        assert signals is not None
+    signals = {block: plan.signals(visit.position, block) for block in {block for block, _ in visit.order}}
+    for number, (block, experiment) in enumerate(visit.order):
         first = visit.begin_first - visit.lead + number * visit.experiment
         rows = slice(first, first + visit.experiment)
-        for part in (faded(plan, signals, experiment), _slow(plan, backwards=number % 2 == 1)):
+        for part in (faded(plan, signals[block], experiment), _slow(plan, backwards=number % 2 == 1)):
             result.position[rows] += part.position
             result.speed[rows] += part.speed
     if plan.timing.lead:

@@ -10,8 +10,8 @@ from flexros.config.per_motor import per_motor
 from flexros.control.motorwise import AbstractMotorwiseLaw
 from flexros.errors import InputError
 from flexros.identify.excursion import faded, half_way
+from flexros.identify.loop_prediction import LoopPrediction
 from flexros.identify.margin import Margin, Swing, smallest_margin
-from flexros.identify.predicted_torque import TorquePrediction
 from flexros.identify.slow_motion import ConstantSpeed, NoSlowMotion
 from flexros.trajectory.path import text
 
@@ -34,8 +34,8 @@ def check_limits(plan: ExperimentPlan, robot: Robot, law: AbstractControlLaw, re
     """Refuse an experiment in which the nominal robot would leave a limit.
 
     Position and speed are those of the reference. The torque is predicted: what holds the robot at rest and drives it
-    at the slow motion, and what the excitation causes in the linear closed loop. Moves are checked by their feedforward
-    torque.
+    at the slow motion, and what the excitation causes in the linear closed loop. So is the motor speed that must not
+    turn a constant speed back. Moves are checked by their feedforward torque.
 
     Args:
         plan: The plan.
@@ -49,7 +49,7 @@ def check_limits(plan: ExperimentPlan, robot: Robot, law: AbstractControlLaw, re
     allowed = plan.specification.limits.torque_share * torque_limits(robot, law)
     for visit in plan.visits:
         _check_move(plan, robot, visit, reference, allowed)
-    prediction = TorquePrediction.of(plan, robot, law)
+    prediction = LoopPrediction.of(plan, robot, law)
     worst: tuple[Margin, Visit] | None = None
     near = robot.home
     for visit in plan.visits:
@@ -58,9 +58,9 @@ def check_limits(plan: ExperimentPlan, robot: Robot, law: AbstractControlLaw, re
         at_rest = prediction.at(rest)
         for block in range(visit.n_experiments // plan.n_motors):
             signals = plan.signals(visit.position, block)
-            torque = at_rest.swing(signals)
+            torque, speed = at_rest.torque(signals), at_rest.speed(signals)
             for experiment in range(plan.n_motors):
-                swings = [*_motion(plan, visit, signals, experiment)]
+                swings = [*_motion(plan, visit, signals, experiment, speed[experiment])]
                 swings.append(Swing("torque", *at_rest.offset, torque[experiment], -allowed, allowed))
                 margin = smallest_margin(swings)
                 if worst is None or margin.factor < worst[0].factor:
@@ -81,14 +81,15 @@ def torque_limits(robot: Robot, law: AbstractControlLaw) -> FloatArray:
     return robot.torque_limits
 
 
-def _motion(plan: ExperimentPlan, visit: Visit, signals: BlockSignals, experiment: int) -> Iterator[Swing]:
-    """Give position and speed of an experiment, as far as they are limited."""
+def _motion(
+    plan: ExperimentPlan, visit: Visit, signals: BlockSignals, experiment: int, predicted: FloatArray
+) -> Iterator[Swing]:
+    """Give position and speed of an experiment as far as they are limited, and the predicted speed not to turn back."""
     limits, slow, m = plan.specification.limits, plan.specification.slow_motion, plan.n_motors
     whole = faded(plan, signals, experiment)
     slow_speed = np.zeros(m) if isinstance(slow, NoSlowMotion) else slow.speeds(m)
     if isinstance(slow, ConstantSpeed) and not slow.allow_reversal:
-        recorded = signals.speed[experiment]
-        yield Swing("speed against the slow motion", np.zeros(m), np.zeros(m), recorded, -slow_speed, slow_speed)
+        yield Swing("speed against the slow motion", np.zeros(m), np.zeros(m), predicted, -slow_speed, slow_speed)
     if limits.speed is not None:
         fastest = per_motor("identification.limits.speed", limits.speed, m)
         yield Swing("speed", -slow_speed, slow_speed, whole.speed, -fastest, fastest)

@@ -29,7 +29,7 @@ class ConstantSpeed(Settings):
     kind: Literal["constant_speed"] = Field(description="kind of slow motion [name]")
     speed: NotNegativePerMotor = Field(description="speed, one or one per motor [rad/s or m/s]")
     allow_reversal: bool = Field(
-        default=False, description="whether the excitation may be faster than it, so that motors turn back [true/false]"
+        default=False, description="whether motors may turn back where the excitation moves them faster [true/false]"
     )
 
     def speeds(self, n_motors: int) -> FloatArray:

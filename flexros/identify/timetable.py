@@ -54,7 +54,7 @@ class Visit:
         lead: Sample at which the approach to the start of a constant speed begins; `begin_first` where there is none.
         begin_first: Sample at which the first experiment begins.
         experiment: Length of an experiment [samples], fades and transients included.
-        n_experiments: Number of experiments of all blocks.
+        order: Number of the block and of the experiment in it, in the order of time.
         end: Sample after the last of the stay.
     """
 
@@ -64,8 +64,13 @@ class Visit:
     lead: int
     begin_first: int
     experiment: int
-    n_experiments: int
+    order: tuple[tuple[int, int], ...]
     end: int
+
+    @property
+    def n_experiments(self) -> int:
+        """Number of experiments of all blocks."""
+        return len(self.order)
 
 
 @dataclass(frozen=True)
@@ -183,31 +188,54 @@ def visits_of(
             moving = samples_of(move_law(here, goal, specification.move), sample_time)
         lead = at + moving + timing.settle
         first = lead + timing.lead
-        number = blocks * n_motors
-        end = first + number * timing.experiment + timing.lead
-        visits.append(Visit(position, at, at + moving, lead, first, timing.experiment, number, end))
+        order = order_of(blocks, n_motors, paired=isinstance(specification.slow_motion, ConstantSpeed))
+        end = first + len(order) * timing.experiment + timing.lead
+        visits.append(Visit(position, at, at + moving, lead, first, timing.experiment, order, end))
         here, at = goal, end
     return tuple(visits)
 
 
-def segments_of(visits: tuple[Visit, ...], timing: Timing, n_periods: int, n_motors: int) -> tuple[Segment, ...]:
+def order_of(n_blocks: int, n_motors: int, *, paired: bool) -> tuple[tuple[int, int], ...]:
+    """Give the order of the experiments of a stay.
+
+    With a constant speed whose sign changes from experiment to experiment, two blocks are run alternately: so all
+    experiments of the one go forwards and all of the other backwards. A robot that leaves its position a little gives a
+    response that drifts with the direction; within a block of one direction that does not mix the motors, and the mean
+    of the two blocks has none of it (chosen).
+
+    Args:
+        n_blocks: Number of blocks.
+        n_motors: Number of experiments in a block.
+        paired: Whether blocks are run in pairs; a last one without partner is run by itself.
+
+    Returns:
+        Number of the block and of the experiment in it, one per experiment, in the order of time.
+    """
+    pairs = n_blocks // 2 if paired else 0
+    order = [(2 * pair + side, e) for pair in range(pairs) for e in range(n_motors) for side in (0, 1)]
+    return (*order, *((block, e) for block in range(2 * pairs, n_blocks) for e in range(n_motors)))
+
+
+def segments_of(
+    visits: tuple[Visit, ...], timing: Timing, specification: IdentificationSpecification, n_motors: int
+) -> tuple[Segment, ...]:
     """List the recorded periods of all experiments, in the order of time.
 
     Args:
         visits: The stays.
         timing: Lengths in samples.
-        n_periods: Number of recorded periods of an experiment.
+        specification: What the user wrote.
         n_motors: Number of experiments in a block.
     """
     return tuple(
         Segment(
             position=visit.position,
-            block=number // n_motors,
-            experiment=number % n_motors,
+            block=block,
+            experiment=experiment,
             first=visit.begin_first + number * timing.experiment + timing.before,
-            n_periods=n_periods,
+            n_periods=specification.periods,
             period=timing.period,
         )
         for visit in visits
-        for number in range(visit.n_experiments)
+        for number, (block, experiment) in enumerate(visit.order)
     )

@@ -8,7 +8,7 @@ import pytest
 from flexros.control.cascade import Cascade
 from flexros.control.controller import Controller
 from flexros.control.pid import Pid
-from flexros.identify.closed_loop_response import controller_response, torque_response
+from flexros.identify.closed_loop_response import controller_response, loop_response
 from flexros.robot import load_robot
 
 T = 1e-3
@@ -35,5 +35,5 @@ def test_response_of_a_controller_is_that_of_its_samples(law: Pid | Cascade) -> 
 def test_integral_action_asks_for_no_torque_to_stay_elsewhere() -> None:
     robot, law = load_robot("two_mass"), LAWS[0]
     slow = np.array([1e-4])
-    response = torque_response(robot, robot.home, controller_response(law, 1, T, slow), T, slow)
-    assert abs(response[0, 0, 0]) < 1e-4  # two_mass has no gravity: a new place needs no torque
+    response = loop_response(robot, robot.home, controller_response(law, 1, T, slow), T, slow)
+    assert abs(response.torque[0, 0, 0]) < 1e-4  # two_mass has no gravity: a new place needs no torque

@@ -39,6 +39,14 @@ def test_every_position_has_its_blocks_of_one_experiment_per_motor(plan_of: Plan
     assert [visit.position for visit in plan.visits] == [0, 2]
 
 
+def test_blocks_at_constant_speed_run_in_pairs_of_one_direction_each(plan_of: Plans) -> None:
+    plan = plan_of(positions=[[0, 0.3]], blocks=3, slow_motion={"kind": "constant_speed", "speed": 0.2})
+    places = [(s.block, s.experiment) for s in plan.segments]
+    assert places == [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (2, 1)]
+    directions = {block: {number % 2 for number, (b, _) in enumerate(places) if b == block} for block in (0, 1)}
+    assert directions == {0: {0}, 1: {1}}
+
+
 def test_transients_and_fades_lie_before_the_recorded_periods(plan_of: Plans) -> None:
     plan = plan_of()
     first, second = plan.segments[:2]

@@ -1,4 +1,4 @@
-"""Torque that an identification experiment needs on the nominal model."""
+"""Torque and speed that an identification experiment causes on the nominal model."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.identify.closed_loop_response import ControllerResponse, controller_response, torque_response
+from flexros.identify.closed_loop_response import ControllerResponse, LoopResponse, controller_response, loop_response
 from flexros.identify.excursion import half_way
 from flexros.identify.slow_motion import ConstantSpeed, SlowSine
 
@@ -20,22 +20,22 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class TorqueAtRest:
+class PredictionAtRest:
     """Prediction about one position.
 
     Attributes:
         plan: The plan.
         lines: Lines of the prediction, shape (F,).
-        response: From position and speed reference to the torque command, shape (F, M, 2 M).
+        response: Closed loop at these lines.
         offset: Lowest and highest torque without excitation [Nm or N], each of shape (M,) or (n, M).
     """
 
     plan: ExperimentPlan
     lines: IntArray
-    response: ComplexArray
+    response: LoopResponse
     offset: tuple[FloatArray, FloatArray]
 
-    def swing(self, signals: BlockSignals) -> FloatArray:
+    def torque(self, signals: BlockSignals) -> FloatArray:
         """Give the torque that the excitation of a block adds over one period or record.
 
         Args:
@@ -44,15 +44,30 @@ class TorqueAtRest:
         Returns:
             Torque [Nm or N], shape (n_experiments, n, M).
         """
+        return self._answer(self.response.torque, signals)
+
+    def speed(self, signals: BlockSignals) -> FloatArray:
+        """Give the motor speed that the excitation of a block causes over one period or record.
+
+        Args:
+            signals: The excitation.
+
+        Returns:
+            Speed [rad/s or m/s], shape (n_experiments, n, M).
+        """
+        return self._answer(self.response.speed, signals)
+
+    def _answer(self, response: ComplexArray, signals: BlockSignals) -> FloatArray:
+        """Give what a response makes of the excitation, shape (n_experiments, n, M)."""
         references = np.concatenate([signals.position, signals.speed], axis=2)
         spectrum = np.fft.rfft(references, axis=1)
-        torque = np.zeros((*spectrum.shape[:2], self.plan.n_motors), dtype=complex)
-        torque[:, self.lines] = np.einsum("fij,efj->efi", self.response, spectrum[:, self.lines])
-        return np.fft.irfft(torque, references.shape[1], axis=1)
+        answer = np.zeros((*spectrum.shape[:2], self.plan.n_motors), dtype=complex)
+        answer[:, self.lines] = np.einsum("fij,efj->efi", response, spectrum[:, self.lines])
+        return np.fft.irfft(answer, references.shape[1], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
-class TorquePrediction:
+class LoopPrediction:
     """Prediction for all positions of a plan.
 
     Attributes:
@@ -68,7 +83,7 @@ class TorquePrediction:
     lines: IntArray
 
     @classmethod
-    def of(cls, plan: ExperimentPlan, robot: Robot, law: AbstractControlLaw) -> TorquePrediction:
+    def of(cls, plan: ExperimentPlan, robot: Robot, law: AbstractControlLaw) -> LoopPrediction:
         """Prepare the prediction.
 
         Args:
@@ -82,7 +97,7 @@ class TorquePrediction:
         controller = controller_response(law, robot.n_motors, plan.sample_time, _frequency(plan, lines))
         return cls(plan, robot, controller, lines)
 
-    def at(self, state: FloatArray) -> TorqueAtRest:
+    def at(self, state: FloatArray) -> PredictionAtRest:
         """Predict about a rest.
 
         Args:
@@ -90,8 +105,8 @@ class TorquePrediction:
         """
         frequency = _frequency(self.plan, self.lines)
         arm = state[: self.robot.n_arm]
-        response = torque_response(self.robot, arm, self.controller, self.plan.sample_time, frequency)
-        return TorqueAtRest(self.plan, self.lines, response, self._offset(state, response))
+        response = loop_response(self.robot, arm, self.controller, self.plan.sample_time, frequency)
+        return PredictionAtRest(self.plan, self.lines, response, self._offset(state, response.torque))
 
     def _offset(self, state: FloatArray, response: ComplexArray) -> tuple[FloatArray, FloatArray]:
         """Give the torque at rest and at the slow motion: gravity load, friction, and what a sine accelerates."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.config.scenario import Scenario
-from flexros.identify.predicted_torque import TorquePrediction
+from flexros.identify.loop_prediction import LoopPrediction
 from flexros.robot import load_robot
 from flexros.simulate.closed_loop import closed_loop
 from flexros.simulate.experiment import Experiment
@@ -28,15 +28,32 @@ def test_prediction_equals_the_simulation(scenario_of: Scenarios, slow: dict[str
     plan, robot = experiment.plan, experiment.nominal
     assert plan is not None
     assert effort is not None
-    prediction = TorquePrediction.of(plan, robot, scenario.controller)
+    prediction = LoopPrediction.of(plan, robot, scenario.controller)
     for s in plan.segments:
         lead = plan.visits[s.position].lead
         state = robot.equilibrium(robot.home, motor_position=experiment.reference.motor_position[lead])
         at_rest = prediction.at(state)
-        torque = at_rest.offset[0] + at_rest.swing(plan.signals(s.position, s.block))[s.experiment]
+        torque = at_rest.offset[0] + at_rest.torque(plan.signals(s.position, s.block))[s.experiment]
         found = effort[s.first + s.period : s.stop]
         error = np.std(found - torque, axis=0) / np.std(torque, axis=0)
         assert np.all(error < (0.2 if slow["kind"] == "constant_speed" else 0.03))  # moving changes the inertia
+
+
+def test_predicted_speed_is_that_of_the_motors(scenario_of: Scenarios) -> None:
+    scenario = scenario_of(transient_periods=4).with_values({"noise": False})
+    experiment = Experiment.prepare(scenario)
+    position = closed_loop(experiment).joint_states.position
+    plan, robot = experiment.plan, experiment.nominal
+    assert plan is not None
+    assert position is not None
+    state = robot.equilibrium(robot.home, motor_position=plan.positions[0])
+    speed = LoopPrediction.of(plan, robot, scenario.controller).at(state).speed(plan.signals(0, 0))[0]
+    first = plan.segments[0].first
+    found = (position[first + 1 : first + 1001] - position[first - 1 : first + 999]) / (2.0 * plan.sample_time)
+    assert np.max(np.abs(found - speed)) < 0.03 * np.max(np.abs(speed))
+    assert np.max(np.abs(found - plan.signals(0, 0).speed[0])) > 0.3 * np.max(
+        np.abs(speed)
+    )  # not that of the reference
 
 
 def test_friction_at_constant_speed_is_in_the_offset() -> None:
@@ -58,6 +75,6 @@ def test_friction_at_constant_speed_is_in_the_offset() -> None:
     )
     plan = Experiment.prepare(scenario).plan
     assert plan is not None
-    low, high = TorquePrediction.of(plan, robot, scenario.controller).at(robot.equilibrium(np.zeros(18))).offset
+    low, high = LoopPrediction.of(plan, robot, scenario.controller).at(robot.equilibrium(np.zeros(18))).offset
     assert high[0] - low[0] == pytest.approx(2 * 0.2 * 300.0, rel=1e-3)  # viscous friction of motor_1 both ways
     assert high[1] == pytest.approx(low[1], rel=1e-3)
