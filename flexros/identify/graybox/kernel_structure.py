@@ -12,12 +12,14 @@ from flexros.identify.graybox.elimination import Elimination, eliminate
 from flexros.identify.graybox.sampled import ORDERS
 
 if TYPE_CHECKING:
-    from flexros.arrays import ComplexArray, FloatArray
+    from flexros.arrays import BoolArray, ComplexArray, FloatArray
     from flexros.identify.graybox.frequency_model import FrequencyModel
     from flexros.identify.graybox.linearised_positions import LinearisedPositions
 
 Vector: TypeAlias = "tuple[tuple[int, float], ...]"
 """A rank-one vector as pairs (place, coefficient)."""
+NEGLIGIBLE = 1e-14
+"""Element beside the geometric mean of its diagonal elements that counts as zero."""
 LANES = 8
 """Frequencies side by side."""
 
@@ -94,10 +96,10 @@ def kernel_structure(positions: LinearisedPositions) -> KernelStructure:
         The structure, with every place that a parameter can make non-zero.
     """
     slopes = (positions.mass_slopes, positions.damping_slopes, positions.stiffness_slopes)
-    sloped = [np.any(slope != 0, axis=(0, 1)) for slope in slopes]
+    sloped = [_places(slope.reshape(-1, *slope.shape[2:])) for slope in slopes]
     touched = np.einsum("pi,pj->ij", np.abs(positions.vectors), np.abs(positions.vectors)) != 0
-    damped = touched | sloped[1] | np.any(positions.damping != 0, axis=0)
-    filled = damped | sloped[0] | sloped[2] | np.any((positions.mass != 0) | (positions.stiffness != 0), axis=0)
+    damped = touched | sloped[1] | _places(positions.damping)
+    filled = damped | sloped[0] | sloped[2] | _places(positions.mass) | _places(positions.stiffness)
     lower = [(i, j) for i in range(len(filled)) for j in range(i + 1)]
     vectors, parameters = _vectors(positions)
     return KernelStructure(
@@ -110,6 +112,13 @@ def kernel_structure(positions: LinearisedPositions) -> KernelStructure:
         n_slopes=len(positions.sloped),
         touched=tuple(int(place) for place in np.flatnonzero(np.any(sloped, axis=(0, 1)))),
     )
+
+
+def _places(matrices: FloatArray) -> BoolArray:
+    """Places that are more than rounding in some matrix: rounding must not decide what is compiled, shape (n, n)."""
+    diagonal = np.sqrt(np.abs(np.einsum("qii->qi", matrices)))
+    filled: BoolArray = np.any(np.abs(matrices) > NEGLIGIBLE * diagonal[:, :, None] * diagonal[:, None, :], axis=0)
+    return filled
 
 
 def _vectors(positions: LinearisedPositions) -> tuple[tuple[Vector, ...], tuple[tuple[int, int], ...]]:

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray, IntArray
 
 ORDERS = (2, 3, 4, 5, 6)
-"""Powers of 1/s that aliases are made of: the mass line first."""
+"""Powers of 1/s that aliases are made of, the mass line first (chosen: right to 2e-9 at 100 Hz and 5e-7 at 300 Hz for
+six_axis at 2 kHz; beyond a third of the sampling frequency the first alias comes too near to the modes)."""
 _ALIASES = 400  # the sum of the second order converges with their third power
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from flexros.identify.graybox.kernel_structure import (
@@ -46,6 +48,17 @@ def test_structure_does_not_depend_on_numbers() -> None:
     other = linearise_positions(robot, names, [[-0.5, 0.1, 0.2, 0.9, 0.3, 1.0]], one.values * 1.3)
     assert kernel_structure(one) == kernel_structure(other)
     assert hash(kernel_structure(one)) == hash(kernel_structure(other))
+
+
+def test_rounding_is_no_structure() -> None:
+    positions = linearise_positions(load_robot("e12"), ["body_1.ry.stiffness"], [[0.1, 0.2]])
+    noise = np.zeros_like(positions.stiffness)
+    noise[:, 0, 4] = noise[:, 4, 0] = 1e-16 * positions.stiffness[0, 0, 0]
+    noisy = replace(positions, stiffness=positions.stiffness + noise)
+    assert kernel_structure(noisy) == kernel_structure(positions)
+    assert kernel_structure(replace(positions, stiffness=positions.stiffness + 1e6 * noise)).entries != (
+        kernel_structure(positions).entries
+    )
 
 
 def test_matrices_are_packed_in_the_order_of_entries() -> None:
