@@ -1,0 +1,87 @@
+"""Parts of a campaign: computed on the workers, kept in files, never computed twice."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from flexros.errors import InputError
+from flexros.whole_file import write_whole
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
+
+    from distributed import Client
+
+SETTINGS = "settings.json"
+"""File that says what the parts of a folder belong to."""
+
+
+def claim_folder(folder: Path, settings: Mapping[str, Any]) -> None:
+    """Make sure that the parts in a folder belong to these settings.
+
+    Args:
+        folder: The folder, which exists; an empty one is claimed.
+        settings: What the parts depend on, for JSON.
+
+    Raises:
+        InputError: The folder holds parts that were made with other settings.
+    """
+    file, text = folder / SETTINGS, json.dumps(settings, indent=1, sort_keys=True)
+    if not file.exists():
+        write_whole(file, text)
+        return
+    before = json.loads(file.read_text(encoding="utf-8"))
+    now = json.loads(text)
+    differing = sorted(key for key in {*before, *now} if before.get(key) != now.get(key))
+    if differing:
+        key = differing[0]
+        raise InputError(
+            f"the folder '{folder}' holds parts with {key} {_short(before.get(key))}, but now it is "
+            f"{_short(now.get(key))}; give another folder with --work, or remove this one"
+        )
+
+
+def finished_parts(
+    folder: Path,
+    client: Client,
+    jobs: Mapping[str, tuple[Any, ...]],
+    function: Callable[..., dict[str, Any]],
+    progress: Callable[[int], None],
+) -> dict[str, dict[str, Any]]:
+    """Compute the parts that are not there yet, and give all.
+
+    Args:
+        folder: Where parts are kept, one JSON file each; written as soon as a part is finished.
+        client: Dask client whose workers compute.
+        jobs: Arguments of the function by the name of the part, which becomes that of its file.
+        function: What computes a part from its arguments; gives what JSON can hold.
+        progress: Called with the number of parts that are there.
+
+    Returns:
+        Results by name of the part, in the order of the jobs.
+    """
+    from distributed import as_completed  # here, because it loads slowly
+
+    missing = {name: arguments for name, arguments in jobs.items() if not _file(folder, name).exists()}
+    progress(len(jobs) - len(missing))
+    submitted = {client.submit(function, *arguments, pure=False): name for name, arguments in missing.items()}
+    try:
+        for done, future in enumerate(as_completed(list(submitted)), start=1):
+            write_whole(_file(folder, submitted[future]), json.dumps(future.result()))
+            future.release()
+            progress(len(jobs) - len(missing) + done)
+    except BaseException:
+        client.cancel(list(submitted))
+        raise
+    return {name: json.loads(_file(folder, name).read_text(encoding="utf-8")) for name in jobs}
+
+
+def _file(folder: Path, name: str) -> Path:
+    return folder / f"{name}.json"
+
+
+def _short(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

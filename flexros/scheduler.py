@@ -1,0 +1,64 @@
+"""Where the parts of a long computation run: on a Dask cluster that the user has, or in this process."""
+
+from __future__ import annotations
+
+import os
+from contextlib import contextmanager
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from distributed import Client
+
+ANSWER = 10.0
+"""Time in which a scheduler must answer [s]."""
+
+
+@contextmanager
+def connected(address: str = "", threads: int | None = None) -> Iterator[Client]:
+    """Give a Dask client for as long as it is needed.
+
+    Args:
+        address: Address of a scheduler, e.g. "tcp://127.0.0.1:8786"; empty for workers that are threads of this
+            process and listen to nobody outside it.
+        threads: Number of such threads; default: one per processor.
+
+    Yields:
+        The client.
+
+    Raises:
+        InputError: No scheduler answers at the address.
+    """
+    import dask
+    from distributed import Client  # here, because it loads slowly
+
+    if address:
+        try:
+            client = Client(address, timeout=ANSWER)
+        except (OSError, ValueError) as error:
+            raise InputError(
+                f"--scheduler: no Dask scheduler answers at '{address}' ({error}); start one (dask scheduler) or leave "
+                "the option out"
+            ) from error
+        with client:
+            yield client
+        return
+    quiet = {"distributed.worker.memory.terminate": False, "distributed.admin.tick.limit": "1h"}
+    with (
+        TemporaryDirectory(prefix="flexros_") as scratch,
+        dask.config.set(quiet),
+        Client(
+            processes=False,
+            n_workers=1,
+            threads_per_worker=threads or os.cpu_count(),
+            memory_limit=0,
+            dashboard_address=None,
+            local_directory=scratch,
+            protocol="inproc",
+        ) as client,
+    ):
+        yield client
