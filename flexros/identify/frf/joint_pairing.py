@@ -61,7 +61,7 @@ def check_order(response: FrequencyResponse, robot: Robot, label: str) -> None:
     """
     if response.response.shape[1:] != (robot.n_motors, robot.n_motors) or robot.n_motors < 2:
         return
-    model = _nominal(response, robot)
+    model = nominal_response(response, robot)
     cost = _order_cost(response.as_quantity("acceleration").response, model)
     best = _search(cost)
     here, there = _total(cost, np.arange(robot.n_motors)), _total(cost, best)
@@ -76,8 +76,16 @@ def check_order(response: FrequencyResponse, robot: Robot, label: str) -> None:
     )
 
 
-def _nominal(response: FrequencyResponse, robot: Robot) -> ComplexArray:
-    """Return the nominal response to accelerations at the measured position, shape (F, M, M)."""
+def nominal_response(response: FrequencyResponse, robot: Robot) -> ComplexArray:
+    """Return the response of the nominal robot to accelerations at the measured position, in continuous time.
+
+    Args:
+        response: Tells frequencies and motor position.
+        robot: The nominal robot.
+
+    Returns:
+        Response [rad/s^2/Nm], shape (F, M, M).
+    """
     from flexros.robot.bode import frequency_response
     from flexros.robot.linearise import linear_model
 

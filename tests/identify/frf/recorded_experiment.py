@@ -1,0 +1,47 @@
+"""A short identification experiment on E12."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from flexros.config.scenario import Scenario
+from flexros.identify.plan import ExperimentPlan, plan_of_log
+from flexros.logs.time_series import Log
+from flexros.robot import Robot
+from flexros.simulate.closed_loop import closed_loop
+from flexros.simulate.experiment import Experiment
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A log, its plan and its robot."""
+
+    log: Log
+    plan: ExperimentPlan
+    robot: Robot
+
+
+def run(**identification: object) -> Recorded:
+    """Run E12 in two positions with two blocks each; the keys of `identification` replace those here."""
+    given = {
+        "positions": [[0.0, 0.3], [0.1, 0.5]],
+        "blocks": 2,
+        "periods": 2,
+        "transient_periods": 3,
+        "fade": 0.3,
+        "settle": 0.1,
+        "move": {"speed": 0.3, "acceleration": 0.3},
+        "excitation": {"kind": "multisine", "period": 1.0, "lowest": 3.0, "highest": 40.0, "amplitude": 0.05},
+    }
+    scenario = Scenario.model_validate(
+        {
+            "name": "mine",
+            "robot": "e12",
+            "feedforward": {"method": "flexible_joint"},
+            "controller": {"kind": "pid", "kp": 1.35e5, "kd": 9000, "derivative_filter": 1e-3},
+            "identification": {**given, **identification},
+        }
+    )
+    experiment = Experiment.prepare(scenario)
+    log = closed_loop(experiment)
+    return Recorded(log, plan_of_log(log), experiment.nominal)

@@ -1,0 +1,133 @@
+"""Topics of a log brought together, or refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.errors import InputError
+from flexros.identify.frf.aligned_log import align
+from flexros.logs.time_series import JointSeries, Log
+from tests.identify.frf.recorded_experiment import Recorded
+
+
+def rows(series: JointSeries, keep: np.ndarray | slice) -> JointSeries:
+    parts = {name: getattr(series, name) for name in ("position", "velocity", "effort")}
+    return JointSeries(
+        series.stamp[keep], series.names, **{name: None if part is None else part[keep] for name, part in parts.items()}
+    )
+
+
+def with_commands(log: Log, **changed: object) -> Log:
+    assert log.joint_commands is not None
+    return replace(log, joint_commands=replace(log.joint_commands, **changed))
+
+
+def test_signals_are_those_of_the_log(recorded: Recorded) -> None:
+    found = align(recorded.log, recorded.plan)
+    assert recorded.log.joint_commands is not None
+    np.testing.assert_array_equal(found.numbers, np.arange(recorded.plan.n_samples))
+    np.testing.assert_array_equal(found.torque, recorded.log.joint_commands.effort)
+    assert found.names == ("motor_1", "motor_2")
+    assert found.warnings == ()
+
+
+def test_joints_are_ordered_by_name(recorded: Recorded) -> None:
+    log = recorded.log
+    assert log.joint_commands is not None
+    assert log.joint_commands.effort is not None
+    turned = with_commands(log, names=("motor_2", "motor_1"), effort=log.joint_commands.effort[:, ::-1].copy())
+    np.testing.assert_array_equal(align(turned, recorded.plan).torque, log.joint_commands.effort)
+
+
+def test_foreign_log_begins_with_its_first_measurement(recorded: Recorded) -> None:
+    log, shift = recorded.log, 123_456_789_000
+    assert log.joint_commands is not None
+    states = replace(log.joint_states, stamp=log.joint_states.stamp + shift)
+    foreign = Log(states, replace(log.joint_commands, stamp=log.joint_commands.stamp + shift))
+    np.testing.assert_array_equal(align(foreign, recorded.plan).numbers, np.arange(recorded.plan.n_samples))
+
+
+def test_missing_command_was_held(recorded: Recorded) -> None:
+    log = recorded.log
+    assert log.joint_commands is not None
+    keep = np.delete(np.arange(recorded.plan.n_samples), 700)
+    found = align(replace(log, joint_commands=rows(log.joint_commands, keep)), recorded.plan)
+    np.testing.assert_array_equal(found.torque[700], found.torque[699])
+    assert found.warnings == ("1 measurements have no command with the same stamp; the command before was held",)
+
+
+def test_many_missing_commands_are_refused(recorded: Recorded) -> None:
+    log = recorded.log
+    assert log.joint_commands is not None
+    keep = np.delete(np.arange(recorded.plan.n_samples), np.s_[100:5000])
+    with pytest.raises(
+        InputError, match="4900 of .* measurements have no command with the same stamp, allowed is a share"
+    ):
+        align(replace(log, joint_commands=rows(log.joint_commands, keep)), recorded.plan)
+
+
+def test_measured_torque_stands_in_for_commands(recorded: Recorded) -> None:
+    log = recorded.log
+    assert log.joint_commands is not None
+    measured = replace(
+        log, joint_states=replace(log.joint_states, effort=log.joint_commands.effort), joint_commands=None
+    )
+    found = align(measured, recorded.plan)
+    np.testing.assert_array_equal(found.torque, log.joint_commands.effort)
+    assert found.warnings == (
+        "the log has no joint_commands; the measured torque of joint_states is taken as the input",
+    )
+
+
+def test_log_without_torque_or_position_is_refused(recorded: Recorded) -> None:
+    log = recorded.log
+    with pytest.raises(InputError, match=r"the log has no joint_commands\.effort \(nor joint_states\.effort\)"):
+        align(replace(log, joint_commands=None), recorded.plan)
+    with pytest.raises(InputError, match=r"the log has no joint_states\.position, without which"):
+        align(replace(log, joint_states=replace(log.joint_states, position=None)), recorded.plan)
+
+
+def test_values_that_are_not_finite_are_refused(recorded: Recorded) -> None:
+    position = np.array(recorded.log.joint_states.position)
+    position[5] = np.nan
+    with pytest.raises(InputError, match=r"joint_states\.position of the log holds values that are not finite"):
+        align(replace(recorded.log, joint_states=replace(recorded.log.joint_states, position=position)), recorded.plan)
+
+
+def test_other_joints_are_refused(recorded: Recorded) -> None:
+    with pytest.raises(InputError, match="joint_commands of the log has no joint motor_1, allowed are the joints of"):
+        align(with_commands(recorded.log, names=("a", "b")), recorded.plan)
+    states = recorded.log.joint_states
+    assert states.position is not None
+    one = JointSeries(states.stamp, ("motor_1",), position=states.position[:, :1].copy())
+    with pytest.raises(
+        InputError, match="joint_states of the log has 1 joints .*, the plan has 2 motors; give the plan"
+    ):
+        align(replace(recorded.log, joint_states=one), recorded.plan)
+
+
+def test_commands_between_the_measurements_are_refused(recorded: Recorded) -> None:
+    log = recorded.log
+    assert log.joint_commands is not None
+    with pytest.raises(InputError, match="joint_commands is stamped .* beside the sampling instant"):
+        align(with_commands(log, stamp=log.joint_commands.stamp + 200_000), recorded.plan)
+
+
+def test_slower_commands_are_unequal_rates(recorded: Recorded) -> None:
+    log = recorded.log
+    assert log.joint_commands is not None
+    with pytest.raises(
+        InputError, match="unequal rates: joint_states is sampled at 2000 Hz and joint_commands at 1000 Hz"
+    ):
+        align(replace(log, joint_commands=rows(log.joint_commands, slice(None, None, 2))), recorded.plan)
+
+
+def test_slower_reference_is_taken_as_unknown(recorded: Recorded) -> None:
+    log = recorded.log
+    assert log.joint_reference is not None
+    found = align(replace(log, joint_reference=rows(log.joint_reference, slice(None, None, 8))), recorded.plan)
+    assert found.reference is None
+    assert found.warnings == ("joint_reference is not there for every sample, so the reference is taken as unknown",)

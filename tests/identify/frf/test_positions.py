@@ -1,0 +1,163 @@
+"""From a log to the responses of its positions, and the many ways in which a log is spoilt."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.errors import InputError
+from flexros.identify.frf.frequency_response import FrequencyResponse
+from flexros.identify.frf.positions import estimate_responses
+from flexros.identify.frf.settings import FrfSettings
+from flexros.identify.graybox.frequency_model import FrequencyModel
+from flexros.identify.graybox.linearised_positions import linearise_positions
+from flexros.logs.time_series import JointSeries, Log
+from tests.identify.frf.recorded_experiment import Recorded, run
+
+
+def model_of(recorded: Recorded, responses: tuple[FrequencyResponse, ...]) -> np.ndarray:
+    """The sampled response of the robot at the measured positions, shape (Q, F, M, M)."""
+    positions = linearise_positions(recorded.robot, (), np.array([mine.motor_position for mine in responses]))
+    model = FrequencyModel(positions, responses[0].frequency, recorded.plan.sample_time, recorded.robot.delay)
+    return np.asarray(model.response(positions.values))
+
+
+def cut(log: Log, keep: np.ndarray | slice) -> Log:
+    def rows(series: JointSeries | None) -> JointSeries | None:
+        if series is None:
+            return None
+        parts = {name: getattr(series, name) for name in ("position", "velocity", "effort")}
+        kept = {name: None if part is None else part[keep] for name, part in parts.items()}
+        return JointSeries(series.stamp[keep], series.names, **kept)
+
+    states = rows(log.joint_states)
+    assert states is not None
+    return Log(states, rows(log.joint_commands), rows(log.joint_reference), provenance=log.provenance)
+
+
+def with_torque(log: Log, torque: np.ndarray) -> Log:
+    assert log.joint_commands is not None
+    return replace(log, joint_commands=replace(log.joint_commands, effort=torque))
+
+
+def torque_of(log: Log) -> np.ndarray:
+    assert log.joint_commands is not None
+    return np.array(log.joint_commands.effort)
+
+
+def test_responses_are_those_of_the_robot_within_their_deviation(recorded: Recorded) -> None:
+    responses = estimate_responses(recorded.log, recorded.plan, robot=recorded.robot)
+    assert len(responses) == 2
+    np.testing.assert_allclose(responses[1].motor_position, [0.1, 0.5], atol=0.01)
+    np.testing.assert_array_equal(responses[1].gears, [0.1, 0.5])
+    models = model_of(recorded, responses)
+    for mine, model in zip(responses, models):
+        assert (mine.n_blocks, mine.n_periods, mine.quantity) == (2, 2, "acceleration")
+        assert mine.output_units == ("rad/s²", "rad/s²")
+        square = abs(mine.response - model) ** 2 / mine.standard_deviation() ** 2
+        assert 0.4 < np.median(square) / np.log(2) < 2.5
+        assert np.median(abs(mine.response / model - 1)) < 0.02
+
+
+def test_reference_unknown_gives_nearly_the_same(recorded: Recorded) -> None:
+    known = estimate_responses(recorded.log, recorded.plan)
+    unknown = estimate_responses(replace(recorded.log, joint_reference=None), recorded.plan)
+    for a, b in zip(known, unknown):
+        assert np.max(abs(a.response - b.response) / a.standard_deviation()) < 1.0
+
+
+def test_chirp_is_estimated_by_local_polynomials() -> None:
+    chirp = {"kind": "chirp", "duration": 8, "from_hz": 30, "to_hz": 3, "rest_after": 2, "amplitude": 0.1}
+    recorded = run(positions=[[0.0, 0.3]], blocks=1, periods=1, excitation=chirp)
+    responses = estimate_responses(recorded.log, recorded.plan, robot=recorded.robot)
+    model = model_of(recorded, responses)[0]
+    diagonal = np.einsum("fii->fi", responses[0].response / model)
+    assert np.median(abs(diagonal - 1)) < 0.05
+    assert responses[0].distortion is None
+
+
+def test_constant_speed_under_the_excitation_is_taken_off() -> None:
+    slow = {"kind": "constant_speed", "speed": 0.02, "allow_reversal": True}
+    recorded = run(positions=[[0.0, 0.3]], slow_motion=slow)
+    responses = estimate_responses(recorded.log, recorded.plan, robot=recorded.robot)
+    model = model_of(recorded, responses)[0]
+    diagonal = np.einsum("fii->fi", responses[0].response / model)
+    assert np.median(abs(diagonal - 1)) < 0.03
+
+
+def test_log_cut_short_is_refused_or_used_as_far_as_complete(recorded: Recorded) -> None:
+    short = cut(recorded.log, slice(0, recorded.plan.segments[-1].stop - 100))
+    with pytest.raises(
+        InputError, match="too short a log: it ends at .*, position 2, block 2, experiment 2 lasts until"
+    ):
+        estimate_responses(short, recorded.plan)
+    first, second = estimate_responses(short, recorded.plan, FrfSettings(partial=True))
+    assert (first.n_blocks, second.n_blocks) == (2, 1)
+    assert "the log ends before its plan; 1 blocks that are not complete were left out" in second.warnings
+
+
+def test_log_without_a_complete_block_is_refused(recorded: Recorded) -> None:
+    short = cut(recorded.log, slice(0, recorded.plan.segments[0].stop))
+    with pytest.raises(InputError, match="too short a log: it ends at .*, before the first block is complete at"):
+        estimate_responses(short, recorded.plan, FrfSettings(partial=True))
+
+
+def test_gap_is_named(recorded: Recorded) -> None:
+    inside = recorded.plan.segments[3].first + 10
+    keep = np.delete(np.arange(recorded.plan.n_samples), [inside, inside + 1])
+    with pytest.raises(
+        InputError, match="gap: 2 samples of joint_states are missing in position 1, block 2, experiment 2"
+    ):
+        estimate_responses(cut(recorded.log, keep), recorded.plan)
+
+
+def test_log_of_every_tenth_sample_is_aliasing(recorded: Recorded) -> None:
+    with pytest.raises(
+        InputError, match="aliasing: joint_states is sampled at 66.6667 Hz, so what is excited up to 39"
+    ):
+        estimate_responses(cut(recorded.log, slice(None, None, 30)), recorded.plan)
+
+
+def test_noise_alone_is_no_excitation(recorded: Recorded) -> None:
+    noise = np.random.default_rng(0).standard_normal(torque_of(recorded.log).shape)
+    with pytest.raises(InputError, match="position 1: no excitation: the torque of motor_"):
+        estimate_responses(with_torque(recorded.log, noise), recorded.plan)
+
+
+def test_period_that_was_not_excited_is_missing(recorded: Recorded) -> None:
+    torque, segment = torque_of(recorded.log), recorded.plan.segments[1]
+    torque[segment.first + segment.period : segment.stop] = 0
+    with pytest.raises(InputError, match="position 1: period 2 of experiment 2 is missing"):
+        estimate_responses(with_torque(recorded.log, torque), recorded.plan)
+
+
+def test_saturated_torque_is_named(recorded: Recorded) -> None:
+    torque = torque_of(recorded.log)
+    limit = 0.3 * np.max(abs(torque[recorded.plan.segments[0].first : recorded.plan.segments[0].stop, 0]))
+    with pytest.raises(InputError, match="position 1: saturated torque: the command of motor_"):
+        estimate_responses(with_torque(recorded.log, np.clip(torque, -limit, limit)), recorded.plan)
+
+
+def test_swapped_commands_are_named(recorded: Recorded) -> None:
+    swapped = with_torque(recorded.log, torque_of(recorded.log)[:, ::-1].copy())
+    with pytest.raises(InputError, match="position 1: swapped joints: the command of motor_1 moves motor_2"):
+        estimate_responses(swapped, recorded.plan)
+
+
+def test_joints_swapped_everywhere_are_named(recorded: Recorded) -> None:
+    log = recorded.log
+    series = {}
+    for name in ("joint_states", "joint_commands", "joint_reference"):
+        mine = getattr(log, name)
+        series[name] = replace(mine, names=("motor_2", "motor_1"))
+    swapped = replace(log, **series)
+    with pytest.raises(InputError, match="swapped joints: motor_1 behaves like motor_2, motor_2 behaves like motor_1"):
+        estimate_responses(swapped, recorded.plan, robot=recorded.robot)
+
+
+def test_short_transients_are_warned_of() -> None:
+    recorded = run(positions=[[0.0, 0.3]], transient_periods=0)
+    responses = estimate_responses(recorded.log, recorded.plan)
+    assert any("not settled" in warning for warning in responses[0].warnings)
