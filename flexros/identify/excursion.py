@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.identify.excitation.window import window
 from flexros.identify.slow_motion import ConstantSpeed, NoSlowMotion, SlowSine
-from flexros.identify.timetable import half_travel, move_law
+from flexros.identify.timetable import approach_law, half_travel
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -111,7 +111,7 @@ def half_way(plan: ExperimentPlan) -> FloatArray:
 def _add_approaches(plan: ExperimentPlan, visit: Visit, result: Excursion) -> None:
     """Write the way to the start of the first experiment, and from the end of the last one back."""
     half, lead = half_way(plan), plan.timing.lead
-    law = move_law(np.zeros(plan.n_motors), half, plan.specification.move)
+    law = approach_law(plan.specification, half)
     time = np.arange(lead, dtype=np.float64) * plan.sample_time
     share, back = law.evaluate(time, 1), law.mirrored().evaluate(time, 1)
     end = half if visit.n_experiments % 2 else -half

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.config.per_motor import per_motor
 from flexros.identify.slow_motion import ConstantSpeed, NoSlowMotion
 from flexros.trajectory import JointMove
+from flexros.trajectory.polynomial import NINTH_DEGREE, peaks
 from flexros.trajectory.time_law_specification import PolynomialSpecification
 
 if TYPE_CHECKING:
@@ -118,7 +120,7 @@ def timing_of(specification: IdentificationSpecification, n_motors: int, sample_
     lead = 0
     if isinstance(specification.slow_motion, ConstantSpeed):
         half = half_travel(specification, n_motors, experiment - fade, sample_time)
-        lead = samples_of(move_law(np.zeros(n_motors), half, specification.move), sample_time) if np.any(half) else 0
+        lead = samples_of(approach_law(specification, half), sample_time) if np.any(half) else 0
     return Timing(period, fade, before, experiment, round(specification.settle / sample_time), lead)
 
 
@@ -156,6 +158,26 @@ def move_law(start: FloatArray, end: FloatArray, settings: MoveSettings) -> Time
     """
     law = PolynomialSpecification(type="ninth_degree", speed=settings.speed, acceleration=settings.acceleration)
     return law.law(JointMove(start, end), joints=True)
+
+
+def approach_law(specification: IdentificationSpecification, half: FloatArray) -> TimeLaw:
+    """Make the time law of the way to the start of a constant speed.
+
+    It accelerates no more than the fade does, because no feedforward torque helps there.
+
+    Args:
+        specification: What the user wrote, with a constant speed.
+        half: The way of every motor [rad or m], not all zero, shape (M,).
+
+    Returns:
+        The law of the share of the way from 0 to 1.
+    """
+    assert isinstance(specification.slow_motion, ConstantSpeed)
+    gentle = specification.slow_motion.speeds(half.size) * peaks(NINTH_DEGREE)[0] / specification.fade
+    fastest = per_motor("identification.move.acceleration", specification.move.acceleration, half.size)
+    acceleration = np.where(gentle > 0.0, np.minimum(gentle, fastest), fastest)
+    settings = specification.move.model_copy(update={"acceleration": tuple(acceleration.tolist())})
+    return move_law(np.zeros(half.size), half, settings)
 
 
 def samples_of(law: TimeLaw, sample_time: float) -> int:

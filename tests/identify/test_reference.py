@@ -95,6 +95,15 @@ def test_first_experiment_begins_where_the_approach_ended(plan_of: Plans) -> Non
             np.testing.assert_allclose(away, (-1) ** (k + 1) * 0.5 * 1.8 * np.array([0.3, 0.2]), atol=1e-9)
 
 
+def test_approach_of_a_constant_speed_accelerates_no_more_than_its_fade(plan_of: Plans) -> None:
+    plan = plan_of(slow_motion=SLOW[1], move={"speed": 5.0, "acceleration": 50.0})
+    reference = reference_of(plan)
+    visit = plan.visits[0]
+    approach = np.diff(reference.motor_velocity[visit.lead : visit.begin_first], axis=0) / plan.sample_time
+    assert np.max(np.abs(approach)) <= 1.01 * 2.47 * 0.3 / 0.3
+    assert np.max(np.abs(approach)) > 1.0
+
+
 def test_feedforward_holds_the_torque_of_gravity_during_a_stay() -> None:
     robot = load_robot("elbow")
     scenario = Scenario.model_validate(

@@ -20,6 +20,7 @@ LARGEST_ERROR = {
     "elbow_moves": 5e-5,
     "identify_e12": 0.0037,
     "identify_six_axis": 0.0143,
+    "identify_six_axis_friction": 0.0126,
     "identify_two_mass": 0.0093,
     "regulator_four_mass": 0.3,
     "six_axis_moves": 3e-5,
