@@ -67,8 +67,17 @@ class ExperimentState:
         return json.dumps(self.as_dict())
 
     def numbers(self) -> dict[str, float]:
-        """Give what changes as numbers by name, for diagnostics."""
-        kept = ("position", "block", "experiment", "completed", "percent", "time_left_s")
+        """Give the numbers by name, for diagnostics and report."""
+        kept = (
+            "position",
+            "block",
+            "experiment",
+            "completed",
+            "planned",
+            "percent",
+            "time_left_s",
+            "stopped_at_sample",
+        )
         return {name: float(getattr(self, name)) for name in kept}
 
     def sentence(self) -> str:

@@ -78,7 +78,7 @@ class RunSummary:
 
     Attributes:
         exit_code: 0 done, 3 broken off, 130 interrupted.
-        message: What happened, as one sentence; empty when done.
+        message: What happened, as one sentence; empty when all was done that was planned.
         log_folder: Folder of the log, None if there is no log.
         layout: "composed" or "processes".
         samples: Samples of the loop.
@@ -139,6 +139,8 @@ def summarise(
     message = "; ".join((*deaths, *(report.message for report in failed)))
     if interrupted and not exit_code:
         exit_code, message = INTERRUPTED, "interrupted"
+    if not exit_code:
+        message = _stopped(reports)
     plant = reports["plant"].figures if "plant" in reports else {}
     recorder = reports["recorder"].figures if "recorder" in reports else {}
     recorded = int(recorder.get("joint_states.messages", 0))
@@ -159,6 +161,17 @@ def summarise(
         missing=int(sum(count for name, count in recorder.items() if name.endswith(".missing"))),
         timing={name: plant[name] for name in _TIMING if name in plant},
         reports=reports,
+    )
+
+
+def _stopped(reports: Mapping[str, NodeReport]) -> str:
+    """Say that the user stopped an identification; nothing if not."""
+    figures = reports["identification"].figures if "identification" in reports else {}
+    if figures.get("stopped_at_sample", -1) < 0:
+        return ""
+    return (
+        f"stopped by the service stop at sample {figures['stopped_at_sample']:.0f}: {figures['completed']:.0f} of "
+        f"{figures['planned']:.0f} experiments are complete"
     )
 
 

@@ -118,3 +118,14 @@ def test_interruption_is_told_unless_something_broke() -> None:
     assert summarise({"plant": PLANT}, None, "composed", interrupted=True).exit_code == 130
     broken = {"plant": NodeReport("plant", 3, "no command")}
     assert summarise(broken, None, "composed", interrupted=True).exit_code == 3
+
+
+@pytest.mark.parametrize(
+    ("at", "message"),
+    [(900.0, "stopped by the service stop at sample 900: 3 of 8 experiments are complete"), (-1.0, "")],
+)
+def test_stopped_identification_is_done_and_told(at: float, message: str) -> None:
+    figures = {"stopped_at_sample": at, "completed": 3.0, "planned": 8.0}
+    reports = {"identification": NodeReport("identification", figures=figures), "plant": PLANT}
+    summary = summarise(reports, None, "composed", interrupted=False)
+    assert (summary.exit_code, summary.message) == (0, message)
