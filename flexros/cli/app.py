@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexros.cli import analyze, bench, demo, import_log, robots, run
+from flexros.cli import analyze, bench, demo, identify, import_log, robots, run
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
 if TYPE_CHECKING:
@@ -86,6 +86,9 @@ COMMANDS: dict[str, Callable[..., Any]] = {
 }
 for name, command in COMMANDS.items():
     app.command(name)(reported(command))
+for name, command in identify.COMMANDS.items():
+    identify.app.command(name)(reported(command))
+app.add_typer(identify.app)
 
 
 def _print_version(wanted: bool) -> None:

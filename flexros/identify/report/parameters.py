@@ -131,19 +131,19 @@ def _table(result: IdentificationResult) -> TextTable:
     header = ("Parameter", "Unit", "nominal", "identified", "95 % interval", "std [%]", "verdict")
     rows = []
     for place, entry in enumerate(result.identifiability.parameters):
-        row = parameter_row(entry, float(result.nominal[place]))
-        true = result.truth.get(entry.name)
-        rows.append((*row, "-" if true is None else value_text(true)) if known else row)
+        row = parameter_row(entry, float(result.nominal[place]), result.truth.get(entry.name))
+        rows.append(row if known else row[:-1])
     caption = "Nominal and identified values; standard deviations relative to the value."
     return TextTable((*header, "true") if known else header, tuple(rows), caption, left=2)
 
 
-def parameter_row(entry: ParameterVerdict, nominal: float) -> tuple[str, ...]:
-    """Write a parameter as the texts of a row: name, unit, nominal, identified, interval, deviation, verdict.
+def parameter_row(entry: ParameterVerdict, nominal: float, true: float | None = None) -> tuple[str, ...]:
+    """Write a parameter as the texts of a row: name, unit, nominal, identified, interval, deviation, verdict, truth.
 
     Args:
         entry: What the responses say of it.
         nominal: Its value before (SI).
+        true: Its true value (SI), where it is known.
 
     Returns:
         The texts.
@@ -156,4 +156,5 @@ def parameter_row(entry: ParameterVerdict, nominal: float) -> tuple[str, ...]:
         interval_text(entry.interval[0], entry.value, entry.interval[1]),
         percent(entry.relative),
         VERDICT_WORDS[entry.verdict],
+        "-" if true is None else value_text(true),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.identifiability import Identifiability
     from flexros.identify.graybox.problem import GrayBoxProblem
     from flexros.identify.graybox.residuals import ResidualReport
+    from flexros.identify.plan import ExperimentPlan
 
 SAME_MINIMUM = 1.01
 """Fits whose cost is within this factor of the best one count as the same minimum (chosen)."""
@@ -53,6 +55,29 @@ class ExperimentFacts:
     excitation: str
     log: str = ""
     transport: str = ""
+
+    @classmethod
+    def of(cls, plan: ExperimentPlan, log: str = "", transport: str = "") -> ExperimentFacts:
+        """Read the facts off a plan.
+
+        Args:
+            plan: The plan of the experiment.
+            log: Where the log lies.
+            transport: How it ran.
+        """
+        specification = plan.specification
+        blocks = sum(specification.blocks_per_position)
+        return cls(
+            robot_time=plan.duration,
+            positions=sum(number > 0 for number in specification.blocks_per_position),
+            blocks=blocks,
+            experiments=blocks * plan.n_motors,
+            periods=specification.periods,
+            period=plan.period_samples * plan.sample_time,
+            excitation=specification.excitation.kind,
+            log=log,
+            transport=transport,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,10 +234,10 @@ def _explained(result: IdentificationResult) -> str:
     """Say how well the model explains what was measured."""
     count = len(result.problem.responses)
     where = f"the responses in {count} positions" if count > 1 else "the response"
-    share = 1.0 - result.fit.cost / result.nominal_cost if result.nominal_cost > 0 else 0.0
-    gain = f"{100 * share:.3g} % less is left unexplained than by the nominal values"
+    share = result.fit.cost / result.nominal_cost if result.nominal_cost > 0 else 1.0
+    gain = f"it leaves {100 * share:.2g} % of what the nominal values leave unexplained"
     if result.covariance.basis == "residuals":
-        return f"Of {where}, {gain}; how large their errors are is not known."
+        return f"The errors of {where} are not known, so the identified model is judged by itself: {gain}."
     reduced = result.covariance.reduced_cost
     if reduced < 1.3:
         return f"The identified model explains {where} within their uncertainty; {gain}."
@@ -225,11 +250,15 @@ def _explained(result: IdentificationResult) -> str:
 
 
 def _own_warnings(problem: GrayBoxProblem, found: Fit) -> tuple[str, ...]:
-    told: dict[str, int] = {}
+    """Collect warnings of responses and fit; those that differ in numbers only are told once."""
+    alike: dict[str, list[str]] = {}
     for response in problem.responses:
-        for text in response.warnings:
-            told[text] = told.get(text, 0) + 1
-    texts = [text if count == 1 else f"{text} ({count} positions)" for text, count in told.items()]
+        for text in dict.fromkeys(response.warnings):
+            alike.setdefault(re.sub(r"[\d.]+", "#", text), []).append(text)
+    texts = []
+    for same in alike.values():
+        others = len(set(same)) - 1
+        texts.append(same[0] if not others else f"{same[0]} (alike in {others} more position{'s' * (others > 1)})")
     if not found.converged:
         texts.append(f"The fit did not converge: {found.message}.")
     bound = [name for name, at in zip(found.names, found.at_bound, strict=True) if at]

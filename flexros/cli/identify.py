@@ -1,0 +1,165 @@
+"""Commands that identify a robot: the whole procedure, and its steps singly."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from flexros.cli import identify_rigid, transports
+from flexros.cli.identify_design import POSITIONS, chosen_names, design, designed, gear_ranges, template_with
+from flexros.cli.identify_fit import fit, print_identification, searched
+from flexros.cli.identify_frf import estimated, frf
+from flexros.cli.output import print_json
+from flexros.cli.run import choose_transport
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from flexros.cli.transports import RunResult
+    from flexros.config.scenario import Scenario
+    from flexros.identify.design.experiment_design import ExperimentDesign
+    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.search import SearchSettings
+    from flexros.robot import Robot
+
+app = typer.Typer(
+    name="identify",
+    help="Identify springs, dampers and other parameters of a robot by experiments.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
+
+
+def robot(
+    name: str = typer.Argument(help="Robot as it is thought to be: shipped name or YAML.", metavar="ROBOT"),
+    out: Path = typer.Option(..., "--out", help="Folder for scenario, log, responses, identified robot and report."),
+    positions: int = typer.Option(0, "--positions", help="Number of positions; default: 15, or as many as unknowns."),
+    candidates: int = typer.Option(4000, "--candidates", help="Number of positions to choose from."),
+    ranges: list[str] = typer.Option([], "--range", help="Of a gear, e.g. motor_1=-0.5:0.5 (may be repeated)."),
+    scenario: str = typer.Option("", "--scenario", help="Excitation and controller; default: chosen for the robot."),
+    real: str = typer.Option("", "--real", help="Robot YAML that plays the real one; default: ROBOT itself."),
+    effect: list[str] = typer.Option(
+        [], "--effect", help="Effect in the plant, NAME@LOCATION:parameter=value,... (may be repeated)."
+    ),
+    setting: list[str] = typer.Option(
+        [], "--set", help="Key of the scenario, e.g. plant.values.body_3.mass=290 or identification.blocks=3."
+    ),
+    unknown: list[str] = typer.Option([], "--unknown", help="Parameter to identify (may be repeated)."),
+    estimator: str = typer.Option("LLS", "--estimator", help="LLS, LLSM (magnitude only) or NLS."),
+    weights: str = typer.Option("combined", "--weights", help="Of the last fit: user, optimal or combined."),
+    starts: int = typer.Option(20, "--starts", help="Number of starts, the first one at the nominal values."),
+    transport: str = typer.Option("", "--transport", help="ros or direct; default: ros where it is installed."),
+    layout: str = typer.Option("composed", "--layout", help="Of the nodes: composed or processes."),
+    seed: int = typer.Option(1, "--seed", help="Seed of candidates, excitation, noise and starts."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> int:
+    """Design an experiment, run it, estimate frequency responses, fit the parameters, and report."""
+    from flexros.identify.design.experiment_design import DesignSettings
+    from flexros.identify.report.files import make_folder
+    from flexros.identify.search import SearchSettings
+    from flexros.robot import load_robot
+
+    log = out / "log"
+    if log.exists():
+        raise InputError(f"the log folder {log} exists already; give another folder with --out")
+    nominal = load_robot(name)
+    names = chosen_names(nominal, unknown)
+    template = with_real_robot(
+        template_with(name, nominal, scenario, [*setting, f"seed={seed}"], effect), nominal, real
+    )
+    transport = choose_transport(transport, quiet=as_json)
+    make_folder(out)
+    wanted = DesignSettings(positions or min(POSITIONS, len(names)), candidates, seed=seed)
+    search = SearchSettings(estimator, weights, starts, seed)
+    found, experiment, factor = designed(
+        nominal, names, template, wanted, gear_ranges(nominal, ranges), out / "experiment.yaml"
+    )
+    run = _run(experiment, log, transport, layout)
+    if run.exit_code:
+        typer.echo(f"flexros: {run.message}", err=True)
+        return run.exit_code
+    result = _identified(nominal, names, experiment, run, found, factor, search, out)
+    if as_json:
+        print_json({**result.as_dict(), "run": run.as_dict()})
+    else:
+        print_identification(result, out)
+    return 0
+
+
+def with_real_robot(template: Scenario, nominal: Robot, real: str) -> Scenario:
+    """Let a robot file play the real robot.
+
+    Args:
+        template: The experiment.
+        nominal: The robot as it is thought to be.
+        real: Name or file of the robot that plays the real one; empty for none.
+
+    Returns:
+        The experiment with the values of the plant; those that were set one by one count more.
+
+    Raises:
+        InputError: The robots differ in more than numbers.
+    """
+    from flexros.identify.design.stand_in import stand_in_values
+    from flexros.robot import load_robot
+
+    if not real:
+        return template
+    values = {**stand_in_values(nominal, load_robot(real)), **template.plant.values}
+    return template.with_values({"plant": {**template.plant.model_dump(mode="json"), "values": values}}, "--real")
+
+
+def _run(experiment: Scenario, log: Path, transport: str, layout: str) -> RunResult:
+    if transport == "direct":
+        return transports.run_direct(experiment, log)
+    return transports.run_ros(experiment, log, layout)
+
+
+def _identified(
+    nominal: Robot,
+    names: tuple[str, ...],
+    experiment: Scenario,
+    run: RunResult,
+    found: ExperimentDesign,
+    factor: float,
+    settings: SearchSettings,
+    out: Path,
+) -> IdentificationResult:
+    """Estimate, fit, judge and write everything into the folder."""
+    from flexros.identify.plan import plan_of_log
+    from flexros.identify.report.files import write_identification
+    from flexros.identify.report.result import ExperimentFacts, identification_result
+    from flexros.logs.reader import read_log
+    from flexros.simulate.experiment import Experiment
+
+    log = read_log(out / "log")
+    plan = plan_of_log(log)
+    responses = estimated(log, plan, nominal, out / "frf.nc")
+    fitted = searched(nominal, responses, names, settings)
+    plant = Experiment.prepare(experiment).plant
+    lowered = f"Amplitudes were lowered to {100 * factor:.3g} % of the template's because of the torque limits."
+    result = identification_result(
+        fitted.problem,
+        fitted.fit,
+        fitted.searched,
+        design=found,
+        facts=ExperimentFacts.of(plan, "log", run.transport),
+        truth={name: plant.parameters[name].value for name in names},
+        warnings=(lowered,) if factor < 1 else (),
+        provenance=log.provenance,
+    )
+    write_identification(result, out, f"experiment {experiment.name}")
+    return result
+
+
+COMMANDS: dict[str, Callable[..., Any]] = {
+    "robot": robot,
+    "design": design,
+    "frf": frf,
+    "fit": fit,
+    "rigid": identify_rigid.rigid,
+}
+"""Subcommands of `flexros identify`, by name."""

@@ -1,0 +1,128 @@
+"""Command that fits parameters to frequency responses, and how an identification is printed."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+from rich.table import Table
+
+from flexros.cli.identify_design import chosen_names
+from flexros.cli.output import console, print_json, progress_bar, say
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.search import Found, SearchSettings
+    from flexros.robot import Robot
+
+
+def fit(
+    responses: Path = typer.Argument(help="File of frequency responses (netCDF), from: flexros identify frf."),
+    model: str = typer.Option(..., "--model", help="Robot with its nominal values: shipped name or YAML."),
+    out: Path = typer.Option(..., "--out", help="Folder for identified.yaml, identification.json and report.html."),
+    unknown: list[str] = typer.Option([], "--unknown", help="Parameter to identify (may be repeated)."),
+    estimator: str = typer.Option("LLS", "--estimator", help="LLS, LLSM (magnitude only) or NLS."),
+    weights: str = typer.Option("combined", "--weights", help="Of the last fit: user, optimal or combined."),
+    starts: int = typer.Option(20, "--starts", help="Number of starts, the first one at the nominal values."),
+    seed: int = typer.Option(1, "--seed", help="Seed of the starts."),
+    scheduler: str = typer.Option("", "--scheduler", help="Address of a Dask scheduler whose workers fit."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> None:
+    """Fit unknown parameters to measured frequency responses, from several starts."""
+    from flexros.identify.frf.response_files import load_responses
+    from flexros.identify.report.files import write_identification
+    from flexros.identify.report.result import identification_result
+    from flexros.identify.search import SearchSettings
+    from flexros.provenance import versions
+    from flexros.robot import load_robot
+
+    robot = load_robot(model)
+    names = chosen_names(robot, unknown)
+    measured = load_responses(responses)
+    settings = SearchSettings(estimator, weights, starts, seed)
+    found = searched(robot, measured, names, settings, scheduler)
+    provenance = {"responses": responses.name, "robot": robot.name, "seed": seed, "versions": versions()}
+    result = identification_result(found.problem, found.fit, found.searched, provenance=provenance)
+    write_identification(result, out, responses.name)
+    if as_json:
+        print_json(result.as_dict())
+    else:
+        print_identification(result, out)
+
+
+def searched(
+    robot: Robot,
+    responses: Sequence[FrequencyResponse],
+    names: tuple[str, ...],
+    settings: SearchSettings,
+    scheduler: str = "",
+) -> Found:
+    """Search for the parameters with a progress bar.
+
+    Args:
+        robot: The robot with its nominal values.
+        responses: Measured responses.
+        names: Unknown parameters.
+        settings: How to search.
+        scheduler: Address of a Dask scheduler; empty for threads of this process.
+
+    Returns:
+        What was found.
+
+    Raises:
+        InputError: Something is not possible, or there is no scheduler at the address.
+    """
+    from flexros.identify.search import search
+
+    with ExitStack() as stack:
+        client = stack.enter_context(_client(scheduler)) if scheduler else None
+        bar = stack.enter_context(progress_bar())
+        task = bar.add_task("fits", total=settings.starts)
+        return search(robot, responses, names, settings, client, lambda done: bar.update(task, completed=done))
+
+
+def _client(address: str) -> Any:
+    """Connect to a Dask scheduler."""
+    from distributed import Client
+
+    from flexros.errors import InputError
+
+    try:
+        return Client(address, timeout=10)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"--scheduler: no Dask scheduler answers at '{address}' ({error}); start one (dask scheduler) or leave the "
+            "option out"
+        ) from error
+
+
+def print_identification(result: IdentificationResult, out: Path) -> None:
+    """Print parameters with intervals and verdicts, then what the result rests on.
+
+    Args:
+        result: What was identified.
+        out: Folder of its files.
+    """
+    from flexros.identify.report.files import FIGURES, REPORT, ROBOT
+    from flexros.identify.report.parameters import parameter_row
+    from flexros.identify.report.result import verdict
+
+    table = Table("parameter", "unit", "nominal", "identified", "95 % interval", "std [%]", "verdict")
+    table.columns[0].overflow = "fold"
+    if result.truth:
+        table.add_column("true")
+    for place, entry in enumerate(result.identifiability.parameters):
+        row = parameter_row(entry, float(result.nominal[place]), result.truth.get(entry.name))
+        table.add_row(*row[: len(table.columns)])
+    console.print(table)
+    say(verdict(result))
+    for direction in result.identifiability.directions:
+        say(direction.sentence)
+    for warning in result.warnings:
+        say(f"warning: {warning}")
+    say(f"Identified robot: {out / ROBOT}; report: {out / REPORT}; figures: {out / FIGURES}")

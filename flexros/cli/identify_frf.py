@@ -1,0 +1,118 @@
+"""Command that estimates frequency responses from a log of an identification experiment."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import typer
+from rich.table import Table
+
+from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.run import key_and_value
+
+if TYPE_CHECKING:
+    from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.identify.plan import ExperimentPlan
+    from flexros.logs.time_series import Log
+    from flexros.robot import Robot
+
+
+def frf(
+    log: Path = typer.Argument(help="Log folder (rosbag2) or .mcap file of an identification experiment."),
+    out: Path = typer.Option(..., "--out", help="File of the responses to write (netCDF)."),
+    scenario: str = typer.Option("", "--scenario", help="Scenario of the experiment; default: from the provenance."),
+    setting: list[str] = typer.Option([], "--set", help="Choice of the estimation, e.g. average=arithmetic."),
+    namespace: str = typer.Option("", "--namespace", help="Namespace of the topics, when the log holds several."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> None:
+    """Estimate the frequency responses in all positions of an experiment."""
+    from flexros.config.scenario import load_scenario
+    from flexros.identify.plan import plan_of_log, plan_of_scenario
+    from flexros.logs.reader import read_log
+    from flexros.robot import load_robot
+
+    recorded = read_log(log, namespace=namespace or None)
+    if scenario:
+        chosen = load_scenario(scenario)
+        plan, reference = plan_of_scenario(chosen), chosen.robot
+    else:
+        plan, reference = plan_of_log(recorded), recorded.provenance["scenario"]["robot"]
+    responses = estimated(recorded, plan, load_robot(reference), out, setting)
+    if as_json:
+        print_json([response_record(response) for response in responses])
+        return
+    print_responses(responses)
+    say(f"Responses: {out}; fit them: flexros identify fit {out} --model {reference} --out identified")
+
+
+def estimated(
+    log: Log, plan: ExperimentPlan, robot: Robot | None, out: Path, settings: list[str] | None = None
+) -> tuple[FrequencyResponse, ...]:
+    """Estimate the responses of a log with a progress bar and write them.
+
+    Args:
+        log: The log.
+        plan: The plan of its experiment.
+        robot: The nominal robot, for checks of torque limits and of the order of joints.
+        out: File to write.
+        settings: Choices of the estimation as key=value.
+
+    Returns:
+        One response per position.
+
+    Raises:
+        InputError: The record would give a wrong response, or the file cannot be written.
+    """
+    from flexros.config.validation import validate
+    from flexros.identify.frf.positions import estimate_responses
+    from flexros.identify.frf.response_files import save_responses
+    from flexros.identify.frf.settings import FrfSettings
+
+    chosen = validate(FrfSettings, dict(key_and_value(text, "--set") for text in settings or []), "--set")
+    with progress_bar() as bar:
+        task = bar.add_task("frequency responses", total=len(plan.positions))
+        responses = estimate_responses(
+            log, plan, chosen, robot, progress=lambda done, whole: bar.update(task, completed=done, total=whole)
+        )
+    save_responses(responses, out)
+    return responses
+
+
+def response_record(response: FrequencyResponse) -> dict[str, Any]:
+    """Give what is known of a response for JSON; frequencies in Hz, deviations relative to the magnitude."""
+    kinds = (("total", response.total_error), ("noise", response.noise_error))
+    deviations = {
+        kind: float(np.median(response.standard_deviation(kind) / np.abs(response.response)))  # type: ignore[arg-type]
+        for kind, error in kinds
+        if error is not None
+    }
+    return {
+        "gears": response.gears.tolist(),
+        "lines": len(response.frequency),
+        "lowest_hz": float(response.frequency[0]),
+        "highest_hz": float(response.frequency[-1]),
+        "blocks": response.n_blocks,
+        "periods": response.n_periods,
+        "relative_std": deviations,
+        "warnings": list(response.warnings),
+    }
+
+
+def print_responses(responses: tuple[FrequencyResponse, ...]) -> None:
+    """Print responses for people."""
+    table = Table("position", "gears", "lines", "blocks", "std, median [%]", "of it noise [%]")
+    for number, response in enumerate(responses, start=1):
+        record = response_record(response)
+        told = record["relative_std"]
+        table.add_row(
+            str(number),
+            ", ".join(f"{value:.3g}" for value in response.gears + 0.0),
+            f"{record['lines']}, {record['lowest_hz']:.3g} to {record['highest_hz']:.3g} Hz",
+            str(record["blocks"]),
+            *(f"{100 * told[kind]:.3g}" if kind in told else "-" for kind in ("total", "noise")),
+        )
+    console.print(table)
+    for warning in dict.fromkeys(text for response in responses for text in response.warnings):
+        console.print(f"warning: {warning}")

@@ -1,0 +1,67 @@
+"""Files of an identification: the robot, the figures, the page."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+from flexros.errors import InputError
+from flexros.identify.graybox.identified_robot import write_identified_robot
+from flexros.identify.report.write import write_identification_report
+from flexros.whole_file import write_result
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from flexros.identify.report.result import IdentificationResult
+
+ROBOT, FIGURES, REPORT = "identified.yaml", "identification.json", "report.html"
+"""Names of the files in the folder of an identification."""
+
+
+def write_identification(result: IdentificationResult, folder: Path, origin: str = "") -> None:
+    """Write identified.yaml, identification.json and report.html.
+
+    Args:
+        result: What was identified.
+        folder: Where; made if it is not there.
+        origin: What the source of the identified values says beside the estimator, e.g. the name of the experiment.
+
+    Raises:
+        InputError: They cannot be written there, or the identified robot is not physical.
+    """
+    make_folder(folder)
+    write_identified_robot(folder / ROBOT, result.problem.robot, result.fit, result.covariance, origin)
+    text = json.dumps(_finite(result.as_dict()), indent=2, allow_nan=False)
+    write_result(folder / FIGURES, f"{text}\n", "result")
+    write_identification_report(result, folder / REPORT)
+
+
+def make_folder(folder: Path) -> None:
+    """Make the folder of an identification.
+
+    Args:
+        folder: The folder; one that exists is taken as it is.
+
+    Raises:
+        InputError: It cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"the folder '{folder}' of the identification cannot be made ({error.strerror or error}); give another one "
+            "with --out"
+        ) from error
+
+
+def _finite(value: Any) -> Any:
+    """Replace numbers that JSON cannot hold by null."""
+    if isinstance(value, dict):
+        return {str(key): _finite(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

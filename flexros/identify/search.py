@@ -1,0 +1,98 @@
+"""Search for the parameters: robust fits from several starts, then the most accurate one from the best of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.identify.graybox.multistart import best, multistart, random_starts
+from flexros.identify.graybox.problem import graybox_problem
+from flexros.identify.graybox.refine import refine
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from distributed import Client
+
+    from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.identify.graybox.fit import Fit
+    from flexros.identify.graybox.problem import GrayBoxProblem
+    from flexros.robot import Robot
+
+WEIGHTS = ("user", "optimal", "combined")
+"""Weights of the last fit."""
+
+
+@dataclass(frozen=True)
+class SearchSettings:
+    """How parameters are searched for.
+
+    Attributes:
+        estimator: "LLS", "LLSM" or "NLS".
+        weights: Weights of the last fit, "user", "optimal" or "combined"; those from all starts have user weights,
+            which find the valley from far away (Moberg 2007, Paper A, section 6).
+        starts: Number of starts; the first is the robot's values, the others lie within a factor of ten of them.
+        seed: Seed of the starts.
+    """
+
+    estimator: str = "LLS"
+    weights: str = "user"
+    starts: int = 20
+    seed: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a search found.
+
+    Attributes:
+        problem: The problem with the weights of the last fit.
+        fit: The last fit.
+        searched: Fits from all starts.
+    """
+
+    problem: GrayBoxProblem
+    fit: Fit
+    searched: tuple[Fit, ...]
+
+
+def search(
+    robot: Robot,
+    responses: Sequence[FrequencyResponse],
+    names: Sequence[str],
+    settings: SearchSettings,
+    client: Client | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Found:
+    """Fit from several starts, then once more with the weights that are wanted from the best of them.
+
+    Args:
+        robot: The robot with its nominal values.
+        responses: Measured responses, one per position.
+        names: Names of the unknown parameters.
+        settings: How to search.
+        client: Dask client whose workers fit instead of threads of this process.
+        progress: Called with the number of fits done.
+
+    Returns:
+        What was found.
+
+    Raises:
+        InputError: Estimator, weights, names or responses are not possible.
+    """
+    if settings.starts < 1:
+        raise InputError(f"{settings.starts} starts were asked for, but at least one is needed")
+    problem = graybox_problem(robot, responses, names, settings.estimator, "user")
+    problem.with_choice(settings.estimator, settings.weights)  # what is not possible is refused before the search
+    starts = problem.scale.nominal[None]
+    if settings.starts > 1:
+        starts = np.vstack([starts, random_starts(problem, settings.starts - 1, settings.seed)])
+    searched = multistart(problem, starts, client=client, progress=progress)
+    found = best(searched)
+    if settings.weights == "user":
+        return Found(problem, found, searched)
+    refined = refine(problem, found, estimator=settings.estimator, weights=settings.weights)
+    return Found(refined.problem, refined.fit, searched)
