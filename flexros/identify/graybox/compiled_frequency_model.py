@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from threading import local
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.arrays import ComplexArray, FloatArray, IntArray
-    from flexros.identify.graybox.frequency_kernel import FrequencyKernel
+    from flexros.identify.graybox.frequency_kernel import FrequencyKernel, KernelResponse
     from flexros.identify.graybox.frequency_model import FrequencyModel
 
 Part = TypeVar("Part")
@@ -86,6 +87,18 @@ class CompiledFrequencyModel:
         rows, columns = np.array(self.kernel.structure.pairs).T
         return np.ascontiguousarray(self.model.expansion[:, :, rows, columns])
 
+    @property
+    def _room(self) -> KernelResponse:
+        """Memory of this thread that is used again and again: fresh memory costs more than the computation."""
+        if not hasattr(self._memory, "room"):
+            self._memory.room = self.kernel.room(*self._hold.shape[:2])
+        room: KernelResponse = self._memory.room
+        return room
+
+    @cached_property
+    def _memory(self) -> local:
+        return local()
+
     @cached_property
     def _workers(self) -> ThreadPoolExecutor:
         return ThreadPoolExecutor(self.threads)
@@ -110,14 +123,16 @@ class CompiledFrequencyModel:
         Returns:
             Responses and factors; None where rows would have to be exchanged.
         """
-        parts = self.of_parts(
-            theta, lambda matrices, hold, expansion, _: self.kernel.response(matrices, hold, expansion)
-        )
-        if any(part.small_pivots for part in parts):
-            return None
         structure, n_frequencies = self.kernel.structure, self.model.hold.omega.shape[1]
-        responses = out_of_blocks(np.concatenate([part.responses for part in parts]), n_frequencies)
-        factors = out_of_blocks(np.concatenate([part.factors for part in parts]), n_frequencies)
+        results = self._room
+        small = self.of_parts(
+            theta,
+            lambda matrices, hold, expansion, part: self.kernel.response(matrices, hold, expansion, results.of(part)),
+        )
+        if any(small):
+            return None
+        responses = out_of_blocks(results.responses, n_frequencies)
+        factors = out_of_blocks(results.factors, n_frequencies)
         motors, shape = len(structure.places), factors.shape[:2]
         vectors, slopes = np.split(factors, [len(structure.vectors) * motors], axis=2)
         pair = np.zeros((motors, motors), dtype=np.int64)
@@ -154,8 +169,10 @@ class CompiledFrequencyModel:
 
     def _factors(self, per_step: FloatArray) -> ComplexArray:
         hold, positions = self.model.hold, self.model.positions
-        powers = (1j * hold.omega[..., None]) ** np.maximum(positions.powers, 0)
-        factors: ComplexArray = -(per_step * positions.factors)[:, None, :] * hold.gain[..., None] * powers
+        s = 1j * hold.omega
+        powers = np.stack([-hold.gain, -hold.gain * s, -hold.gain * s**2], axis=-1)
+        chosen: ComplexArray = np.take(powers, np.maximum(positions.powers, 0), axis=-1)
+        factors: ComplexArray = chosen * (per_step * positions.factors)[:, None, :]
         return factors
 
 

@@ -29,17 +29,19 @@ _COMPILING = Lock()  # threads that fit the same robot wait for one compilation
 
 @dataclass(frozen=True, eq=False)
 class KernelResponse:
-    """Responses of all positions in blocks of frequencies.
+    """Responses of some positions in blocks of frequencies.
 
     Attributes:
         responses: Real and imaginary parts in turn, shape (Q, blocks, 2 pairs, LANES).
         factors: The same of what derivatives are made of, shape (Q, blocks, 2 factor_numbers, LANES).
-        small_pivots: Number of pivots that call for an exchange of rows.
     """
 
     responses: FloatArray
     factors: FloatArray
-    small_pivots: int
+
+    def of(self, positions: slice) -> KernelResponse:
+        """Return the part of some positions, in the same memory."""
+        return KernelResponse(self.responses[positions], self.factors[positions])
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,25 +78,30 @@ class FrequencyKernel:
         self._response = signature(self._code.address("responses"))
         self._equations = {name: signature(self._code.address(f"equations.{name}")) for name in ESTIMATORS}
 
-    def response(self, matrices: FloatArray, hold: FloatArray, expansion: FloatArray) -> KernelResponse:
+    def response(self, matrices: FloatArray, hold: FloatArray, expansion: FloatArray, results: KernelResponse) -> int:
         """Evaluate sampled responses and what their Jacobian is made of.
 
         Args:
             matrices: Packed matrices, shape (Q, matrix_numbers).
             hold: Packed hold, shape (Q, blocks, numbers, LANES).
             expansion: Packed expansion, shape (Q, orders, pairs).
+            results: Where to write.
 
         Returns:
-            Responses and factors.
+            Number of pivots that call for an exchange of rows.
         """
-        n_positions, n_blocks = hold.shape[:2]
-        structure = self.structure
-        responses = np.empty((n_positions, n_blocks, 2 * len(structure.pairs), LANES))
-        factors = np.empty((n_positions, n_blocks, 2 * structure.factor_numbers, LANES))
         small = np.zeros(LANES)
-        arrays = (matrices, hold, expansion, responses, factors, small)
-        self._response(n_positions, n_blocks, *(array.ctypes.data for array in arrays))
-        return KernelResponse(responses, factors, int(small.sum()))
+        arrays = (matrices, hold, expansion, results.responses, results.factors, small)
+        self._response(*hold.shape[:2], *(array.ctypes.data for array in arrays))
+        return int(small.sum())
+
+    def room(self, n_positions: int, n_blocks: int) -> KernelResponse:
+        """Make room for the responses of some positions and blocks."""
+        structure = self.structure
+        return KernelResponse(
+            np.empty((n_positions, n_blocks, 2 * len(structure.pairs), LANES)),
+            np.empty((n_positions, n_blocks, 2 * structure.factor_numbers, LANES)),
+        )
 
     def sums(
         self, estimator: str, matrices: FloatArray, hold: FloatArray, expansion: FloatArray, target: FloatArray
