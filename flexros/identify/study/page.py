@@ -1,0 +1,155 @@
+"""The results of the study as a page with pictures, to be kept with the project."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.identify.study.choices import BEST, REASONABLE, REFERENCE
+from flexros.identify.study.figures import hardest_spring, shares, table_1
+from flexros.identify.study.pictures import pictures
+from flexros.provenance import machine, versions
+from flexros.whole_file import write_result
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from flexros.config.scenario import Scenario
+    from flexros.identify.study.campaign import Study
+
+CAPTIONS = {
+    "costs_optimal_weights": "LLS cost of all models with optimal weights (figure 3 of the paper).",
+    "costs_user_weights": "LLS cost of all models with user weights; dotted: reasonable models (figure 4).",
+    "springs_of_gears": "Gear springs over those of the best model, models sorted by user cost (figure 5).",
+    "springs_of_arm": "Arm springs over those of the best model (figure 6).",
+    "dampers": "Dampers over those of the best model (figure 7).",
+    "frequency_responses": "Magnitude of measured and fitted responses in one position (figure 8).",
+}
+
+
+def write_study(study: Study, scenario: Scenario, folder: Path) -> None:
+    """Write page, pictures and numbers.
+
+    Args:
+        study: The study.
+        scenario: The experiment that was measured.
+        folder: Where to; it must exist. The page is study.md, the numbers are study.json.
+
+    Raises:
+        InputError: The folder cannot be written to.
+    """
+    check_folder(folder)
+    for name, drawing in pictures(study).items():
+        write_result(folder / f"study_{name}.svg", drawing.svg(), "picture")
+    write_result(folder / "study.json", json.dumps(numbers(study, scenario), indent=1) + "\n", "study")
+    write_result(folder / "study.md", page(study, scenario), "study")
+
+
+def check_folder(folder: Path) -> None:
+    """Refuse a folder that is not there, before hours of work rather than after.
+
+    Args:
+        folder: Where the study is to be written.
+
+    Raises:
+        InputError: There is no such folder.
+    """
+    if not folder.is_dir():
+        raise InputError(f"the study cannot be written to '{folder}': no such folder; make it or give another")
+
+
+def numbers(study: Study, scenario: Scenario) -> dict[str, Any]:
+    """Return all that the tables and pictures show, ready for JSON; infinite costs become none."""
+    return {
+        "scenario": scenario.model_dump(mode="json", exclude_defaults=True),
+        "versions": versions(),
+        "names": list(study.problem.names),
+        "nominal": study.problem.scale.nominal.tolist(),
+        "best": study.best.values.tolist(),
+        "theory": _digits(study.theory),
+        "spread": _digits(study.spread),
+        "single_position": study.single,
+        "runs": {
+            name: {
+                "user_cost": _digits(run.user_cost),
+                "optimal_cost": _digits(run.optimal_cost),
+                "values_over_nominal": [_digits(row / study.problem.scale.nominal) for row in run.values],
+            }
+            for name, run in study.runs.items()
+        },
+    }
+
+
+def page(study: Study, scenario: Scenario) -> str:
+    """Return the page as Markdown."""
+    robot, specification = study.problem.robot, scenario.identification
+    assert specification is not None
+    described = {**machine(), "versions": ", ".join(f"{name} {value}" for name, value in versions().items())}
+    lines = [
+        "# The study of Paper A repeated",
+        "",
+        "Moberg (2007), Paper A, section 6, on a simulated robot. The model does not know the friction, the hardening "
+        "gears and the torque ripple of the robot that is measured; all of these are chosen.",
+        "",
+        f"- robot: {robot.name}, {len(study.problem.names)} unknown parameters",
+        f"- experiment: {len(specification.positions)} positions from the D-optimal design, "
+        f"{specification.blocks} blocks each, {len(study.problem.frequency)} frequencies",
+        f"- starts: {len(study.runs[REFERENCE].fits)} within a factor of 10, the same for all estimators",
+        f"- measured robot: {', '.join(scenario.plant.effects) or 'linear'}",
+        *(f"- {key}: {value}" for key, value in described.items()),
+        "",
+        f"## Share of reasonable models (cost at most {REASONABLE:g} times the lowest)",
+        "",
+        *_share_rows(study),
+        "",
+        f"Left out of the springs, as one is in the paper: {study.problem.names[hardest_spring(study)]}. The published "
+        "shares come from a general-purpose gradient search on a real robot; here the search has an exact Jacobian, "
+        "limited steps and bounds.",
+        "",
+        f"## Parameters of the {REFERENCE} models within {BEST:g} of the lowest cost (Table 1)",
+        "",
+        *_table_rows(study),
+        "",
+        "All columns but the first are relative to the best model; std is over starts, redrawn over fits to "
+        f"{study.redrawn} sets of responses with noise drawn anew from the measured covariance, theory is equation (5) "
+        f"with its correction. {study.explanation}",
+        "",
+    ]
+    for name, caption in CAPTIONS.items():
+        lines += [f"![{caption}](study_{name}.svg)", "", caption, ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _share_rows(study: Study) -> list[str]:
+    rows = [
+        "| estimator | reasonable | published | springs within [0.5, 2] | published | all springs | mean steps |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for share in shares(study):
+        kind = share.kind
+        rows.append(
+            f"| {kind.name} | {share.reasonable:.0%} | {kind.published_reasonable:.0%} | {share.springs:.0%} | "
+            f"{kind.published_springs:.0%} | {share.all_springs:.0%} | {share.iterations:.1f} |"
+        )
+    return rows
+
+
+def _table_rows(study: Study) -> list[str]:
+    rows = [
+        "| parameter | best over nominal | min | median | max | mean | std | redrawn | theory |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    ratio = study.best.values / study.problem.scale.nominal
+    for row, found in zip(table_1(study), ratio, strict=True):
+        figures = (row.least, row.median, row.largest, row.mean)
+        spreads = (row.deviation, row.spread, row.theory)
+        texts = [f"{found:.3f}", *(f"{value:.3g}" for value in figures), *(f"{value:.2g}" for value in spreads)]
+        rows.append(f"| {row.name} | {' | '.join(texts)} |")
+    return rows
+
+
+def _digits(values: np.ndarray[Any, np.dtype[np.float64]]) -> list[float | None]:
+    return [float(f"{value:.6g}") if np.isfinite(value) else None for value in values]
