@@ -39,6 +39,7 @@ def robot(
     positions: int = typer.Option(0, "--positions", help="Number of positions; default: 15, or as many as unknowns."),
     candidates: int = typer.Option(4000, "--candidates", help="Number of positions to choose from."),
     ranges: list[str] = typer.Option([], "--range", help="Of a gear, e.g. motor_1=-0.5:0.5 (may be repeated)."),
+    minutes: float = typer.Option(30.0, "--minutes", help="Robot time up to which transient periods are added."),
     scenario: str = typer.Option("", "--scenario", help="Excitation and controller; default: chosen for the robot."),
     real: str = typer.Option("", "--real", help="Robot YAML that plays the real one; default: ROBOT itself."),
     effect: list[str] = typer.Option(
@@ -75,7 +76,7 @@ def robot(
     wanted = DesignSettings(positions or min(POSITIONS, len(names)), candidates, seed=seed)
     search = SearchSettings(estimator, weights, starts, seed)
     found, experiment, factor = designed(
-        nominal, names, template, wanted, gear_ranges(nominal, ranges), out / "experiment.yaml"
+        nominal, names, template, wanted, gear_ranges(nominal, ranges), out / "experiment.yaml", minutes
     )
     run = _run(experiment, log, transport, layout)
     if run.exit_code:

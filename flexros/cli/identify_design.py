@@ -31,6 +31,7 @@ def design(
     ranges: list[str] = typer.Option([], "--range", help="Of a gear, e.g. motor_1=-0.5:0.5 (may be repeated)."),
     repeat: bool = typer.Option(False, "--repeat", help="Allow a position to be chosen more than once."),
     distortion: float = typer.Option(0.0, "--distortion", help="Expected nonlinear share of the output, e.g. 0.01."),
+    minutes: float = typer.Option(30.0, "--minutes", help="Robot time up to which transient periods are added."),
     scenario: str = typer.Option("", "--scenario", help="Excitation and controller; default: chosen for the robot."),
     setting: list[str] = typer.Option([], "--set", help="Key of the scenario, e.g. identification.blocks=3."),
     unknown: list[str] = typer.Option([], "--unknown", help="Parameter to identify (may be repeated)."),
@@ -52,7 +53,7 @@ def design(
         distortion=distortion,
         seed=template.seed,
     )
-    found, experiment, factor = designed(robot, names, template, settings, gear_ranges(robot, ranges), out)
+    found, experiment, factor = designed(robot, names, template, settings, gear_ranges(robot, ranges), out, minutes)
     duration = plan_of_scenario(experiment).duration
     if as_json:
         print_json(design_record(found, factor, duration))
@@ -148,6 +149,7 @@ def designed(
     settings: Any,
     ranges: FloatArray,
     out: Path,
+    minutes: float,
 ) -> tuple[ExperimentDesign, Scenario, float]:
     """Design the experiment with a progress bar and write its scenario.
 
@@ -158,6 +160,7 @@ def designed(
         settings: `DesignSettings`.
         ranges: Ranges of the gears [rad or m], shape (M, 2).
         out: File of the scenario.
+        minutes: Longest experiment to which transient periods are added [min].
 
     Returns:
         The design, the scenario as it was written, and the factor by which amplitudes were lowered.
@@ -182,7 +185,7 @@ def designed(
         found = design_experiment(
             robot, names, template.identification, template.controller, sample_time, settings, ranges, tell
         )
-    experiment, factor = designed_scenario(template, robot, found)
+    experiment, factor = designed_scenario(template, robot, found, 60 * minutes)
     write_result(out, scenario_yaml(experiment), "scenario")
     return found, load_scenario(out), factor
 

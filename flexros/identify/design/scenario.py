@@ -14,6 +14,7 @@ from flexros.config.validation import validate
 from flexros.errors import InputError
 from flexros.identify.design.amplitude import amplitude_room
 from flexros.identify.design.default_controller import default_controller, slowest_decay
+from flexros.identify.plan import plan_of_scenario
 from flexros.robot.linearise import linear_model
 
 if TYPE_CHECKING:
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
 
 SETTLED = 5.0
 """Time constants of the loop's slowest motion after which a transient counts as gone (chosen)."""
-_MOST_TRANSIENTS = 10
-"""Most transient periods that are chosen here; a template may have more (chosen)."""
+LONGEST = 1800.0
+"""Longest experiment to which transient periods are added [s] (chosen)."""
 _DIGITS = 4
 """Decimals of gear coordinates in a scenario (chosen)."""
 
@@ -75,16 +76,19 @@ def template_scenario(robot: Robot, reference: str, given: str = "") -> Scenario
     return validate(Scenario, settings, shipped)
 
 
-def designed_scenario(template: Scenario, robot: Robot, design: ExperimentDesign) -> tuple[Scenario, float]:
+def designed_scenario(
+    template: Scenario, robot: Robot, design: ExperimentDesign, longest: float = LONGEST
+) -> tuple[Scenario, float]:
     """Put the chosen positions into a scenario.
 
     The amplitude is lowered where the torque limits leave no room for it, and transient periods are added where the
-    loop settles slowly.
+    loop settles slowly and time is left.
 
     Args:
         template: The experiment in each position.
         robot: The robot with its nominal values.
         design: The positions.
+        longest: Longest experiment to which transient periods are added [s].
 
     Returns:
         The scenario, and the factor by which amplitudes were lowered, 1 where they were not.
@@ -95,41 +99,41 @@ def designed_scenario(template: Scenario, robot: Robot, design: ExperimentDesign
     share = template.identification.limits.torque_share
     room = amplitude_room(robot, motors, design.conditions, design.law, design.sample_time, share)
     factor = min(1.0, room)
-    transients = _transient_periods(template, robot, design)
     changes: dict[str, Any] = {
         "description": _description(robot, design),
         "identification.positions": np.round(design.positions, _DIGITS).tolist(),
-        "identification.transient_periods": transients,
         "identification.blocks": blocks if np.all(design.counts == 1) else (blocks * design.counts).tolist(),
     }
     if factor < 1.0:
         amplitude = np.atleast_1d(template.identification.excitation.amplitude) * factor
         lowered = [float(f"{value:.2e}") for value in amplitude]
         changes["identification.excitation.amplitude"] = lowered if len(lowered) > 1 else lowered[0]
-    return template.with_values(changes, "design"), factor
+    scenario = template.with_values(changes, "design")
+    periods = _transient_periods(scenario, robot, design, longest)
+    return scenario.with_values({"identification.transient_periods": periods}, "design"), factor
 
 
-def _transient_periods(template: Scenario, robot: Robot, design: ExperimentDesign) -> int:
-    """Give the periods after which the loop has settled in every position, at least those of the template."""
-    specification = template.identification
+def _transient_periods(scenario: Scenario, robot: Robot, design: ExperimentDesign, longest: float) -> int:
+    """Give the periods after which the loop has settled in every position, as far as time allows."""
+    specification = scenario.identification
     assert specification is not None
+    own = specification.transient_periods
     if not specification.excitation.periodic:
-        return specification.transient_periods
-    period = specification.excitation.record_samples(design.sample_time) * design.sample_time
-    decays = [
-        slowest_decay(
-            linear_model(robot, robot.chain.arm_from_gears(gears)), design.law, design.sample_time, robot.delay
-        )
-        for gears in design.positions
-    ]
+        return own
+    poses = [robot.chain.arm_from_gears(gears) for gears in design.positions]
+    decays = [slowest_decay(linear_model(robot, q), design.law, design.sample_time, robot.delay) for q in poses]
     if min(decays) <= 0:
         where = np.round(design.positions[int(np.argmin(decays))], 3).tolist()
         raise InputError(
-            f"the controller of scenario {template.name} does not hold robot {robot.name} steady at the gear positions "
+            f"the controller of scenario {scenario.name} does not hold robot {robot.name} steady at the gear positions "
             f"{where}; lower its gains, or narrow the ranges"
         )
-    needed = int(np.ceil(SETTLED / (min(decays) * period)))
-    return max(specification.transient_periods, min(needed, _MOST_TRANSIENTS))
+    period = specification.excitation.record_samples(design.sample_time) * design.sample_time
+    experiments = robot.n_motors * sum(specification.blocks_per_position)
+    left = longest - plan_of_scenario(scenario).duration
+    affordable = int(np.floor(left / (experiments * period)))
+    needed = int(np.ceil(SETTLED / (min(decays) * period))) - own
+    return own + max(0, min(needed, affordable))
 
 
 def _description(robot: Robot, design: ExperimentDesign) -> str:

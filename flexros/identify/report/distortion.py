@@ -27,6 +27,9 @@ _LEVELS: tuple[tuple[str, str, str, str, str], ...] = (
 )
 """Attribute, its frequencies, its name, colour and how it is drawn."""
 
+_CLEAR = 2.0
+"""Distortions above this many times the noise stand out of it (chosen)."""
+
 
 class DistortionSection(AbstractIdentificationSection):
     """One panel per motor, a menu of positions, and a table of medians."""
@@ -65,24 +68,26 @@ def relative_level(told: list[tuple[int, Distortion]], level: str, motor: int) -
 
 
 def _sentence(told: list[tuple[int, Distortion]], names: tuple[str, ...]) -> str:
-    levels = {kind: [relative_level(told, kind, motor) for motor in range(len(names))] for kind in ("noise", "total")}
-    odd, even = ([relative_level(told, kind, motor) for motor in range(len(names))] for kind in ("odd", "even"))
+    noise, odd, even = (
+        np.array([relative_level(told, kind, motor) for motor in range(len(names))])
+        for kind in ("noise", "odd", "even")
+    )
     text = (
         "Amplitudes of the motor accelerations line by line: what the excitation causes, and what a linear robot "
         "without noise would not show. "
     )
-    if not np.any(np.isfinite(odd + even)):
+    if not np.any(np.isfinite([odd, even])):
         return f"{text}The excitation left no detection lines out, so odd and even distortions are not told apart."
-    largest = int(np.nanargmax(np.fmax(odd, even)))
-    kind = "odd" if np.nan_to_num(odd[largest]) >= np.nan_to_num(even[largest]) else "even"
-    size = max(np.nan_to_num(odd[largest]), np.nan_to_num(even[largest]))
-    noise = np.nan_to_num(levels["noise"][largest])
-    if size > 2 * noise:
+    ratio = np.nan_to_num(np.stack([odd, even]) / np.where(noise > 0, noise, np.inf))
+    kind, motor = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+    size = percent(float((odd, even)[kind][motor]), 2)
+    found = f"{('odd', 'even')[kind]} ones at {names[motor]}, {size} % of the output in the median"
+    if ratio[kind, motor] > _CLEAR:
         return (
-            f"{text}Nonlinear distortions stand out most at {names[largest]}: {kind} ones of {percent(size, 2)} % of "
-            f"the output in the median, with noise of {percent(float(noise), 2)} %."
+            f"{text}Nonlinear distortions stand out of the noise, most of all {found}, with noise of "
+            f"{percent(float(noise[motor]), 2)} %."
         )
-    return f"{text}Nonlinear distortions are no larger than the noise: the robot looks linear at this amplitude."
+    return f"{text}Nonlinear distortions hardly stand out of the noise; the largest are {found}."
 
 
 def _picture(result: IdentificationResult, told: list[tuple[int, Distortion]]) -> Picture:

@@ -74,7 +74,9 @@ def _picture(design: ExperimentDesign) -> Picture:
                 hovertemplate=f"%{{x}}: %{{y:.3g}} %<extra>{name}</extra>",
             )
         )
-    figure.update_yaxes(type="log", title_text="relative [%]", dtick=1, minor={"ticks": "outside"})
+    figure.update_yaxes(
+        type="log", title_text="relative [%]", dtick=1, exponentformat="none", minor={"ticks": "outside"}
+    )
     figure.update_xaxes(tickangle=-60, tickfont={"size": 10})
     figure.update_layout(margin={"b": 150}, height=figure.layout.height + 100)
     caption = (

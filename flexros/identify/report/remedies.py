@@ -11,6 +11,7 @@ from flexros.identify.design.experiment_design import PRIOR_DEVIATION
 from flexros.identify.design.information import frf_information
 from flexros.identify.design.next_experiment import most_telling_frequency, next_experiment
 from flexros.identify.design.position_information import frequency_information
+from flexros.identify.graybox.covariance import parameter_covariance
 from flexros.identify.graybox.response_noise import response_noise
 
 if TYPE_CHECKING:
@@ -31,8 +32,8 @@ class Remedy:
         measured: Whether the position was among those measured already.
         frequency: Frequency at which it tells most [Hz].
         now: Standard deviation of the combination now [1].
-        bound: The smallest that any weights could get from the same responses [1] (Cramér and Rao).
-        gain: Factor by which the bound falls with the further experiment, at most 1.
+        optimal: What optimal weights would get from the same responses [1] (Moberg 2007, Paper A, eq. 6 and 8).
+        gain: Factor by which the smallest possible standard deviation falls with the further experiment, at most 1.
     """
 
     what: str
@@ -40,7 +41,7 @@ class Remedy:
     measured: bool
     frequency: float
     now: float
-    bound: float
+    optimal: float
     gain: float
 
 
@@ -66,6 +67,8 @@ def remedies(result: IdentificationResult) -> tuple[Remedy, ...]:
         candidates = _ratio(given, result.design.information) * result.design.design.information
         gears = result.design.candidates.gears
     total = given + np.eye(len(given)) / PRIOR_DEVIATION**2
+    weighted = result.problem.with_choice(result.fit.estimator, "optimal").reweighted(result.fit.values)
+    optimal = parameter_covariance(weighted, result.fit, correct=False).matrix
     found = []
     for what, direction in wanted:
         best = next_experiment(total, candidates, direction)
@@ -78,7 +81,7 @@ def remedies(result: IdentificationResult) -> tuple[Remedy, ...]:
                 measured=frequency is result.problem.frequency,
                 frequency=float(frequency[place]),
                 now=float(np.sqrt(direction @ result.covariance.matrix @ direction)),
-                bound=best.before,
+                optimal=float(np.sqrt(direction @ optimal @ direction)),
                 gain=best.after / best.before,
             )
         )

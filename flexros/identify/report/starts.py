@@ -29,12 +29,14 @@ class StartSection(AbstractIdentificationSection):
         first = result.searched[0]
         text = (
             f"{result.same_minimum} of {len(costs)} fits ({first.estimator}, {first.weights} weights) ended in the "
-            f"best minimum; the others cost up to {number(float(costs[-1] / costs[0]), 3)} times as much. "
+            "best minimum"
         )
+        if result.same_minimum < len(costs):
+            text += f"; the others cost up to {number(float(costs[-1] / costs[0]), 3)} times as much"
         text += (
-            "One more start would hardly find a better one."
-            if result.same_minimum > 1
-            else "No minimum was found twice, so a better one may exist: give more starts."
+            ". No minimum was found twice, so a better one may exist: give more starts."
+            if result.same_minimum == 1
+            else "."
         )
         figure = stacked(["Cost from each start over the lowest, sorted"], height=240)
         figure.add_trace(

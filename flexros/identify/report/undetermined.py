@@ -56,8 +56,7 @@ def _table(found: tuple[Remedy, ...], result: IdentificationResult) -> TextTable
             ", ".join(f"{value:.3g}" for value in each.gears + 0.0),
             number(each.frequency, 3),
             percent(each.now),
-            percent(each.bound),
-            percent(each.bound * each.gain),
+            percent(each.now * each.gain),
         )
         for each in found
     )
@@ -65,21 +64,23 @@ def _table(found: tuple[Remedy, ...], result: IdentificationResult) -> TextTable
     if result.design is not None:
         where = f"{len(result.design.candidates.gears)} candidate positions"
     unit = "rad" if all(unit == "rad" for unit in result.problem.responses[0].coordinate_units) else "rad or m"
-    header = ("Parameters", f"position, gears [{unit}]", "tells most at [Hz]", "std [%]", "bound [%]", "then [%]")
+    header = ("Parameters", f"position, gears [{unit}]", "tells most at [Hz]", "std now [%]", "std then [%]")
     caption = (
         f"The single further experiment that helps most, out of {where}, with as many blocks as the others. Standard "
-        "deviations of the logarithm of the combination: of this fit, the smallest that any weights could get from the "
-        "same responses, and that with the further experiment."
+        "deviations of the logarithm of the combination, of this fit and predicted."
     )
     return TextTable(header, rows, caption, left=2)
 
 
 def _better_weights(found: tuple[Remedy, ...]) -> tuple[Paragraph, ...]:
-    names = [each.what for each in found if each.bound < _HELPS / 2 * each.now]
-    if not names:
+    told = [
+        f"{each.what} ({percent(each.optimal, 2)} instead of {percent(each.now, 2)} %)"
+        for each in found
+        if each.optimal < _HELPS * each.now
+    ]
+    if not told:
         return ()
-    text = f"For {', '.join(names)} no experiment may be needed: optimal weights would use the same responses better."
-    return (Paragraph(text),)
+    return (Paragraph(f"Optimal weights would get more out of the same responses: {', '.join(told)}."),)
 
 
 def _hopeless(found: tuple[Remedy, ...]) -> tuple[Paragraph, ...]:

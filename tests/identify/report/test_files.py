@@ -1,0 +1,31 @@
+"""Files of an identification: a robot that loads, figures that parse, a page."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from flexros.errors import InputError
+from flexros.identify.report.files import FIGURES, REPORT, ROBOT, make_folder, write_identification
+from flexros.identify.report.result import IdentificationResult
+from flexros.robot import load_robot
+
+
+def test_folder_holds_robot_figures_and_page(noisy: IdentificationResult, tmp_path: Path) -> None:
+    folder = tmp_path / "new" / "identified"
+    write_identification(noisy, folder, "experiment test")
+    robot = load_robot(folder / ROBOT)
+    for name, value in zip(noisy.fit.names, noisy.fit.values, strict=True):
+        assert robot.parameters[name].value == pytest.approx(value)
+        assert "experiment test" in robot.parameters[name].source
+    content = json.loads((folder / FIGURES).read_text())
+    assert [row["name"] for row in content["parameters"]] == list(noisy.fit.names)
+    assert (folder / REPORT).stat().st_size > 1_000_000
+
+
+def test_folder_that_cannot_be_made_is_explained(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match=r"the folder .*file/inside' of the identification cannot be made .* --out"):
+        make_folder(tmp_path / "file" / "inside")

@@ -1,0 +1,61 @@
+"""The result as figures: agreement with truth, verdict, JSON, warnings."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from flexros.identify.report.result import ExperimentFacts, IdentificationResult, verdict
+
+
+def test_figures_hold_truth_within_their_intervals(clear: IdentificationResult) -> None:
+    content = clear.as_dict()
+    inside = [row["interval_95"][0] <= row["truth"] <= row["interval_95"][1] for row in content["parameters"]]
+    assert len(inside) == 6
+    assert sum(inside) >= 5
+    for row in content["parameters"]:
+        assert row["value"] == pytest.approx(row["truth"], rel=5 * row["relative_std"])
+        assert row["verdict"] == "determined"
+
+
+def test_dictionary_is_json_with_all_that_matters(clear: IdentificationResult) -> None:
+    content = json.loads(json.dumps(clear.as_dict()))
+    assert content["schema"] == 1
+    assert content["robot"] == "e12"
+    assert content["cost"]["identified"] < 0.1 * content["cost"]["nominal"]
+    assert content["starts"] == {
+        "number": 4, "same_minimum": clear.same_minimum, "costs": sorted(each.cost for each in clear.searched)
+    }  # fmt: skip
+    assert content["experiment"]["robot_time"] == 400.0
+    assert np.array(content["positions"]).shape == (3, 2)
+
+
+def test_verdict_counts_and_names(clear: IdentificationResult, noisy: IdentificationResult) -> None:
+    assert verdict(clear).startswith("6 of 6 parameters of e12 are determined within 10 %. The identified model ")
+    open_ones = noisy.identifiability.names("not_determined")
+    assert open_ones
+    assert f"not determined ({open_ones[0]}" in verdict(noisy)
+
+
+def test_verdict_says_when_errors_are_not_known(make: Callable[..., IdentificationResult]) -> None:
+    assert "The errors of the responses in 3 positions are not known" in verdict(make(10.0, known=False))
+
+
+def test_warnings_that_differ_in_numbers_only_are_told_once(clear: IdentificationResult) -> None:
+    assert clear.warnings[:2] == (
+        "amplitudes were lowered",
+        "position 1: a gap of 2 samples (alike in 2 more positions)",
+    )
+
+
+def test_facts_are_those_of_the_plan() -> None:
+    from flexros.config.scenario import load_scenario
+    from flexros.identify.plan import plan_of_scenario
+
+    facts = ExperimentFacts.of(plan_of_scenario(load_scenario("identify_six_axis")), "log", "direct")
+    assert (facts.positions, facts.blocks, facts.experiments, facts.periods, facts.period) == (3, 6, 36, 2, 2.0)
+    assert facts.robot_time == pytest.approx(314, abs=5)
+    assert facts.excitation == "multisine"

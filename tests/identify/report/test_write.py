@@ -1,0 +1,118 @@
+"""The page: every section, offline, small; sections that do not apply are left out."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from html import unescape
+from pathlib import Path
+
+import pytest
+
+from flexros.errors import InputError
+from flexros.identify.report.result import IdentificationResult
+from flexros.identify.report.write import SECTIONS, write_identification_report
+
+
+def page(result: IdentificationResult, folder: Path) -> str:
+    file = folder / "report.html"
+    write_identification_report(result, file)
+    return file.read_text(encoding="utf-8")
+
+
+def words(html: str) -> str:
+    """Return what is read, without scripts and tags."""
+    return unescape(re.sub(r"<[^>]+>", " ", re.sub(r"<(script|style).*?</\1>", "", html, flags=re.DOTALL)))
+
+
+def pictures(html: str) -> list[dict[str, object]]:
+    data = re.search(r'id="pictures">(.*?)</script>', html, re.DOTALL)
+    assert data
+    return [entry["figure"] for entry in json.loads(data[1])]
+
+
+@pytest.fixture(scope="module")
+def html(clear: IdentificationResult, tmp_path_factory: pytest.TempPathFactory) -> str:
+    return page(clear, tmp_path_factory.mktemp("page"))
+
+
+def test_page_opens_offline_and_is_small(html: str) -> None:
+    library = html.index("<script>")
+    outside = html[:library] + html[html.index('id="pictures"') :]
+    assert not re.search(r"(src|href)=[\"']?https?:", outside)
+    assert len(html) < 15e6
+
+
+def test_every_section_appears_once(html: str) -> None:
+    for section in SECTIONS:
+        if section.title:
+            assert html.count(f"<h2>{section.title}</h2>") == 1
+
+
+def test_page_begins_with_the_verdict_and_the_main_figures(html: str) -> None:
+    text = words(html)
+    assert text.index("6 of 6 parameters of e12 are determined within 10 %") < text.index("Parameters")
+    assert "6.67 min" in " ".join(text.split())
+    assert "amplitudes were lowered" in text
+
+
+def test_table_shows_nominal_identified_true_and_verdict(html: str) -> None:
+    row = re.search(r"body_1\.ry\.stiffness</td>(.*?)</tr>", html, re.DOTALL)
+    assert row
+    cells = words(row[1]).split()
+    assert cells[0] == "Nm/rad"
+    assert cells[1] == "100000"
+    assert float(cells[2]) == pytest.approx(1.2e5, rel=0.02)
+    assert cells[-2:] == ["determined", "120000"]
+
+
+def test_responses_have_a_panel_per_pair_and_menus_for_position_and_view(html: str) -> None:
+    figure = pictures(html)[1]
+    menus = figure["layout"]["updatemenus"]  # type: ignore[index]
+    assert [button["label"] for button in menus[0]["buttons"]] == ["magnitude", "phase [°]"]
+    assert len(menus[1]["buttons"]) == 3
+    assert len(figure["data"]) == 4 * 7  # type: ignore[arg-type]
+    for button in menus[1]["buttons"]:
+        assert len(button["args"][0]["y"]) == 4 * 7
+    shown = menus[0]["buttons"][1]["args"][0]["visible"]
+    assert shown == [False, False, False, False, True, True, True] * 4
+
+
+def test_first_position_is_drawn_with_its_own_numbers(html: str, clear: IdentificationResult) -> None:
+    figure = pictures(html)[1]
+    measured = figure["data"][1]["y"]  # type: ignore[index]
+    assert measured == pytest.approx(abs(clear.problem.responses[0].response[:, 0, 0]), rel=1e-3)
+    band = figure["data"][0]["y"]  # type: ignore[index]
+    assert all(top >= value for top, value in zip(band, measured, strict=False))
+
+
+def test_distortions_are_named_with_their_size(html: str) -> None:
+    assert "odd ones at motor_2, 5 % of the output in the median, with noise of 0.10 %" in words(html)
+
+
+def test_gain_of_the_positions_is_told(html: str) -> None:
+    assert "chosen out of 60 candidates" in words(html)
+
+
+def test_provenance_and_all_warnings_stand_at_the_end(html: str) -> None:
+    end = words(html[html.index("Provenance and limits") :])
+    assert "scenario.seed" in end
+    assert "a gap of 2 samples (alike in 2 more positions)" in end
+
+
+def test_what_is_not_determined_is_listed_with_an_experiment(noisy: IdentificationResult, tmp_path: Path) -> None:
+    text = words(page(noisy, tmp_path))
+    assert "The single further experiment that helps most, out of 60 candidate positions" in text
+    assert noisy.identifiability.names("not_determined")[0] in text
+
+
+def test_sections_without_content_are_left_out(make: Callable[..., IdentificationResult], tmp_path: Path) -> None:
+    text = words(page(make(10.0, levels=False, known=False), tmp_path))
+    assert "Noise and nonlinear distortions" not in text
+    assert "The responses have no covariance" in text
+
+
+def test_report_into_a_folder_that_is_not_there_is_refused(clear: IdentificationResult, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"the report cannot be written to .*: its folder must exist"):
+        write_identification_report(clear, tmp_path / "none" / "report.html")
