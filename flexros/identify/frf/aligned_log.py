@@ -89,15 +89,15 @@ def align(log: Log, plan: ExperimentPlan, start_stamp: int | None = None) -> Ali
         start_stamp = START_NS if log.provenance.get("scenario") else int(states.stamp[0])
     highest = float(plan.frequency[-1])
     numbers = sample_numbers(states.stamp, start_stamp, plan.sample_time, "joint_states", highest, warnings)
-    if torques.stamp is not states.stamp:
+    if not np.array_equal(torques.stamp, states.stamp):
         given = sample_numbers(torques.stamp, start_stamp, plan.sample_time, "joint_commands", highest, warnings)
         _check_recorded(given, numbers, warnings)
         torque = torque[np.clip(np.searchsorted(given, numbers, side="right") - 1, 0, None)]
     return AlignedLog(
         names=names,
         numbers=numbers,
-        position=position[:, order],
-        torque=torque[:, _places(names, torques.names, "joint_commands")],
+        position=_columns(position, order),
+        torque=_columns(torque, _places(names, torques.names, "joint_commands")),
         reference=_reference(log, names, numbers, start_stamp, plan.sample_time, warnings),
         sample_time=plan.sample_time,
         warnings=tuple(warnings),
@@ -175,4 +175,10 @@ def _reference(
     if not np.all(there):
         warnings.append("joint_reference is not there for every sample, so the reference is taken as unknown")
         return None
-    return values[places][:, _places(names, series.names, "joint_reference")]
+    rows = values if len(given) == len(numbers) else values[places]
+    return _columns(rows, _places(names, series.names, "joint_reference"))
+
+
+def _columns(values: FloatArray, order: list[int]) -> FloatArray:
+    """Order columns; long logs are not copied where they are in order."""
+    return values if order == list(range(values.shape[1])) else values[:, order]

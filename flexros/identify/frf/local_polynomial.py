@@ -100,7 +100,8 @@ def _fit(source: ComplexArray, offset: IntArray, degree: int) -> tuple[ComplexAr
     if not np.all(size > 0) or np.linalg.cond(regressors / size[:, None]) > WORST_CONDITION:
         raise InputError(
             "no excitation: the inputs cannot be told apart from the transients within the lines of a local "
-            "polynomial; excite all inputs at all lines of the band, or use the method periodic for whole periods"
+            "polynomial; excite all inputs at more lines of the band, lower polynomial_degree, or set method to "
+            "periodic for whole periods"
         )
     pseudo = np.linalg.pinv(regressors / size[:, None]) / size
     return pseudo, np.eye(width * m) - pseudo @ regressors

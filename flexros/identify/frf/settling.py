@@ -42,7 +42,8 @@ def check_settled(experiments: Experiments, drift_degree: int) -> list[str]:
         return []
     return [
         f"{experiments.label}: not settled: what changes in the {where} between periods falls {worst:.1f} times within "
-        "a period, so a transient is in the record and counts as noise; add transient_periods"
+        "a period, so a transient is in the record and counts as noise; add transient_periods, or set method to "
+        "local_polynomial, which models it"
     ]
 
 

@@ -157,7 +157,12 @@ def test_joints_swapped_everywhere_are_named(recorded: Recorded) -> None:
         estimate_responses(swapped, recorded.plan, robot=recorded.robot)
 
 
-def test_short_transients_are_warned_of() -> None:
+def test_transient_in_the_record_is_warned_of_and_modelled_by_local_polynomials() -> None:
     recorded = run(positions=[[0.0, 0.3]], transient_periods=0)
-    responses = estimate_responses(recorded.log, recorded.plan)
-    assert any("not settled" in warning for warning in responses[0].warnings)
+    periodic = estimate_responses(recorded.log, recorded.plan)
+    assert any("not settled" in warning for warning in periodic[0].warnings)
+    settings = FrfSettings(method="local_polynomial", thinned=False)
+    polynomial = estimate_responses(recorded.log, recorded.plan, settings)
+    model = model_of(recorded, periodic)[0]
+    worse, better = (np.median(abs(r[0].response / model - 1)) for r in (periodic, polynomial))
+    assert better < 0.5 * worse
