@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,39 +11,42 @@ from flexros.errors import InputError
 from flexros.identify.graybox.covariance import parameter_covariance
 from flexros.identify.graybox.fit import Fit, FitSettings, cost_at, fit
 from flexros.identify.graybox.levenberg_marquardt import StopRule
-from flexros.identify.graybox.multistart import best, multistart, random_starts
+from flexros.identify.graybox.multistart import multistart, random_starts
 from flexros.identify.graybox.problem import GrayBoxProblem, graybox_problem
 from flexros.identify.study.choices import REFERENCE, SIX
 from flexros.identify.study.spread import estimated_spread
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from distributed import Client
+    from collections.abc import Mapping, Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.identify.frf.frequency_response import FrequencyResponse
-    from flexros.robot.robot import Robot
+    from flexros.identify.study.settings import StudySettings
+
+GROUP = 10
+"""Starts that are computed together."""
 
 
 @dataclass(frozen=True, eq=False)
 class EstimatorRun:
-    """What one estimator found.
+    """What one estimator found from S starts.
 
     Attributes:
-        fits: Fits in the order of the starts.
-        user_cost: LLS cost of each fit over all positions with user weights; infinite without a rest, shape (S,).
+        values: Fitted values [SI], shape (S, P).
+        iterations: Steps of each fit, shape (S,).
+        user_cost: LLS cost of each model over all positions with user weights; infinite without a rest, shape (S,).
         optimal_cost: The same with optimal weights, shape (S,).
     """
 
-    fits: tuple[Fit, ...]
+    values: FloatArray
+    iterations: FloatArray
     user_cost: FloatArray
     optimal_cost: FloatArray
 
-    @property
-    def values(self) -> FloatArray:
-        """Fitted values [SI], shape (S, P)."""
-        return np.stack([each.values for each in self.fits])
+    @classmethod
+    def of_rows(cls, rows: Sequence[Mapping[str, Any]]) -> EstimatorRun:
+        """Put together what `fitted_rows` gave for groups of starts."""
+        fields = ("values", "iterations", "user_cost", "optimal_cost")
+        return cls(*(np.array([row[key] for row in rows], dtype=float) for key in fields))
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,61 +74,92 @@ class Study:
     explanation: str
 
 
-def run_study(
-    robot: Robot,
-    responses: Sequence[FrequencyResponse],
-    names: Sequence[str],
-    *,
-    starts: int = 100,
-    seed: int = 1,
-    redrawn: int = 100,
-    threads: int | None = None,
-    client: Client | None = None,
-    progress: Callable[[str, int, int], None] | None = None,
-) -> Study:
-    """Fit from random starts within a factor of 10 with every estimator, and judge all models by the same cost.
+def study_jobs(
+    problem: GrayBoxProblem, settings: StudySettings
+) -> dict[str, tuple[GrayBoxProblem, str, int, list[list[float]]]]:
+    """List the fits of the study in groups that can be computed anywhere.
 
     Args:
-        robot: The nominal robot.
-        responses: Measured responses, one per position.
-        names: Names of the unknown parameters.
-        starts: Number of random starts, the same for all estimators.
-        seed: Seed of starts and redrawn noise.
-        redrawn: Number of responses drawn anew for the empirical spread.
-        threads: Threads of this process; default: one per processor.
-        client: Dask client whose workers fit instead.
-        progress: Called with the estimator's name, the number of fits done and the number there are.
+        problem: LLS with user weights over all positions.
+        settings: Number and seed of the starts.
 
     Returns:
-        The study.
+        Arguments of `fitted_rows` by name of the group.
     """
-    problem = graybox_problem(robot, responses, names)
     single = most_telling_position(problem)
-    alone = graybox_problem(robot, [responses[single]], names)
-    chosen = random_starts(problem, starts, seed)
-    optimal = problem.with_choice("LLS", "optimal")
-    runs: dict[str, EstimatorRun] = {}
-    for kind in SIX:
-        frame = problem if kind.all_positions else alone
-        fits = multistart(
-            frame.with_choice(kind.estimator, kind.weights),
-            chosen,
-            threads=threads,
-            client=client,
-            progress=_teller(progress, kind.name, starts),
+    starts = random_starts(problem, settings.starts, settings.seed).tolist()
+    return {
+        f"{kind.name}_{first}_to_{first + len(starts[first : first + GROUP]) - 1}": (
+            problem,
+            kind.name,
+            single,
+            starts[first : first + GROUP],
         )
-        costs = np.array([_costs(problem, optimal, each) for each in fits])
-        runs[kind.name] = EstimatorRun(fits, costs[:, 0], costs[:, 1])
-    found = best(runs[REFERENCE].fits)
+        for kind in SIX
+        for first in range(0, len(starts), GROUP)
+    }
+
+
+def fitted_rows(problem: GrayBoxProblem, kind: str, single: int, starts: list[list[float]]) -> dict[str, Any]:
+    """Fit with one estimator from some starts, and judge the models by the same costs as all others.
+
+    Args:
+        problem: LLS with user weights over all positions.
+        kind: Name of the estimator.
+        single: Number of the position for the estimator that takes only one.
+        starts: Starts [SI], shape (S, P).
+
+    Returns:
+        Under "rows" values, steps and both costs of every fit, ready for JSON.
+    """
+    chosen = next(each for each in SIX if each.name == kind)
+    frame = problem
+    if not chosen.all_positions:
+        frame = graybox_problem(problem.robot, [problem.responses[single]], problem.names)
+    frame = frame.with_choice(chosen.estimator, chosen.weights)
+    optimal = problem.with_choice("LLS", "optimal")
+    rows = []
+    for found in multistart(frame, np.array(starts), threads=1):
+        user_cost, optimal_cost = _costs(problem, optimal, found)
+        rows.append(
+            {
+                "values": found.values.tolist(),
+                "iterations": found.iterations,
+                "user_cost": user_cost,
+                "optimal_cost": optimal_cost,
+            }
+        )
+    return {"rows": rows}
+
+
+def study_of(problem: GrayBoxProblem, parts: Mapping[str, Mapping[str, Any]], settings: StudySettings) -> Study:
+    """Put the study together.
+
+    Args:
+        problem: LLS with user weights over all positions.
+        parts: What `fitted_rows` gave, by the names of `study_jobs`.
+        settings: Settings of the study.
+
+    Returns:
+        The study, with the theory at the best model of the reference estimator.
+    """
+    runs = {
+        kind.name: EstimatorRun.of_rows(
+            [row for name, part in parts.items() if name.startswith(f"{kind.name}_") for row in part["rows"]]
+        )
+        for kind in SIX
+    }
+    reference = runs[REFERENCE]
+    found = fit(problem, reference.values[int(np.argmin(reference.user_cost))])
     covariance = parameter_covariance(problem, found)
     return Study(
         problem=problem,
         runs=runs,
         best=found,
-        single=single,
+        single=most_telling_position(problem),
         theory=covariance.standard_deviation,
-        spread=estimated_spread(problem, found, redrawn, seed),
-        redrawn=redrawn,
+        spread=estimated_spread(problem, found, settings.redrawn, settings.seed),
+        redrawn=settings.redrawn,
         explanation=covariance.explanation,
     )
 
@@ -154,7 +188,3 @@ def _costs(user: GrayBoxProblem, optimal: GrayBoxProblem, found: Fit) -> tuple[f
     except InputError:  # springs too soft for the gravity of a position that was not fitted
         return np.inf, np.inf
     return cost_at(user, model, found.values), cost_at(optimal, model, found.values)
-
-
-def _teller(progress: Callable[[str, int, int], None] | None, name: str, total: int) -> Callable[[int], None] | None:
-    return None if progress is None else lambda done: progress(name, done, total)

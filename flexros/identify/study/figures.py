@@ -112,7 +112,7 @@ def shares(study: Study) -> tuple[Share, ...]:
                 reasonable=float(np.mean(normalised_costs(study, kind.name) <= REASONABLE)),
                 springs=float(np.mean(np.all(within[:, but_one], axis=1))),
                 all_springs=float(np.mean(np.all(within[:, every], axis=1))),
-                iterations=float(np.mean([fit.iterations for fit in study.runs[kind.name].fits])),
+                iterations=float(np.mean(study.runs[kind.name].iterations)),
             )
         )
     return tuple(found)

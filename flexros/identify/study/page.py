@@ -7,16 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexros.errors import InputError
 from flexros.identify.study.choices import BEST, REASONABLE, REFERENCE
 from flexros.identify.study.figures import hardest_spring, shares, table_1
 from flexros.identify.study.pictures import pictures
 from flexros.provenance import machine, versions
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from flexros.config.scenario import Scenario
     from flexros.identify.study.campaign import Study
 
@@ -30,35 +26,28 @@ CAPTIONS = {
 }
 
 
-def write_study(study: Study, scenario: Scenario, folder: Path) -> None:
-    """Write page, pictures and numbers.
+def study_files(study: Study, scenario: Scenario) -> dict[str, str]:
+    """Return page, pictures and numbers by file name; the page is study.md, the numbers are study.json.
 
     Args:
         study: The study.
         scenario: The experiment that was measured.
-        folder: Where to; it must exist. The page is study.md, the numbers are study.json.
-
-    Raises:
-        InputError: The folder cannot be written to.
     """
-    check_folder(folder)
-    for name, drawing in pictures(study).items():
-        write_result(folder / f"study_{name}.svg", drawing.svg(), "picture")
-    write_result(folder / "study.json", json.dumps(numbers(study, scenario), indent=1) + "\n", "study")
-    write_result(folder / "study.md", page(study, scenario), "study")
+    return {
+        "study.md": page(study, scenario),
+        "study.json": json.dumps(numbers(study, scenario), indent=1) + "\n",
+        **{f"study_{name}.svg": drawing.svg() for name, drawing in pictures(study).items()},
+    }
 
 
-def check_folder(folder: Path) -> None:
-    """Refuse a folder that is not there, before hours of work rather than after.
-
-    Args:
-        folder: Where the study is to be written.
-
-    Raises:
-        InputError: There is no such folder.
-    """
-    if not folder.is_dir():
-        raise InputError(f"the study cannot be written to '{folder}': no such folder; make it or give another")
+def study_summary(study: Study) -> tuple[str, ...]:
+    """Return the result in sentences, one per estimator."""
+    return tuple(
+        f"{share.kind.name}: {share.reasonable:.0%} of the models are reasonable (published "
+        f"{share.kind.published_reasonable:.0%}), springs within a factor of 2 in {share.springs:.0%} (published "
+        f"{share.kind.published_springs:.0%})."
+        for share in shares(study)
+    )
 
 
 def numbers(study: Study, scenario: Scenario) -> dict[str, Any]:
@@ -74,6 +63,7 @@ def numbers(study: Study, scenario: Scenario) -> dict[str, Any]:
         "single_position": study.single,
         "runs": {
             name: {
+                "iterations": run.iterations.astype(int).tolist(),
                 "user_cost": _digits(run.user_cost),
                 "optimal_cost": _digits(run.optimal_cost),
                 "values_over_nominal": [_digits(row / study.problem.scale.nominal) for row in run.values],
@@ -97,7 +87,7 @@ def page(study: Study, scenario: Scenario) -> str:
         f"- robot: {robot.name}, {len(study.problem.names)} unknown parameters",
         f"- experiment: {len(specification.positions)} positions from the D-optimal design, "
         f"{specification.blocks} blocks each, {len(study.problem.frequency)} frequencies",
-        f"- starts: {len(study.runs[REFERENCE].fits)} within a factor of 10, the same for all estimators",
+        f"- starts: {len(study.runs[REFERENCE].values)} within a factor of 10, the same for all estimators",
         f"- measured robot: {', '.join(scenario.plant.effects) or 'linear'}",
         *(f"- {key}: {value}" for key, value in described.items()),
         "",

@@ -8,6 +8,7 @@ import numpy as np
 
 from flexros.config.scenario import PlantSettings, Scenario, load_scenario
 from flexros.identify.design.experiment_design import DesignSettings, design_experiment
+from flexros.identify.design.scenario import designed_scenario, template_scenario, unknown_names
 from flexros.identify.frf.positions import estimate_responses
 from flexros.identify.plan import plan_of_scenario
 from flexros.identify.slow_motion import SlowSine
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.identify.study.settings import StudySettings
     from flexros.robot.robot import Robot
 
 HARDENING, KNEE = 0.3, 0.15
@@ -54,64 +56,50 @@ def unmodelled_effects(robot: Robot) -> tuple[str, ...]:
     return tuple(effects)
 
 
-def study_scenario(base: str, positions: int, blocks: int, seed: int, candidates: int = 2000) -> Scenario:
-    """Put the experiment of the study together.
+def study_scenario(settings: StudySettings, progress: Callable[[str, int, int], None] | None = None) -> Scenario:
+    """Put the experiment of the study together: positions from the D-optimal design, a real robot in the plant.
 
     Args:
-        base: Scenario whose robot, excitation and controller are taken, e.g. "identify_six_axis".
-        positions: Number of positions, chosen by the D-optimal design.
-        blocks: Blocks of experiments in each position.
-        seed: Seed of phases, noise and candidate positions.
-        candidates: Number of candidate positions.
+        settings: What to measure.
+        progress: Called with what is being done, how much of it is done, and how much there is.
 
     Returns:
-        The scenario, with the effects of the real robot in the plant.
+        The scenario.
 
     Raises:
-        InputError: The scenario is not known or describes no identification.
+        InputError: The scenario is not known, or the experiment is not possible.
     """
-    scenario = load_scenario(base)
-    robot = load_robot(scenario.robot)
-    specification = scenario.identification
+    shipped = load_scenario(settings.scenario)
+    robot = load_robot(shipped.robot)
+    template = template_scenario(robot, shipped.robot, settings.scenario)
+    specification = template.identification
     assert specification is not None
-    slow = SlowSine(kind="sine", speed=tuple(SLOW * specification.excitation.sizes(robot.n_motors)))
-    specification = specification.model_copy(update={"blocks": blocks, "slow_motion": slow})
-    names = unknowns(robot)
+    speed = tuple((SLOW * specification.excitation.sizes(robot.n_motors)).tolist())
+    moving = specification.model_copy(
+        update={"blocks": settings.blocks, "slow_motion": SlowSine(kind="sine", speed=speed)}
+    )
+    template = template.model_copy(update={"identification": moving, "seed": settings.seed})
     design = design_experiment(
         robot,
-        names,
-        specification,
-        scenario.controller,
-        scenario.sample_time or robot.sample_time,
-        DesignSettings(positions=positions, candidates=candidates, seed=seed),
+        unknown_names(robot),
+        moving,
+        template.controller,
+        template.sample_time or robot.sample_time,
+        DesignSettings(settings.positions, settings.candidates, seed=settings.seed),
+        progress=progress,
     )
-    gears = tuple(tuple(float(f"{angle:.6g}") for angle in row) for row in design.positions)
-    return scenario.model_copy(
-        update={
-            "identification": specification.model_copy(update={"positions": gears}),
-            "plant": PlantSettings(effects=unmodelled_effects(robot)),
-            "seed": seed,
-        }
-    )
-
-
-def unknowns(robot: Robot) -> tuple[str, ...]:
-    """Name what is identified: what the robot file lists, else all springs and dampers that are not zero."""
-    return robot.spec.unknown_parameters or tuple(
-        name
-        for name, parameter in robot.parameters.items()
-        if name.endswith((".stiffness", ".damping")) and parameter.value > 0
-    )
+    scenario = designed_scenario(template, robot, design)[0]
+    return scenario.model_copy(update={"plant": PlantSettings(effects=unmodelled_effects(robot))})
 
 
 def measured_responses(
-    scenario: Scenario, progress: Callable[[int], None] | None = None
+    scenario: Scenario, progress: Callable[[str, int, int], None] | None = None
 ) -> tuple[FrequencyResponse, ...]:
     """Run the experiment in this process and estimate the frequency responses.
 
     Args:
         scenario: The experiment.
-        progress: Called with the number of samples done, now and then.
+        progress: Called with what is being done, how much of it is done, and how much there is [samples].
 
     Returns:
         One response per position.
@@ -120,5 +108,10 @@ def measured_responses(
         InputError: The experiment is not possible within the limits of the robot.
         RunError: The robot became unstable.
     """
-    log = closed_loop(Experiment.prepare(scenario), progress)
-    return estimate_responses(log, plan_of_scenario(scenario))
+    experiment = Experiment.prepare(scenario)
+
+    def tell(done: int) -> None:
+        if progress is not None:
+            progress("samples of the experiment", done, experiment.n_samples)
+
+    return estimate_responses(closed_loop(experiment, tell), plan_of_scenario(scenario))

@@ -6,21 +6,27 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from flexros.identify.study.campaign import Study, run_study
-from flexros.identify.study.real_robot import measured_responses, study_scenario, unknowns
+from flexros.identify.design.scenario import unknown_names
+from flexros.identify.graybox.problem import graybox_problem
+from flexros.identify.study.campaign import Study, fitted_rows, study_jobs, study_of
+from flexros.identify.study.real_robot import measured_responses, study_scenario
+from flexros.identify.study.settings import StudySettings
 from flexros.robot.robot import load_robot
 
 if TYPE_CHECKING:
     from flexros.config.scenario import Scenario
 
+SMALL = StudySettings("identify_e12", positions=3, candidates=40, starts=6, redrawn=30, seed=3)
+
 
 @pytest.fixture(scope="session")
 def small_scenario() -> Scenario:
-    return study_scenario("identify_e12", positions=3, blocks=2, seed=3, candidates=40)
+    return study_scenario(SMALL)
 
 
 @pytest.fixture(scope="session")
 def small_study(small_scenario: Scenario) -> Study:
     robot = load_robot("e12")
-    responses = measured_responses(small_scenario)
-    return run_study(robot, responses, unknowns(robot), starts=6, seed=3, redrawn=30, threads=2)
+    problem = graybox_problem(robot, measured_responses(small_scenario), unknown_names(robot))
+    parts = {name: fitted_rows(*arguments) for name, arguments in study_jobs(problem, SMALL).items()}
+    return study_of(problem, parts, SMALL)

@@ -4,20 +4,34 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.identify.graybox.fit import cost_at, fit
 from flexros.identify.graybox.multistart import random_starts
+from flexros.identify.study.campaign import fitted_rows, study_jobs
 from flexros.identify.study.choices import SIX
+from flexros.identify.study.settings import StudySettings
 
 if TYPE_CHECKING:
     from flexros.identify.study.campaign import Study
 
 
 def test_all_six_estimators_fit_from_the_same_starts(small_study: Study) -> None:
-    starts = random_starts(small_study.problem, 6, 3)
-    assert list(small_study.runs) == [kind.name for kind in SIX]
+    settings = StudySettings(starts=12, seed=3)
+    jobs = study_jobs(small_study.problem, settings)
+    assert len(jobs) == 6 * 2
+    starts = random_starts(small_study.problem, 12, 3)
     for kind in SIX:
-        fits = small_study.runs[kind.name].fits
-        np.testing.assert_array_equal([fit.start for fit in fits], starts)
-        assert {(fit.estimator, fit.weights) for fit in fits} == {(kind.estimator, kind.weights)}
+        groups = [arguments[3] for name, arguments in jobs.items() if name.startswith(f"{kind.name}_")]
+        np.testing.assert_array_equal(np.vstack(groups), starts)
+        assert small_study.runs[kind.name].values.shape == (6, 6)
+
+
+def test_rows_are_those_of_single_fits(small_study: Study) -> None:
+    problem = small_study.problem
+    start = random_starts(problem, 1, 3)[0]
+    (row,) = fitted_rows(problem, "LLSM15U", 0, [start.tolist()])["rows"]
+    found = fit(problem.with_choice("LLSM", "user"), start)
+    np.testing.assert_array_equal(row["values"], found.values)
+    assert row["iterations"] == found.iterations
 
 
 def test_truth_of_a_linear_robot_is_among_the_models(small_study: Study) -> None:
@@ -27,10 +41,11 @@ def test_truth_of_a_linear_robot_is_among_the_models(small_study: Study) -> None
 
 
 def test_models_are_judged_by_the_cost_of_the_reference(small_study: Study) -> None:
-    run = small_study.runs["LLS15U"]
-    np.testing.assert_allclose(run.user_cost, [fit.cost for fit in run.fits], rtol=1e-4)
-    optimal = small_study.runs["LLS15O"]
-    np.testing.assert_allclose(optimal.optimal_cost, [fit.cost for fit in optimal.fits], rtol=1e-4)
+    problem = small_study.problem
+    for name in ("LLS15U", "LLS1U"):
+        run = small_study.runs[name]
+        costs = [cost_at(problem, problem.model_at(values), values) for values in run.values]
+        np.testing.assert_allclose(run.user_cost, costs)
 
 
 def test_theory_agrees_with_the_spread_of_redrawn_responses(small_study: Study) -> None:

@@ -37,10 +37,14 @@ def test_springs_of_gears_and_arm_are_told_apart(small_study: Study) -> None:
 
 def test_spoilt_models_are_not_counted(small_study: Study) -> None:
     run = small_study.runs["LLS15U"]
-    n = len(run.fits)
-    spoilt = tuple(replace(fit, values=fit.values * 3.0) if place < 2 else fit for place, fit in enumerate(run.fits))
-    cost = np.where(np.arange(n) < 2, 10.0, 1.0) * run.user_cost.min()
-    study = replace(small_study, runs={**small_study.runs, "LLS15U": replace(run, fits=spoilt, user_cost=cost)})
+    n = len(run.values)
+    worse = np.arange(n) < 2
+    spoilt = replace(
+        run,
+        values=run.values * np.where(worse, 3.0, 1.0)[:, None],
+        user_cost=run.user_cost.min() * np.where(worse, 10.0, 1.0),
+    )
+    study = replace(small_study, runs={**small_study.runs, "LLS15U": spoilt})
     before = next(share for share in shares(small_study) if share.kind.name == "LLS15U")
     after = next(share for share in shares(study) if share.kind.name == "LLS15U")
     assert after.reasonable == pytest.approx((n - 2) / n)

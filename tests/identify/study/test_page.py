@@ -1,33 +1,32 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pytest
 
-from flexros.errors import InputError
-from flexros.identify.study.page import CAPTIONS, write_study
+from flexros.identify.study.page import CAPTIONS, study_files, study_summary
 
 if TYPE_CHECKING:
     from flexros.config.scenario import Scenario
     from flexros.identify.study.campaign import Study
 
 
-def test_page_pictures_and_numbers_are_written(small_study: Study, small_scenario: Scenario, tmp_path: Path) -> None:
-    write_study(small_study, small_scenario, tmp_path)
-    files = {path.name for path in tmp_path.iterdir()}
-    assert files == {"study.md", "study.json", *(f"study_{name}.svg" for name in CAPTIONS)}
-    text = (tmp_path / "study.md").read_text(encoding="utf-8")
-    assert "| LLS15U | " in text
-    assert " | 80% | " in text
-    assert "body_3.ry.stiffness" in text
-    content = json.loads((tmp_path / "study.json").read_text(encoding="utf-8"))
+def test_page_pictures_and_numbers_are_made(small_study: Study, small_scenario: Scenario) -> None:
+    files = study_files(small_study, small_scenario)
+    assert set(files) == {"study.md", "study.json", *(f"study_{name}.svg" for name in CAPTIONS)}
+    assert "| LLS15U | " in files["study.md"]
+    assert " | 80% | " in files["study.md"]
+    assert "| body_3.ry.stiffness | " in files["study.md"]
+    for name in files:
+        assert not name.endswith(".svg") or f"({name})" in files["study.md"]
+    content = json.loads(files["study.json"])
     np.testing.assert_allclose(content["best"], small_study.best.values)
     assert len(content["runs"]["NLS15O"]["values_over_nominal"]) == 6
 
 
-def test_folder_that_is_not_there_is_refused(small_study: Study, small_scenario: Scenario, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"the study cannot be written to '.*nowhere': no such folder; make it"):
-        write_study(small_study, small_scenario, tmp_path / "nowhere")
+def test_summary_has_a_sentence_per_estimator(small_study: Study) -> None:
+    sentences = study_summary(small_study)
+    assert len(sentences) == 6
+    assert sentences[1].startswith("LLS15U: ")
+    assert "(published 80%)" in sentences[1]

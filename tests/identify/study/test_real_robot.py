@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from flexros.effects import parse_effect
 from flexros.identify.slow_motion import SlowSine
-from flexros.identify.study.real_robot import unknowns, unmodelled_effects
+from flexros.identify.study.real_robot import unmodelled_effects
 from flexros.robot.robot import load_robot
 
 if TYPE_CHECKING:
@@ -31,9 +31,3 @@ def test_positions_come_from_the_design_and_motors_seldom_turn_back(small_scenar
     assert len(set(specification.positions)) == 3
     assert isinstance(specification.slow_motion, SlowSine)
     assert specification.slow_motion.speeds(2).tolist() == [0.1, 0.1]
-
-
-def test_unknowns_are_those_of_the_file_or_all_springs_and_dampers() -> None:
-    six_axis = load_robot("six_axis")
-    assert unknowns(six_axis) == six_axis.spec.unknown_parameters
-    assert len(unknowns(load_robot("e12"))) == 6
