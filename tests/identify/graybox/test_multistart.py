@@ -9,6 +9,7 @@ from flexros.errors import InputError
 from flexros.identify.graybox.fit import fit
 from flexros.identify.graybox.multistart import best, multistart, random_starts
 from flexros.identify.graybox.problem import GrayBoxProblem, graybox_problem
+from flexros.scheduler import connected
 
 if TYPE_CHECKING:
     from flexros.identify.frf.frequency_response import FrequencyResponse
@@ -49,13 +50,7 @@ def test_fits_come_in_the_order_of_their_starts_whatever_the_threads(problem: Gr
 
 
 def test_dask_finds_the_same(problem: GrayBoxProblem) -> None:
-    distributed = pytest.importorskip("distributed")
-    with (
-        distributed.LocalCluster(
-            n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None, protocol="tcp"
-        ) as cluster,
-        distributed.Client(cluster) as client,
-    ):
+    with connected(threads=2) as client:
         there = multistart(problem, 4, seed=2, client=client)
     for remote, local in zip(there, multistart(problem, 4, seed=2), strict=True):
         np.testing.assert_array_equal(remote.values, local.values)
