@@ -55,7 +55,7 @@ class Direction:
 
     Attributes:
         exponents: Parameters and their exponents; the direction multiplies each by a number to this power.
-        standard_deviation: Of the logarithm of that number's largest power.
+        standard_deviation: Of the logarithm of that number.
         determined: The combination of the same parameters that is determined best; empty if it is only one.
         determined_deviation: Standard deviation of the logarithm of that combination.
     """
@@ -146,8 +146,7 @@ def _directions(names: tuple[str, ...], matrix: FloatArray) -> tuple[Direction, 
     found = []
     for vector in _sparse_basis(loose):
         members = np.flatnonzero(np.abs(vector) >= MEMBER)
-        inverse = np.linalg.pinv(matrix, hermitian=True)
-        deviation = 1.0 / np.sqrt(max(float(vector @ inverse @ vector), np.finfo(float).tiny))
+        deviation = float(np.sqrt(max(float(vector @ matrix @ vector), 0.0)) / (vector @ vector))
         determined, spread = _best_of(names, matrix, members)
         exponents = tuple((names[place], float(vector[place])) for place in members)
         found.append(Direction(exponents, deviation, determined, spread))
