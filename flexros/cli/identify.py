@@ -148,12 +148,18 @@ def _identified(
         fitted.searched,
         design=found,
         facts=ExperimentFacts.of(plan, "log", run.transport),
-        truth={name: plant.parameters[name].value for name in names},
+        truth=_truth(plant, nominal, names),
         warnings=(lowered,) if factor < 1 else (),
         provenance=log.provenance,
     )
     write_identification(result, out, f"experiment {experiment.name}")
     return result
+
+
+def _truth(plant: Robot, nominal: Robot, names: tuple[str, ...]) -> dict[str, float]:
+    """List the values of the simulated robot, without those that mean something else there (factors on other laws)."""
+    known = plant.parameters
+    return {name: known[name].value for name in names if known[name].unit == nominal.parameters[name].unit}
 
 
 COMMANDS: dict[str, Callable[..., Any]] = {

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from flexros.identify.search import Found, SearchSettings
     from flexros.robot import Robot
 
+CONNECTING = 5.0
+"""Time within which a Dask scheduler must answer [s] (chosen)."""
+
 
 def fit(
     responses: Path = typer.Argument(help="File of frequency responses (netCDF), from: flexros identify frf."),
@@ -93,7 +96,7 @@ def _client(address: str) -> Any:
     from flexros.errors import InputError
 
     try:
-        return Client(address, timeout=10)
+        return Client(address, timeout=CONNECTING)
     except (OSError, ValueError) as error:
         raise InputError(
             f"--scheduler: no Dask scheduler answers at '{address}' ({error}); start one (dask scheduler) or leave the "

@@ -19,6 +19,13 @@ if TYPE_CHECKING:
 _FAR = 100.0
 """Intervals are drawn up to this factor from the nominal value (chosen)."""
 
+_BIASED = 2.0
+"""Reduced cost above which errors of the model count more than those of the responses (chosen)."""
+_BIAS = (
+    "The model misses something that the responses show, and parameters shift to make up for it, dampers most of all. "
+    "The intervals hold random errors, not such shifts: values may be wrong by more than they tell."
+)
+
 
 class ParameterSection(AbstractIdentificationSection):
     """Nominal and identified values, 95 % intervals, verdicts; where the truth is known, it too."""
@@ -30,7 +37,10 @@ class ParameterSection(AbstractIdentificationSection):
         blocks: list[Block] = []
         if np.all(result.nominal > 0):
             blocks.append(_picture(result))
-        return (*blocks, _table(result), Paragraph(result.covariance.explanation, "note"))
+        blocks += [_table(result), Paragraph(result.covariance.explanation, "note")]
+        if result.covariance.basis != "residuals" and result.covariance.reduced_cost > _BIASED:
+            blocks.append(Paragraph(_BIAS, "warning"))
+        return tuple(blocks)
 
 
 def _picture(result: IdentificationResult) -> Picture:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
@@ -116,3 +117,10 @@ def test_sections_without_content_are_left_out(make: Callable[..., Identificatio
 def test_report_into_a_folder_that_is_not_there_is_refused(clear: IdentificationResult, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"the report cannot be written to .*: its folder must exist"):
         write_identification_report(clear, tmp_path / "none" / "report.html")
+
+
+def test_shifts_by_what_the_model_misses_are_warned_of(clear: IdentificationResult, tmp_path: Path) -> None:
+    assert "values may be wrong by more than they tell" not in words(page(clear, tmp_path))
+    missing = replace(clear, covariance=replace(clear.covariance, reduced_cost=12.0))
+    assert "values may be wrong by more than they tell" in words(page(missing, tmp_path))
+    assert "misses the responses in 3 positions by 3.5 times their uncertainty" in words(page(missing, tmp_path))
