@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    from flexros.arrays import FloatArray
+    from flexros.arrays import FloatArray, IntArray
     from flexros.robot import Robot
 
 ROTARY_REACH = 1.0
@@ -42,6 +42,17 @@ class CandidatePositions:
     gears: FloatArray
     motor_positions: FloatArray
     refused: Mapping[str, int]
+
+    def only(self, kept: IntArray, reason: str) -> CandidatePositions:
+        """Leave positions out.
+
+        Args:
+            kept: Numbers of the positions that stay, shape (Q',).
+            reason: Why the others go, for `refused`.
+        """
+        gone = len(self.gears) - len(kept)
+        refused = {**self.refused, reason: gone} if gone else self.refused
+        return CandidatePositions(self.gears[kept], self.motor_positions[kept], refused)
 
 
 def default_ranges(robot: Robot) -> FloatArray:

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import casadi as ca
 import numpy as np
-from scipy.linalg import eigh, expm
+from scipy.linalg import eigh
 
 from flexros.control.pid import Pid
 from flexros.errors import InputError
+from flexros.identify.design.decay import slowest_decay
 from flexros.robot.linearise import linear_model
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.control.base import AbstractControlLaw
     from flexros.robot import Robot
     from flexros.robot.linearise import LinearModel
 
@@ -63,53 +62,6 @@ def default_controller(robot: Robot, sample_time: float) -> Pid:
         f"no PID controller was found that holds robot {robot.name} at its home pose with a sample time of "
         f"{sample_time:g} s; give a scenario with a controller"
     )
-
-
-def slowest_decay(linear: LinearModel, law: AbstractControlLaw, sample_time: float, delay: float) -> float:
-    """Compute how fast a linear loop forgets.
-
-    Args:
-        linear: The robot about a rest.
-        law: The control law.
-        sample_time: Time between two samples [s].
-        delay: Delay of the command at the plant input, at most one sample [s].
-
-    Returns:
-        Decay of the slowest motion [1/s]; negative when the loop is unstable.
-    """
-    A, B, C, _ = linear.matrices()
-    motors = B.shape[1]
-    C = C[:motors]
-    late, prompt = _held(A, B, delay), _held(A, B, sample_time - delay)
-    step = prompt[0] @ late[0]
-    uc, uy, cc, cy = _slopes(law, motors, sample_time)
-    n, m = len(A), len(cc)
-    loop = np.zeros((n + m + motors, n + m + motors))  # states of the plant, of the law, command before
-    loop[:n, :n] = step + prompt[1] @ uy @ C
-    loop[:n, n : n + m] = prompt[1] @ uc
-    loop[:n, n + m :] = prompt[0] @ late[1]
-    loop[n : n + m, :n], loop[n : n + m, n : n + m] = cy @ C, cc
-    loop[n + m :, :n], loop[n + m :, n : n + m] = uy @ C, uc
-    radii = np.abs(np.linalg.eigvals(loop))
-    moving = radii[np.abs(radii - 1.0) > 1e-9]  # the flag "has begun" of a law stays as it is
-    return float(-np.log(np.max(moving)) / sample_time)
-
-
-def _held(A: FloatArray, B: FloatArray, time: float) -> tuple[FloatArray, FloatArray]:
-    """Return state transition and input matrix of a constant input over a time."""
-    n, m = B.shape
-    whole = expm(np.block([[A, B], [np.zeros((m, n + m))]]) * time)
-    return whole[:n, :n], whole[:n, n:]
-
-
-def _slopes(law: AbstractControlLaw, motors: int, sample_time: float) -> tuple[FloatArray, ...]:
-    """Return the derivatives of command and next state with respect to state and measurement, about rest."""
-    function = law.function(motors, sample_time)
-    c, y = ca.SX.sym("c", function.size1_in("c")), ca.SX.sym("y", motors)
-    u, after = function(c, np.zeros(3 * motors), y, law.gains(motors))
-    blocks = [ca.densify(ca.jacobian(out, argument)) for out in (u, after) for argument in (c, y)]
-    rest = function(law.initial_state(motors), np.zeros(3 * motors), np.zeros(motors), law.gains(motors))[1]
-    return tuple(np.asarray(value) for value in ca.Function("slopes", [c, y], blocks)(rest, np.zeros(motors)))
 
 
 def _rigid_inertia(robot: Robot, linear: LinearModel) -> FloatArray:

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.identify.design.candidates import candidate_positions
 from flexros.identify.design.d_optimal import d_optimal
+from flexros.identify.design.decay import decays_at
 from flexros.identify.design.gain import design_gain
 from flexros.identify.design.position_information import experiment_conditions, position_information
 from flexros.identify.design.rounding import round_design
@@ -28,6 +29,10 @@ if TYPE_CHECKING:
     from flexros.identify.specification import IdentificationSpecification
     from flexros.robot import Robot
 
+SETTLED = 9.0
+"""Time constants of the loop's slowest motion after which its transient, 1e-4 of what it was, counts as gone (chosen)."""
+FEWEST = 0.1
+"""Share of the candidates that is kept even where the loop settles more slowly, the fastest ones (chosen)."""
 PRIOR_DEVIATION = np.log(10.0)
 """Before the experiment a parameter is known within a factor of ten: one standard deviation of its logarithm (chosen,
 as Paper A starts its fits within a factor of ten). It keeps a parameter that nothing determines from ruling the design.
@@ -123,6 +128,8 @@ def design_experiment(
         return lambda done: progress(what, done, settings.candidates) if progress else None
 
     found = candidate_positions(robot, settings.candidates, ranges, settings.seed, tell("candidate positions"))
+    decays = decays_at(robot, found.motor_positions, law, sample_time, tell("settling of the positions"))
+    found = found.only(_settling(specification, sample_time, decays, settings.positions), "the loop settles too slowly")
     conditions = experiment_conditions(specification, robot, sample_time, settings.seed, distortion=settings.distortion)
     one_block = position_information(
         robot, names, found.motor_positions, conditions, law, sample_time, tell("information of the positions")
@@ -144,3 +151,21 @@ def design_experiment(
         chosen=chosen,
         counts=counts[chosen],
     )
+
+
+def _settling(
+    specification: IdentificationSpecification, sample_time: float, decays: FloatArray, positions: int
+) -> IntArray:
+    """Choose the positions where a transient is gone when recording begins, shape (Q',).
+
+    What is left of a transient is an error that neither periods nor blocks average out. Where few positions settle in
+    time the fastest are kept, and the experiment gets more transient periods.
+    """
+    excitation = specification.excitation
+    if not excitation.periodic:
+        return np.arange(len(decays))
+    period = excitation.record_samples(sample_time) * sample_time
+    time = specification.fade + specification.transient_periods * period
+    fewest = max(int(np.ceil(FEWEST * len(decays))), min(positions, len(decays)))
+    enough = min(SETTLED / time, np.sort(decays)[-fewest])
+    return np.flatnonzero(decays >= enough)

@@ -13,16 +13,15 @@ from flexros.config.scenario import Scenario, load_scenario, scenario_names
 from flexros.config.validation import validate
 from flexros.errors import InputError
 from flexros.identify.design.amplitude import amplitude_room
-from flexros.identify.design.default_controller import default_controller, slowest_decay
+from flexros.identify.design.decay import decays_at
+from flexros.identify.design.default_controller import default_controller
+from flexros.identify.design.experiment_design import SETTLED
 from flexros.identify.plan import plan_of_scenario
-from flexros.robot.linearise import linear_model
 
 if TYPE_CHECKING:
     from flexros.identify.design.experiment_design import ExperimentDesign
     from flexros.robot import Robot
 
-SETTLED = 5.0
-"""Time constants of the loop's slowest motion after which a transient counts as gone (chosen)."""
 LONGEST = 1800.0
 """Longest experiment to which transient periods are added [s] (chosen)."""
 _DIGITS = 4
@@ -97,7 +96,7 @@ def designed_scenario(
     blocks = max(template.identification.blocks_per_position)
     motors = design.candidates.motor_positions[design.chosen]
     share = template.identification.limits.torque_share
-    room = amplitude_room(robot, motors, design.conditions, design.law, design.sample_time, share)
+    room = amplitude_room(robot, motors, design.conditions, template.controller, design.sample_time, share)
     factor = min(1.0, room)
     changes: dict[str, Any] = {
         "description": _description(robot, design),
@@ -120,8 +119,8 @@ def _transient_periods(scenario: Scenario, robot: Robot, design: ExperimentDesig
     own = specification.transient_periods
     if not specification.excitation.periodic:
         return own
-    poses = [robot.chain.arm_from_gears(gears) for gears in design.positions]
-    decays = [slowest_decay(linear_model(robot, q), design.law, design.sample_time, robot.delay) for q in poses]
+    motors = design.candidates.motor_positions[design.chosen]
+    decays = decays_at(robot, motors, design.law, design.sample_time)
     if min(decays) <= 0:
         where = np.round(design.positions[int(np.argmin(decays))], 3).tolist()
         raise InputError(

@@ -7,7 +7,8 @@ import pytest
 
 from flexros.control.base import control_law
 from flexros.errors import InputError
-from flexros.identify.design.default_controller import default_controller, slowest_decay
+from flexros.identify.design.decay import slowest_decay
+from flexros.identify.design.default_controller import default_controller
 from flexros.robot import load_robot, robot_names
 from flexros.robot.linearise import linear_model
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexros.identify.design.candidates import candidate_positions
+from flexros.identify.design.decay import decays_at
 from flexros.identify.design.default_controller import default_controller
 from flexros.identify.design.experiment_design import DesignSettings, ExperimentDesign, design_experiment
 from flexros.identify.excitation.multisine import Multisine
@@ -60,3 +62,17 @@ def test_progress_counts_the_candidates() -> None:
     )
     assert ("candidate positions", 40, 40) in told
     assert told[-1] == ("information of the positions", 40, 40)
+
+
+def test_positions_where_the_loop_settles_slowly_are_left_out() -> None:
+    """With short transient periods none settles: the fastest tenth is kept."""
+    specification = IdentificationSpecification(
+        positions=((0.0, 0.3),), excitation=Multisine(highest=30.0), transient_periods=0
+    )
+    law = default_controller(ROBOT, ROBOT.sample_time)
+    settings = DesignSettings(positions=4, candidates=200)
+    design = design_experiment(ROBOT, NAMES, specification, law, ROBOT.sample_time, settings, RANGES)
+    assert design.candidates.refused["the loop settles too slowly"] == 180
+    kept = decays_at(ROBOT, design.candidates.motor_positions, law, ROBOT.sample_time)
+    everything = candidate_positions(ROBOT, 200, RANGES, 1)
+    assert np.min(kept) >= np.quantile(decays_at(ROBOT, everything.motor_positions, law, ROBOT.sample_time), 0.9)
