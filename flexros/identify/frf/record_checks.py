@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.identify.frf.joint_pairing import check_order, check_pairing
+from flexros.identify.frf.joint_signs import check_signs
 from flexros.identify.frf.record_levels import (
     check_aliasing,
     check_certainty,
@@ -65,10 +66,11 @@ def check_result(response: FrequencyResponse, label: str, robot: Robot | None = 
         Warnings: the response stays usable.
 
     Raises:
-        InputError: Swapped joints, or nothing but noise.
+        InputError: Swapped or inverted joints, or nothing but noise.
     """
     warnings = check_certainty(response, label)
     check_pairing(response, label)
     if robot is not None:
         check_order(response, robot, label)
+        check_signs(response, robot, label)
     return warnings
