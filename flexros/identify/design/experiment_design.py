@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 SETTLED = 9.0
-"""Time constants of the loop's slowest motion after which its transient, 1e-4 of what it was, counts as gone (chosen)."""
+"""Time constants of the loop's slowest motion after which its transient counts as gone, 1e-4 of it left (chosen)."""
 FEWEST = 0.1
 """Share of the candidates that is kept even where the loop settles more slowly, the fastest ones (chosen)."""
 PRIOR_DEVIATION = np.log(10.0)
@@ -124,15 +124,21 @@ def design_experiment(
         InputError: Ranges, excitation or names are not possible.
     """
 
-    def tell(what: str) -> Callable[[int], None]:
-        return lambda done: progress(what, done, settings.candidates) if progress else None
+    def tell(what: str, whole: int = settings.candidates) -> Callable[[int], None]:
+        return lambda done: progress(what, done, whole) if progress else None
 
     found = candidate_positions(robot, settings.candidates, ranges, settings.seed, tell("candidate positions"))
     decays = decays_at(robot, found.motor_positions, law, sample_time, tell("settling of the positions"))
     found = found.only(_settling(specification, sample_time, decays, settings.positions), "the loop settles too slowly")
     conditions = experiment_conditions(specification, robot, sample_time, settings.seed, distortion=settings.distortion)
     one_block = position_information(
-        robot, names, found.motor_positions, conditions, law, sample_time, tell("information of the positions")
+        robot,
+        names,
+        found.motor_positions,
+        conditions,
+        law,
+        sample_time,
+        tell("information of the positions", len(found.gears)),
     )
     information = max(specification.blocks_per_position) * one_block
     prior = np.eye(len(names)) / PRIOR_DEVIATION**2 / settings.positions

@@ -61,7 +61,10 @@ def test_progress_counts_the_candidates() -> None:
         ROBOT, NAMES, specification, law, ROBOT.sample_time, settings, progress=lambda *each: told.append(each)
     )
     assert ("candidate positions", 40, 40) in told
-    assert told[-1] == ("information of the positions", 40, 40)
+    assert ("settling of the positions", 40, 40) in told
+    what, done, whole = told[-1]
+    assert what == "information of the positions"
+    assert done == whole <= 40
 
 
 def test_positions_where_the_loop_settles_slowly_are_left_out() -> None:
