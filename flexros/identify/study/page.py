@@ -10,7 +10,7 @@ import numpy as np
 from flexros.identify.study.choices import BEST, REASONABLE, REFERENCE
 from flexros.identify.study.figures import hardest_spring, shares, table_1
 from flexros.identify.study.pictures import pictures
-from flexros.provenance import machine, versions
+from flexros.provenance import versions
 
 if TYPE_CHECKING:
     from flexros.config.scenario import Scenario
@@ -35,7 +35,7 @@ def study_files(study: Study, scenario: Scenario) -> dict[str, str]:
     """
     return {
         "study.md": page(study, scenario),
-        "study.json": json.dumps(numbers(study, scenario), indent=1) + "\n",
+        "study.json": json.dumps(numbers(study, scenario)) + "\n",
         **{f"study_{name}.svg": drawing.svg() for name, drawing in pictures(study).items()},
     }
 
@@ -77,19 +77,19 @@ def page(study: Study, scenario: Scenario) -> str:
     """Return the page as Markdown."""
     robot, specification = study.problem.robot, scenario.identification
     assert specification is not None
-    described = {**machine(), "versions": ", ".join(f"{name} {value}" for name, value in versions().items())}
     lines = [
         "# The study of Paper A repeated",
         "",
         "Moberg (2007), Paper A, section 6, on a simulated robot. The model does not know the friction, the hardening "
-        "gears and the torque ripple of the robot that is measured; all of these are chosen.",
+        "gears and the torque ripple of the robot that is measured; all of these are chosen. Written by "
+        "`make campaign`.",
         "",
         f"- robot: {robot.name}, {len(study.problem.names)} unknown parameters",
         f"- experiment: {len(specification.positions)} positions from the D-optimal design, "
         f"{specification.blocks} blocks each, {len(study.problem.frequency)} frequencies",
         f"- starts: {len(study.runs[REFERENCE].values)} within a factor of 10, the same for all estimators",
         f"- measured robot: {', '.join(scenario.plant.effects) or 'linear'}",
-        *(f"- {key}: {value}" for key, value in described.items()),
+        f"- versions: {', '.join(f'{name} {value}' for name, value in versions().items())}",
         "",
         f"## Share of reasonable models (cost at most {REASONABLE:g} times the lowest)",
         "",
