@@ -33,13 +33,14 @@ class SearchSettings:
     Attributes:
         estimator: "LLS", "LLSM" or "NLS".
         weights: Weights of the last fit, "user", "optimal" or "combined"; those from all starts have user weights,
-            which find the valley from far away (Moberg 2007, Paper A, section 6).
+            which find the valley from far away (Moberg 2007, Paper A, section 6). Those of the last fit are made with
+            the fitted model's responses: chosen by the noisy ones, lines near the noise would bias logarithms.
         starts: Number of starts; the first is the robot's values, the others lie within a factor of ten of them.
         seed: Seed of the starts.
     """
 
     estimator: str = "LLS"
-    weights: str = "user"
+    weights: str = "combined"
     starts: int = 20
     seed: int = 1
 
@@ -92,7 +93,5 @@ def search(
         starts = np.vstack([starts, random_starts(problem, settings.starts - 1, settings.seed)])
     searched = multistart(problem, starts, client=client, progress=progress)
     found = best(searched)
-    if settings.weights == "user":
-        return Found(problem, found, searched)
     refined = refine(problem, found, estimator=settings.estimator, weights=settings.weights)
     return Found(refined.problem, refined.fit, searched)
