@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from flexros.errors import InputError
@@ -15,10 +16,11 @@ def clear() -> IdentificationResult:
     return make_result(10.0)
 
 
-def test_first_start_is_the_robot_and_the_best_fit_counts(clear: IdentificationResult) -> None:
+def test_first_start_is_the_robot_and_the_last_fit_uses_the_model(clear: IdentificationResult) -> None:
     found = search(ROBOT, clear.problem.responses, NAMES, SearchSettings(starts=3, seed=2))
     assert found.searched[0].start == pytest.approx([ROBOT.parameters[name].value for name in NAMES])
-    assert found.fit.cost == min(each.cost for each in found.searched)
+    assert found.fit.weights == "combined"
+    assert np.any(found.problem.weights != found.problem.with_choice("LLS", "combined").weights)
     assert found.fit.value("body_1.ry.stiffness") == pytest.approx(TRUTH["body_1.ry.stiffness"], rel=0.02)
 
 
