@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import plotly.graph_objects as go
@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 _FAR = 100.0
 """Intervals are drawn up to this factor from the nominal value (chosen)."""
 
-_BIASED = 2.0
-"""Reduced cost above which errors of the model count more than those of the responses (chosen)."""
+_NARROW, _FEW_DECADES = 0.35, 1.6
+_MARKS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
+"""Marks of an axis between `_NARROW` and `_FEW_DECADES` decades (chosen)."""
 _BIAS = (
     "The model misses something that the responses show, and parameters shift to make up for it, dampers most of all. "
     "The intervals hold random errors, not such shifts: values may be wrong by more than they tell."
@@ -38,7 +39,7 @@ class ParameterSection(AbstractIdentificationSection):
         if np.all(result.nominal > 0):
             blocks.append(_picture(result))
         blocks += [_table(result), Paragraph(result.covariance.explanation, "note")]
-        if result.covariance.basis != "residuals" and result.covariance.reduced_cost > _BIASED:
+        if result.biased:
             blocks.append(Paragraph(_BIAS, "warning"))
         return tuple(blocks)
 
@@ -52,12 +53,23 @@ def _picture(result: IdentificationResult) -> Picture:
     for column, (_, members) in enumerate(groups, start=1):
         _draw(figure, result, members, column)
         figure.update_yaxes(autorange="reversed", showgrid=False, tickfont={"size": 11}, row=1, col=column)
-        figure.update_xaxes(type="log", minor={"ticks": "outside"}, row=1, col=column)
+        figure.update_xaxes(type="log", **_ticks(result, members), row=1, col=column)
         figure.add_vline(x=1.0, line={"color": MUTED, "width": 1, "dash": "dot"}, row=1, col=column)
     _widen(figure, len(groups))
     caption = "Identified over nominal value of each parameter with its 95 % interval"
     known = "; diamonds: the true values of the simulated robot" if result.truth else ""
     return Picture(figure, f"{caption}{known}. Hover for figures.")
+
+
+def _ticks(result: IdentificationResult, members: list[int]) -> dict[str, Any]:
+    """Choose marks that are read at a glance for the range that is drawn."""
+    entries = [result.identifiability.parameters[place] for place in members]
+    ends = np.array([(*entry.interval, entry.value, result.truth.get(entry.name, entry.value)) for entry in entries])
+    drawn = np.clip(ends / result.nominal[members][:, None], 1 / _FAR, _FAR)
+    decades = np.log10(np.max(drawn) / np.min(drawn))
+    if decades > _FEW_DECADES:
+        return {"dtick": 1, "minor": {"ticks": "outside"}}
+    return {"tickvals": _MARKS} if decades > _NARROW else {}
 
 
 def _widen(figure: go.Figure, columns: int) -> None:

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.residuals import ResidualReport
     from flexros.identify.plan import ExperimentPlan
 
+BIASED = 2.0
+"""Reduced cost above which errors of the model count more than those of the responses (chosen)."""
 SAME_MINIMUM = 1.01
 """Fits whose cost is within this factor of the best one count as the same minimum (chosen)."""
 
@@ -114,6 +116,11 @@ class IdentificationResult:
     def nominal(self) -> FloatArray:
         """Values of the robot before the identification (SI), shape (P,)."""
         return self.problem.scale.nominal
+
+    @property
+    def biased(self) -> bool:
+        """Whether the model misses more than the errors of the responses, so that parameters shift."""
+        return self.covariance.basis != "residuals" and self.covariance.reduced_cost > BIASED
 
     @cached_property
     def nominal_cost(self) -> float:
@@ -227,7 +234,8 @@ def verdict(result: IdentificationResult) -> str:
     if open_ones:
         shown = ", ".join(open_ones[:3]) + (f" and {len(open_ones) - 3} more" if len(open_ones) > 3 else "")
         text += f", {len(open_ones)} {'is' if len(open_ones) == 1 else 'are'} not determined ({shown})"
-    return f"{text}. {_explained(result)}"
+    noise = " as far as noise goes" if result.biased else ""
+    return f"{text}{noise}. {_explained(result)}"
 
 
 def _explained(result: IdentificationResult) -> str:

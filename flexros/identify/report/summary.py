@@ -30,7 +30,7 @@ class SummarySection(AbstractIdentificationSection):
         more = len(result.warnings) - _MANY_WARNINGS
         if more > 0:
             warnings.append(Paragraph(f"{more} more warnings stand at the end.", "warning"))
-        return (Paragraph(verdict(result), "lead"), Tiles(_tiles(result)), *warnings)
+        return (Paragraph(verdict(result).replace(" %", "\u00a0%"), "lead"), Tiles(_tiles(result)), *warnings)
 
 
 def _tiles(result: IdentificationResult) -> tuple[tuple[str, str, str, str], ...]:

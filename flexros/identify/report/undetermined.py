@@ -32,10 +32,20 @@ class UndeterminedSection(AbstractIdentificationSection):
             text = (
                 "Which experiment would help cannot be told, because the responses have no covariance."
                 if open_ones
-                else "All parameters are determined; no further experiment is needed."
+                else _all_determined(result)
             )
             return (*directions, Paragraph(text))
         return (*directions, _table(found, result), *_better_weights(found), *_hopeless(found))
+
+
+def _all_determined(result: IdentificationResult) -> str:
+    if not result.biased:
+        return "All parameters are determined; no further experiment is needed."
+    return (
+        "All parameters are determined as far as the errors of the responses go. What the model misses is not found by "
+        "more positions: identify with slow_motion, which keeps friction from changing its sign, with another "
+        "amplitude, or with more of the physics among the unknown parameters."
+    )
 
 
 def _directions(directions: tuple[Direction, ...]) -> tuple[Paragraph, ...]:

@@ -71,7 +71,7 @@ def make_result(noise: float, levels: bool = True, known: bool = True) -> Identi
                 warnings=(f"position {place + 1}: a gap of {place + 2} samples",),
             )
         )  # fmt: skip
-    found = search(ROBOT, responses, NAMES, SearchSettings(starts=4))
+    found = search(ROBOT, responses, NAMES, SearchSettings(weights="user", starts=4))
     return identification_result(
         found.problem, found.fit, found.searched, design=design, facts=FACTS, truth=TRUTH,
         warnings=("amplitudes were lowered",), provenance={"scenario": {"robot": "e12", "seed": 7}},
