@@ -21,7 +21,7 @@ class Recorded:
     robot: Robot
 
 
-def run(**identification: object) -> Recorded:
+def run(effects: tuple[str, ...] = (), **identification: object) -> Recorded:
     """Run E12 in two positions with two blocks each; the keys of `identification` replace those here."""
     given = {
         "positions": [[0.0, 0.3], [0.1, 0.5]],
@@ -40,6 +40,7 @@ def run(**identification: object) -> Recorded:
             "feedforward": {"method": "flexible_joint"},
             "controller": {"kind": "pid", "kp": 1.35e5, "kd": 9000, "derivative_filter": 1e-3},
             "identification": {**given, **identification},
+            "plant": {"values": {}, "effects": effects},
         }
     )
     experiment = Experiment.prepare(scenario)

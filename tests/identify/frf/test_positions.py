@@ -104,6 +104,48 @@ def test_log_without_a_complete_block_is_refused(recorded: Recorded) -> None:
         estimate_responses(short, recorded.plan, FrfSettings(partial=True))
 
 
+def stopped(recorded: Recorded, at: int) -> Log:
+    """The log of an experiment that was stopped at a sample, after which the motion is slowed down to rest."""
+    torque = torque_of(recorded.log)
+    torque[at:] *= 0.1
+    provenance = {**recorded.log.provenance, "stopped": {"stopped_at_sample": at, "state": "stopping"}}
+    return replace(with_torque(recorded.log, torque), provenance=provenance)
+
+
+def test_motion_after_a_stop_is_not_taken_for_the_plan(recorded: Recorded) -> None:
+    segments = recorded.plan.segments
+    log = stopped(recorded, segments[-1].stop - 1)
+    first, second = estimate_responses(log, recorded.plan, FrfSettings(partial=True))
+    assert (first.n_blocks, second.n_blocks) == (2, 1)
+    assert "the experiment was stopped before its plan; 1 blocks that are not complete were left out" in second.warnings
+    whole = estimate_responses(recorded.log, recorded.plan)
+    np.testing.assert_array_equal(first.response, whole[0].response)
+
+
+def test_block_that_ended_before_the_stop_counts_as_planned(recorded: Recorded) -> None:
+    log = stopped(recorded, recorded.plan.segments[-1].stop)
+    for settings in (FrfSettings(), FrfSettings(partial=True)):
+        responses = estimate_responses(log, recorded.plan, settings)
+        assert [mine.n_blocks for mine in responses] == [2, 2]
+        assert not any("stopped" in warning for mine in responses for warning in mine.warnings)
+
+
+def test_stopped_experiment_is_refused_unless_a_part_suffices(recorded: Recorded) -> None:
+    log = stopped(recorded, recorded.plan.segments[2].stop)
+    with pytest.raises(
+        InputError, match=r"was stopped at \d+\.\d+ s, when 3 of 8 experiments were complete, .*--set partial=true"
+    ):
+        estimate_responses(log, recorded.plan)
+
+
+def test_experiment_that_was_stopped_before_its_first_block_ended_is_refused(recorded: Recorded) -> None:
+    log = stopped(recorded, recorded.plan.segments[1].stop - 1)
+    with pytest.raises(
+        InputError, match="too short an experiment: it was stopped at .*, before the first block is complete at"
+    ):
+        estimate_responses(log, recorded.plan, FrfSettings(partial=True))
+
+
 def test_gap_is_named(recorded: Recorded) -> None:
     inside = recorded.plan.segments[3].first + 10
     keep = np.delete(np.arange(recorded.plan.n_samples), [inside, inside + 1])
@@ -166,3 +208,14 @@ def test_transient_in_the_record_is_warned_of_and_modelled_by_local_polynomials(
     model = model_of(recorded, periodic)[0]
     worse, better = (np.median(abs(r[0].response / model - 1)) for r in (periodic, polynomial))
     assert better < 0.5 * worse
+
+
+def test_coulomb_friction_shows_on_odd_lines_and_foretells_the_scatter_over_blocks() -> None:
+    friction = tuple(f"coulomb_friction@motor_{i}:level=40" for i in (1, 2))
+    recorded = run(friction, positions=[[0.0, 0.3]], blocks=3)
+    found = estimate_responses(recorded.log, recorded.plan)[0].distortion
+    assert found is not None
+    odd, even, total, noise = (np.median(part, axis=0) for part in (found.odd, found.even, found.total, found.noise))
+    assert np.all(odd > 5 * noise)
+    assert np.all(odd > 2 * even)
+    np.testing.assert_allclose(odd / total, 1.0, atol=0.6)
