@@ -237,6 +237,8 @@ def print_result(name: str, result: RunResult) -> None:
     for key, value in result.figures.items():
         table.add_row(*_figure(key, value))
     console.print(table)
+    if result.message and not result.exit_code:
+        say(f"{result.message[0].upper()}{result.message[1:]}.")
     if result.log_folder is not None:
         say(f"Log: {result.log_folder}")
         if not result.exit_code:

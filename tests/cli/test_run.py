@@ -154,6 +154,13 @@ def test_figures_are_named_in_words_with_their_units(capsys: pytest.CaptureFixtu
     assert printed.endswith("Log: a b\nAnalyse it: flexros analyze 'a b' --report report.html\n")
 
 
+def test_identification_that_was_stopped_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    message = "stopped by the service stop at sample 900: 3 of 8 experiments are complete"
+    print_result("identify_e12", RunResult(0, message, "ros, composed", Path("a"), 950, 0.475, 0.4))
+    printed = capsys.readouterr().out
+    assert f"\n{message.capitalize()}.\nLog: a\n" in printed
+
+
 def test_a_slash_in_the_name_makes_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     folder = default_folder("../a/b", "direct")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -51,7 +52,7 @@ def estimate_responses(
     """
     chosen = FrfSettings() if settings is None else settings
     aligned = align(log, plan, start_stamp)
-    segments, warnings = _complete(plan, aligned, chosen.partial)
+    segments, warnings = _complete(plan, aligned, _stopped_at(log), chosen.partial)
     visited = sorted({segment.position for segment in segments})
     responses = []
     for done, position in enumerate(visited):
@@ -107,22 +108,49 @@ def experiments_of(
     )
 
 
-def _complete(plan: ExperimentPlan, aligned: AlignedLog, partial: bool) -> tuple[list[Segment], list[str]]:
-    """Return the segments to use: all, or where a part suffices those of blocks that ended within the log."""
+def _complete(
+    plan: ExperimentPlan, aligned: AlignedLog, stopped_at: int | None, partial: bool
+) -> tuple[list[Segment], list[str]]:
+    """Return the segments to use: all, or where a part suffices those of blocks that ended as planned in the log."""
     segments = list(plan.segments)
     if not partial:
+        _check_not_stopped(plan, stopped_at)
         return segments, []
-    last = int(aligned.numbers[-1])
-    cut = {(segment.position, segment.block) for segment in segments if segment.stop - 1 > last}
-    used = [segment for segment in segments if (segment.position, segment.block) not in cut]
+    recorded = int(aligned.numbers[-1]) + 1
+    end = recorded if stopped_at is None else min(recorded, stopped_at)
+    ends: dict[tuple[int, int], int] = {}
+    for segment in segments:
+        block = segment.position, segment.block
+        ends[block] = max(ends.get(block, 0), segment.stop)
+    used = [segment for segment in segments if ends[segment.position, segment.block] <= end]
+    why = "the log ends" if end == recorded else "the experiment was stopped"
     if not used:
+        what = "too short a log: it ends" if end == recorded else "too short an experiment: it was stopped"
         raise InputError(
-            f"too short a log: it ends at {last * plan.sample_time:.3f} s, before the first block is complete at "
-            f"{(segments[plan.n_motors - 1].stop - 1) * plan.sample_time:.3f} s; record longer"
+            f"{what} at {max(end - 1, 0) * plan.sample_time:.3f} s, before the first block is complete at "
+            f"{(min(ends.values()) - 1) * plan.sample_time:.3f} s; record longer"
         )
-    if not cut:
-        return used, []
-    return used, [f"the log ends before its plan; {len(cut)} blocks that are not complete were left out"]
+    n_cut = sum(stop > end for stop in ends.values())
+    return used, [f"{why} before its plan; {n_cut} blocks that are not complete were left out"] if n_cut else []
+
+
+def _stopped_at(log: Log) -> int | None:
+    """Give the first sample that may differ from the plan because the user stopped the experiment."""
+    stopped = log.provenance.get("stopped")
+    sample = stopped.get("stopped_at_sample") if isinstance(stopped, Mapping) else None
+    return sample if isinstance(sample, int) and sample >= 0 else None
+
+
+def _check_not_stopped(plan: ExperimentPlan, stopped_at: int | None) -> None:
+    """Refuse a log whose experiment was stopped before its last recorded period."""
+    complete = sum(stopped_at is None or segment.stop <= stopped_at for segment in plan.segments)
+    if stopped_at is None or complete == len(plan.segments):
+        return
+    raise InputError(
+        f"the experiment of the log was stopped at {stopped_at * plan.sample_time:.3f} s, when {complete} of "
+        f"{len(plan.segments)} experiments were complete, and what follows is not as planned; set partial to use the "
+        "blocks that are complete (--set partial=true), or run the experiment to its end"
+    )
 
 
 def _name(segment: Segment) -> str:

@@ -22,7 +22,8 @@ class FrfSettings(Settings):
     """Choices of the estimation of frequency responses."""
 
     partial: bool = Field(
-        False, description="use the complete blocks of a log that ends before its plan, instead of refusing it"
+        False,
+        description="use the complete blocks of a log that ends, or was stopped, before its plan; else it is refused",
     )
     method: Method = Field(
         "auto",
