@@ -190,10 +190,16 @@ class _Search:
 
         def equations(point: FloatArray) -> NormalEquations:
             values = scale.values(point)
-            return squares.normal_equations(values, scale.per_value(values))
+            try:
+                return squares.normal_equations(values, scale.per_value(values))
+            except np.linalg.LinAlgError:  # a mass matrix that is singular
+                return NormalEquations(np.nan, np.full_like(point, np.nan), np.full((len(point),) * 2, np.nan))
 
         def cost(point: FloatArray) -> float:
-            return squares.cost(scale.values(point))
+            try:
+                return squares.cost(scale.values(point))
+            except np.linalg.LinAlgError:
+                return np.nan
 
         return minimise(equations, cost, x, self._lower, self._upper, self._largest, self._settings.stop, damping)
 

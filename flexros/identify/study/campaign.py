@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexros.errors import InputError
 from flexros.identify.graybox.covariance import parameter_covariance
-from flexros.identify.graybox.fit import Fit, FitSettings, cost_at, fit
+from flexros.identify.graybox.fit import Fit, FitSettings, fit
 from flexros.identify.graybox.levenberg_marquardt import StopRule
 from flexros.identify.graybox.multistart import multistart, random_starts
 from flexros.identify.graybox.problem import GrayBoxProblem, graybox_problem
 from flexros.identify.study.choices import REFERENCE, SIX
+from flexros.identify.study.quasi_newton import judged, quasi_newton
 from flexros.identify.study.spread import estimated_spread
 
 if TYPE_CHECKING:
@@ -35,17 +35,19 @@ class EstimatorRun:
         iterations: Steps of each fit, shape (S,).
         user_cost: LLS cost of each model over all positions with user weights; infinite without a rest, shape (S,).
         optimal_cost: The same with optimal weights, shape (S,).
+        peer_cost: LLS cost with user weights where a general-purpose search ended from the same starts, shape (S,).
     """
 
     values: FloatArray
     iterations: FloatArray
     user_cost: FloatArray
     optimal_cost: FloatArray
+    peer_cost: FloatArray
 
     @classmethod
     def of_rows(cls, rows: Sequence[Mapping[str, Any]]) -> EstimatorRun:
         """Put together what `fitted_rows` gave for groups of starts."""
-        fields = ("values", "iterations", "user_cost", "optimal_cost")
+        fields = ("values", "iterations", "user_cost", "optimal_cost", "peer_cost")
         return cls(*(np.array([row[key] for row in rows], dtype=float) for key in fields))
 
 
@@ -110,7 +112,7 @@ def fitted_rows(problem: GrayBoxProblem, kind: str, single: int, starts: list[li
         starts: Starts [SI], shape (S, P).
 
     Returns:
-        Under "rows" values, steps and both costs of every fit, ready for JSON.
+        Under "rows" values, steps and costs of every fit, ready for JSON.
     """
     chosen = next(each for each in SIX if each.name == kind)
     frame = problem
@@ -119,14 +121,15 @@ def fitted_rows(problem: GrayBoxProblem, kind: str, single: int, starts: list[li
     frame = frame.with_choice(chosen.estimator, chosen.weights)
     optimal = problem.with_choice("LLS", "optimal")
     rows = []
-    for found in multistart(frame, np.array(starts), threads=1):
-        user_cost, optimal_cost = _costs(problem, optimal, found)
+    for start, found in zip(starts, multistart(frame, np.array(starts), threads=1), strict=True):
+        peer = quasi_newton(frame, np.array(start))
         rows.append(
             {
                 "values": found.values.tolist(),
                 "iterations": found.iterations,
-                "user_cost": user_cost,
-                "optimal_cost": optimal_cost,
+                "user_cost": judged(problem, found.values),
+                "optimal_cost": judged(optimal, found.values),
+                "peer_cost": judged(problem, peer),
             }
         )
     return {"rows": rows}
@@ -180,11 +183,3 @@ def most_telling_position(problem: GrayBoxProblem) -> int:
         matrix = parameter_covariance(replace(frame, weights=problem.weights[place : place + 1]), nominal, False).matrix
         sizes.append(float(np.sum(np.log(np.maximum(np.linalg.eigvalsh(matrix), np.finfo(float).tiny)))))
     return int(np.argmin(sizes))
-
-
-def _costs(user: GrayBoxProblem, optimal: GrayBoxProblem, found: Fit) -> tuple[float, float]:
-    try:
-        model = user.model_at(found.values)
-    except InputError:  # springs too soft for the gravity of a position that was not fitted
-        return np.inf, np.inf
-    return cost_at(user, model, found.values), cost_at(optimal, model, found.values)

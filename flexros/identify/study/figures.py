@@ -21,6 +21,7 @@ class Share:
     Attributes:
         kind: The estimator and what was published of it.
         reasonable: Share of models with a normalised LLS cost with user weights of at most 1.5.
+        peer: The same for a general-purpose quasi-Newton search from the same starts.
         springs: Share of models with all springs but one within a factor of 2 of the best model's.
         all_springs: The same with all springs.
         iterations: Mean number of steps of a fit.
@@ -28,6 +29,7 @@ class Share:
 
     kind: StudyEstimator
     reasonable: float
+    peer: float
     springs: float
     all_springs: float
     iterations: float
@@ -69,9 +71,12 @@ def normalised_costs(study: Study, name: str, weights: str = "user") -> FloatArr
     Returns:
         Costs, lowest first, shape (S,).
     """
-    costs = {run: getattr(found, f"{weights}_cost") for run, found in study.runs.items()}
-    lowest = min(float(np.min(each)) for each in costs.values())
-    return np.asarray(np.sort(costs[name]) / lowest)
+    costs: FloatArray = getattr(study.runs[name], f"{weights}_cost")
+    return np.asarray(np.sort(costs) / _lowest(study, weights))
+
+
+def _lowest(study: Study, weights: str) -> float:
+    return min(float(np.min(getattr(run, f"{weights}_cost"))) for run in study.runs.values())
 
 
 def sorted_values(study: Study, name: str) -> FloatArray:
@@ -102,6 +107,11 @@ def shares(study: Study) -> tuple[Share, ...]:
     """Count the good models of every estimator."""
     every = springs(study)
     but_one = every[every != hardest_spring(study)]
+    lowest = _lowest(study, "user")
+
+    def small_enough(costs: FloatArray) -> BoolArray:
+        return np.asarray(costs <= REASONABLE * lowest)
+
     found = []
     for kind in SIX:
         ratio = sorted_values(study, kind.name)
@@ -109,7 +119,8 @@ def shares(study: Study) -> tuple[Share, ...]:
         found.append(
             Share(
                 kind=kind,
-                reasonable=float(np.mean(normalised_costs(study, kind.name) <= REASONABLE)),
+                reasonable=float(np.mean(small_enough(study.runs[kind.name].user_cost))),
+                peer=float(np.mean(small_enough(study.runs[kind.name].peer_cost))),
                 springs=float(np.mean(np.all(within[:, but_one], axis=1))),
                 all_springs=float(np.mean(np.all(within[:, every], axis=1))),
                 iterations=float(np.mean(study.runs[kind.name].iterations)),

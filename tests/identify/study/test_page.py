@@ -29,4 +29,4 @@ def test_summary_has_a_sentence_per_estimator(small_study: Study) -> None:
     sentences = study_summary(small_study)
     assert len(sentences) == 6
     assert sentences[1].startswith("LLS15U: ")
-    assert "(published 80%)" in sentences[1]
+    assert "published 80%)" in sentences[1]
