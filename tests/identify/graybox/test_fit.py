@@ -8,13 +8,15 @@ import pytest
 from flexros.errors import InputError
 from flexros.identify.graybox.fit import FitSettings, fit
 from flexros.identify.graybox.least_squares import ResponseTarget, least_squares
-from flexros.identify.graybox.levenberg_marquardt import StopRule
+from flexros.identify.graybox.levenberg_marquardt import NormalEquations, StopRule
 from flexros.identify.graybox.multistart import random_starts
 from flexros.identify.graybox.problem import graybox_problem
 from flexros.identify.graybox.weights import UserWeights
 
 if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
     from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.identify.graybox.frequency_model import FrequencyModel
     from flexros.robot.robot import Robot
 
     from .conftest import Measure
@@ -150,3 +152,33 @@ def test_value_of_a_parameter_that_was_not_fitted_is_refused(
     found = fit(graybox_problem(e12, exact_e12, e12_names))
     with pytest.raises(InputError, match=r"unknown fitted parameter 'body_3.mass'"):
         found.value("body_3.mass")
+
+
+def test_values_at_which_the_model_is_singular_are_left_out(
+    e12: Robot, e12_names: list[str], exact_e12: Responses, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem = graybox_problem(e12, exact_e12, e12_names)
+    refused = []
+
+    class Singular:
+        def __init__(self, model: FrequencyModel, target: ResponseTarget) -> None:
+            self._whole = least_squares(model, target)
+
+        def normal_equations(self, theta: FloatArray, scale: FloatArray) -> NormalEquations:
+            self._check(theta)
+            return self._whole.normal_equations(theta, scale)
+
+        def cost(self, theta: FloatArray) -> float:
+            self._check(theta)
+            return self._whole.cost(theta)
+
+        def _check(self, theta: FloatArray) -> None:
+            if theta[0] < 0.999e5:
+                refused.append(theta)
+                raise np.linalg.LinAlgError("Singular matrix")
+
+    monkeypatch.setattr("flexros.identify.graybox.fit.least_squares", Singular)
+    found = fit(problem, problem.scale.nominal * np.array([1.3, 0.5, 1.4, 2.0, 0.7, 0.5]))
+    assert refused
+    assert found.values[0] >= 0.999e5
+    assert np.isfinite(found.cost)
