@@ -65,6 +65,9 @@ def error_covariance(spectra: PeriodSpectra, found: MatrixEstimate, order: int, 
 def noise_scatter(spectra: PeriodSpectra, response: ComplexArray) -> ComplexArray | None:
     """Return the noise covariance of the mean over periods, line by line; None with a single period.
 
+    Periods count as independent. At the lowest lines of a robot in closed loop they are not: noise moves the axis, and
+    what leaks at the end of one period comes back at the start of the next, so that the mean is better than this says.
+
     Args:
         spectra: Spectra at some lines.
         response: G there, shape (L, n_y, n_u).
