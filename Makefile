@@ -4,13 +4,14 @@ BIN := .venv/bin
 # Set by the ROS 2 wheels of another virtual environment, this would keep those of .venv from finding their libraries.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help demo test lint bench clean python environment
+.PHONY: help demo test lint bench campaign clean python environment
 
 help:
 	@echo "make demo    install into .venv and run the circle test over ROS 2 topics"
 	@echo "make test    all tests"
 	@echo "make lint    style, format and types"
 	@echo "make bench   speed beside a peer measured in the same run"
+	@echo "make campaign  repeated identifications, hours; goes on where it was broken off"
 	@echo "make clean   remove .venv and all that is made"
 
 demo: environment
@@ -29,6 +30,9 @@ lint: environment
 bench: EXTRAS = test
 bench: environment
 	@mkdir -p docs/results && $(BIN)/flexros bench --out docs/results/benchmarks.md
+
+campaign: environment
+	@$(BIN)/flexros campaign --out docs/results --work bags/campaign
 
 environment: python
 	@$(PYTHON) environment.py $(EXTRAS)

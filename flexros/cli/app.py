@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexros.cli import analyze, bench, demo, identify, import_log, robots, run
+from flexros.cli import analyze, bench, campaign, demo, identify, import_log, robots, run
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
 if TYPE_CHECKING:
@@ -83,6 +83,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "analyze": analyze.analyze,
     "demo": demo.demo,
     "bench": bench.bench,
+    "campaign": campaign.campaign,
 }
 for name, command in COMMANDS.items():
     app.command(name)(reported(command))
