@@ -18,6 +18,10 @@ ANSWER = 10.0
 """Time in which a scheduler must answer [s]."""
 
 
+LOCAL = "127.0.0.1:0"
+"""Where the pages about workers of this process can be seen: from this machine only, at any free port."""
+
+
 @contextmanager
 def connected(address: str = "", threads: int | None = None) -> Iterator[Client]:
     """Give a Dask client for as long as it is needed.
@@ -56,7 +60,8 @@ def connected(address: str = "", threads: int | None = None) -> Iterator[Client]
             n_workers=1,
             threads_per_worker=threads or os.cpu_count(),
             memory_limit=0,
-            dashboard_address=None,
+            dashboard_address=LOCAL,
+            worker_dashboard_address=LOCAL,
             local_directory=scratch,
             protocol="inproc",
         ) as client,

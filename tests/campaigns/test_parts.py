@@ -1,0 +1,58 @@
+"""Parts of a campaign are kept in files and never computed twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from distributed import Client
+
+from flexros.campaigns.parts import claim_folder, finished_parts
+from flexros.errors import InputError
+from flexros.scheduler import connected
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Client]:
+    with connected(threads=2) as made:
+        yield made
+
+
+def square(number: int) -> dict[str, Any]:
+    return {"square": number**2}
+
+
+def refuse(number: int) -> dict[str, Any]:
+    raise InputError(f"{number} is refused")
+
+
+def test_parts_come_in_the_order_of_the_jobs(client: Client, tmp_path: Path) -> None:
+    told: list[int] = []
+    parts = finished_parts(tmp_path, client, {f"part_{k}": (k,) for k in range(4)}, square, told.append)
+    assert parts == {f"part_{k}": {"square": k**2} for k in range(4)}
+    assert list(parts) == [f"part_{k}" for k in range(4)]
+    assert told == [0, 1, 2, 3, 4]
+
+
+def test_finished_parts_are_not_computed_again(client: Client, tmp_path: Path) -> None:
+    finished_parts(tmp_path, client, {"a": (2,)}, square, lambda done: None)
+    told: list[int] = []
+    again = finished_parts(tmp_path, client, {"a": (2,)}, refuse, told.append)
+    assert again == {"a": {"square": 4}}
+    assert told == [1]
+
+
+def test_error_in_a_part_reaches_the_caller_and_keeps_the_others(client: Client, tmp_path: Path) -> None:
+    finished_parts(tmp_path, client, {"a": (2,)}, square, lambda done: None)
+    with pytest.raises(InputError, match="3 is refused"):
+        finished_parts(tmp_path, client, {"a": (2,), "b": (3,)}, refuse, lambda done: None)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.json"]
+
+
+def test_folder_of_other_settings_is_refused(tmp_path: Path) -> None:
+    claim_folder(tmp_path, {"positions": 15, "scenario": "one"})
+    claim_folder(tmp_path, {"positions": 15, "scenario": "one"})
+    with pytest.raises(InputError, match="holds parts with positions 15, but now it is 3; give another folder with"):
+        claim_folder(tmp_path, {"positions": 3, "scenario": "one"})

@@ -1,0 +1,54 @@
+"""Workers within this process, or those of a scheduler that the user has."""
+
+from __future__ import annotations
+
+import os
+
+import psutil
+import pytest
+from distributed import LocalCluster
+
+from flexros.errors import InputError
+from flexros.scheduler import LOCAL, connected
+
+
+def test_work_runs_in_this_process_unless_told_otherwise() -> None:
+    with connected(threads=1) as client:
+        assert client.submit(os.getpid).result() == os.getpid()
+        assert not client.scheduler_info()["address"].startswith("tcp")
+
+
+def test_work_runs_on_a_scheduler_that_is_named() -> None:
+    with (
+        LocalCluster(
+            n_workers=1,
+            threads_per_worker=1,
+            processes=False,
+            protocol="tcp",
+            host="127.0.0.1",
+            dashboard_address=LOCAL,
+        ) as cluster,
+        connected(cluster.scheduler_address) as client,
+    ):
+        assert client.scheduler_info()["address"] == cluster.scheduler_address
+        assert client.submit(sum, [1, 2]).result() == 3
+
+
+@pytest.mark.parametrize("address", ["nonsense://1", "tcp://127.0.0.1:1"])
+def test_no_scheduler_at_the_address_is_told(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("flexros.scheduler.ANSWER", 0.5)
+    message = f"--scheduler: no Dask scheduler answers at '{address}'"
+    with pytest.raises(InputError, match=message), connected(address):
+        pytest.fail("nobody answers there")
+
+
+def test_workers_of_this_process_listen_to_this_machine_only() -> None:
+    before = listening()
+    with connected(threads=1):
+        assert {address for address in listening() - before if not address.startswith("127.0.0.1:")} == set()
+
+
+def listening() -> set[str]:
+    """Addresses on which this process listens."""
+    connections = psutil.Process().net_connections(kind="inet")
+    return {f"{one.laddr.ip}:{one.laddr.port}" for one in connections if one.status == psutil.CONN_LISTEN}
