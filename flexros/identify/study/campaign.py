@@ -35,7 +35,8 @@ class EstimatorRun:
         iterations: Steps of each fit, shape (S,).
         user_cost: LLS cost of each model over all positions with user weights; infinite without a rest, shape (S,).
         optimal_cost: The same with optimal weights, shape (S,).
-        peer_cost: LLS cost with user weights where a general-purpose search ended from the same starts, shape (S,).
+        peer_cost: LLS cost with user weights where a general-purpose search ended from the same starts; NaN for those
+            from which it did not start, shape (S,).
     """
 
     values: FloatArray
@@ -78,7 +79,7 @@ class Study:
 
 def study_jobs(
     problem: GrayBoxProblem, settings: StudySettings
-) -> dict[str, tuple[GrayBoxProblem, str, int, list[list[float]]]]:
+) -> dict[str, tuple[GrayBoxProblem, str, int, list[list[float]], bool]]:
     """List the fits of the study in groups that can be computed anywhere.
 
     Args:
@@ -96,13 +97,16 @@ def study_jobs(
             kind.name,
             single,
             starts[first : first + GROUP],
+            first < settings.peers,
         )
         for kind in SIX
         for first in range(0, len(starts), GROUP)
     }
 
 
-def fitted_rows(problem: GrayBoxProblem, kind: str, single: int, starts: list[list[float]]) -> dict[str, Any]:
+def fitted_rows(
+    problem: GrayBoxProblem, kind: str, single: int, starts: list[list[float]], peer: bool
+) -> dict[str, Any]:
     """Fit with one estimator from some starts, and judge the models by the same costs as all others.
 
     Args:
@@ -110,6 +114,7 @@ def fitted_rows(problem: GrayBoxProblem, kind: str, single: int, starts: list[li
         kind: Name of the estimator.
         single: Number of the position for the estimator that takes only one.
         starts: Starts [SI], shape (S, P).
+        peer: Whether a general-purpose search starts there too.
 
     Returns:
         Under "rows" values, steps and costs of every fit, ready for JSON.
@@ -122,14 +127,13 @@ def fitted_rows(problem: GrayBoxProblem, kind: str, single: int, starts: list[li
     optimal = problem.with_choice("LLS", "optimal")
     rows = []
     for start, found in zip(starts, multistart(frame, np.array(starts), threads=1), strict=True):
-        peer = quasi_newton(frame, np.array(start))
         rows.append(
             {
                 "values": found.values.tolist(),
                 "iterations": found.iterations,
                 "user_cost": judged(problem, found.values),
                 "optimal_cost": judged(optimal, found.values),
-                "peer_cost": judged(problem, peer),
+                "peer_cost": judged(problem, quasi_newton(frame, np.array(start))) if peer else None,
             }
         )
     return {"rows": rows}

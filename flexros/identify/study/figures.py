@@ -114,13 +114,13 @@ def shares(study: Study) -> tuple[Share, ...]:
 
     found = []
     for kind in SIX:
-        ratio = sorted_values(study, kind.name)
+        ratio, peers = sorted_values(study, kind.name), study.runs[kind.name].peer_cost
         within = (ratio >= 0.5) & (ratio <= 2.0)
         found.append(
             Share(
                 kind=kind,
                 reasonable=float(np.mean(small_enough(study.runs[kind.name].user_cost))),
-                peer=float(np.mean(small_enough(study.runs[kind.name].peer_cost))),
+                peer=float(np.mean(small_enough(peers[~np.isnan(peers)]))),
                 springs=float(np.mean(np.all(within[:, but_one], axis=1))),
                 all_springs=float(np.mean(np.all(within[:, every], axis=1))),
                 iterations=float(np.mean(study.runs[kind.name].iterations)),

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 STEPS = 200
 """Most steps of a search (chosen)."""
 
+FARTHEST = float(np.log(1e4))
+"""Change of a scaled parameter beyond which the cost counts as failed: no bound of interest, but no time is lost."""
+
 _FAILED = 1e30
 """Cost where the model cannot be evaluated, so that the line search turns back."""
 
@@ -36,9 +39,11 @@ def quasi_newton(problem: GrayBoxProblem, start: FloatArray) -> FloatArray:
     """
     scale = problem.scale
     target = ResponseTarget(problem.measured, problem.weights, problem.estimator.name)
-    squares = least_squares(problem.model, target)
+    squares, nominal = least_squares(problem.model, target), scale.scaled(scale.nominal)
 
     def cost(x: FloatArray) -> tuple[float, FloatArray]:
+        if np.max(np.abs(x - nominal)) > FARTHEST:
+            return _FAILED, np.zeros_like(x)
         values = scale.values(x)
         try:
             here = squares.normal_equations(values, scale.per_value(values))

@@ -15,6 +15,7 @@ class StudySettings:
         candidates: Number of positions to choose from.
         blocks: Blocks of experiments in each position.
         starts: Random starts within a factor of 10, the same for all estimators.
+        peers: The first of these starts, from which a general-purpose search starts as well; whole groups of ten.
         redrawn: Responses drawn anew for the empirical spread.
         seed: Seed of everything that is random.
     """
@@ -24,5 +25,6 @@ class StudySettings:
     candidates: int = 4000
     blocks: int = 2
     starts: int = 100
+    peers: int = 30
     redrawn: int = 100
     seed: int = 1

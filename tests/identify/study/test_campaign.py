@@ -15,23 +15,25 @@ if TYPE_CHECKING:
 
 
 def test_all_six_estimators_fit_from_the_same_starts(small_study: Study) -> None:
-    settings = StudySettings(starts=12, seed=3)
+    settings = StudySettings(starts=12, peers=10, seed=3)
     jobs = study_jobs(small_study.problem, settings)
     assert len(jobs) == 6 * 2
     starts = random_starts(small_study.problem, 12, 3)
     for kind in SIX:
         groups = [arguments[3] for name, arguments in jobs.items() if name.startswith(f"{kind.name}_")]
         np.testing.assert_array_equal(np.vstack(groups), starts)
+        assert [arguments[4] for arguments in jobs.values()] == [True, False] * 6
         assert small_study.runs[kind.name].values.shape == (6, 6)
 
 
 def test_rows_are_those_of_single_fits(small_study: Study) -> None:
     problem = small_study.problem
     start = random_starts(problem, 1, 3)[0]
-    (row,) = fitted_rows(problem, "LLSM15U", 0, [start.tolist()])["rows"]
+    (row,) = fitted_rows(problem, "LLSM15U", 0, [start.tolist()], False)["rows"]
     found = fit(problem.with_choice("LLSM", "user"), start)
     np.testing.assert_array_equal(row["values"], found.values)
     assert row["iterations"] == found.iterations
+    assert row["peer_cost"] is None
 
 
 def test_truth_of_a_linear_robot_is_among_the_models(small_study: Study) -> None:
