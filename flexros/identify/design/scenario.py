@@ -16,6 +16,8 @@ from flexros.identify.design.amplitude import amplitude_room
 from flexros.identify.design.decay import decays_at
 from flexros.identify.design.default_controller import default_controller
 from flexros.identify.design.experiment_design import SETTLED
+from flexros.identify.design.moves import move_factor
+from flexros.identify.limits import torque_limits
 from flexros.identify.plan import plan_of_scenario
 
 if TYPE_CHECKING:
@@ -80,8 +82,8 @@ def designed_scenario(
 ) -> tuple[Scenario, float]:
     """Put the chosen positions into a scenario.
 
-    The amplitude is lowered where the torque limits leave no room for it, and transient periods are added where the
-    loop settles slowly and time is left.
+    Amplitude and speed of the moves are lowered where the torque limits leave no room for them, and transient periods
+    are added where the loop settles slowly and time is left.
 
     Args:
         template: The experiment in each position.
@@ -104,12 +106,33 @@ def designed_scenario(
         "identification.blocks": blocks if np.all(design.counts == 1) else (blocks * design.counts).tolist(),
     }
     if factor < 1.0:
-        amplitude = np.atleast_1d(template.identification.excitation.amplitude) * factor
-        lowered = [float(f"{value:.2e}") for value in amplitude]
-        changes["identification.excitation.amplitude"] = lowered if len(lowered) > 1 else lowered[0]
+        amplitude = _scaled(template.identification.excitation.amplitude, factor)
+        changes["identification.excitation.amplitude"] = amplitude
+    changes |= _move_changes(template, robot, design)
     scenario = template.with_values(changes, "design")
     periods = _transient_periods(scenario, robot, design, longest)
     return scenario.with_values({"identification.transient_periods": periods}, "design"), factor
+
+
+def _move_changes(template: Scenario, robot: Robot, design: ExperimentDesign) -> dict[str, Any]:
+    """Lower acceleration and speed of the moves as far as the torque limits ask for."""
+    specification = template.identification
+    assert specification is not None
+    allowed = specification.limits.torque_share * torque_limits(robot, template.controller)
+    start = robot.home if template.start is None else np.array(template.start)
+    factor = move_factor(robot, start[list(robot.chain.geared)], design.positions, specification.move, allowed)
+    if factor == 1.0:
+        return {}
+    return {
+        "identification.move.acceleration": _scaled(specification.move.acceleration, factor),
+        "identification.move.speed": _scaled(specification.move.speed, float(np.sqrt(factor))),
+    }
+
+
+def _scaled(values: float | tuple[float, ...], factor: float) -> float | list[float]:
+    """Multiply one number or one per motor, with three digits left."""
+    scaled = [float(f"{factor * value:.2e}") for value in np.atleast_1d(values)]
+    return scaled if len(scaled) > 1 else scaled[0]
 
 
 def _transient_periods(scenario: Scenario, robot: Robot, design: ExperimentDesign, longest: float) -> int:
