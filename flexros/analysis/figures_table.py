@@ -102,6 +102,19 @@ def number(value: float | None, digits: int = 4) -> str:
     return f"{value:.{places}f}"
 
 
+def percent(share: float, digits: int = 3) -> str:
+    """Write a share in per cent; what is beyond a factor of ten as such.
+
+    Args:
+        share: The share [1].
+        digits: Significant digits.
+
+    Returns:
+        E.g. "2.31", ">1000".
+    """
+    return ">1000" if not share <= 10 else number(100 * share, digits)
+
+
 def _figures(analysis: Analysis) -> Iterator[_Figure]:
     if analysis.path is not None:
         yield from _path(analysis.path)

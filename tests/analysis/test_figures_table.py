@@ -2,11 +2,12 @@ from __future__ import annotations
 
 import io
 
+import numpy as np
 import pytest
 from rich.console import Console
 
 from flexros.analysis import analyse
-from flexros.analysis.figures_table import figure_rows, number, terminal_table
+from flexros.analysis.figures_table import figure_rows, number, percent, terminal_table
 
 
 @pytest.mark.parametrize(
@@ -25,6 +26,13 @@ from flexros.analysis.figures_table import figure_rows, number, terminal_table
 )
 def test_numbers_are_written_with_four_digits(value, text):
     assert number(value) == text
+
+
+def test_percent_is_cut_where_it_means_nothing():
+    assert percent(0.0213) == "2.13"
+    assert percent(12.0) == ">1000"
+    assert percent(np.inf) == ">1000"
+    assert percent(np.nan) == ">1000"
 
 
 def test_rows_equal_the_analysis(make_run):

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import plotly.graph_objects as go
 
+from flexros.analysis.figures_table import percent
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import INK, MUTED, stacked
 from flexros.identify.report.base import AbstractIdentificationSection
-from flexros.identify.report.words import VERDICT_COLOURS, VERDICT_WORDS, interval_text, percent, value_text
+from flexros.identify.report.words import VERDICT_COLOURS, VERDICT_WORDS, interval_text, value_text
 
 if TYPE_CHECKING:
     from flexros.identify.graybox.identifiability import ParameterVerdict

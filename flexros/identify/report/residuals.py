@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 import plotly.graph_objects as go
 
-from flexros.analysis.figures_table import number
+from flexros.analysis.figures_table import number, percent
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import stacked
 from flexros.identify.report.base import AbstractIdentificationSection
-from flexros.identify.report.words import percent
 
 if TYPE_CHECKING:
     from flexros.identify.report.result import IdentificationResult

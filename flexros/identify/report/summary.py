@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.analysis.figures_table import number
+from flexros.analysis.figures_table import number, percent
 from flexros.analysis.report.base import Block, Paragraph, Tiles
 from flexros.identify.report.base import AbstractIdentificationSection
 from flexros.identify.report.result import verdict
-from flexros.identify.report.words import percent
 
 if TYPE_CHECKING:
     from flexros.identify.report.result import IdentificationResult

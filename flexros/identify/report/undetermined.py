@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.figures_table import number
+from flexros.analysis.figures_table import number, percent
 from flexros.analysis.report.base import Block, Paragraph, TextTable
 from flexros.identify.report.base import AbstractIdentificationSection
 from flexros.identify.report.remedies import Remedy, remedies
-from flexros.identify.report.words import percent
 
 if TYPE_CHECKING:
     from flexros.identify.graybox.identifiability import Direction

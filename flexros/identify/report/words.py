@@ -1,15 +1,8 @@
-"""How the report names positions, verdicts and numbers."""
+"""How the report names verdicts and numbers."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-import numpy as np
-
 from flexros.analysis.figures_table import number
-
-if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
 
 VERDICT_WORDS = {"determined": "determined", "weak": "weak", "not_determined": "not determined"}
 """Verdicts as they are read."""
@@ -18,19 +11,6 @@ VERDICT_COLOURS = {"determined": "#0072b2", "weak": "#e69f00", "not_determined":
 """Colours of verdicts, to be told apart also by the colour-blind."""
 
 _FAR = 1000.0
-
-
-def position_name(place: int, gears: FloatArray) -> str:
-    """Name a position by its number, from 1, and its gear coordinates.
-
-    Args:
-        place: Number, from 0.
-        gears: Gear coordinates [rad or m], shape (M,).
-
-    Returns:
-        E.g. "position 3 (0.2, -0.41)".
-    """
-    return f"position {place + 1} ({', '.join(f'{value:.2f}' for value in np.asarray(gears) + 0.0)})"
 
 
 def value_text(value: float, significant: int = 5) -> str:
@@ -67,16 +47,3 @@ def interval_text(low: float, value: float, high: float) -> str:
     if value > 0 and low > 0 and below:
         return f"below {value_text(high)}"
     return f"{value_text(low)} to {value_text(high)}"
-
-
-def percent(share: float, digits: int = 3) -> str:
-    """Write a share in per cent; what is beyond a factor of ten as such.
-
-    Args:
-        share: The share [1].
-        digits: Significant digits.
-
-    Returns:
-        E.g. "2.31", ">1000".
-    """
-    return ">1000" if not share <= 10 else number(100 * share, digits)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.identify.report.words import interval_text, percent, position_name, value_text
+from flexros.identify.report.words import interval_text, value_text
 
 
 @pytest.mark.parametrize(
@@ -29,14 +29,3 @@ def test_values_have_no_exponent_where_they_can_do_without(value: float, text: s
 )
 def test_ends_that_say_nothing_are_left_out(low: float, value: float, high: float, text: str) -> None:
     assert interval_text(low, value, high) == text
-
-
-def test_percent_is_cut_where_it_means_nothing() -> None:
-    assert percent(0.0213) == "2.13"
-    assert percent(12.0) == ">1000"
-    assert percent(np.inf) == ">1000"
-    assert percent(np.nan) == ">1000"
-
-
-def test_positions_are_counted_from_one() -> None:
-    assert position_name(2, np.array([0.2, -0.406])) == "position 3 (0.20, -0.41)"

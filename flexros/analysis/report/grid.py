@@ -1,4 +1,4 @@
-"""Pictures of many small panels with a menu of positions."""
+"""Pictures of many small panels over frequency, with a menu of positions."""
 
 from __future__ import annotations
 
