@@ -34,17 +34,13 @@ class Coverage(AbstractCampaign):
 
     def run(self, request: CampaignRequest) -> CampaignResult:
         """Run the campaign, or what is left of it; see `AbstractCampaign.run`."""
-        from flexros.identify.coverage.estimates import WAYS, group_estimates
-        from flexros.identify.coverage.figures import way_coverage
-        from flexros.identify.coverage.page import coverage_page, coverage_summary
+        from flexros.identify.coverage.estimates import group_estimates
         from flexros.identify.design.scenario import unknown_names
-        from flexros.identify.plan import plan_of_scenario
         from flexros.robot.robot import load_robot
 
         settings = replace(self._settings, repetitions=request.repetitions or self._settings.repetitions)
         scenario = _experiment(settings, request)
-        robot = load_robot(scenario.robot)
-        names = unknown_names(robot)
+        names = unknown_names(load_robot(scenario.robot))
         jobs = {
             f"{group.name}_of_{len(group.noise_seeds)}": (scenario, names, settings, group) for group in settings.groups
         }
@@ -55,26 +51,36 @@ class Coverage(AbstractCampaign):
             group_estimates,
             lambda done: request.progress("groups of repetitions", done, len(jobs)),
         )
-        ways = [
-            way_coverage(way.name, _by_phases([part[way.name] for part in parts.values()], settings), robot, names)
-            for way in WAYS
-        ]
-        duration, used = plan_of_scenario(scenario).duration, versions()
-        record = {
-            "settings": asdict(settings),
-            "robot_time_s": duration,
-            "scenario": scenario.settings(),
-            "ways": {way.name: asdict(way) for way in ways},
-            "versions": used,
-        }
-        return CampaignResult(
-            files={
-                PAGE: coverage_page(ways, settings, duration, used),
-                FIGURES: json.dumps(record, indent=1) + "\n",
-            },
-            record=record,
-            summary=coverage_summary(ways, duration),
-        )
+        return _result(list(parts.values()), scenario, names, settings)
+
+
+def _result(
+    parts: list[dict[str, Any]], scenario: Scenario, names: tuple[str, ...], settings: CoverageSettings
+) -> CampaignResult:
+    """Count over all groups and write the page."""
+    from flexros.identify.coverage.estimates import WAYS
+    from flexros.identify.coverage.figures import way_coverage
+    from flexros.identify.coverage.page import coverage_page, coverage_summary
+    from flexros.identify.plan import plan_of_scenario
+    from flexros.robot.robot import load_robot
+
+    robot = load_robot(scenario.robot)
+    ways = [
+        way_coverage(way.name, _by_phases([part[way.name] for part in parts], settings), robot, names) for way in WAYS
+    ]
+    duration, used = plan_of_scenario(scenario).duration, versions()
+    record = {
+        "settings": asdict(settings),
+        "robot_time_s": duration,
+        "scenario": scenario.settings(),
+        "ways": {way.name: asdict(way) for way in ways},
+        "versions": used,
+    }
+    return CampaignResult(
+        files={PAGE: coverage_page(ways, settings, duration, used), FIGURES: json.dumps(record, indent=1) + "\n"},
+        record=record,
+        summary=coverage_summary(ways, duration),
+    )
 
 
 def _by_phases(groups: list[list[Any]], settings: CoverageSettings) -> list[list[Any]]:

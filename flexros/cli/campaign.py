@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.cli.output import print_json, progress_bar, say
 from flexros.errors import InputError
 from flexros.whole_file import write_result
 
@@ -46,7 +46,7 @@ def campaign(
             folder = (work or out / WORK) / one.name
             _make(folder)
             if not as_json:
-                console.print(f"{one.name}: {one.question}")
+                say(f"{one.name}: {one.question}")
             result = _run(one.run, folder, client, repetitions)
             for file, text in result.files.items():
                 write_result(out / file, text, f"result of campaign {one.name}")
