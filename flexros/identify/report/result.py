@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexros.analysis.figures_table import number
 from flexros.identify.graybox.covariance import parameter_covariance
 from flexros.identify.graybox.fit import cost_at
 from flexros.identify.graybox.identifiability import identifiability
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 BIASED = 2.0
 """Reduced cost above which errors of the model count more than those of the responses (chosen)."""
+_AS_GOOD = 0.9
 SAME_MINIMUM = 1.01
 """Fits whose cost is within this factor of the best one count as the same minimum (chosen)."""
 
@@ -243,7 +245,9 @@ def _explained(result: IdentificationResult) -> str:
     count = len(result.problem.responses)
     where = f"the responses in {count} positions" if count > 1 else "the response"
     share = result.fit.cost / result.nominal_cost if result.nominal_cost > 0 else 1.0
-    gain = f"it leaves {100 * share:.2g} % of what the nominal values leave unexplained"
+    gain = f"it leaves {number(100 * share, 2)} % of what the nominal values leave unexplained"
+    if share > _AS_GOOD:
+        gain = "the nominal values explain them nearly as well"
     if result.covariance.basis == "residuals":
         return f"The errors of {where} are not known, so the identified model is judged by itself: {gain}."
     reduced = result.covariance.reduced_cost

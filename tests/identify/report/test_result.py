@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -38,6 +40,12 @@ def test_verdict_counts_and_names(clear: IdentificationResult, noisy: Identifica
     open_ones = noisy.identifiability.names("not_determined")
     assert open_ones
     assert f"not determined ({open_ones[0]}" in verdict(noisy)
+
+
+def test_verdict_says_when_the_nominal_values_do_as_well(clear: IdentificationResult) -> None:
+    assert re.search(r"it leaves 0?\.?\d+ % of what the nominal values leave unexplained", verdict(clear))
+    same = replace(clear, fit=replace(clear.fit, cost=0.95 * clear.nominal_cost))
+    assert verdict(same).endswith("the nominal values explain them nearly as well.")
 
 
 def test_verdict_says_when_errors_are_not_known(make: Callable[..., IdentificationResult]) -> None:
