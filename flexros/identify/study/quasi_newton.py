@@ -19,7 +19,7 @@ STEPS = 200
 """Most steps of a search (chosen)."""
 
 FARTHEST = float(np.log(1e4))
-"""Change of a scaled parameter beyond which the cost counts as failed: no bound of interest, but no time is lost."""
+"""Change of a scaled parameter beyond which the cost rises by a parabola: no bound of interest, but no time is lost."""
 
 _FAILED = 1e30
 """Cost where the model cannot be evaluated, so that the line search turns back."""
@@ -40,17 +40,21 @@ def quasi_newton(problem: GrayBoxProblem, start: FloatArray) -> FloatArray:
     scale = problem.scale
     target = ResponseTarget(problem.measured, problem.weights, problem.estimator.name)
     squares, nominal = least_squares(problem.model, target), scale.scaled(scale.nominal)
+    squares_at_start = squares.cost(start)
 
     def cost(x: FloatArray) -> tuple[float, FloatArray]:
-        if np.max(np.abs(x - nominal)) > FARTHEST:
-            return _FAILED, np.zeros_like(x)
-        values = scale.values(x)
+        inside = np.clip(x, nominal - FARTHEST, nominal + FARTHEST)
+        beyond = x - inside
+        values = scale.values(inside)
         try:
             here = squares.normal_equations(values, scale.per_value(values))
         except np.linalg.LinAlgError:  # values out of all proportion
             return _FAILED, np.zeros_like(x)
         known = np.isfinite(here.cost) and np.all(np.isfinite(here.gradient))
-        return (here.cost, here.gradient) if known else (_FAILED, np.zeros_like(x))
+        if not known:
+            return _FAILED, np.zeros_like(x)
+        wall = squares_at_start * float(beyond @ beyond)
+        return here.cost + wall, np.where(beyond == 0, here.gradient, 2.0 * squares_at_start * beyond)
 
     with np.errstate(all="ignore"):
         found = minimize(cost, scale.scaled(start), jac=True, method="BFGS", options={"maxiter": STEPS})
