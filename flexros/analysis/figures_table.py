@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from flexros.analysis.frequency_responses import relative_deviation
 from flexros.analysis.pace import LOOP_TOPICS
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from flexros.analysis.corners import CornerDeviation
+    from flexros.analysis.frequency_responses import LogResponses
     from flexros.analysis.loop_timing import LoopTiming
     from flexros.analysis.pace import Pacing
     from flexros.analysis.path_error import PathError
@@ -50,7 +52,7 @@ def figure_rows(analyses: Sequence[Analysis]) -> tuple[FigureRow, ...]:
         analyses: The runs.
 
     Returns:
-        Rows grouped as path, each motor, timing.
+        Rows grouped as path, each motor, frequency responses, timing.
     """
     columns = [{(group, name, unit): value for group, name, unit, value in _figures(one)} for one in analyses]
     keys = list(dict.fromkeys(key for column in columns for key in column))
@@ -123,6 +125,8 @@ def _figures(analysis: Analysis) -> Iterator[_Figure]:
     yield from _corners(analysis.corners)
     for motor in analysis.motors:
         yield from _motor(motor)
+    if analysis.responses is not None:
+        yield from _responses(analysis.responses)
     yield from _timing(analysis.timing)
 
 
@@ -180,6 +184,21 @@ def _motor(motor: MotorTracking) -> Iterator[_Figure]:
         yield motor.joint, "time at torque limit", "%", 1e2 * motor.saturated_share
     if motor.overload_share:
         yield motor.joint, "time with feedforward above limit", "%", 1e2 * motor.overload_share
+
+
+def _responses(told: LogResponses) -> Iterator[_Figure]:
+    group = "Responses"
+    yield group, "positions", "", float(len(told.positions))
+    if not told.positions:
+        return
+    yield group, "lines", "", float(len(told.positions[0].frequency))
+    yield group, "lowest frequency", "Hz", float(told.positions[0].frequency[0])
+    yield group, "highest frequency", "Hz", float(told.positions[0].frequency[-1])
+    shares = [relative_deviation(response) for response in told.positions]
+    for name in shares[0]:
+        known = [share for one in shares if (share := one[name]) is not None]
+        if known:
+            yield group, f"{name}, standard deviation, median", "%", 1e2 * float(np.median(known))
 
 
 def _timing(timing: LoopTiming) -> Iterator[_Figure]:

@@ -1,4 +1,4 @@
-"""One run analysed: path error, path performance, corners, tracking and timing together."""
+"""One run analysed: path error, path performance, corners, tracking, timing and frequency responses together."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flexros.analysis.corners import CornerDeviation, corner_deviations
 from flexros.analysis.cycles import split_cycles
 from flexros.analysis.elapsed_time import start_stamp
+from flexros.analysis.frequency_responses import LogResponses, log_responses
 from flexros.analysis.loop_timing import LoopTiming, loop_timing
 from flexros.analysis.path_error import AXES, PathError, path_error
 from flexros.analysis.path_performance import POINTS, STANDARD_CYCLES, PathPerformance, path_performance
@@ -35,13 +36,15 @@ class Analysis:
     Attributes:
         label: Name of the run in tables and pictures.
         duration: Time from the first to the last joint_states stamp [s].
-        path: Error of the tool along its path; None where tool_pose or tool_reference is missing.
+        path: Error of the tool along its path; None where tool_pose or tool_reference is missing, and for an
+            identification experiment, whose excitation is no path to be followed.
         performance: Path accuracy and repeatability (ISO 9283); None without `path` or where the path does not move.
         corners: Deviations at the corners of the path, in order of travel.
         motors: Tracking and torque of each motor.
         timing: Timing of the topics.
         provenance: Where the log came from.
         warnings: What limits these results, one sentence each; those of the log first.
+        responses: Frequency responses; None where the log is not of an identification experiment.
     """
 
     label: str
@@ -53,6 +56,7 @@ class Analysis:
     timing: LoopTiming
     provenance: Mapping[str, Any]
     warnings: tuple[str, ...]
+    responses: LogResponses | None = None
 
     def as_dict(self) -> dict[str, object]:
         """Return all figures as plain numbers, lists and strings, ready for JSON; units stand in the keys."""
@@ -64,6 +68,7 @@ class Analysis:
             "corners": [corner.as_dict() for corner in self.corners],
             "motors": {motor.joint: motor.as_dict() for motor in self.motors},
             "timing": self.timing.as_dict(),
+            "frequency_responses": None if self.responses is None else self.responses.as_dict(),
             "provenance": dict(self.provenance),
             "warnings": list(self.warnings),
         }
@@ -92,10 +97,9 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
     start = start_stamp(log)
     stamp = log.joint_states.stamp
     warnings = list(log.warnings)
-    planned = log.provenance.get("n_samples")
-    if isinstance(planned, int) and len(stamp) < planned:
-        warnings.append(f"the log holds {len(stamp)} of the {planned} samples of its run, which broke off or lost some")
-    path, performance, corners = _tool(log, start, robot, warnings)
+    warnings.extend(_cut_short(log))
+    responses = log_responses(log, robot)
+    path, performance, corners = (None, None, ()) if responses else _tool(log, start, robot, warnings)
     own = None if robot is None else _drives(robot)
     motors = motor_tracking(log, start, limited_drives(own, log.joint_states.names, log.provenance, warnings))
     if not any(motor.tracking is not None for motor in motors):
@@ -103,6 +107,10 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
     if not any(motor.feedforward is not None for motor in motors):
         warnings.append("the log has no feedforward torque, so the share of the feedback cannot be told")
     warnings.extend(limit_warnings(motors))
+    if responses is not None:
+        warnings.extend(responses.warnings)
+    if responses is not None and responses.reason:
+        warnings.append(f"the frequency responses cannot be told: {responses.reason}")
     return Analysis(
         label=_scenario_name(log.provenance) if label is None else label,
         duration=float((stamp[-1] - stamp[0]) * 1e-9) if len(stamp) else 0.0,
@@ -113,7 +121,21 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
         timing=loop_timing(log),
         provenance=log.provenance,
         warnings=tuple(warnings),
+        responses=responses,
     )
+
+
+def _cut_short(log: Log) -> list[str]:
+    """Say that a log holds fewer samples than its run was to have, and why as far as it is known."""
+    recorded, planned = len(log.joint_states.stamp), log.provenance.get("n_samples")
+    stopped = log.provenance.get("stopped")
+    if isinstance(stopped, dict) and {"completed", "planned"} <= set(stopped):
+        return [
+            f"the experiment was stopped when {stopped['completed']} of {stopped['planned']} experiments were complete"
+        ]
+    if not isinstance(planned, int) or recorded >= planned:
+        return []
+    return [f"the log holds {recorded} of the {planned} samples of its run, which broke off or lost some"]
 
 
 def _scenario_name(provenance: Mapping[str, Any]) -> str:

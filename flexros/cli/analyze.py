@@ -22,7 +22,7 @@ def analyze(
     report: Path = typer.Option(None, "--report", help="Write an HTML report that opens offline."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
-    """Show path error, tracking and loop timing of recorded runs."""
+    """Show path error, tracking, loop timing, and frequency responses where periodic, of recorded runs."""
     from flexros.analysis import analyse
     from flexros.analysis.figures_table import terminal_table
     from flexros.analysis.report import write_report

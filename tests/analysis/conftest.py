@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from flexros.logs.time_series import JointSeries, Log, PoseSeries
+from tests.identify.frf.recorded_experiment import run
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -90,3 +91,9 @@ class RunMaker:
 @pytest.fixture(scope="session")
 def make_run() -> Callable[..., Log]:
     return RunMaker()
+
+
+@pytest.fixture(scope="session")
+def experiment_log() -> Log:
+    """A short identification experiment on E12 in two positions with two blocks each."""
+    return run().log

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.figures_table import number
+from flexros.analysis.figures_table import number, percent
+from flexros.analysis.frequency_responses import relative_deviation
 from flexros.analysis.pace import Pacing
 from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable, Tiles
 from flexros.analysis.report.pace import missed_text
@@ -12,8 +13,10 @@ from flexros.analysis.report.pace import missed_text
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flexros.analysis.frequency_responses import LogResponses
     from flexros.analysis.loop_timing import TopicTiming
     from flexros.analysis.run_analysis import Analysis
+    from flexros.identify.frf.frequency_response import FrequencyResponse
 
 
 class SummarySection(AbstractSection):
@@ -33,7 +36,8 @@ def verdict(analyses: Sequence[Analysis]) -> str:
         return _one_run(analyses[0])
     known = [(one.path.path.maximum, one.label) for one in analyses if one.path is not None]
     if not known:
-        unknown = f"{len(analyses)} runs, none with the tool and its reference: only the motor side can be told"
+        what = "a path" if any(one.responses for one in analyses) else "the tool and its reference"
+        unknown = f"{len(analyses)} runs, none with {what}: only the motor side can be told"
         return f"{unknown}. {_timing(analyses)}"
     (best, best_label), (worst, worst_label) = min(known), max(known)
     return (
@@ -44,6 +48,8 @@ def verdict(analyses: Sequence[Analysis]) -> str:
 
 def _one_run(analysis: Analysis) -> str:
     followed = _followed(analysis)
+    if analysis.responses is not None:
+        return f"{_experiment(analysis.responses)}{f'; {followed}' if followed else ''}. {_timing([analysis])}"
     if analysis.path is None:
         tool = "The tool was not recorded with its reference, so only the motor side can be told"
         return f"{tool}{f': {followed}' if followed else ''}. {_timing([analysis])}"
@@ -52,6 +58,17 @@ def _one_run(analysis: Analysis) -> str:
         f"(rms {_mm(analysis.path.path.rms)} mm)"
     )
     return f"{tool}{f'; {followed}' if followed else ''}. {_timing([analysis])}"
+
+
+def _experiment(told: LogResponses) -> str:
+    if not told.positions:
+        return "An identification experiment whose frequency responses cannot be told"
+    first, count = told.positions[0], len(told.positions)
+    return (
+        f"An identification experiment: frequency responses of {len(first.output_names)} "
+        f"motor{'s' if len(first.output_names) > 1 else ''} in {count} position{'s' if count > 1 else ''} "
+        f"from {number(first.frequency[0], 3)} to {number(first.frequency[-1], 3)} Hz"
+    )
 
 
 def _followed(analysis: Analysis) -> str:
@@ -110,6 +127,8 @@ def _tiles(analysis: Analysis) -> tuple[tuple[str, str, str, str], ...]:
         )
         below = f"rms {_mm(synchronised.rms)} mm"
         tiles.append(("Time-synchronised error, max", _mm(synchronised.maximum), "mm", below))
+    if analysis.responses is not None and analysis.responses.positions:
+        tiles.append(_response_tile(analysis.responses.positions))
     tracked = [motor.tracking for motor in analysis.motors if motor.tracking is not None]
     if tracked:
         worst = max(tracked, key=lambda one: one.maximum)
@@ -120,6 +139,14 @@ def _tiles(analysis: Analysis) -> tuple[tuple[str, str, str, str], ...]:
     if states is not None:
         tiles.append(_period_tile(analysis, states))
     return tuple(tiles)
+
+
+def _response_tile(positions: Sequence[FrequencyResponse]) -> tuple[str, str, str, str]:
+    """Return how well the diagonal responses are known, in the motor where they are known worst."""
+    shares = [share for one in positions for share in relative_deviation(one).values() if share is not None]
+    below = f"of the diagonal, worst median of {len(positions)} positions"
+    worst = percent(max(shares)) if shares else "-"
+    return "Standard deviation of the responses", worst, "%", below if len(positions) > 1 else "of the diagonal, median"
 
 
 def _period_tile(analysis: Analysis, states: TopicTiming) -> tuple[str, str, str, str]:

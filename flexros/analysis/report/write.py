@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from flexros.analysis.report.comparison import ComparisonSection, OverlaySection
 from flexros.analysis.report.error_over_time import ErrorSection
 from flexros.analysis.report.figures import FiguresSection
+from flexros.analysis.report.frequency_responses import FrequencyResponseSection
 from flexros.analysis.report.page import Chapter, page_html
 from flexros.analysis.report.path import PathSection
 from flexros.analysis.report.provenance import ProvenanceSection
@@ -28,6 +29,7 @@ RUN_SECTIONS: tuple[AbstractSection, ...] = (
     SummarySection(),
     PathSection(),
     ErrorSection(),
+    FrequencyResponseSection(),
     TorqueSection(),
     TimingSection(),
     FiguresSection(),

@@ -9,6 +9,7 @@ import pytest
 
 from flexros.analysis import analyse
 from flexros.analysis.report.base import Paragraph, Picture, TextTable
+from flexros.analysis.report.frequency_responses import FrequencyResponseSection
 from flexros.analysis.report.provenance import ProvenanceSection
 from flexros.analysis.report.summary import SummarySection, verdict
 from flexros.analysis.report.timing import TimingSection
@@ -21,10 +22,16 @@ def runs(make_run):
     return [analyse(make_run(), label="one"), analyse(make_run(cycles=3, jitter=2e-5), label="three")]
 
 
+@pytest.fixture(scope="module")
+def experiment(experiment_log):
+    return analyse(experiment_log, label="experiment")
+
+
 @pytest.mark.parametrize("section", RUN_SECTIONS, ids=lambda section: type(section).__name__)
-def test_every_section_shows_one_run_and_several(section, runs):
-    assert section.blocks(runs[:1])
-    assert section.blocks(runs)
+def test_every_section_shows_one_run_and_several(section, runs, experiment):
+    of_its_kind = [experiment, experiment] if isinstance(section, FrequencyResponseSection) else runs
+    assert section.blocks(of_its_kind[:1])
+    assert section.blocks(of_its_kind)
 
 
 @pytest.mark.parametrize("section", RUN_SECTIONS, ids=lambda section: type(section).__name__)
@@ -36,8 +43,8 @@ def test_every_section_bears_a_log_of_positions_alone(section, make_run):
 
 
 @pytest.mark.parametrize("section", RUN_SECTIONS, ids=lambda section: type(section).__name__)
-def test_every_picture_names_the_unit_of_every_titled_axis(section, runs):
-    for block in section.blocks(runs):
+def test_every_picture_names_the_unit_of_every_titled_axis(section, runs, experiment):
+    for block in section.blocks([*runs, experiment]):
         if isinstance(block, Picture):
             axes = [block.figure.layout[key] for key in block.figure.to_dict()["layout"] if key[1:5] == "axis"]
             titles = [axis.title.text for axis in axes if axis.title.text]

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from flexros.config.scenario import Scenario
 from flexros.identify.plan import ExperimentPlan, plan_of_log
-from flexros.logs.time_series import Log
+from flexros.logs.time_series import JointSeries, Log
 from flexros.robot import Robot
 from flexros.simulate.closed_loop import closed_loop
 from flexros.simulate.experiment import Experiment
@@ -46,3 +48,18 @@ def run(effects: tuple[str, ...] = (), **identification: object) -> Recorded:
     experiment = Experiment.prepare(scenario)
     log = closed_loop(experiment)
     return Recorded(log, plan_of_log(log), experiment.nominal)
+
+
+def cut(log: Log, keep: np.ndarray | slice) -> Log:
+    """Keep some samples of a log of motor signals."""
+
+    def rows(series: JointSeries | None) -> JointSeries | None:
+        if series is None:
+            return None
+        parts = {name: getattr(series, name) for name in ("position", "velocity", "effort")}
+        kept = {name: None if part is None else part[keep] for name, part in parts.items()}
+        return JointSeries(series.stamp[keep], series.names, **kept)
+
+    states = rows(log.joint_states)
+    assert states is not None
+    return Log(states, rows(log.joint_commands), rows(log.joint_reference), provenance=log.provenance)

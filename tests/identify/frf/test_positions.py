@@ -13,8 +13,8 @@ from flexros.identify.frf.positions import estimate_responses
 from flexros.identify.frf.settings import FrfSettings
 from flexros.identify.graybox.frequency_model import FrequencyModel
 from flexros.identify.graybox.linearised_positions import linearise_positions
-from flexros.logs.time_series import JointSeries, Log
-from tests.identify.frf.recorded_experiment import Recorded, run
+from flexros.logs.time_series import Log
+from tests.identify.frf.recorded_experiment import Recorded, cut, run
 
 
 def model_of(recorded: Recorded, responses: tuple[FrequencyResponse, ...]) -> np.ndarray:
@@ -22,19 +22,6 @@ def model_of(recorded: Recorded, responses: tuple[FrequencyResponse, ...]) -> np
     positions = linearise_positions(recorded.robot, (), np.array([mine.motor_position for mine in responses]))
     model = FrequencyModel(positions, responses[0].frequency, recorded.plan.sample_time, recorded.robot.delay)
     return np.asarray(model.response(positions.values))
-
-
-def cut(log: Log, keep: np.ndarray | slice) -> Log:
-    def rows(series: JointSeries | None) -> JointSeries | None:
-        if series is None:
-            return None
-        parts = {name: getattr(series, name) for name in ("position", "velocity", "effort")}
-        kept = {name: None if part is None else part[keep] for name, part in parts.items()}
-        return JointSeries(series.stamp[keep], series.names, **kept)
-
-    states = rows(log.joint_states)
-    assert states is not None
-    return Log(states, rows(log.joint_commands), rows(log.joint_reference), provenance=log.provenance)
 
 
 def with_torque(log: Log, torque: np.ndarray) -> Log:

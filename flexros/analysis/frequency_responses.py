@@ -1,0 +1,102 @@
+"""Frequency responses that the log of an identification experiment tells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.logs.time_series import Log
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class LogResponses:
+    """Responses from torque commands to motor accelerations in the positions of an experiment.
+
+    Attributes:
+        positions: One response per position that was recorded completely enough; none where `reason` says why.
+        reason: Why there is none, one sentence; empty where there are.
+    """
+
+    positions: tuple[FrequencyResponse, ...]
+    reason: str = ""
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What was found in the record, each sentence once."""
+        return tuple(dict.fromkeys(text for response in self.positions for text in response.warnings))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return a short record for JSON; frequencies in Hz, deviations relative to the magnitude."""
+        return {"positions": [_record(response) for response in self.positions]}
+
+
+def is_identification(provenance: Mapping[str, Any]) -> bool:
+    """Tell whether a log is that of an identification experiment.
+
+    Args:
+        provenance: Where the log came from.
+    """
+    scenario = provenance.get("scenario")
+    return isinstance(scenario, dict) and scenario.get("identification") is not None
+
+
+def log_responses(log: Log, robot: Robot | None = None) -> LogResponses | None:
+    """Estimate the frequency responses of a log where its experiment is known.
+
+    Args:
+        log: The log; of one that ends or was stopped before its plan, the complete blocks are used.
+        robot: The robot of the run, for checks of torque limits and of the order of joints; None where not known.
+
+    Returns:
+        The responses, or why they cannot be told; None for logs that are not of an identification experiment.
+    """
+    if not is_identification(log.provenance):
+        return None
+    from flexros.identify.frf.positions import estimate_responses
+    from flexros.identify.frf.settings import FrfSettings
+    from flexros.identify.plan import plan_of_log
+
+    try:
+        return LogResponses(estimate_responses(log, plan_of_log(log), FrfSettings(partial=True), robot))
+    except InputError as error:
+        return LogResponses((), str(error))
+
+
+def relative_deviation(response: FrequencyResponse) -> dict[str, float | None]:
+    """Compute the median over frequency of the standard deviation of each diagonal element, relative to its magnitude.
+
+    Args:
+        response: A measured response.
+
+    Returns:
+        The median [1] by output; None where the record does not tell the deviation.
+    """
+    from flexros.identify.graybox.response_noise import response_noise
+
+    noise = response_noise(response)
+    if noise is None:
+        return dict.fromkeys(response.output_names)
+    share = np.sqrt(noise.variance) / np.abs(response.response)
+    return {name: float(np.median(share[:, place, place])) for place, name in enumerate(response.output_names)}
+
+
+def _record(response: FrequencyResponse) -> dict[str, Any]:
+    return {
+        "gears": response.gears.tolist(),
+        "lines": len(response.frequency),
+        "lowest_hz": float(response.frequency[0]),
+        "highest_hz": float(response.frequency[-1]),
+        "blocks": response.n_blocks,
+        "periods": response.n_periods,
+        "relative_std_diagonal": relative_deviation(response),
+        "warnings": list(response.warnings),
+    }

@@ -1,0 +1,70 @@
+"""Section: frequency responses of an identification experiment, with their uncertainty and levels of distortion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.analysis.figures_table import number, percent
+from flexros.analysis.frequency_responses import relative_deviation
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.analysis.report.distortion_levels import distortion_blocks
+from flexros.analysis.report.response_picture import position_name, response_picture
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.analysis.frequency_responses import LogResponses
+    from flexros.analysis.run_analysis import Analysis
+    from flexros.identify.frf.frequency_response import FrequencyResponse
+
+
+class FrequencyResponseSection(AbstractSection):
+    """Per run of an identification: measured responses by position, a table, distortions and what limits them."""
+
+    title: ClassVar[str] = "Frequency responses"
+
+    def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
+        """Return the blocks of all runs; none where no run is an identification."""
+        found: list[Block] = []
+        for analysis in analyses:
+            if analysis.responses is not None:
+                heading = f"{analysis.label}: " if len(analyses) > 1 else ""
+                found.extend(_of_run(analysis.responses, heading))
+        return tuple(found)
+
+
+def _of_run(told: LogResponses, heading: str) -> tuple[Block, ...]:
+    if not told.positions:
+        return (Paragraph(f"{heading}The frequency responses cannot be told: {told.reason}"),)
+    caption = (
+        "Measured response of the motor accelerations to the motor torques, columns: input, rows: output; shaded: one "
+        "standard deviation, where the record tells it. The menus choose position, and magnitude or phase."
+    )
+    return (
+        Paragraph(f"{heading}{_sentence(told.positions)}"),
+        Picture(response_picture(told.positions), caption),
+        _table(told.positions),
+        *distortion_blocks(told.positions),
+        *(Paragraph(f"Warning: {text}.", "note") for text in told.warnings),
+    )
+
+
+def _sentence(positions: Sequence[FrequencyResponse]) -> str:
+    first = positions[0]
+    where = "one position" if len(positions) == 1 else f"{len(positions)} positions"
+    return (
+        f"Best linear approximation from torque commands to motor accelerations in {where}, "
+        f"{len(first.frequency)} lines from {number(first.frequency[0], 3)} to {number(first.frequency[-1], 3)} Hz."
+    )
+
+
+def _table(positions: Sequence[FrequencyResponse]) -> TextTable:
+    rows = []
+    for place, response in enumerate(positions):
+        shares = relative_deviation(response).values()
+        counts = (str(len(response.frequency)), str(response.n_blocks), str(response.n_periods))
+        told = ("-" if share is None else percent(share) for share in shares)
+        rows.append((position_name(place, response.gears), *counts, *told))
+    header = ("Position", "lines", "blocks", "periods", *(f"{name} [%]" for name in positions[0].output_names))
+    caption = "Standard deviation of the diagonal responses, motor to itself, relative to their magnitude (median)."
+    return TextTable(header, tuple(rows), caption)
