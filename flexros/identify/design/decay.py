@@ -99,6 +99,8 @@ def _decays(
 def _held(A: FloatArray, B: FloatArray, time: float) -> tuple[FloatArray, FloatArray]:
     """Return state transitions and input matrices of a constant input over a time."""
     n, m = B.shape[-2:]
+    if time == 0.0:
+        return np.broadcast_to(np.eye(n), A.shape), np.zeros_like(B)
     whole = np.zeros((len(A), n + m, n + m))
     whole[:, :n, :n], whole[:, :n, n:] = A, B
     whole = expm(whole * time)

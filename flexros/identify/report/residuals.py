@@ -53,6 +53,7 @@ def _picture(result: IdentificationResult) -> Picture:
     figure.add_trace(
         go.Heatmap(
             z=100 * shares,
+            zmin=0,
             x=[str(place + 1) for place in range(len(responses))],
             y=elements,
             colorscale=[[0, "#ffffff"], [1, "#0072b2"]],

@@ -231,13 +231,14 @@ def verdict(result: IdentificationResult) -> str:
     determined, weak = (len(result.identifiability.names(kind)) for kind in ("determined", "weak"))
     open_ones = result.identifiability.names("not_determined")
     text = f"{determined} of {len(names)} parameters of {result.problem.robot.name} are determined within 10 %"
+    if result.biased:
+        text += " as far as noise goes"
     if weak:
         text += f", {weak} {'is' if weak == 1 else 'are'} known less well"
     if open_ones:
         shown = ", ".join(open_ones[:3]) + (f" and {len(open_ones) - 3} more" if len(open_ones) > 3 else "")
         text += f", {len(open_ones)} {'is' if len(open_ones) == 1 else 'are'} not determined ({shown})"
-    noise = " as far as noise goes" if result.biased else ""
-    return f"{text}{noise}. {_explained(result)}"
+    return f"{text}. {_explained(result)}"
 
 
 def _explained(result: IdentificationResult) -> str:
