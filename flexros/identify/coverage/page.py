@@ -69,6 +69,7 @@ def coverage_page(
         _how(settings, duration),
         ["## Goals", "", *(f"- {sentence}" for sentence in coverage_summary(ways, duration))],
         ["## Ways to estimate", "", *_table(_WAYS, (_way_row(way) for way in ways))],
+        *_remarks(ways),
         [f"## Parameters, {DEFAULT}", "", *_table(_PARAMETERS, (_parameter_row(one) for one in default.parameters))],
         [
             "Bias, spread and std are of logarithms: mean and standard deviation of the errors over the repetitions, "
@@ -91,6 +92,20 @@ def _how(settings: CoverageSettings, duration: float) -> list[str]:
         f"within a factor of {settings.start_factor:g} of the truth, {_starts(settings.starts)}, with user weights; "
         "the fit with the weights named here goes on from what it found, as in `flexros identify`, whose default is "
         f"{DEFAULT}. NLS goes on from LLS."
+    ]
+
+
+def _remarks(ways: Sequence[WayCoverage]) -> list[list[str]]:
+    """Say why intervals with optimal weights are too short, where they are."""
+    short = [way.name for way in ways if way.name.endswith("optimal") and way.covered.value < LOWEST]
+    if not short:
+        return []
+    return [
+        [
+            f"Intervals of {' and '.join(short)} are too short: optimal weights rest on a variance that is averaged over "
+            "neighbouring lines, and at a few of the lowest lines, to which they give much weight, distortions that "
+            "depend on the phases exceed it. Combined weights allow the model an error of some percent of every line."
+        ]
     ]
 
 

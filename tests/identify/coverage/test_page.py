@@ -53,3 +53,9 @@ def test_page_has_tables_of_ways_and_parameters() -> None:
     assert "| body_3.ry.damping | 95.0 | 92.0 to 98.0 | - |" in page
     assert "Versions: flexros 1.2" in page
     assert "15 positions chosen out of 4000" in page
+
+
+def test_page_says_why_optimal_weights_cover_less() -> None:
+    short, fine = (replace(way(share=share), name="NLS optimal") for share in (0.7, 0.95))
+    pages = [coverage_page([way(), other], CoverageSettings(), 1500.0, {}) for other in (short, fine)]
+    assert ["Intervals of NLS optimal are too short" in page for page in pages] == [True, False]
