@@ -102,9 +102,9 @@ def _remarks(ways: Sequence[WayCoverage]) -> list[list[str]]:
         return []
     return [
         [
-            f"Intervals of {' and '.join(short)} are too short: optimal weights rest on a variance that is averaged over "
-            "neighbouring lines, and at a few of the lowest lines, to which they give much weight, distortions that "
-            "depend on the phases exceed it. Combined weights allow the model an error of some percent of every line."
+            f"Intervals of {' and '.join(short)} are too short: optimal weights rest on a variance that is averaged "
+            "over neighbouring lines, and at a few of the lowest lines, to which they give much weight, distortions "
+            "that depend on the phases exceed it. Combined weights limit what a single line can weigh."
         ]
     ]
 
