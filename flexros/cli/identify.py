@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexros.cli import identify_rigid, transports
+from flexros.cli import identify_axis, identify_rigid, transports
 from flexros.cli.identify_design import POSITIONS, chosen_names, design, designed, gear_ranges, template_with
 from flexros.cli.identify_fit import fit, print_identification, searched
 from flexros.cli.identify_frf import estimated, frf
@@ -168,5 +168,6 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "frf": frf,
     "fit": fit,
     "rigid": identify_rigid.rigid,
+    "axis": identify_axis.axis,
 }
 """Subcommands of `flexros identify`, by name."""
