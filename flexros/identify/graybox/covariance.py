@@ -26,6 +26,9 @@ NORMAL_95 = 1.959964
 NOTHING_KNOWN = 1e3
 """Standard deviation of a scaled parameter that no response depends on (stands for infinite)."""
 
+MISSES = 1.3
+"""Reduced cost from which the model is said to miss something; below it, scatter explains the difference (chosen)."""
+
 NULL = 1e-13
 """Eigenvalues of the normalised information below this share of the largest are rounding errors (chosen)."""
 
@@ -182,7 +185,11 @@ def _explanation(reduced: float, inflation: float, factor: float, correct: bool)
     text = f"The cost is {reduced:.3g} times what the covariance of the responses explains"
     if not correct:
         return f"{text}; nothing was corrected."
-    causes = ["by this, because the model misses something"] if reduced > 1 else []
+    causes = []
+    if reduced >= MISSES:
+        causes.append("by this, because the model misses something")
+    elif reduced > 1:
+        causes.append("by this, which is within what scatter explains")
     if inflation > 1:
         causes.append(f"by {inflation:.3g}, because the weights come from few blocks")
     if not causes:

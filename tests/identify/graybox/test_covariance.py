@@ -85,6 +85,26 @@ def test_covariance_grows_when_the_model_misses_something(
     assert "nothing was corrected" in plain.explanation
 
 
+@pytest.mark.parametrize(
+    ("reduced", "said"),
+    [
+        (0.9, "that of the responses alone"),
+        (1.1, "within what scatter explains"),
+        (1.4, "because the model misses something"),
+    ],
+)
+def test_only_a_clear_excess_of_the_cost_is_held_against_the_model(
+    reduced: float, said: str, e12: Robot, e12_names: list[str], noisy_e12: Responses
+) -> None:
+    problem = graybox_problem(e12, noisy_e12, e12_names)
+    found = fit(problem)
+    share = parameter_covariance(problem, found).reduced_cost / reduced
+    stated = tuple(replace(response, total_error=share * response.total_error) for response in noisy_e12)
+    covariance = parameter_covariance(replace(problem, responses=stated), found)
+    assert covariance.reduced_cost == pytest.approx(reduced, rel=0.02)
+    assert said in covariance.explanation
+
+
 def test_weights_from_few_degrees_of_freedom_inflate(e12: Robot, e12_names: list[str], noisy_e12: Responses) -> None:
     few = tuple(replace(response, degrees_of_freedom=20.0) for response in noisy_e12)
     problem = graybox_problem(e12, few, e12_names, "LLS", "optimal")
