@@ -35,8 +35,8 @@ class IdentifiedValue:
     relative: float
 
 
-def identified_file(robot: Robot, values: Mapping[str, IdentifiedValue], source: str) -> str:
-    """Write a robot file with new values.
+def identified_data(robot: Robot, values: Mapping[str, IdentifiedValue], source: str) -> dict[str, Any]:
+    """Put new values into the content of a robot file.
 
     Args:
         robot: The robot that was identified.
@@ -44,8 +44,8 @@ def identified_file(robot: Robot, values: Mapping[str, IdentifiedValue], source:
         source: Where they come from; stands in the file beside each.
 
     Returns:
-        Text of the file: what the robot's own file sets, with value, source and tolerance of every identified parameter
-        replaced. A tolerance is one standard deviation relative to the value; of a vector by their lengths.
+        Content of a robot file: what the robot's own file sets, with value, source and tolerance of every identified
+        parameter replaced. A tolerance is one standard deviation relative to the value; of a vector by their lengths.
 
     Raises:
         InputError: The robot with the values is not physical.
@@ -59,7 +59,13 @@ def identified_file(robot: Robot, values: Mapping[str, IdentifiedValue], source:
     for path, names in quantities.items():
         known = {"unit": robot.parameters[names[0]].unit, "source": source}
         _place(data, full, path, {**known, "tolerance": _tolerance([values[name] for name in names])})
-    data = _without_empty(data)
+    plain: dict[str, Any] = _without_empty(data)
+    return plain
+
+
+def identified_file(robot: Robot, values: Mapping[str, IdentifiedValue], source: str) -> str:
+    """Return the text of a robot file with new values; arguments and errors as for `identified_data`."""
+    data = identified_data(robot, values, source)
     robot_from_data(data, source)
     writer, text = YAML(), io.StringIO()
     writer.width = 1000  # a quantity is one line

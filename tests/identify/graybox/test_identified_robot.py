@@ -61,7 +61,7 @@ def test_file_says_what_the_robots_own_file_says_one_quantity_per_line(
     assert "cubic" not in text
 
 
-def test_value_the_file_leaves_out_is_added_and_zero_has_no_tolerance(e12: Robot, measured: Measure) -> None:
+def test_value_the_file_leaves_out_is_added_with_the_tolerance_of_its_vector(e12: Robot, measured: Measure) -> None:
     friction = e12.with_values({"motor_1.viscous_friction": 25.0, "body_2.center_of_mass.x": 0.52})
     responses = measured(friction, np.array([[0.0, 0.3], [0.2, 1.2]]), np.linspace(1.0, 40.0, 50), noise=1e-3)
     names = ["motor_1.viscous_friction", "body_2.center_of_mass.x", "body_2.center_of_mass.z"]
@@ -72,8 +72,9 @@ def test_value_the_file_leaves_out_is_added_and_zero_has_no_tolerance(e12: Robot
     for name, value in zip(names, found.values):
         assert robot.parameters[name].value == value
     assert robot.parameters["motor_1.viscous_friction"].tolerance == pytest.approx(covariance.relative[0], rel=1e-3)
-    both = robot.parameters["body_2.center_of_mass.z"].tolerance  # of the vector: that of its worse known component
-    assert both == pytest.approx(min(max(covariance.relative[1:]), 10.0), rel=1e-3)
+    both = robot.parameters["body_2.center_of_mass.z"].tolerance  # of the vector: length of deviation over length
+    length = np.linalg.norm(covariance.relative[1:] * found.values[1:]) / np.linalg.norm(found.values[1:])
+    assert both == pytest.approx(min(length, 10.0), rel=1e-3)
 
 
 def test_nonlinear_spring_keeps_its_law(measured: Measure) -> None:
