@@ -36,7 +36,7 @@ class LogResponses:
 
     def as_dict(self) -> dict[str, Any]:
         """Return a short record for JSON; frequencies in Hz, deviations relative to the magnitude."""
-        return {"positions": [_record(response) for response in self.positions]}
+        return {"positions": [position_record(response) for response in self.positions]}
 
 
 def is_identification(provenance: Mapping[str, Any]) -> bool:
@@ -89,7 +89,15 @@ def relative_deviation(response: FrequencyResponse) -> dict[str, float | None]:
     return {name: float(np.median(share[:, place, place])) for place, name in enumerate(response.output_names)}
 
 
-def _record(response: FrequencyResponse) -> dict[str, Any]:
+def position_record(response: FrequencyResponse) -> dict[str, Any]:
+    """Return what is known of one response for JSON.
+
+    Args:
+        response: A measured response.
+
+    Returns:
+        Position, lines, band [Hz], blocks, periods, relative deviation of the diagonal and warnings.
+    """
     return {
         "gears": response.gears.tolist(),
         "lines": len(response.frequency),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ from rich.table import Table
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.cli.run import key_and_value
 from flexros.errors import InputError, unknown_name
+from flexros.json_text import json_text
 from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def axis(
     sources = {name: {"file": str(path), **logs[name].provenance} for name, path in _files(log, validation)}
     record = result_record(found, joint, extremes, sources, unmodelled(logs["log"], robot, joint))
     make_folder(out)
-    write_result(out / RESULT, json.dumps(record, indent=2, allow_nan=False) + "\n", "result")
+    write_result(out / RESULT, json_text(record), "result")
     if as_json:
         print_json(record)
         return

@@ -82,22 +82,15 @@ def estimated(
 
 def response_record(response: FrequencyResponse) -> dict[str, Any]:
     """Give what is known of a response for JSON; frequencies in Hz, deviations relative to the magnitude."""
+    from flexros.analysis.frequency_responses import position_record
+
     kinds = (("total", response.total_error), ("noise", response.noise_error))
     deviations = {
         kind: float(np.median(response.standard_deviation(kind) / np.abs(response.response)))  # type: ignore[arg-type]
         for kind, error in kinds
         if error is not None
     }
-    return {
-        "gears": response.gears.tolist(),
-        "lines": len(response.frequency),
-        "lowest_hz": float(response.frequency[0]),
-        "highest_hz": float(response.frequency[-1]),
-        "blocks": response.n_blocks,
-        "periods": response.n_periods,
-        "relative_std": deviations,
-        "warnings": list(response.warnings),
-    }
+    return {**position_record(response), "relative_std": deviations}
 
 
 def print_responses(responses: tuple[FrequencyResponse, ...]) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +10,7 @@ from rich.table import Table
 
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError
+from flexros.json_text import json_text
 from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def rigid(
     record = result_record(fit, identified, tests, {label: dict(entry.provenance) for label, entry in logs.items()})
     record["force_error_percent"]["fit_with_hold"] = None if fit.measured_torque else held.error.total
     out.mkdir(parents=True, exist_ok=True)
-    write_result(out / "rigid.json", json.dumps(record, indent=2, allow_nan=False) + "\n", "result")
+    write_result(out / "rigid.json", json_text(record), "result")
     write_result(out / "identified.yaml", identified_yaml(fit, identified), "identified robot")
     if as_json:
         print_json(record)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import math
 from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress
+
+from flexros.json_text import json_text
 
 
 class _Terminal(Console):
@@ -49,14 +49,4 @@ def print_json(content: Any) -> None:
     Args:
         content: Nested dicts, lists, numbers and strings.
     """
-    print(json.dumps(_clean(content), indent=2))
-
-
-def _clean(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(key): _clean(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_clean(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+    print(json_text(content), end="")

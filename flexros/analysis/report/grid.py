@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from flexros.analysis.report.theme import FONT, GRID, INK, MUTED
+from flexros.analysis.report.theme import MUTED, dress
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    import plotly.graph_objects as go
 
     from flexros.arrays import FloatArray
 
@@ -42,32 +43,9 @@ def panels(rows: int, columns: int, titles: Sequence[str], height: int, gap: int
         horizontal_spacing=0.012 if columns > 1 else 0.0,
         subplot_titles=list(titles),
     )
-    figure.update_layout(
-        template=go.layout.Template(),
-        height=total,
-        margin={"l": 64, "r": 12, "t": _TOP, "b": _BOTTOM},
-        font={"family": FONT, "size": 12, "color": INK},
-        paper_bgcolor="#ffffff",
-        plot_bgcolor="#ffffff",
-        legend={"orientation": "h", "x": 0, "xanchor": "left", "y": 1 + 30 / (height * rows), "yanchor": "bottom"},
-        hoverlabel={"font": {"family": FONT, "size": 12}},
-        hovermode="closest",
-    )
+    dress(figure, total, (64, 12, _TOP, _BOTTOM), 12, 1 + 30 / (height * rows))
     for axes in (figure.update_xaxes, figure.update_yaxes):
-        axes(
-            showgrid=True,
-            gridcolor=GRID,
-            zeroline=False,
-            linecolor="#8b949e",
-            showline=True,
-            mirror=True,
-            ticks="outside",
-            tickcolor="#8b949e",
-            ticklen=3,
-            tickfont={"size": 11},
-            title_font={"size": 12, "color": MUTED},
-            title_standoff=4,
-        )
+        axes(mirror=True, ticklen=3, tickfont={"size": 11}, title_standoff=4)
     figure.update_xaxes(type="log", tickvals=[0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000])
     figure.update_annotations(font={"size": 11, "color": MUTED})
     return figure

@@ -59,14 +59,35 @@ def stacked(
         horizontal_spacing=0.09,
         subplot_titles=list(titles),
     )
+    dress(figure, total, (72, 16, _TOP, _BOTTOM), 13, 1 + 26 / (height * rows))
+    for axes in (figure.update_xaxes, figure.update_yaxes):
+        axes(ticklen=4, title_standoff=8)
+    figure.update_annotations(font={"size": 13, "color": INK}, xanchor="left", x=0)
+    if columns > 1:
+        for place, note in enumerate(figure.layout.annotations):
+            note.x = figure.layout[f"xaxis{place + 1 if place else ''}"].domain[0]
+    return figure
+
+
+def dress(figure: go.Figure, height: int, margins: tuple[int, int, int, int], font: int, legend: float) -> None:
+    """Give a picture the paper, fonts, legend and axes of the report.
+
+    Args:
+        figure: The picture.
+        height: Its height [px].
+        margins: Left, right, above and below the panels [px].
+        font: Size of its texts [px].
+        legend: Where the legend stands, in heights of all panels from their lower end.
+    """
+    left, right, top, bottom = margins
     figure.update_layout(
         template=go.layout.Template(),
-        height=total,
-        margin={"l": 72, "r": 16, "t": _TOP, "b": _BOTTOM},
-        font={"family": FONT, "size": 13, "color": INK},
+        height=height,
+        margin={"l": left, "r": right, "t": top, "b": bottom},
+        font={"family": FONT, "size": font, "color": INK},
         paper_bgcolor="#ffffff",
         plot_bgcolor="#ffffff",
-        legend={"orientation": "h", "x": 0, "xanchor": "left", "y": 1 + 26 / (height * rows), "yanchor": "bottom"},
+        legend={"orientation": "h", "x": 0, "xanchor": "left", "y": legend, "yanchor": "bottom"},
         hoverlabel={"font": {"family": FONT, "size": 12}},
         hovermode="closest",
     )
@@ -79,15 +100,8 @@ def stacked(
             showline=True,
             ticks="outside",
             tickcolor="#8b949e",
-            ticklen=4,
-            title_font={"size": 13, "color": MUTED},
-            title_standoff=8,
+            title_font={"size": font, "color": MUTED},
         )
-    figure.update_annotations(font={"size": 13, "color": INK}, xanchor="left", x=0)
-    if columns > 1:
-        for place, note in enumerate(figure.layout.annotations):
-            note.x = figure.layout[f"xaxis{place + 1 if place else ''}"].domain[0]
-    return figure
 
 
 def curve(

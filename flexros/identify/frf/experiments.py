@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.identify.frf.frequency_response import FrequencyResponse
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from flexros.arrays import FloatArray, IntArray
+    from flexros.arrays import ComplexArray, FloatArray, IntArray
+    from flexros.identify.frf.distortion import Distortion
     from flexros.identify.frf.quantity import Quantity
 
 
@@ -134,6 +136,38 @@ class Experiments:
     def frequency(self) -> FloatArray:
         """Excited frequencies [Hz], shape (F,)."""
         return np.asarray(self.excited / (self.period * self.sample_time), dtype=float)
+
+    def response(
+        self,
+        frequency: FloatArray,
+        response: ComplexArray,
+        input_inverse: ComplexArray,
+        degrees_of_freedom: float,
+        *,
+        noise_error: ComplexArray | None = None,
+        total_error: ComplexArray | None = None,
+        distortion: Distortion | None = None,
+    ) -> FrequencyResponse:
+        """Put an estimate together with what is known of its experiments; arguments as of `FrequencyResponse`."""
+        return FrequencyResponse(
+            frequency=frequency,
+            response=response,
+            noise_error=noise_error,
+            total_error=total_error,
+            input_inverse=input_inverse,
+            degrees_of_freedom=degrees_of_freedom,
+            input_names=self.input_names,
+            output_names=self.output_names,
+            input_units=self.input_units,
+            coordinate_units=self.coordinate_units,
+            gears=self.gears,
+            motor_position=self.outputs.mean(axis=(0, 1)),
+            sample_time=self.sample_time,
+            n_periods=self.n_periods,
+            n_blocks=len(np.unique(self.block)),
+            quantity=self.quantity,
+            distortion=distortion,
+        )
 
 
 def _stack(array: ArrayLike, name: str) -> FloatArray:

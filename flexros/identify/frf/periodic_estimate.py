@@ -9,7 +9,6 @@ import numpy as np
 from flexros.identify.frf.distortion_levels import distortion_levels
 from flexros.identify.frf.drift import without_drift
 from flexros.identify.frf.error_covariance import error_covariance
-from flexros.identify.frf.frequency_response import FrequencyResponse
 from flexros.identify.frf.matrix_estimate import estimate
 from flexros.identify.frf.period_spectra import PeriodSpectra, amplitudes, check_lines
 from flexros.identify.frf.quantity import derivative_order
@@ -17,6 +16,7 @@ from flexros.identify.frf.quantity import derivative_order
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray, IntArray
     from flexros.identify.frf.experiments import Experiments
+    from flexros.identify.frf.frequency_response import FrequencyResponse
     from flexros.identify.frf.settings import FrfSettings
 
 
@@ -87,22 +87,12 @@ def periodic_response(
         error,
         settings.pool_lines,
     )
-    return FrequencyResponse(
-        frequency=mine.frequency,
-        response=found.response,
+    return experiments.response(
+        mine.frequency,
+        found.response,
+        found.input_inverse,
+        error.degrees_of_freedom,
         noise_error=error.noise,
         total_error=error.total,
-        input_inverse=found.input_inverse,
-        degrees_of_freedom=error.degrees_of_freedom,
-        input_names=experiments.input_names,
-        output_names=experiments.output_names,
-        input_units=experiments.input_units,
-        coordinate_units=experiments.coordinate_units,
-        gears=experiments.gears,
-        motor_position=experiments.outputs.mean(axis=(0, 1)),
-        sample_time=experiments.sample_time,
-        n_periods=experiments.n_periods,
-        n_blocks=len(np.unique(experiments.block)),
-        quantity=experiments.quantity,
         distortion=levels,
     )

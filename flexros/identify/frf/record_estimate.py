@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.identify.frf.error_covariance import flattenings
-from flexros.identify.frf.frequency_response import FrequencyResponse
 from flexros.identify.frf.line_pooling import pooled, windows
 from flexros.identify.frf.local_polynomial import half_width, local_polynomial
 from flexros.identify.frf.period_spectra import check_lines
@@ -17,6 +16,7 @@ from flexros.identify.frf.smoothing import data_window, smoothed_estimate, trian
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray, IntArray
     from flexros.identify.frf.experiments import Experiments
+    from flexros.identify.frf.frequency_response import FrequencyResponse
     from flexros.identify.frf.settings import FrfSettings
     from flexros.identify.frf.smoothing import LineEstimate
 
@@ -61,24 +61,7 @@ def record_response(experiments: Experiments, settings: FrfSettings) -> Frequenc
         forms = flattenings(found.response, frequency, derivative_order(experiments.quantity))
         error = pooled(error, forms, settings.pool_lines)
         degrees *= 1.0 + 0.5 * (windows(len(lines), settings.pool_lines).shape[1] - 1)  # neighbours share half
-    return FrequencyResponse(
-        frequency=frequency,
-        response=found.response,
-        noise_error=None,
-        total_error=error,
-        input_inverse=found.input_inverse,
-        degrees_of_freedom=degrees,
-        input_names=experiments.input_names,
-        output_names=experiments.output_names,
-        input_units=experiments.input_units,
-        coordinate_units=experiments.coordinate_units,
-        gears=experiments.gears,
-        motor_position=experiments.outputs.mean(axis=(0, 1)),
-        sample_time=experiments.sample_time,
-        n_periods=experiments.n_periods,
-        n_blocks=len(np.unique(experiments.block)),
-        quantity=experiments.quantity,
-    )
+    return experiments.response(frequency, found.response, found.input_inverse, degrees, total_error=error)
 
 
 def _line_estimate(experiments: Experiments, settings: FrfSettings) -> tuple[LineEstimate, IntArray]:

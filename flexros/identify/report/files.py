@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flexros.errors import InputError
 from flexros.identify.graybox.identified_robot import write_identified_robot
 from flexros.identify.report.write import write_identification_report
+from flexros.json_text import json_text
 from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
@@ -33,8 +32,7 @@ def write_identification(result: IdentificationResult, folder: Path, origin: str
     """
     make_folder(folder)
     write_identified_robot(folder / ROBOT, result.problem.robot, result.fit, result.covariance, origin)
-    text = json.dumps(_finite(result.as_dict()), indent=2, allow_nan=False)
-    write_result(folder / FIGURES, f"{text}\n", "result")
+    write_result(folder / FIGURES, json_text(result.as_dict()), "result")
     write_identification_report(result, folder / REPORT)
 
 
@@ -54,14 +52,3 @@ def make_folder(folder: Path) -> None:
             f"the folder '{folder}' of the identification cannot be made ({error.strerror or error}); give another one "
             "with --out"
         ) from error
-
-
-def _finite(value: Any) -> Any:
-    """Replace numbers that JSON cannot hold by null."""
-    if isinstance(value, dict):
-        return {str(key): _finite(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
