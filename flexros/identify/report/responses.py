@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
 from flexros.analysis.report.base import Block, Picture
+from flexros.analysis.report.grid import digits
 from flexros.analysis.report.response_picture import ModelCurve, response_picture
 from flexros.identify.graybox.response_noise import response_noise
 from flexros.identify.report.base import AbstractIdentificationSection
 
 if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+    from flexros.arrays import ComplexArray, FloatArray
     from flexros.identify.report.result import IdentificationResult
 
 BEFORE, AFTER = "#e69f00", "#d55e00"
+
+POINTS = 300
+"""Frequencies at which the models are drawn: resonances between the lines show, and the page stays small (chosen)."""
 
 
 class ResponseSection(AbstractIdentificationSection):
@@ -22,12 +32,37 @@ class ResponseSection(AbstractIdentificationSection):
 
     def blocks(self, result: IdentificationResult) -> tuple[Block, ...]:
         """Return the picture."""
-        nominal = result.problem.model_at(result.nominal).response(result.nominal)
-        models = (
-            ModelCurve("nominal", "nominal model", BEFORE, 1.2, tuple(nominal)),
-            ModelCurve("identified", "identified model", AFTER, 2, tuple(result.residuals.response)),
-        )
-        return (Picture(response_picture(result.problem.responses, models), _caption(result)),)
+        return (Picture(_picture(result), _caption(result)),)
+
+
+def _picture(result: IdentificationResult) -> go.Figure:
+    """Draw what was measured at its lines, and the models at frequencies of their own."""
+    grid = model_frequencies(result.problem.frequency)
+    models = (
+        ModelCurve("nominal", "nominal model", BEFORE, 1.2, tuple(_modelled(result, result.nominal, grid))),
+        ModelCurve("identified", "identified model", AFTER, 1.6, tuple(_modelled(result, result.fit.values, grid))),
+    )
+    figure = response_picture(result.problem.responses, models)
+    for model in models:
+        figure.update_traces(x=digits(grid, 5), selector={"legendgroup": model.kind})
+    return figure
+
+
+def model_frequencies(lines: FloatArray) -> FloatArray:
+    """Choose where the models are drawn: evenly over the logarithm of the band.
+
+    Args:
+        lines: Measured frequencies, rising [Hz], shape (F,).
+
+    Returns:
+        Frequencies [Hz], shape (POINTS,).
+    """
+    return np.geomspace(lines[0], lines[-1], POINTS)
+
+
+def _modelled(result: IdentificationResult, values: FloatArray, frequency: FloatArray) -> ComplexArray:
+    """Evaluate the model at its own rests, shape (Q, F, M, M)."""
+    return replace(result.problem.model_at(values), frequency=frequency).response(values)
 
 
 def _caption(result: IdentificationResult) -> str:

@@ -13,6 +13,7 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.identify.report.result import IdentificationResult
+from flexros.identify.report.responses import POINTS
 from flexros.identify.report.write import SECTIONS, write_identification_report
 
 
@@ -87,6 +88,21 @@ def test_first_position_is_drawn_with_its_own_numbers(html: str, clear: Identifi
     assert measured == pytest.approx(abs(clear.problem.responses[0].response[:, 0, 0]), rel=1e-3)
     band = figure["data"][0]["y"]  # type: ignore[index]
     assert all(top >= value for top, value in zip(band, measured, strict=False))
+
+
+def test_models_are_drawn_between_the_lines_too(html: str, clear: IdentificationResult) -> None:
+    figure = pictures(html)[1]
+    identified = figure["data"][3]  # type: ignore[index]
+    lines = clear.problem.frequency
+    assert identified["name"] == "identified model"
+    assert len(identified["x"]) == len(identified["y"]) == POINTS
+    assert identified["x"][:: POINTS - 1] == pytest.approx([lines[0], lines[-1]], rel=1e-3)
+    at_lines = abs(clear.residuals.response[0, :, 0, 0])
+    assert identified["y"][:: POINTS - 1] == pytest.approx(at_lines[[0, -1]], rel=1e-3)
+    assert max(identified["y"]) > 1.1 * at_lines.max()
+    for button in figure["layout"]["updatemenus"][1]["buttons"]:  # type: ignore[index]
+        assert [len(values) for values in button["args"][0]["y"][2:4]] == [POINTS, POINTS]
+        assert "x" not in button["args"][0]
 
 
 def test_distortions_are_named_with_their_size(html: str) -> None:
