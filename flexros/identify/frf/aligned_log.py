@@ -35,6 +35,8 @@ class AlignedLog:
         reference: Position reference (speed reference where there is no other), shape (n, M); None where it is missing.
         sample_time: T_s [s].
         warnings: What was found, one sentence each.
+        first_command: Number of the sample of the first command; what acted before it is not known.
+        last_command: Number of the sample of the last command; what acted after its sample is not known.
     """
 
     names: tuple[str, ...]
@@ -44,6 +46,8 @@ class AlignedLog:
     reference: FloatArray | None
     sample_time: float
     warnings: tuple[str, ...]
+    first_command: int
+    last_command: int
 
     def rows(self, first: int, stop: int, what: str) -> slice:
         """Return the rows of samples first ... stop - 1, all of which must be there.
@@ -54,9 +58,21 @@ class AlignedLog:
             what: What they belong to, for the text.
 
         Raises:
-            InputError: Samples are missing.
+            InputError: Samples are missing, or the commands begin later or end earlier.
         """
         check_no_gap(self.numbers, first, stop, self.sample_time, what)
+        if first < self.first_command:
+            raise InputError(
+                f"the commands of the log begin at {self.first_command * self.sample_time:.4f} s, {what} at "
+                f"{first * self.sample_time:.4f} s, so the torque that acted is not known; record joint_commands from "
+                "the start"
+            )
+        if stop - 1 > self.last_command:
+            raise InputError(
+                f"the commands of the log end at {self.last_command * self.sample_time:.4f} s, {what} lasts until "
+                f"{(stop - 1) * self.sample_time:.4f} s, so the torque that acted is not known; record joint_commands "
+                "to the end, or set partial to use what is complete"
+            )
         begin = int(np.searchsorted(self.numbers, first))
         return slice(begin, begin + stop - first)
 
@@ -89,6 +105,7 @@ def align(log: Log, plan: ExperimentPlan, start_stamp: int | None = None) -> Ali
         start_stamp = START_NS if log.provenance.get("scenario") else int(states.stamp[0])
     highest = float(plan.frequency[-1])
     numbers = sample_numbers(states.stamp, start_stamp, plan.sample_time, "joint_states", highest, warnings)
+    given = numbers
     if not np.array_equal(torques.stamp, states.stamp):
         given = sample_numbers(torques.stamp, start_stamp, plan.sample_time, "joint_commands", highest, warnings)
         _check_recorded(given, numbers, warnings)
@@ -101,6 +118,8 @@ def align(log: Log, plan: ExperimentPlan, start_stamp: int | None = None) -> Ali
         reference=_reference(log, names, numbers, start_stamp, plan.sample_time, warnings),
         sample_time=plan.sample_time,
         warnings=tuple(warnings),
+        first_command=int(given[0]),
+        last_command=int(given[-1]),
     )
 
 
@@ -145,10 +164,9 @@ def _places(names: tuple[str, ...], given: tuple[str, ...], topic: str) -> list[
 
 
 def _check_recorded(given: IntArray, numbers: IntArray, warnings: list[str]) -> None:
-    """Count the measurements that have no command of their own."""
-    missing = len(numbers) - len(np.intersect1d(given, numbers, assume_unique=True))
-    if given[0] > numbers[0]:
-        missing -= int(np.searchsorted(numbers, given[0]))
+    """Count the measurements between the first and the last command that have none of their own."""
+    between = numbers[(numbers >= given[0]) & (numbers <= given[-1])]
+    missing = len(between) - len(np.intersect1d(given, between, assume_unique=True))
     if missing > MOST_HELD * len(numbers):
         raise InputError(
             f"{missing} of {len(numbers)} measurements have no command with the same stamp, allowed is a share of "

@@ -17,6 +17,10 @@ def without_drift(samples: FloatArray, n_periods: int, degree: int, excited_line
     p(t + T) - p(t): the least-squares fit of p beside a periodic part that is free at every sample. With a single
     period, it is fitted at the lines that are not excited, where a periodic part of excited lines is zero.
 
+    Noise differs between the periods too, and the polynomial takes part of it at the lowest lines: with two periods,
+    degree 2 and white noise the noise covariance of line 1 is 0.6 of the true one, that of line 2 already 0.93; with
+    four periods nothing of it is left.
+
     Args:
         samples: Samples of whole periods, shape (n_periods N, n).
         n_periods: Number of periods.

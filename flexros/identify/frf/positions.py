@@ -116,7 +116,7 @@ def _complete(
     if not partial:
         _check_not_stopped(plan, stopped_at)
         return segments, []
-    recorded = int(aligned.numbers[-1]) + 1
+    recorded = min(int(aligned.numbers[-1]), aligned.last_command) + 1
     end = recorded if stopped_at is None else min(recorded, stopped_at)
     ends: dict[tuple[int, int], int] = {}
     for segment in segments:

@@ -10,13 +10,16 @@ from flexros.errors import InputError
 from flexros.identify.frf.period_spectra import amplitudes
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray, IntArray
+    from flexros.arrays import ComplexArray, FloatArray, IntArray
     from flexros.identify.frf.experiments import Experiments
     from flexros.identify.frf.frequency_response import FrequencyResponse
     from flexros.identify.frf.period_spectra import PeriodSpectra
 
 LEAST_EXCITATION = 4.0
 """Smallest power of the torque at excited lines over that of its noise (6 dB; chosen)."""
+
+ROUNDING = 1e-20
+"""Power of the torque of an experiment over that of the strongest one, below which it counts as zero (chosen)."""
 
 LEAST_PERIOD = 0.5
 """Smallest share of the mean excitation that every period must have (chosen)."""
@@ -35,26 +38,28 @@ LONGEST_PLATEAU = 3
 
 
 def check_periods(experiments: Experiments, spectra: PeriodSpectra) -> None:
-    """Refuse records of which a period was not excited, or none was.
+    """Refuse records of which a period or an experiment was not excited, or none was; each experiment by itself.
 
     Args:
         experiments: The samples.
         spectra: Their spectra at the excited lines among others.
 
     Raises:
-        InputError: A period is missing its excitation, or the excitation does not stand out of the noise.
+        InputError: A period or an experiment is missing its excitation, or it does not stand out of the noise.
     """
     U = spectra.at(experiments.excited).input
     mean = U.mean(axis=1, keepdims=True)
     power = np.sum(abs(mean) ** 2, axis=(2, 3))
+    _check_every_experiment(experiments, power[:, 0])
     share = np.sum((np.conj(mean) * U).real, axis=(2, 3)) / np.where(power > 0, power, 1.0)
-    if experiments.n_periods > 1 and np.all(power > 0) and share.min() < LEAST_PERIOD:
+    if experiments.n_periods > 1 and np.any(power > 0) and share.min() < LEAST_PERIOD:
         experiment, period = (int(place) for place in np.unravel_index(int(np.argmin(share)), share.shape))
         raise InputError(
             f"{experiments.label}: period {period + 1} of experiment {experiment + 1} is missing: it has "
             f"{share[experiment, period]:.2f} of the excitation of the mean period; record {experiments.n_periods} "
             "whole periods in steady state"
         )
+    _check_above_noise(experiments, U)
     noise = _input_noise(experiments, spectra)
     for motor, name in enumerate(experiments.input_names):
         level = float(np.sum(abs(mean[..., motor]) ** 2))
@@ -65,6 +70,31 @@ def check_periods(experiments: Experiments, spectra: PeriodSpectra) -> None:
                 f"(power ratio {level / floor if floor else 0.0:.2g}, needed is {LEAST_EXCITATION:g}); raise the "
                 "amplitude"
             )
+
+
+def _check_every_experiment(experiments: Experiments, power: FloatArray) -> None:
+    """Refuse experiments without excitation among others that have it; `power` has shape (m,)."""
+    silent = np.flatnonzero(power <= ROUNDING * power.max())
+    if len(silent) and power.max() > 0:
+        raise InputError(
+            f"{experiments.label}: no excitation: the torque of experiment {silent[0] + 1} of {len(power)} is zero at "
+            "all excited lines; record the torque commands of every experiment"
+        )
+
+
+def _check_above_noise(experiments: Experiments, U: ComplexArray) -> None:
+    """Refuse experiments in which the torque of no motor stands out of what changes from period to period."""
+    if experiments.n_periods < 2:
+        return
+    mean = U.mean(axis=1)
+    floor = np.sum(abs(U - mean[:, None]) ** 2, axis=(1, 2)) / (experiments.n_periods * (experiments.n_periods - 1))
+    drowned = np.all(np.sum(abs(mean) ** 2, axis=1) <= LEAST_EXCITATION * floor, axis=1)
+    if np.any(drowned) and not np.all(drowned):
+        raise InputError(
+            f"{experiments.label}: no excitation: in experiment {int(np.argmax(drowned)) + 1} of {len(drowned)} no "
+            f"torque at the excited lines is above its noise (needed is a power ratio of {LEAST_EXCITATION:g}); record "
+            "the torque commands while the excitation runs"
+        )
 
 
 def _input_noise(experiments: Experiments, spectra: PeriodSpectra) -> FloatArray | None:
@@ -156,8 +186,8 @@ def _at_limit(torque: FloatArray, limit: float) -> FloatArray:
         return marks
     for extreme in (torque.max(), torque.min()):
         there = torque == extreme
-        runs = there[:, 2:] & there[:, 1:-1] & there[:, :-2]
-        if np.any(runs):
+        starts = max(there.shape[1] - LONGEST_PLATEAU + 1, 0)
+        if np.any(np.all([there[:, k : k + starts] for k in range(LONGEST_PLATEAU)], axis=0)):
             marks[there] = 1.0
     return marks
 

@@ -69,6 +69,20 @@ def test_many_missing_commands_are_refused(recorded: Recorded) -> None:
         align(replace(log, joint_commands=rows(log.joint_commands, keep)), recorded.plan)
 
 
+def test_what_acted_before_the_first_and_after_the_last_command_is_not_known(recorded: Recorded) -> None:
+    log, n = recorded.log, recorded.plan.n_samples
+    assert log.joint_commands is not None
+    found = align(replace(log, joint_commands=rows(log.joint_commands, slice(500, n - 800))), recorded.plan)
+    assert (found.first_command, found.last_command) == (500, n - 801)
+    assert found.rows(500, n - 800, "it") == slice(500, n - 800)
+    with pytest.raises(
+        InputError, match=r"the commands of the log begin at 0\.2500 s, experiment 1 at 0\.2495 s, so the torque that"
+    ):
+        found.rows(499, n - 800, "experiment 1")
+    with pytest.raises(InputError, match=r"the commands of the log end at .*, experiment 1 lasts until .*set partial"):
+        found.rows(500, n - 799, "experiment 1")
+
+
 def test_measured_torque_stands_in_for_commands(recorded: Recorded) -> None:
     log = recorded.log
     assert log.joint_commands is not None

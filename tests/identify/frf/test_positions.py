@@ -142,6 +142,26 @@ def test_gap_is_named(recorded: Recorded) -> None:
         estimate_responses(cut(recorded.log, keep), recorded.plan)
 
 
+def with_commands(log: Log, keep: slice) -> Log:
+    """Keep some of the commands."""
+    return replace(log, joint_commands=cut(log, keep).joint_commands)
+
+
+def test_commands_that_begin_late_are_named(recorded: Recorded) -> None:
+    late = with_commands(recorded.log, slice(recorded.plan.segments[0].stop, None))
+    for settings in (FrfSettings(), FrfSettings(partial=True)):
+        with pytest.raises(InputError, match="the commands of the log begin at .*, position 1, block 1, experiment 1"):
+            estimate_responses(late, recorded.plan, settings)
+
+
+def test_commands_that_end_early_are_named_or_used_as_far_as_complete(recorded: Recorded) -> None:
+    early = with_commands(recorded.log, slice(0, recorded.plan.segments[-1].stop - 1))
+    with pytest.raises(InputError, match="the commands of the log end at .*, position 2, block 2, experiment 2 lasts"):
+        estimate_responses(early, recorded.plan)
+    first, second = estimate_responses(early, recorded.plan, FrfSettings(partial=True))
+    assert (first.n_blocks, second.n_blocks) == (2, 1)
+
+
 def test_log_of_every_tenth_sample_is_aliasing(recorded: Recorded) -> None:
     with pytest.raises(
         InputError, match="aliasing: joint_states is sampled at 66.6667 Hz, so what is excited up to 39"

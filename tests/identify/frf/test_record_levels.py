@@ -66,6 +66,35 @@ def test_missing_period_is_named(n_periods: int) -> None:
         check(replace(mine, inputs=u))
 
 
+@pytest.mark.parametrize("n_periods", [1, 2, 3])
+def test_experiment_without_command_is_named(n_periods: int) -> None:
+    mine = record(n_periods=n_periods)
+    u = mine.inputs.copy()
+    u[1] = 7.3
+    with pytest.raises(InputError, match="position 1: no excitation: the torque of experiment 2 of 2 is zero at all"):
+        check(replace(mine, inputs=u))
+
+
+def test_experiment_without_command_does_not_hide_a_missing_period() -> None:
+    mine = record()
+    spectra = spectra_of(mine, FrfSettings())
+    spectra.input[0], spectra.input[1, 2] = 0.0, 0.0
+    with pytest.raises(InputError, match="no excitation: the torque of experiment 1 of 2 is zero"):
+        check_periods(mine, spectra)
+    spectra.input[0] = spectra.input[1, 0]
+    with pytest.raises(InputError, match="position 1: period 3 of experiment 2 is missing"):
+        check_periods(mine, spectra)
+
+
+def test_experiment_of_noise_alone_is_named() -> None:
+    mine = record()
+    spectra = spectra_of(mine, FrfSettings())
+    real, imaginary = np.random.default_rng(3).standard_normal((2, *spectra.input[1].shape))
+    spectra.input[1] = 1e-3 * (real + 1j * imaginary)
+    with pytest.raises(InputError, match="no excitation: in experiment 2 of 2 no torque at the excited lines is above"):
+        check_periods(mine, spectra)
+
+
 def test_reference_at_rest_is_no_excitation() -> None:
     mine = record()
     with pytest.raises(InputError, match="no excitation: the reference of motor_1 does not move"):
@@ -91,6 +120,17 @@ def test_plateaus_are_taken_for_a_limit_that_is_not_known() -> None:
     assert check_saturation(mine, None) == []
     with pytest.raises(InputError, match="saturated torque"):
         check_saturation(replace(mine, inputs=np.clip(mine.inputs, -0.4 * largest, 0.4 * largest)), None)
+
+
+def test_plateau_is_as_long_as_the_constant_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    mine = record()
+    place = int(np.argmax(mine.inputs[0, :, 0]))
+    u = mine.inputs.copy()
+    u[0, place : place + 4] = u.max()
+    flat = replace(mine, inputs=u)
+    assert "saturated torque" in check_saturation(flat, None)[0]
+    monkeypatch.setattr("flexros.identify.frf.record_levels.LONGEST_PLATEAU", 5)
+    assert check_saturation(flat, None) == []
 
 
 def test_command_beyond_the_limit_did_not_act() -> None:
