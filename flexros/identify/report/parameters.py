@@ -24,7 +24,7 @@ _NARROW, _FEW_DECADES = 0.35, 1.6
 _MARKS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
 """Marks of an axis between `_NARROW` and `_FEW_DECADES` decades (chosen)."""
 _BIAS = (
-    "The model misses something that the responses show, and parameters shift to make up for it, dampers most of all. "
+    "The robot does something that the model lacks, and parameters shift to make up for it, dampers most of all. "
     "The intervals hold random errors, not such shifts: values may be wrong by more than they tell."
 )
 
@@ -40,7 +40,7 @@ class ParameterSection(AbstractIdentificationSection):
         if np.all(result.nominal > 0):
             blocks.append(_picture(result))
         blocks += [_table(result), Paragraph(result.covariance.explanation, "note")]
-        if result.biased:
+        if result.bias_signs:
             blocks.append(Paragraph(_BIAS, "warning"))
         return tuple(blocks)
 

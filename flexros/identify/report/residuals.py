@@ -10,7 +10,9 @@ import plotly.graph_objects as go
 from flexros.analysis.figures_table import number, percent
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import stacked
+from flexros.identify.graybox.covariance import MISSES
 from flexros.identify.report.base import AbstractIdentificationSection
+from flexros.identify.report.bias import UNEXPLAINED
 
 if TYPE_CHECKING:
     from flexros.identify.report.result import IdentificationResult
@@ -33,13 +35,15 @@ def _sentence(result: IdentificationResult) -> str:
     chi = result.residuals.chi_square
     if not np.isfinite(chi):
         return "The responses have no covariance, so the misfit is told by its share of the cost alone."
-    text = f"Squared misfit over the variance of the responses: {number(chi, 3)} in the mean of all lines that count"
-    if chi < 1.3:
-        return f"{text}; 1 is to be expected, so nothing systematic is left."
-    return (
-        f"{text}, where 1 is to be expected. What exceeds it is not noise: nonlinear effects, or flexibilities that "
-        "the model does not have. The intervals were widened for it."
+    reduced = result.covariance.reduced_cost
+    text = (
+        f"Squared misfit over the variance of the responses: {number(reduced, 3)} with the weights of the fit, "
+        f"{number(chi, 3)} in the mean of all lines that count; about 1 is to be expected"
     )
+    if reduced < MISSES and chi < UNEXPLAINED:
+        return f"{text}, so nothing systematic is left."
+    text += ". What exceeds it is not noise: nonlinear effects, or flexibilities that the model does not have."
+    return f"{text} The intervals were widened for it." if reduced >= MISSES else text
 
 
 def _picture(result: IdentificationResult) -> Picture:

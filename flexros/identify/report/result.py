@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.analysis.figures_table import number
-from flexros.identify.graybox.covariance import parameter_covariance
+from flexros.identify.graybox.covariance import MISSES, parameter_covariance
 from flexros.identify.graybox.fit import cost_at
 from flexros.identify.graybox.identifiability import identifiability
 from flexros.identify.graybox.residuals import residual_report
+from flexros.identify.report.bias import bias_signs
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.residuals import ResidualReport
     from flexros.identify.plan import ExperimentPlan
 
-BIASED = 2.0
-"""Reduced cost above which errors of the model count more than those of the responses (chosen)."""
 _AS_GOOD = 0.9
 SAME_MINIMUM = 1.01
 """Fits whose cost is within this factor of the best one count as the same minimum (chosen)."""
@@ -119,10 +118,10 @@ class IdentificationResult:
         """Values of the robot before the identification (SI), shape (P,)."""
         return self.problem.scale.nominal
 
-    @property
-    def biased(self) -> bool:
-        """Whether the model misses more than the errors of the responses, so that parameters shift."""
-        return self.covariance.basis != "residuals" and self.covariance.reduced_cost > BIASED
+    @cached_property
+    def bias_signs(self) -> tuple[str, ...]:
+        """Signs that the model lacks something, so that parameters shift by more than their intervals tell."""
+        return bias_signs(self.problem, self.covariance, self.residuals)
 
     @cached_property
     def nominal_cost(self) -> float:
@@ -150,6 +149,7 @@ class IdentificationResult:
                 "factor": self.covariance.factor,
                 "explanation": self.covariance.explanation,
             },
+            "bias_signs": list(self.bias_signs),
             "parameters": [self._parameter(place) for place in range(len(self.fit.names))],
             "not_determined": [
                 {"combination": dict(each.exponents), "std": each.standard_deviation, "text": each.sentence}
@@ -231,14 +231,14 @@ def verdict(result: IdentificationResult) -> str:
     determined, weak = (len(result.identifiability.names(kind)) for kind in ("determined", "weak"))
     open_ones = result.identifiability.names("not_determined")
     text = f"{determined} of {len(names)} parameters of {result.problem.robot.name} are determined within 10 %"
-    if result.biased:
+    if result.bias_signs:
         text += " as far as noise goes"
     if weak:
         text += f", {weak} {'is' if weak == 1 else 'are'} known less well"
     if open_ones:
         shown = ", ".join(open_ones[:3]) + (f" and {len(open_ones) - 3} more" if len(open_ones) > 3 else "")
         text += f", {len(open_ones)} {'is' if len(open_ones) == 1 else 'are'} not determined ({shown})"
-    return f"{text}. {_explained(result)}"
+    return f"{text}. {_explained(result)}{_shifted(result)}"
 
 
 def _explained(result: IdentificationResult) -> str:
@@ -252,13 +252,24 @@ def _explained(result: IdentificationResult) -> str:
     if result.covariance.basis == "residuals":
         return f"The errors of {where} are not known, so the identified model is judged by itself: {gain}."
     reduced = result.covariance.reduced_cost
-    if reduced < 1.3:
-        return f"The identified model explains {where} within their uncertainty; {gain}."
+    if reduced < MISSES:
+        weighed = "With the weights of the fit the" if result.bias_signs else "The"
+        return f"{weighed} identified model explains {where} within their uncertainty; {gain}."
     if reduced < 100:
         return f"The identified model misses {where} by {np.sqrt(reduced):.2g} times their uncertainty (rms); {gain}."
     return (
         f"The identified model misses {where} by far more than their uncertainty ({np.sqrt(reduced):.2g} times, rms); "
         f"{gain}."
+    )
+
+
+def _shifted(result: IdentificationResult) -> str:
+    """Say what the intervals do not cover, where there are signs of it."""
+    if not result.bias_signs:
+        return ""
+    return (
+        f" The robot does something that the model lacks ({'; '.join(result.bias_signs)}): that shifts parameters, "
+        "dampers most of all, and the intervals do not cover it."
     )
 
 

@@ -35,7 +35,7 @@ class SummarySection(AbstractIdentificationSection):
 def _tiles(result: IdentificationResult) -> tuple[tuple[str, str, str, str], ...]:
     names, judged = result.fit.names, result.identifiability
     determined = len(judged.names("determined"))
-    below = f"{len(judged.names('weak'))} weak, {len(judged.names('not_determined'))} not"
+    below = f"{len(judged.names('weak'))} weak, {len(judged.names('not_determined'))} not determined"
     deviations = [each.relative for each in judged.parameters if each.name.endswith(".stiffness")]
     which = "stiffness" if deviations else "parameter"
     deviations = deviations or [each.relative for each in judged.parameters]

@@ -38,10 +38,10 @@ class UndeterminedSection(AbstractIdentificationSection):
 
 
 def _all_determined(result: IdentificationResult) -> str:
-    if not result.biased:
+    if not result.bias_signs:
         return "All parameters are determined; no further experiment is needed."
     return (
-        "All parameters are determined as far as the errors of the responses go. What the model misses is not found by "
+        "All parameters are determined as far as the errors of the responses go. What the model lacks is not found by "
         "more positions: identify with slow_motion, which keeps friction from changing its sign, with another "
         "amplitude, or with more of the physics among the unknown parameters."
     )

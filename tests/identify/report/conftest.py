@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,15 +27,15 @@ TRUTH = {name: ROBOT.parameters[name].value * (1.2 if name.endswith("stiffness")
 FACTS = ExperimentFacts(400.0, 3, 6, 12, 2, 2.0, "multisine", "log", "direct")
 
 
-def distortion(frequency: np.ndarray, response: np.ndarray) -> Distortion:
-    """Levels that look like odd distortion of 5 % at the second motor."""
+def distortion(frequency: np.ndarray, response: np.ndarray, odd: float = 1e-3) -> Distortion:
+    """Levels with odd distortion at the second motor, as a share of its output; noise is 0.1 %."""
     output = np.abs(response).sum(axis=2)
     flat = np.full(output.shape, 1e-3) * output
     beside = frequency[:-1] + 0.5
     levels = np.stack([np.interp(beside, frequency, output[:, motor]) for motor in range(2)], axis=1)
     return Distortion(
         frequency=frequency, output=output, noise=flat, total=3 * flat, time_variation=np.full(output.shape, np.nan),
-        odd_frequency=beside, odd=levels * [1e-3, 0.05], odd_noise=1e-3 * levels,
+        odd_frequency=beside, odd=levels * [1e-3, odd], odd_noise=1e-3 * levels,
         even_frequency=np.array([]), even=np.zeros((0, 2)), even_noise=np.zeros((0, 2)),
     )  # fmt: skip
 
@@ -88,6 +89,16 @@ def make() -> Callable[..., IdentificationResult]:
 def clear() -> IdentificationResult:
     """An identification with ten times the nominal noise: all parameters are determined."""
     return make_result(10.0)
+
+
+@pytest.fixture(scope="session")
+def distorted(clear: IdentificationResult) -> IdentificationResult:
+    """The same identification with odd distortion of 5 % at the second motor."""
+    responses = tuple(
+        replace(response, distortion=distortion(response.frequency, response.response, 0.05))
+        for response in clear.problem.responses
+    )
+    return replace(clear, problem=replace(clear.problem, responses=responses))
 
 
 @pytest.fixture(scope="session")

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from flexros.errors import InputError
-from flexros.identify.report.result import IdentificationResult
 from flexros.identify.report.responses import POINTS
+from flexros.identify.report.result import IdentificationResult
 from flexros.identify.report.write import SECTIONS, write_identification_report
 
 
@@ -105,8 +105,12 @@ def test_models_are_drawn_between_the_lines_too(html: str, clear: Identification
         assert "x" not in button["args"][0]
 
 
-def test_distortions_are_named_with_their_size(html: str) -> None:
-    assert "odd ones at motor_2, 5 % of the output in the median, with noise of 0.10 %" in words(html)
+def test_distortions_are_named_with_their_size(distorted: IdentificationResult, tmp_path: Path) -> None:
+    text = words(page(distorted, tmp_path))
+    assert "odd ones at motor_2, 5 % of the output in the median, with noise of 0.10 %" in text
+    assert "as far as noise goes. With the weights of the fit the identified model explains" in text
+    assert "(odd detection lines of motor_2 carry 50 times their noise)" in text
+    assert "values may be wrong by more than they tell" in text
 
 
 def test_gain_of_the_positions_is_told(html: str, clear: IdentificationResult) -> None:
@@ -139,10 +143,14 @@ def test_report_into_a_folder_that_is_not_there_is_refused(clear: Identification
         write_identification_report(clear, tmp_path / "none" / "report.html")
 
 
-def test_shifts_by_what_the_model_misses_are_warned_of(clear: IdentificationResult, tmp_path: Path) -> None:
-    assert "values may be wrong by more than they tell" not in words(page(clear, tmp_path))
+def test_shifts_by_what_the_model_lacks_are_warned_of_and_only_then(
+    html: str, clear: IdentificationResult, tmp_path: Path
+) -> None:
+    for warning in ("values may be wrong by more than they tell", "model lacks", "as far as", "What exceeds it"):
+        assert warning not in words(html)
     missing = replace(clear, covariance=replace(clear.covariance, reduced_cost=12.0))
-    assert "values may be wrong by more than they tell" in words(page(missing, tmp_path))
     text = words(page(missing, tmp_path))
+    assert "values may be wrong by more than they tell" in text
     assert "within 10 % as far as noise goes. The identified model misses the responses in 3 positions by 3.5" in text
     assert "identify with slow_motion" in text
+    assert "What exceeds it is not noise" in text

@@ -1,0 +1,101 @@
+"""Signs that the robot does something the model lacks, so that parameters shift by more than their intervals tell.
+
+Intervals follow from the random errors of the responses. Friction, backlash or a missing flexibility change the
+responses themselves: the best linear approximation is another one than that of the model with the true parameters, and
+no number of repetitions shows it. Odd distortions are what such effects have in common; even ones of a few per mille
+come from gravity and geometry and leave the linear approximation as it is (Pintelon and Schoukens 2012, chapter 3).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.analysis.figures_table import number, percent
+from flexros.identify.graybox.covariance import MISSES
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros.identify.frf.distortion import Distortion
+    from flexros.identify.graybox.covariance import ParameterCovariance
+    from flexros.identify.graybox.problem import GrayBoxProblem
+    from flexros.identify.graybox.residuals import ResidualReport
+
+UNEXPLAINED = 2.0
+"""Mean squared misfit over variance, every line counting alike, from which something is left unexplained (chosen)."""
+
+STANDS_OUT = 1.5
+"""Distortions of so many times their noise, rms over lines and positions, stand out of it (chosen)."""
+
+MUCH = 0.01
+"""Even distortions count from this share of the output on, rms (chosen)."""
+
+
+def bias_signs(problem: GrayBoxProblem, covariance: ParameterCovariance, residuals: ResidualReport) -> tuple[str, ...]:
+    """Tell the signs in words.
+
+    Args:
+        problem: Measured responses.
+        covariance: Covariance of the fitted parameters.
+        residuals: What the fitted model leaves unexplained.
+
+    Returns:
+        One clause per sign; none where the robot is as linear as the model and the model explains its responses.
+    """
+    signs = []
+    reduced = covariance.reduced_cost if covariance.basis != "residuals" else 1.0
+    if reduced >= MISSES:
+        signs.append(f"the cost of the fit is {number(reduced, 2)} times what the errors of the responses explain")
+    elif residuals.chi_square >= UNEXPLAINED:
+        signs.append(
+            f"the squared misfit is {number(residuals.chi_square, 2)} times the variance of the responses, where every "
+            "line counts alike"
+        )
+    levels = [response.distortion for response in problem.responses if response.distortion is not None]
+    return (*signs, *_distorted(levels, problem.responses[0].output_names)) if levels else tuple(signs)
+
+
+def _distorted(levels: Sequence[Distortion], names: tuple[str, ...]) -> list[str]:
+    """Name the motors at which distortions stand out most."""
+    odd, even = (_over_noise(levels, kind, f"{kind}_noise") for kind in ("odd", "even"))
+    found = []
+    if np.any(odd > STANDS_OUT):
+        worst = int(np.nanargmax(odd))
+        found.append(f"odd detection lines of {names[worst]} carry {number(odd[worst], 2)} times their noise")
+    elif np.all(np.isnan(odd)):
+        total = _over_noise(levels, "total", "noise")
+        if np.any(total > STANDS_OUT):
+            worst = int(np.nanargmax(total))
+            much = number(total[worst], 2)
+            found.append(f"with the phases of the excitation responses of {names[worst]} vary {much} times the noise")
+    share = np.where(even > STANDS_OUT, _share(levels), 0.0)
+    if np.any(share > MUCH):
+        worst = int(np.argmax(share))
+        found.append(f"even detection lines of {names[worst]} carry {percent(share[worst], 2)} % of the output")
+    return found
+
+
+def _over_noise(levels: Sequence[Distortion], level: str, noise: str) -> FloatArray:
+    """Root of the mean over lines of power over noise, both summed over positions, shape (n_y,); NaN if not known."""
+    power, floor = (sum(getattr(each, name) ** 2 for each in levels) for name in (level, noise))
+    if not len(power):
+        return np.full(power.shape[1], np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.sqrt(np.mean(power / np.where(floor > 0, floor, np.nan), axis=0)))
+
+
+def _share(levels: Sequence[Distortion]) -> FloatArray:
+    """Even distortions over the output beside them, rms, shape (n_y,)."""
+    if not len(levels[0].even):
+        return np.zeros(levels[0].even.shape[1])
+    shares = [
+        np.stack(
+            [each.even[:, motor] / np.interp(each.even_frequency, each.frequency, output)
+             for motor, output in enumerate(each.output.T)]
+        )
+        for each in levels
+    ]  # fmt: skip
+    return np.asarray(np.sqrt(np.mean(np.square(shares), axis=(0, 2))))
