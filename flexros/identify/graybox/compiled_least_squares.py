@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.identify.graybox.levenberg_marquardt import NormalEquations
-from flexros.identify.graybox.normal_equations_text import product_pairs
 from flexros.identify.graybox.numpy_least_squares import AbstractLeastSquares, NumpyLeastSquares
-from flexros.identify.graybox.packed_target import packed_target
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -53,7 +51,7 @@ class CompiledLeastSquares(AbstractLeastSquares):
         per_step = theta if scale is None else scale
         factors = per_step * self.model.model.positions.factors
         factors = np.concatenate([factors, np.ones((len(factors), 1))], axis=1)  # of the error
-        first, second = np.array(product_pairs(self.model.kernel.structure)).T
+        first, second = self.model.kernel.pairs
         total = np.sum(sums[:, 1:] * factors[:, first] * factors[:, second], axis=0)
         n = len(theta)
         table = np.zeros((n + 1, n + 1))
@@ -65,7 +63,7 @@ class CompiledLeastSquares(AbstractLeastSquares):
         key = theta.tobytes()
         if key in self._last:
             return self._last[key]
-        target = packed_target(self.target)
+        target = self.target.packed
         parts = self.model.of_parts(
             theta,
             lambda matrices, hold, expansion, part: self.model.kernel.sums(

@@ -12,7 +12,7 @@ from flexros.identify.graybox.response_noise import response_noise
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from flexros.arrays import FloatArray
+    from flexros.arrays import ComplexArray, FloatArray
     from flexros.identify.graybox.fit import Fit
     from flexros.identify.graybox.parameter_scale import ParameterScale
     from flexros.identify.graybox.problem import GrayBoxProblem
@@ -32,6 +32,11 @@ MISSES = 1.3
 NULL = 1e-13
 """Eigenvalues of the normalised information below this share of the largest are rounding errors (chosen)."""
 
+LOST = 1.0
+"""Relative variance from which a logarithm has no first-order variance worth the name (chosen)."""
+
+_TINY = float(np.finfo(float).tiny)
+
 
 @dataclass(frozen=True, eq=False)
 class ParameterCovariance:
@@ -40,11 +45,11 @@ class ParameterCovariance:
     Attributes:
         scale: The scaled parameters x: logarithms, or multiples of a typical size.
         values: Fitted values [SI], shape (P,).
-        matrix: Covariance of x, after the correction, shape (P, P).
+        matrix: Covariance of x, after the corrections, shape (P, P).
         basis: Where the covariance of the responses came from: "total" (blocks), "noise" (periods), or "residuals".
         reduced_cost: Cost over the value to expect from that covariance; 1 where the model explains all but noise.
-        factor: What (5) was multiplied with: `reduced_cost` if larger than 1, and the inflation by weights that were
-            themselves estimated from few degrees of freedom.
+        factor: What (5) was multiplied with, in the mean of all parameters: `reduced_cost` if larger than 1, and the
+            inflation by weights that were themselves estimated from few degrees of freedom.
         explanation: One sentence on basis and factor.
     """
 
@@ -85,35 +90,36 @@ class ParameterCovariance:
 def parameter_covariance(problem: GrayBoxProblem, fit: Fit, correct: bool = True) -> ParameterCovariance:
     """Evaluate (5) with the full covariance of the responses.
 
+    Logarithms of what is lost in noise have no first-order variance: lines in a notch of the model make (5) far too
+    large. Weights from the measured magnitudes let some of them pass, those of `GrayBoxProblem.reweighted`, as
+    `refine` uses them, none.
+
     Args:
         problem: What was fitted.
         fit: Where the fit ended.
-        correct: Whether to multiply (5) by `ParameterCovariance.factor`; (5) is for known covariances and a model
-            that can describe the truth.
+        correct: Whether to correct (5), see `ParameterCovariance.factor`; by itself it is for known covariances and a
+            model that can describe the truth.
 
     Returns:
         The covariance. Where no covariance of the responses is known, the weights are taken for its inverse up to a
         factor that the residuals tell.
     """
-    noises = [response_noise(response) for response in problem.responses]
-    known = [noise for noise in noises if noise is not None]
-    sums = _sums(problem, fit, known if len(known) == len(noises) else None)
+    noises = [noise for noise in map(response_noise, problem.responses) if noise is not None]
+    model = problem.model_at(fit.values)
+    response, jacobian = model.response_and_jacobian(fit.values, problem.scale.per_value(fit.values))
+    if len(noises) < len(problem.responses):
+        return _from_residuals(problem, fit, _sums(problem, response, jacobian, []))
+    sums = _sums(problem, response, jacobian, noises)
     inverse, unknown = _inverse(sums.information)
-    if len(known) < len(noises):
-        degrees = max(problem.estimator.noise_share * sums.count - 0.5 * len(fit.names), 1.0)
-        matrix = 0.5 * fit.cost / degrees * inverse + unknown
-        text = "The responses have no covariance: the residuals stand for it."
-        return ParameterCovariance(problem.scale, fit.values, matrix, "residuals", 1.0, 1.0, text)
-    matrix = 0.5 * inverse @ sums.spread @ inverse
-    expected = sums.expected_cost - float(np.trace(sums.information @ matrix))
-    degrees = min(noise.degrees_of_freedom for noise in known)
-    inflation, ratio = _of_estimated_weights(problem, degrees)
-    reduced = fit.cost / max(ratio * expected, np.finfo(float).tiny)
-    factor = max(reduced, 1.0) * inflation if correct else 1.0
-    text = _explanation(reduced, inflation, factor, correct)
-    return ParameterCovariance(
-        problem.scale, fit.values, factor * matrix + unknown, known[0].kind, reduced, factor, text
-    )
+    plain, grown = (0.5 * inverse @ spread @ inverse for spread in (sums.spread, sums.grown_spread))
+    expected = sums.expected_cost - float(np.trace(sums.information @ grown))
+    inflation = float(np.trace(sums.information @ grown) / max(np.trace(sums.information @ plain), _TINY))
+    reduced = fit.cost / max(expected, _TINY)
+    matrix, factor = plain, 1.0
+    if correct:
+        matrix, factor = max(reduced, 1.0) * grown, max(reduced, 1.0) * inflation
+    text = _explanation(reduced, inflation, factor, correct) + _lost(problem, response, noises)
+    return ParameterCovariance(problem.scale, fit.values, matrix + unknown, noises[0].kind, reduced, factor, text)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,31 +129,62 @@ class _Sums:
     Attributes:
         information: sum Re(J^H W J), shape (P, P).
         spread: sum Re(J^H W L W J), shape (P, P).
-        expected_cost: Expected cost at the true parameters.
+        grown_spread: The same with what uncertain weights add.
+        expected_cost: Expected cost at the true parameters, with what uncertain weights add.
         count: Number of elements with a weight.
     """
 
     information: FloatArray
     spread: FloatArray
+    grown_spread: FloatArray
     expected_cost: float
     count: int
 
 
-def _sums(problem: GrayBoxProblem, fit: Fit, noises: list[ResponseNoise] | None) -> _Sums:
-    model = problem.model_at(fit.values)
-    response, jacobian = model.response_and_jacobian(fit.values, problem.scale.per_value(fit.values))
-    n = len(fit.names)
-    information, spread, expected = np.zeros((n, n)), np.zeros((n, n)), 0.0
+def _sums(
+    problem: GrayBoxProblem, response: ComplexArray, jacobian: ComplexArray, noises: list[ResponseNoise]
+) -> _Sums:
+    n, estimator = jacobian.shape[-1], problem.estimator
+    information, spread, grown, expected = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), 0.0
     for place, (given, slopes, weights) in enumerate(zip(response, jacobian, problem.weights, strict=True)):
         stacked, w = _stack(given), _stack(weights)
-        J = np.where((w > 0)[..., None], problem.estimator.slope(stacked, _stack(slopes)), 0.0)
+        J = np.where((w > 0)[..., None], estimator.slope(stacked, _stack(slopes)), 0.0)
         weighted = w[..., None] * J
         information += np.real(np.tensordot(J.conj(), weighted, ((0, 1), (0, 1))))
-        if noises is not None:
-            L = problem.estimator.error_covariance(noises[place].covariance(), stacked)
+        if noises:
+            L = estimator.error_covariance(noises[place].covariance(), stacked)
+            variance = np.einsum("fmm->fm", L).real
+            share = problem.setting.share_of_noise(w, variance)
+            growth, excess = _of_estimated_weights(share, noises[place].degrees_of_freedom)
+            wider = weighted * np.sqrt(growth)[..., None]
             spread += np.real(np.tensordot(weighted.conj(), L @ weighted, ((0, 1), (0, 1))))
-            expected += problem.estimator.noise_share * float(np.sum(w * np.einsum("fmm->fm", L).real))
-    return _Sums(information, spread, expected, int(np.count_nonzero(problem.weights)))
+            grown += np.real(np.tensordot(wider.conj(), L @ wider, ((0, 1), (0, 1))))
+            expected += estimator.noise_share * float(np.sum(w * excess * variance))
+    return _Sums(information, spread, grown, expected, int(np.count_nonzero(problem.weights)))
+
+
+def _lost(problem: GrayBoxProblem, response: ComplexArray, noises: list[ResponseNoise]) -> str:
+    """Say how many elements count whose modelled magnitude lies below its standard deviation."""
+    if problem.estimator.name == "NLS":  # errors are linear in the responses
+        return ""
+    variance = np.stack([noise.variance for noise in noises])
+    counted = problem.weights > 0
+    lost = int(np.count_nonzero(counted & (problem.estimator.element_variance(variance, response) > LOST)))
+    if not lost:
+        return ""
+    return (
+        f" {lost} of {np.count_nonzero(counted)} elements are lost in noise where the model is, so that this is too "
+        "large: weights were made from the measured responses."
+    )
+
+
+def _from_residuals(problem: GrayBoxProblem, fit: Fit, sums: _Sums) -> ParameterCovariance:
+    """Take the weights for the inverse of the covariance up to a factor that the residuals tell."""
+    inverse, unknown = _inverse(sums.information)
+    degrees = max(problem.estimator.noise_share * sums.count - 0.5 * len(fit.names), 1.0)
+    matrix = 0.5 * fit.cost / degrees * inverse + unknown
+    text = "The responses have no covariance: the residuals stand for it."
+    return ParameterCovariance(problem.scale, fit.values, matrix, "residuals", 1.0, 1.0, text)
 
 
 def _stack(elements: NDArray[Number]) -> NDArray[Number]:
@@ -168,17 +205,20 @@ def _inverse(information: FloatArray) -> tuple[FloatArray, FloatArray]:
     return inverse, NOTHING_KNOWN**2 * blind @ blind.T
 
 
-def _of_estimated_weights(problem: GrayBoxProblem, degrees: float) -> tuple[float, float]:
+def _of_estimated_weights(share: FloatArray, degrees: float) -> tuple[FloatArray, FloatArray]:
     """Growth of covariance and of expected cost with weights from variances of few degrees of freedom.
 
     With v = s chi^2 / (2 nu) for the estimate of a variance s, E[1/v] = nu / (nu - 1) / s and
     E[1/v^2] = nu^2 / ((nu - 1)(nu - 2)) / s^2, so that (5), in which both are taken for exact, is too small by
-    nu / (nu - 2), and the cost too small by nu / (nu - 1) (derived).
+    nu / (nu - 2), and the cost too small by nu / (nu - 1) where the weight is 1 / v. Where v is the share r of 1 / w,
+    both exceed 1 by r times as much, to first order in 1 / nu (derived).
+
+    Args:
+        share: r, any shape.
+        degrees: nu.
     """
-    if problem.setting.kind != "optimal":
-        return 1.0, 1.0
     steady = max(degrees, 3.0)
-    return steady / (steady - 2.0), steady / (steady - 1.0)
+    return 1.0 + 2.0 * share / (steady - 2.0), 1.0 + share / (steady - 1.0)
 
 
 def _explanation(reduced: float, inflation: float, factor: float, correct: bool) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError, unknown_name
-from flexros.identify.graybox.least_squares import ResponseTarget, least_squares
+from flexros.identify.graybox.least_squares import least_squares
 from flexros.identify.graybox.levenberg_marquardt import DAMPING, Minimum, NormalEquations, StopRule, minimise
 
 if TYPE_CHECKING:
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 LARGEST_STEP = 1.0
 """Largest change of a logarithm in one step; without it a fit runs away where the cost is flat."""
+
+FAILED = "the model cannot be evaluated where the search began"
+"""Why a fit ended whose cost is not finite."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +49,8 @@ class Fit:
         names: Names of the parameters, length P.
         values: Their values [SI], shape (P,).
         start: Values from which the search began [SI], shape (P,).
-        cost: Weighted sum of squared errors (Moberg 2007, Paper A, equations 4b and 7b).
-        start_cost: The same at the start, at the rests of the robot's own values.
+        cost: Weighted sum of squared errors (Moberg 2007, Paper A, equations 4b and 7b); not finite where it failed.
+        start_cost: The same at the start, at the rests of the robot's own values; NaN where the model fails there.
         at_bound: Whether a parameter lies on one of its bounds, shape (P,).
         lower: Lower bounds [SI], shape (P,).
         upper: Upper bounds [SI], shape (P,).
@@ -149,9 +152,12 @@ def cost_at(problem: GrayBoxProblem, model: FrequencyModel, values: FloatArray) 
         values: Values [SI], shape (P,).
 
     Returns:
-        Weighted sum of squared errors.
+        Weighted sum of squared errors; NaN or infinite where the model fails.
     """
-    return least_squares(model, _target(problem)).cost(values)
+    try:
+        return least_squares(model, problem.target).cost(values)
+    except np.linalg.LinAlgError:  # a mass matrix that is singular
+        return np.nan
 
 
 class _Search:
@@ -160,23 +166,24 @@ class _Search:
     def __init__(self, problem: GrayBoxProblem, lower: FloatArray, upper: FloatArray, settings: FitSettings) -> None:
         self._problem, self._settings = problem, settings
         self._lower, self._upper = lower, upper
-        self._target = _target(problem)
         self._largest = np.where(problem.scale.logarithmic, LARGEST_STEP, np.inf)
 
     def run(self, x: FloatArray) -> tuple[Minimum, str, int]:
         """Search from scaled parameters; return where, why it ended and the number of linearisations."""
         minimum = self._minimise(self._problem.model, x, DAMPING)
+        if not np.isfinite(minimum.cost):
+            return minimum, FAILED, 0
         for number in range(self._settings.relinearisations):
             try:
                 model = self._problem.model_at(self._problem.scale.values(minimum.x))
             except InputError as error:
-                return _continued(minimum, minimum, False), f"the robot could not be linearised anew: {error}", number
+                return replace(minimum, converged=False), f"the robot could not be linearised anew: {error}", number
             before = minimum
             minimum = _continued(self._minimise(model, before.x, before.damping), before)
             if self._settled(before, minimum):
                 return minimum, _reason(minimum), number + 1
         if self._settings.relinearisations:
-            return _continued(minimum, minimum, False), "the rests did not settle", self._settings.relinearisations
+            return replace(minimum, converged=False), "the rests did not settle", self._settings.relinearisations
         return minimum, _reason(minimum), 0
 
     def _settled(self, before: Minimum, after: Minimum) -> bool:
@@ -186,7 +193,7 @@ class _Search:
         return moved < self._settings.settled or changed < self._settings.stop.decrease * before.cost
 
     def _minimise(self, model: FrequencyModel, x: FloatArray, damping: float) -> Minimum:
-        squares, scale = least_squares(model, self._target), self._problem.scale
+        squares, scale = least_squares(model, self._problem.target), self._problem.scale
 
         def equations(point: FloatArray) -> NormalEquations:
             values = scale.values(point)
@@ -204,21 +211,18 @@ class _Search:
         return minimise(equations, cost, x, self._lower, self._upper, self._largest, self._settings.stop, damping)
 
 
-def _target(problem: GrayBoxProblem) -> ResponseTarget:
-    return ResponseTarget(problem.measured, problem.weights, problem.estimator.name)
-
-
-def _continued(minimum: Minimum, before: Minimum, converged: bool | None = None) -> Minimum:
+def _continued(minimum: Minimum, before: Minimum) -> Minimum:
     """Count the steps of the searches before as well."""
     return replace(
         minimum,
-        iterations=minimum.iterations + (0 if before is minimum else before.iterations),
-        evaluations=minimum.evaluations + (0 if before is minimum else before.evaluations),
-        converged=minimum.converged if converged is None else converged,
+        iterations=minimum.iterations + before.iterations,
+        evaluations=minimum.evaluations + before.evaluations,
     )
 
 
 def _reason(minimum: Minimum) -> str:
+    if not np.isfinite(minimum.cost):
+        return FAILED
     return "converged" if minimum.converged else "the number of steps ran out"
 
 

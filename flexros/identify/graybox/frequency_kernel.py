@@ -61,12 +61,18 @@ class FrequencyKernel:
     """Compiled code of one structure, thread-safe; calls release the GIL.
 
     Packed arrays are those of `kernel_structure`; all are contiguous.
+
+    Attributes:
+        structure: What was compiled.
+        pairs: First and second column of every product pair, shape (2, pairs); see `product_pairs`.
+        n_sums: Sums per position: the cost and the product pairs.
     """
 
     def __init__(self, structure: KernelStructure) -> None:
         """Write and compile the code."""
         self.structure = structure
-        self.n_sums = 1 + len(product_pairs(structure))
+        self.pairs = np.array(product_pairs(structure), dtype=np.int64).reshape(-1, 2).T
+        self.n_sums = 1 + self.pairs.shape[1]
         builder = ModuleBuilder()
         builder.add_text(solution_text(structure, "solution"))
         builder.add_text(_response_driver(structure))

@@ -34,6 +34,11 @@ class NormalEquations:
     gradient: FloatArray
     hessian: FloatArray
 
+    @property
+    def known(self) -> bool:
+        """Whether all of it is finite, so that there is a step to take."""
+        return bool(np.isfinite(self.cost) and np.all(np.isfinite(self.gradient)) and np.all(np.isfinite(self.hessian)))
+
 
 @dataclass(frozen=True)
 class StopRule:
@@ -99,11 +104,11 @@ def minimise(
         damping: Damping to start with, relative to the diagonal of H.
 
     Returns:
-        The point of lowest cost that was found.
+        The point of lowest cost that was found; the start, not converged, where the model fails there.
     """
     x, here = start, equations(start)
     iterations, evaluations, growth, idle, trusted = 0, 1, 2.0, 0, True
-    while iterations < stop.iterations and evaluations < stop.evaluations:
+    while here.known and iterations < stop.iterations and evaluations < stop.evaluations:
         step = box_step(here, damping, np.maximum(lower - x, -largest_step), np.minimum(upper - x, largest_step))
         size = float(np.max(np.abs(step), initial=0.0))
         predicted = -float(here.gradient @ step + 0.5 * step @ here.hessian @ step)

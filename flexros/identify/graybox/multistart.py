@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.errors import InputError
+from flexros.errors import InputError, RunError
 from flexros.identify.graybox.fit import Fit, FitSettings, fit
 
 if TYPE_CHECKING:
@@ -20,29 +20,40 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.problem import GrayBoxProblem
 
 
-def random_starts(problem: GrayBoxProblem, number: int, seed: int, decades: float = 1.0) -> FloatArray:
+def random_starts(
+    problem: GrayBoxProblem,
+    number: int,
+    seed: int,
+    decades: float = 1.0,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+) -> FloatArray:
     """Draw starts around the robot's values: theta = theta_robot 10^phi with phi uniform in [-decades, decades].
 
-    Parameters that are not logarithmic start at their value plus phi times their typical size.
+    Parameters that are not logarithmic start at their value plus phi times their typical size. Where bounds cut that
+    range, phi is uniform in what is left of it; a value outside its bounds is replaced by the nearer one.
 
     Args:
         problem: The unknown parameters.
         number: Number of starts; the first ones do not depend on it.
         seed: Seed of the random numbers.
         decades: Largest |phi|.
+        bounds: Bounds of the fits that are to start there; see `ParameterScale.bounds` for the default.
 
     Returns:
         Starts [SI], shape (number, P).
 
     Raises:
-        InputError: The number is not positive.
+        InputError: The number is not positive, or bounds are wrong.
     """
     if number < 1:
         raise InputError(f"{number} random starts were asked for, allowed is 1 or more; give a positive number")
     scale = problem.scale
-    phi = np.random.default_rng(seed).uniform(-decades, decades, (number, len(scale.names)))
-    drawn = np.where(scale.logarithmic, scale.nominal * 10.0**phi, scale.nominal + phi * scale.size)
-    return np.maximum(drawn, scale.lowest)
+    lower, upper = scale.bounds(bounds)
+    centre = np.clip(scale.scaled(scale.nominal), lower, upper)
+    reach = decades * np.where(scale.logarithmic, np.log(10.0), 1.0)
+    low, high = np.maximum(lower, centre - reach), np.minimum(upper, centre + reach)
+    share = np.random.default_rng(seed).random((number, len(scale.names)))
+    return scale.values(low + share * (high - low))
 
 
 def multistart(
@@ -62,7 +73,7 @@ def multistart(
         problem: What to fit.
         starts: Starts [SI], shape (S, P), or the number of random starts; see `random_starts`.
         seed: Seed of random starts.
-        bounds: Bounds of all fits; see `fit`.
+        bounds: Bounds of all fits, and of random starts; see `fit`.
         settings: How each fit searches.
         threads: Threads of this process; default: one per processor.
         client: Dask client whose workers fit instead.
@@ -74,7 +85,9 @@ def multistart(
     Raises:
         InputError: Wrong starts or bounds.
     """
-    chosen = random_starts(problem, starts, seed) if isinstance(starts, int) else np.asarray(starts, dtype=float)
+    if isinstance(starts, int):
+        starts = random_starts(problem, starts, seed, bounds=bounds)
+    chosen = np.asarray(starts, dtype=float)
     if client is not None:
         return _on_cluster(problem, chosen, bounds, settings, client, progress)
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
@@ -86,17 +99,24 @@ def multistart(
 
 
 def best(fits: Sequence[Fit]) -> Fit:
-    """Return the fit of lowest cost; among equal ones the first.
+    """Return the fit of lowest cost; among equal ones the first. Fits that failed, without a finite cost, do not count.
 
     Args:
         fits: Fits of one problem.
 
     Raises:
-        InputError: There is none.
+        InputError: No fit was given.
+        RunError: All of them failed.
     """
     if not fits:
         raise InputError("no fit was given to choose the best from; fit from one start at least")
-    return min(fits, key=lambda each: each.cost)
+    done = [each for each in fits if np.isfinite(each.cost)]
+    if not done:
+        raise RunError(
+            f"all {len(fits)} fits failed, because the model cannot be evaluated at their starts: {fits[0].message}; "
+            "give other starts, narrower bounds, or correct the robot"
+        )
+    return min(done, key=lambda each: each.cost)
 
 
 def _on_cluster(

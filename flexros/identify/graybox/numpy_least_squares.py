@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.identify.graybox.estimators import estimator_named
 from flexros.identify.graybox.levenberg_marquardt import NormalEquations
+from flexros.identify.graybox.packed_target import packed_target
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
@@ -30,6 +32,11 @@ class ResponseTarget:
     response: ComplexArray
     weights: FloatArray
     estimator: str
+
+    @cached_property
+    def packed(self) -> FloatArray:
+        """The target in the order of the compiled code, see `packed_target`; packed once for all linearisations."""
+        return packed_target(self.response, self.weights, logarithmic=self.estimator != "NLS")
 
     def check(self, model: FrequencyModel) -> None:
         """Compare the target with the model it is for.

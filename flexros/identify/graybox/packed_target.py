@@ -3,48 +3,36 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from flexros.identify.graybox.kernel_structure import in_blocks, motor_pairs
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
-    from flexros.identify.graybox.numpy_least_squares import ResponseTarget
-
-_PACKED: WeakKeyDictionary[ResponseTarget, FloatArray] = WeakKeyDictionary()
+    from flexros.arrays import ComplexArray, FloatArray
 
 
-def packed_target(target: ResponseTarget) -> FloatArray:
-    """Bring measured responses (their logarithms, unless the estimator is NLS) and weights into blocks.
-
-    A target is packed once, however often the robot is linearised anew for it.
+def packed_target(response: ComplexArray, weights: FloatArray, logarithmic: bool) -> FloatArray:
+    """Bring measured responses and weights into blocks.
 
     Args:
-        target: Measured responses, weights and estimator.
+        response: Measured responses, shape (Q, F, M, M); anything where the weight is zero.
+        weights: Weights, shape (Q, F, M, M).
+        logarithmic: Whether logarithms of the responses are compared.
 
     Returns:
         For each pair (m, n) of motors: measured (m, n) as two numbers, weight; the same of (n, m), with weight 0 where
         m = n; square root of the sum of both weights and its inverse (0 for 0); shape (Q, blocks, 8 pairs, LANES).
     """
-    if target not in _PACKED:
-        _PACKED[target] = _packed(target)
-    return _PACKED[target]
-
-
-def _packed(target: ResponseTarget) -> FloatArray:
-    counted = target.weights > 0
-    measured = np.where(counted, target.response, 1.0)
-    if target.estimator != "NLS":
+    measured = np.where(weights > 0, response, 1.0)
+    if logarithmic:
         measured = np.log(measured)
     m, n = np.array(motor_pairs(measured.shape[-1])).T
-    second = np.where(m != n, target.weights[:, :, n, m], 0.0)
-    total = target.weights[:, :, m, n] + second
-    root = np.sqrt(total)
+    second = np.where(m != n, weights[:, :, n, m], 0.0)
+    root = np.sqrt(weights[:, :, m, n] + second)
     first, other = measured[:, :, m, n], measured[:, :, n, m]
     numbers = [
-        *(first.real, first.imag, target.weights[:, :, m, n]),
+        *(first.real, first.imag, weights[:, :, m, n]),
         *(other.real, other.imag, second),
         *(root, np.where(root > 0, 1.0 / np.where(root > 0, root, 1.0), 0.0)),
     ]

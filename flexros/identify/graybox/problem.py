@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.identify.graybox.estimators import AbstractEstimator, estimator_named
 from flexros.identify.graybox.frequency_model import FrequencyModel
+from flexros.identify.graybox.least_squares import ResponseTarget
 from flexros.identify.graybox.linearised_positions import linearise_positions
 from flexros.identify.graybox.parameter_scale import ParameterScale, parameter_scale
 from flexros.identify.graybox.weights import Weights, weights_named
@@ -60,6 +62,11 @@ class GrayBoxProblem:
         """Measured responses [(rad/s2)/Nm, or the like], shape (Q, F, M, M)."""
         return np.stack([response.response for response in self.responses])
 
+    @cached_property
+    def target(self) -> ResponseTarget:
+        """Measured responses, weights and estimator, as a search needs them; made once for all fits of the problem."""
+        return ResponseTarget(self.measured, self.weights, self.estimator.name)
+
     def model_at(self, values: FloatArray) -> FrequencyModel:
         """Linearise the robot anew at the rests that belong to parameter values (Moberg 2007, Paper A, remark A.1).
 
@@ -92,9 +99,19 @@ class GrayBoxProblem:
         Returns:
             The same problem with other weights.
         """
-        modelled = self.model_at(values).response(values)
-        stand_ins = [replace(given, response=model) for given, model in zip(self.responses, modelled, strict=True)]
+        stand_ins = self.with_modelled(self.model_at(values).response(values))
         return replace(self, weights=_weight_array(self.setting, stand_ins, self.estimator))
+
+    def with_modelled(self, modelled: ComplexArray) -> tuple[FrequencyResponse, ...]:
+        """Put modelled responses into the place of the measured ones, with the covariance of the measured ones.
+
+        Args:
+            modelled: Responses of a model, shape (Q, F, M, M).
+
+        Returns:
+            One response per position.
+        """
+        return tuple(replace(given, response=model) for given, model in zip(self.responses, modelled, strict=True))
 
     def __reduce__(self) -> tuple[Any, ...]:
         robot = (self.robot.spec.model_dump(mode="json"), self.robot.source)

@@ -30,11 +30,13 @@ class Refinement:
         problem: The problem with the weights of the last round.
         fit: The fit.
         rounds: How often weights were made.
+        settled: Whether the last round changed no parameter any more, so that weights and fit belong to one another.
     """
 
     problem: GrayBoxProblem
     fit: Fit
     rounds: int
+    settled: bool
 
 
 def refine(
@@ -66,11 +68,11 @@ def refine(
         InputError: Optimal weights without a measured covariance.
     """
     chosen = problem.with_choice(estimator, weights)
-    rounds = 0
-    while rounds < MOST_ROUNDS:
+    rounds, settled = 0, False
+    while rounds < MOST_ROUNDS and not settled:
         rounds += 1
         chosen, before = chosen.reweighted(found.values), found
         found = fit(chosen, before.values, bounds, settings)
-        if np.max(np.abs(problem.scale.scaled(found.values) - problem.scale.scaled(before.values))) < SETTLED:
-            break
-    return Refinement(chosen, found, rounds)
+        change = problem.scale.scaled(found.values) - problem.scale.scaled(before.values)
+        settled = bool(np.max(np.abs(change)) < SETTLED)
+    return Refinement(chosen, found, rounds, settled)

@@ -49,6 +49,18 @@ class AbstractWeights(Settings, ABC):
             InputError: A setting does not suit the responses.
         """
 
+    @abstractmethod
+    def share_of_noise(self, weights: FloatArray, variance: FloatArray) -> FloatArray:
+        """Tell how much of 1 / weight is measured variance, which is itself uncertain, and not a constant.
+
+        Args:
+            weights: Weights, any shape.
+            variance: Variance of each element of the errors, same shape.
+
+        Returns:
+            Shares, 0 to 1, same shape.
+        """
+
     def in_band(self, responses: Sequence[FrequencyResponse]) -> FloatArray:
         """Return 1 for frequencies within the band and 0 outside, shape (Q, F, 1, 1)."""
         frequency = np.stack([response.frequency for response in responses])
@@ -109,6 +121,11 @@ class UserWeights(AbstractWeights):
             weights = weights / np.where(power > 0, power, 1.0)
         return weights
 
+    def share_of_noise(self, weights: FloatArray, variance: FloatArray) -> FloatArray:
+        """Return 0: constants know nothing of noise; see `AbstractWeights.share_of_noise`."""
+        del variance
+        return np.zeros_like(weights)
+
     def _constants(self, response: FrequencyResponse) -> FloatArray:
         outputs, inputs = response.output_names, response.input_names
         constants = np.full((len(outputs), len(inputs)), self.off_diagonal)
@@ -133,6 +150,11 @@ class OptimalWeights(AbstractWeights):
         rows = [estimator.optimal_weight(_known_variance(response), response.response) for response in responses]
         clear = 1.0 if estimator.name == "NLS" else self.above_noise(responses, by_line=True)
         return self.in_band(responses) * np.stack(rows) * clear
+
+    def share_of_noise(self, weights: FloatArray, variance: FloatArray) -> FloatArray:
+        """Return 1; see `AbstractWeights.share_of_noise`."""
+        del variance
+        return np.ones_like(weights)
 
 
 class CombinedWeights(AbstractWeights):
@@ -160,6 +182,10 @@ class CombinedWeights(AbstractWeights):
         used = (user > 0) & (optimal > 0)
         inverse = 1.0 / np.where(used, user, 1.0) + 1.0 / np.where(used, optimal, 1.0)
         return np.where(used, 1.0 / inverse, 0.0)
+
+    def share_of_noise(self, weights: FloatArray, variance: FloatArray) -> FloatArray:
+        """Return w / w_optimal; see `AbstractWeights.share_of_noise`."""
+        return np.clip(weights * variance, 0.0, 1.0)
 
 
 Weights = UserWeights | OptimalWeights | CombinedWeights

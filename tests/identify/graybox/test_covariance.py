@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -9,12 +10,15 @@ import pytest
 from flexros.identify.graybox.covariance import NOTHING_KNOWN, parameter_covariance
 from flexros.identify.graybox.fit import fit
 from flexros.identify.graybox.problem import graybox_problem
+from flexros.identify.graybox.weights import CombinedWeights
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray
     from flexros.identify.frf.frequency_response import FrequencyResponse
     from flexros.identify.graybox.problem import GrayBoxProblem
     from flexros.robot.robot import Robot
+
+    from .conftest import Measure
 
     Responses = tuple[FrequencyResponse, ...]
 
@@ -110,6 +114,33 @@ def test_weights_from_few_degrees_of_freedom_inflate(e12: Robot, e12_names: list
     problem = graybox_problem(e12, few, e12_names, "LLS", "optimal")
     covariance = parameter_covariance(problem, fit(problem))
     assert covariance.factor == pytest.approx(20.0 / 18.0 * max(covariance.reduced_cost, 1.0))
+
+
+@pytest.mark.parametrize(("allowed", "lowest", "highest"), [(1e-6, 0.99, 1.0), (1e-2, 0.05, 0.95), (10.0, 0.0, 0.01)])
+def test_combined_weights_inflate_by_what_they_take_from_the_noise(
+    allowed: float, lowest: float, highest: float, e12: Robot, e12_names: list[str], noisy_e12: Responses
+) -> None:
+    few = tuple(replace(response, degrees_of_freedom=20.0) for response in noisy_e12)
+    combined = CombinedWeights(diagonal=allowed, off_diagonal=allowed)
+    problem = graybox_problem(e12, few, e12_names, "LLS", combined)
+    found = fit(problem)
+    problem = problem.reweighted(found.values)
+    plain, corrected = (parameter_covariance(problem, found, correct) for correct in (False, True))
+    share = (corrected.factor / max(corrected.reduced_cost, 1.0) - 1.0) / (20.0 / 18.0 - 1.0)
+    assert lowest <= share <= highest + 1e-9
+    growth = np.diag(corrected.matrix) / np.diag(plain.matrix) / max(corrected.reduced_cost, 1.0)
+    assert np.all((growth >= 1.0 - 1e-9) & (growth <= 20.0 / 18.0 + 1e-9))
+
+
+def test_elements_where_the_model_is_lost_in_noise_are_told(
+    e12: Robot, e12_names: list[str], measured: Measure
+) -> None:
+    loud = measured(e12, np.array([[0.0, 0.3], [0.2, 1.2]]), np.linspace(1.0, 40.0, 60), noise=0.3)
+    problem = graybox_problem(e12, loud, e12_names)
+    found = fit(problem)
+    told = [parameter_covariance(each, found).explanation for each in (problem, problem.reweighted(found.values))]
+    assert re.search(r"; .* [1-9]\d* of \d+ elements are lost in noise where the model is, so that this is", told[0])
+    assert "lost in noise" not in told[1]
 
 
 def test_residuals_stand_in_for_a_covariance_that_is_not_known(

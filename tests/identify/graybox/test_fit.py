@@ -10,6 +10,7 @@ from flexros.identify.graybox.fit import FitSettings, fit
 from flexros.identify.graybox.least_squares import ResponseTarget, least_squares
 from flexros.identify.graybox.levenberg_marquardt import NormalEquations, StopRule
 from flexros.identify.graybox.multistart import random_starts
+from flexros.identify.graybox.packed_target import packed_target
 from flexros.identify.graybox.problem import graybox_problem
 from flexros.identify.graybox.weights import UserWeights
 
@@ -182,3 +183,35 @@ def test_values_at_which_the_model_is_singular_are_left_out(
     assert refused
     assert found.values[0] >= 0.999e5
     assert np.isfinite(found.cost)
+
+
+def test_fit_whose_model_fails_at_the_start_says_so(
+    e12: Robot, e12_names: list[str], exact_e12: Responses, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def singular(*_: object) -> None:
+        raise np.linalg.LinAlgError("Singular matrix")
+
+    problem = graybox_problem(e12, exact_e12, e12_names)
+    for name in ("cost", "normal_equations"):
+        monkeypatch.setattr(type(least_squares(problem.model, problem.target)), name, singular)
+    found = fit(problem)
+    assert not found.converged
+    assert np.isnan(found.cost)
+    assert np.isnan(found.start_cost)
+    assert found.message == "the model cannot be evaluated where the search began"
+
+
+def test_fits_of_one_problem_share_one_target(
+    e12: Robot, e12_names: list[str], exact_e12: Responses, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    packed = []
+
+    def counted(*arguments: object, **options: object) -> FloatArray:
+        packed.append(1)
+        return packed_target(*arguments, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("flexros.identify.graybox.numpy_least_squares.packed_target", counted)
+    problem = graybox_problem(e12, exact_e12, e12_names)
+    for start in random_starts(problem, 3, seed=0):
+        fit(problem, start, settings=FitSettings(StopRule(iterations=1), relinearisations=1))
+    assert len(packed) == 1

@@ -112,3 +112,14 @@ def test_box_step_solves_the_rest_again_when_one_parameter_hits_its_side(damping
     step = box_step(NormalEquations(0.0, g, H), damping, np.full(2, -np.inf), np.array([0.5, np.inf]))
     assert step[0] == 0.5
     assert step[1] == pytest.approx((-g[1] - H[1, 0] * 0.5) / (H[1, 1] * (1.0 + damping)))
+
+
+@pytest.mark.parametrize(("cost", "slope"), [(np.nan, np.nan), (np.inf, 0.0), (1.0, np.nan)])
+def test_search_whose_model_fails_at_the_start_has_not_converged(cost: float, slope: float) -> None:
+    def failing(x: FloatArray) -> NormalEquations:
+        return NormalEquations(cost, np.full(2, slope), np.eye(2))
+
+    found = minimise(failing, lambda x: cost, np.array([3.0, 7.0]), -WIDE, WIDE, WIDE, StopRule())
+    assert not found.converged
+    assert (found.iterations, found.evaluations) == (0, 1)
+    np.testing.assert_array_equal(found.x, [3.0, 7.0])

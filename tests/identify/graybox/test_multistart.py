@@ -1,11 +1,12 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
-from flexros.errors import InputError
+from flexros.errors import InputError, RunError
 from flexros.identify.graybox.fit import fit
 from flexros.identify.graybox.multistart import best, multistart, random_starts
 from flexros.identify.graybox.problem import GrayBoxProblem, graybox_problem
@@ -40,6 +41,19 @@ def test_linear_parameters_start_around_their_value(e12: Robot, exact_e12: tuple
     assert np.all(starts[:, 1] >= 0.0)
 
 
+def test_starts_lie_within_given_bounds_and_fill_them(problem: GrayBoxProblem) -> None:
+    bounds = {"body_1.ry.stiffness": (8e4, 2e5), "body_2.ry.stiffness": (5e5, 4e6), "body_3.ry.damping": (1e-2, 1e3)}
+    starts = random_starts(problem, 300, seed=1, bounds=bounds)
+    nominal = dict(zip(problem.names, problem.scale.nominal, strict=True))
+    drawn = dict(zip(problem.names, starts.T, strict=True))
+    assert 8e4 <= drawn["body_1.ry.stiffness"].min() < 8.2e4 < 1.9e5 < drawn["body_1.ry.stiffness"].max() <= 2e5
+    assert 5e5 <= drawn["body_2.ry.stiffness"].min() < 5.2e5 < 3.8e6 < drawn["body_2.ry.stiffness"].max() <= 4e6
+    assert nominal["body_3.ry.damping"] / 10 <= drawn["body_3.ry.damping"].min()
+    assert drawn["body_3.ry.damping"].max() <= nominal["body_3.ry.damping"] * 10
+    for each in multistart(problem, 3, seed=1, bounds=bounds):
+        assert each.converged
+
+
 @pytest.mark.parametrize("threads", [1, 3])
 def test_fits_come_in_the_order_of_their_starts_whatever_the_threads(problem: GrayBoxProblem, threads: int) -> None:
     starts = random_starts(problem, 5, seed=2)
@@ -69,7 +83,17 @@ def test_wrong_start_ends_all(problem: GrayBoxProblem) -> None:
 
 def test_best_is_the_one_of_lowest_cost(problem: GrayBoxProblem) -> None:
     found = multistart(problem, 5, seed=2)
-    assert best(found).cost == min(each.cost for each in found)
+    lowest = min(each.cost for each in found)
+    failed = replace(found[0], cost=np.nan, converged=False)
+    assert best(found).cost == lowest
+    assert best([failed, *found]).cost == lowest
+    assert best([*found, replace(failed, cost=-np.inf)]).cost == lowest
+
+
+def test_best_of_fits_that_all_failed_is_refused(problem: GrayBoxProblem) -> None:
+    failed = replace(fit(problem), cost=np.nan, converged=False, message="the model cannot be evaluated")
+    with pytest.raises(RunError, match=r"all 2 fits failed, .*: the model cannot be evaluated; give other starts"):
+        best([failed, failed])
 
 
 def test_best_of_none_is_refused() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from flexros.identify.graybox.numpy_least_squares import ResponseTarget
-from flexros.identify.graybox.packed_target import packed_target
 
 
 def target(estimator: str) -> ResponseTarget:
@@ -18,20 +17,20 @@ def target(estimator: str) -> ResponseTarget:
 
 def test_pairs_hold_both_elements_and_the_sum_of_their_weights() -> None:
     given = target("NLS")
-    packed = packed_target(given).reshape(2, 1, 3, 8, 8)[1, 0, 1, :, 3]
+    packed = given.packed.reshape(2, 1, 3, 8, 8)[1, 0, 1, :, 3]
     (a, b), (v, w) = (array[1, 3, [0, 1], [1, 0]] for array in (given.response, given.weights))
     np.testing.assert_allclose(packed, [a.real, a.imag, v, b.real, b.imag, w, np.sqrt(v + w), 1 / np.sqrt(v + w)])
 
 
 def test_diagonal_elements_count_once() -> None:
     given = target("LLS")
-    packed = packed_target(given).reshape(2, 1, 3, 8, 8)[1, 0, 2, :, 0]
+    packed = given.packed.reshape(2, 1, 3, 8, 8)[1, 0, 2, :, 0]
     log, w = np.log(given.response[1, 0, 1, 1]), given.weights[1, 0, 1, 1]
     np.testing.assert_allclose(packed[[0, 1, 2, 5, 6]], [log.real, log.imag, w, 0.0, np.sqrt(w)])
 
 
 def test_elements_without_weight_and_padding_count_for_nothing() -> None:
-    packed = packed_target(target("LLS")).reshape(2, 1, 3, 8, 8)
+    packed = target("LLS").packed.reshape(2, 1, 3, 8, 8)
     assert np.all(packed[0, 0, :, [2, 5, 6, 7], 1] == 0.0)
     assert np.all(packed[..., 5:] == 0.0)
     assert np.all(np.isfinite(packed))
@@ -39,4 +38,4 @@ def test_elements_without_weight_and_padding_count_for_nothing() -> None:
 
 def test_a_target_is_packed_once() -> None:
     given = target("LLS")
-    assert packed_target(given) is packed_target(given)
+    assert given.packed is given.packed

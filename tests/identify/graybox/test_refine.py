@@ -34,6 +34,7 @@ def test_weights_belong_to_the_fitted_model(e12: Robot, e12_names: list[str], no
     problem = graybox_problem(e12, noisy_e12, e12_names)
     refined = refine(problem, fit(problem))
     assert 1 < refined.rounds <= 4
+    assert refined.settled
     again = refined.problem.reweighted(refined.fit.values).weights
     np.testing.assert_allclose(again, refined.problem.weights, rtol=0.05)
 
@@ -43,3 +44,13 @@ def test_optimal_weights_need_a_covariance(e12: Robot, e12_names: list[str], noi
     problem = graybox_problem(e12, bare, e12_names)
     with pytest.raises(InputError, match=r"optimal weights need the covariance"):
         refine(problem, fit(problem))
+
+
+def test_weights_that_did_not_settle_are_told(
+    e12: Robot, e12_names: list[str], noisy_e12: Responses, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("flexros.identify.graybox.refine.MOST_ROUNDS", 1)
+    problem = graybox_problem(e12, noisy_e12, e12_names)
+    refined = refine(problem, fit(problem, problem.scale.nominal * 1.2), weights="optimal")
+    assert refined.rounds == 1
+    assert not refined.settled
