@@ -101,5 +101,7 @@ def _print(record: Mapping[str, Any]) -> None:
         say(f"not excited: {entry['name']}, {entry['reason']}; its nominal value is kept")
     for owner, reason in record["left_at_nominal"].items():
         say(f"left at nominal in the robot file: {owner} ({reason})")
+    for name, value in record["not_met"].items():
+        say(f"not met by the robot file: {name}, which is {value:.6g} there, since no possible robot was found with it")
     for warning in record["warnings"]:
         say(f"warning: {warning}")

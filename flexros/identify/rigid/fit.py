@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.identify.rigid.base_parameters import BaseParameters, base_parameters
 from flexros.identify.rigid.excitation import LARGEST_CONDITION, Excitation, judge_excitation
-from flexros.identify.rigid.least_squares import condition_number, weighted_least_squares
+from flexros.identify.rigid.least_squares import Estimate, condition_number, weighted_least_squares
 from flexros.identify.rigid.motion_estimate import check_rows, check_size, decimate, decimation, edge, estimate_motion
 from flexros.identify.rigid.record import RigidRecord, rigid_record
 from flexros.identify.rigid.regressor import RigidRegressor
@@ -53,7 +53,8 @@ class RigidFit:
         base: The base parameters, r of them.
         values: Their values, shape (r,); nominal where the motion does not show them.
         covariance: Covariance of the values, shape (r, r); zero where the motion does not show them.
-        excitation: Which base parameters the motion shows.
+        excitation: Which base parameters the motion shows, k of them.
+        information: Normal matrix H' W H of all base parameters, shape (r, r).
         condition: Condition number of the scaled regressor of those that it shows.
         error: Torque error on the log itself.
         cutoff: Corner of the low-pass for the positions [Hz].
@@ -69,6 +70,7 @@ class RigidFit:
     values: FloatArray
     covariance: FloatArray
     excitation: Excitation
+    information: FloatArray
     condition: float
     error: TorqueError
     cutoff: float
@@ -81,6 +83,20 @@ class RigidFit:
     def deviation(self) -> FloatArray:
         """Standard deviations of the values, shape (r,); zero where the motion does not show them."""
         return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def hidden(self) -> tuple[int, ...]:
+        """Places of the base parameters that the motion does not show."""
+        return tuple(place for place in range(len(self.values)) if place not in self.excitation.shown)
+
+    @property
+    def leakage(self) -> FloatArray:
+        """What an error of the nominal values of the hidden ones adds to the shown ones, shape (k, r - k)."""
+        shown, hidden = list(self.excitation.shown), list(self.hidden)
+        at = self.information
+        size = np.sqrt(np.diag(at)[shown])
+        scaled = at[np.ix_(shown, shown)] / np.outer(size, size)
+        return np.linalg.solve(scaled, at[np.ix_(shown, hidden)] / size[:, None]) / size[:, None]
 
     @property
     def rich_enough(self) -> bool:
@@ -131,11 +147,8 @@ def fit_rigid(
     check_rows(len(rows.torque), len(base.leading))
     size = np.sqrt(np.mean(rows.torque**2, axis=0))
     excitation = judge_excitation(rows.H / np.where(size > 0, size, 1.0)[:, None], base)
+    values, estimate = _estimate(rows, base, excitation)
     shown = list(excitation.shown)
-    values = base.nominal.copy()
-    values[shown] = 0.0
-    estimate = weighted_least_squares(rows.H[:, :, shown], rows.torque - rows.H @ values)
-    values[shown] = estimate.values
     covariance = np.zeros((len(values), len(values)))
     covariance[np.ix_(shown, shown)] = estimate.covariance
     return RigidFit(
@@ -145,6 +158,7 @@ def fit_rigid(
         values=values,
         covariance=covariance,
         excitation=excitation,
+        information=_information(rows.H, estimate.deviation),
         condition=condition_number(rows.H[:, :, shown], estimate.deviation),
         error=_error(label, rows.torque, estimate.residual),
         cutoff=rows.cutoff,
@@ -153,6 +167,23 @@ def fit_rigid(
         moving=rows.moving,
         warnings=rows.record.warnings,
     )
+
+
+def _estimate(rows: _Rows, base: BaseParameters, excitation: Excitation) -> tuple[FloatArray, Estimate]:
+    """Values of all base parameters, nominal for those that are not shown, and the regression of the others."""
+    shown = list(excitation.shown)
+    values = base.nominal.copy()
+    values[shown] = 0.0
+    estimate = weighted_least_squares(rows.H[:, :, shown], rows.torque - rows.H @ values)
+    values[shown] = estimate.values
+    return values, estimate
+
+
+def _information(H: FloatArray, deviation: FloatArray) -> FloatArray:
+    """Normal matrix of all base parameters, rows weighted by the deviation of each motor, shape (r, r)."""
+    weighted = (H / deviation[:, None]).reshape(-1, H.shape[2])
+    information: FloatArray = weighted.T @ weighted
+    return information
 
 
 def cross_test(

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.identify.rigid.prior import prior_factor
 from flexros.identify.rigid.standard_parameters import inertia_at_joint
 from flexros.identify.robot_file import IdentifiedValue, identified_file
 from flexros.robot.parameters import INERTIA_COMPONENTS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Collection, Mapping
 
     from flexros.arrays import FloatArray
     from flexros.identify.rigid.fit import RigidFit
@@ -21,8 +22,11 @@ if TYPE_CHECKING:
 _LEAST_EFFECT = 1e-9
 """Relative change of a parameter below which the regression says nothing about it (chosen: round-off)."""
 
-_OF_ZERO = 0.02
-"""Size at which a parameter that is nominally zero may change, relative to the largest of its kind (chosen)."""
+_MISSED = 1e-3
+"""Relative difference from which a base parameter counts as not met, where its deviation is smaller (chosen)."""
+
+_INERTIAL = ("inertia_at_joint", "first_moment", "mass")
+"""Kinds of parameters that a body can only have together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,19 +35,24 @@ class IdentifiedRobot:
 
     Attributes:
         values: New value and relative standard deviation by parameter name.
-        left_out: Why parameters of a body or motor were left at their nominal values, by name of the body or motor.
+        left_out: Why parameters were left at their nominal values, by name of the body, or of the parameter where
+            that stands for itself.
+        not_met: Base parameters that the file gives another value than was identified, since what was left out is
+            missing: that value by name.
     """
 
     values: Mapping[str, IdentifiedValue]
     left_out: Mapping[str, str]
+    not_met: Mapping[str, float]
 
 
 def identified_values(fit: RigidFit) -> IdentifiedRobot:
     """Bring base parameters back to parameters of the robot file.
 
-    Base parameters are combinations, so many files give the identified torques: that with the smallest changes relative
-    to the nominal values is taken. Its single numbers therefore rest on the nominal ones. A body or motor that would
-    get what none can have, such as a negative inertia, is left as it is, which is said.
+    Base parameters are combinations, so many files give the identified torques: the most likely one is taken, by the
+    tolerances of the nominal values (`prior_factor`). Its single numbers therefore rest on the nominal ones, and their
+    deviations are those of the regression and, in the directions that it does not tell, of the nominal values.
+    What would be impossible, such as a body of negative inertia, is left as it is, and the others changed instead.
 
     Args:
         fit: The fit.
@@ -51,24 +60,13 @@ def identified_values(fit: RigidFit) -> IdentifiedRobot:
     Returns:
         Values with their relative standard deviations.
     """
-    nominal = np.array([parameter.nominal for parameter in fit.base.standard])
-    share = _smallest_change(fit)
-    standard = nominal + share @ (fit.values - fit.base.nominal)
-    values: dict[str, IdentifiedValue] = {}
     left_out: dict[str, str] = {}
-    for owner in dict.fromkeys(parameter.name.split(".")[0] for parameter in fit.base.standard):
-        found = _of_owner(fit, owner, standard, share)
-        if isinstance(found, str):
-            left_out[owner] = found
-        elif found:
-            numbers = {name: entry.value for name, entry in found.items()}
-            try:
-                fit.robot.with_values(numbers, "the regression")
-            except InputError as error:
-                left_out[owner] = str(error)
-            else:
-                values.update(found)
-    return IdentifiedRobot(values, left_out)
+    while True:
+        share = _most_likely_change(fit, left_out)
+        values, refused = _values(fit, share, left_out)
+        if not refused:
+            return IdentifiedRobot(values, left_out, _not_met(fit, share))
+        left_out.update(refused)
 
 
 def identified_yaml(fit: RigidFit, identified: IdentifiedRobot) -> str:
@@ -85,76 +83,133 @@ def identified_yaml(fit: RigidFit, identified: IdentifiedRobot) -> str:
     return identified_file(fit.robot, identified.values, source)
 
 
-def _smallest_change(fit: RigidFit) -> FloatArray:
-    """Matrix from changes of base parameters to the smallest relative changes of parameters, shape (P, r)."""
-    standard = fit.base.standard
-    kinds = [parameter.name.split(".", 1)[1].split(".")[0] for parameter in standard]
-    largest = {kind: max(abs(p.nominal) for p, k in zip(standard, kinds, strict=True) if k == kind) for kind in kinds}
-    size = np.array([max(abs(p.nominal), _OF_ZERO * largest[k]) for p, k in zip(standard, kinds, strict=True)])
-    alone = np.zeros(len(standard), bool)
-    alone[list(fit.base.leading)] = True
-    size[alone & (size == 0)] = 1.0  # friction of which the file knows nothing
-    weighted = fit.base.combination * size
-    return size[:, None] * np.linalg.pinv(weighted, rcond=1e-12)
+def _most_likely_change(fit: RigidFit, left_out: Collection[str]) -> FloatArray:
+    """Matrix from changes of the k base parameters that are shown to the most likely changes, shape (P, k).
+
+    Base parameters for which too few parameters are left come as near as they can, in units of their likely changes.
+    """
+    factor = prior_factor(fit.robot, fit.base)
+    factor[~np.any(fit.base.combination != 0, axis=0)] = 0.0  # no motion shows these
+    seen = _seen(fit)
+    unit = np.linalg.norm(seen @ factor, axis=1)
+    factor[[_group(parameter.name) in left_out for parameter in fit.base.standard]] = 0.0
+    share: FloatArray = factor @ np.linalg.pinv(seen @ factor / unit[:, None], rcond=1e-12) / unit
+    return share
 
 
-def _of_owner(fit: RigidFit, owner: str, standard: FloatArray, share: FloatArray) -> dict[str, IdentifiedValue] | str:
-    """Parameters of one body or motor that depend on what was estimated, or why there are none."""
-    names = [parameter.name for parameter in fit.base.standard]
-    evaluate = _body_values if owner.startswith("body") else _motor_values
-    try:
-        value = evaluate(fit, owner, names, standard)
-    except ZeroDivisionError:
-        return "its mass is zero, so its first moment gives no centre of mass"
-    scale = {name: abs(number) for name, number in value.items()}
-    variance = dict.fromkeys(value, 0.0)
-    slopes = np.zeros((len(value), len(fit.values)))
-    for place in fit.excitation.shown:
-        step = max(fit.deviation[place], 1e-9 * abs(fit.values[place]), np.finfo(float).tiny)
-        sides = []
-        for sign in (1, -1):
-            moved = standard + sign * 1e-3 * step * share[:, place]
-            sides.append(np.array(list(evaluate(fit, owner, names, moved).values())))
-        slopes[:, place] = (sides[0] - sides[1]) / (2e-3 * step)
-    reach = np.abs(slopes) * fit.deviation
-    variance = dict(zip(value, np.einsum("ij,jk,ik->i", slopes, fit.covariance, slopes), strict=True))
-    told = {
-        name for name, row in zip(value, reach, strict=True) if row.max() > _LEAST_EFFECT * max(scale[name], 1e-300)
-    }
+def _seen(fit: RigidFit) -> FloatArray:
+    """Combinations of parameters that the regression takes for base parameters, shape (k, P)."""
+    shown, hidden = list(fit.excitation.shown), list(fit.hidden)
+    seen: FloatArray = fit.base.combination[shown] + fit.leakage @ fit.base.combination[hidden]
+    return seen
+
+
+def _change(fit: RigidFit, share: FloatArray) -> FloatArray:
+    """Changes of the parameters, shape (P,)."""
+    shown = list(fit.excitation.shown)
+    change: FloatArray = share @ (fit.values - fit.base.nominal)[shown]
+    return change
+
+
+def _covariance(fit: RigidFit, share: FloatArray) -> FloatArray:
+    """Covariance of all parameters, shape (P, P): what the regression leaves open is as uncertain as before it."""
+    shown = list(fit.excitation.shown)
+    left_open = (np.eye(len(share)) - share @ _seen(fit)) @ prior_factor(fit.robot, fit.base)
+    covariance: FloatArray = share @ fit.covariance[np.ix_(shown, shown)] @ share.T + left_open @ left_open.T
+    return covariance
+
+
+def _values(
+    fit: RigidFit, share: FloatArray, left_out: Collection[str]
+) -> tuple[dict[str, IdentifiedValue], dict[str, str]]:
+    """Numbers of the robot file that depend on what was estimated, and why others are impossible."""
+    change, covariance = _change(fit, share), _covariance(fit, share)
+    values: dict[str, IdentifiedValue] = {}
+    refused: dict[str, str] = {}
+    groups: dict[str, list[int]] = {}
+    for place, parameter in enumerate(fit.base.standard):
+        groups.setdefault(_group(parameter.name), []).append(place)
+    for group, places in groups.items():
+        if group in left_out:
+            continue
+        try:
+            found = _of_group(fit, group, places, change, covariance, share)
+            fit.robot.with_values({name: entry.value for name, entry in found.items()}, "the regression")
+        except ZeroDivisionError:
+            refused[group] = "its mass is zero, so its first moment gives no centre of mass"
+        except InputError as error:
+            refused[group] = str(error)
+        else:
+            values.update(found)
+    return values, refused
+
+
+def _of_group(
+    fit: RigidFit, group: str, places: list[int], change: FloatArray, covariance: FloatArray, share: FloatArray
+) -> dict[str, IdentifiedValue]:
+    """Numbers that follow from the parameters at some places, those alone that depend on what was estimated."""
+    names = [fit.base.standard[place].name for place in places]
+    own = np.array([fit.base.standard[place].nominal for place in places]) + change[places]
+    value = _numbers(fit, group, names, own)
+    slopes = np.zeros((len(value), len(places)))
+    block = covariance[np.ix_(places, places)]
+    largest = float(np.max(np.abs(own))) or 1.0
+    for place, step in enumerate(1e-5 * np.maximum(np.abs(own), 1e-3 * largest)):
+        if block[place, place] > 0:
+            side = np.zeros(len(own))
+            side[place] = step
+            above, below = (list(_numbers(fit, group, names, own + s).values()) for s in (side, -side))
+            slopes[:, place] = (np.array(above) - np.array(below)) / (2 * step)
+    variance = np.einsum("ij,jk,ik->i", slopes, block, slopes)
+    deviation = np.sqrt(np.maximum(variance, 0.0))
+    shown = list(fit.excitation.shown)
+    reach = np.max(np.abs(slopes @ share[places]) * fit.deviation[shown], axis=1, initial=0.0)
     return {
-        name: IdentifiedValue(number, float(np.sqrt(max(variance[name], 0.0))) / max(scale[name], 1e-300))
-        for name, number in value.items()
-        if name in told
+        name: IdentifiedValue(number, float(spread) / max(abs(number), 1e-300))
+        for (name, number), spread, effect in zip(value.items(), deviation, reach, strict=True)
+        if effect > _LEAST_EFFECT * max(abs(number), 1e-300)
     }
 
 
-def _body_values(fit: RigidFit, body: str, names: list[str], standard: FloatArray) -> dict[str, float]:
+def _not_met(fit: RigidFit, share: FloatArray) -> dict[str, float]:
+    """Values in the file of base parameters that it misses by more than their deviation."""
+    got, missed = fit.base.nominal.copy(), np.zeros(len(fit.values), bool)
+    shown = list(fit.excitation.shown)
+    got[shown] += _seen(fit) @ _change(fit, share)
+    margin = np.maximum(fit.deviation, _MISSED * np.maximum(np.abs(fit.values), np.abs(fit.base.nominal)))
+    missed[shown] = (np.abs(got - fit.values) > margin)[shown]
+    return {fit.base.names[place]: float(got[place]) for place in np.flatnonzero(missed)}
+
+
+def _group(name: str) -> str:
+    """Name of what is possible or impossible as a whole: a body's inertial parameters, else a number of its own."""
+    owner, _, kind = name.partition(".")
+    if owner.startswith("body") and kind.split(".")[0] in _INERTIAL:
+        return owner
+    return f"{owner}.viscous_friction" if kind.startswith("viscous_friction") else name
+
+
+def _numbers(fit: RigidFit, group: str, names: list[str], own: FloatArray) -> dict[str, float]:
+    """Numbers of the robot file from the parameters of a group; friction is the mean of both directions."""
+    if "." in group:
+        return {group: float(np.mean(own))} if group in fit.robot.parameters else {}
+    return _of_body(fit, group, dict(zip(names, own.tolist(), strict=True)))
+
+
+def _of_body(fit: RigidFit, body: str, own: Mapping[str, float]) -> dict[str, float]:
     """Mass, centre of mass and inertia about it from the parameters at the joint."""
-    own = {name: float(standard[names.index(name)]) for name in names if name.startswith(f"{body}.")}
-    found = {}
-    if f"{body}.viscous_friction" in own:
-        found[f"{body}.viscous_friction"] = own[f"{body}.viscous_friction"]
     mass = own[f"{body}.mass"]
     moment = np.array([own[f"{body}.first_moment.{axis}"] for axis in "xyz"])
-    if mass == 0 and not np.any(moment):
-        center = moment
-    elif mass == 0:
+    if mass == 0 and np.any(moment):
         raise ZeroDivisionError
-    else:
-        center = moment / mass
+    center = moment / mass if mass else moment
     at_joint = {entry: own[f"{body}.inertia_at_joint.{entry}"] for entry in INERTIA_COMPONENTS}
     about_center = inertia_at_joint(at_joint, mass, center, sign=-1.0)
     for entry in INERTIA_COMPONENTS:  # what no motion shows stays as it is about the centre, wherever that moves
         if f"{body}.inertia_at_joint.{entry}" in fit.base.without_effect:
             about_center[entry] = fit.robot.parameters[f"{body}.inertia.{entry}"].value
-    found[f"{body}.mass"] = mass
-    found.update({f"{body}.center_of_mass.{axis}": float(center[place]) for place, axis in enumerate("xyz")})
-    found.update({f"{body}.inertia.{entry}": value for entry, value in about_center.items()})
-    return found
-
-
-def _motor_values(fit: RigidFit, motor: str, names: list[str], standard: FloatArray) -> dict[str, float]:
-    """Rotor inertia and viscous friction, the mean of both directions where they were told apart."""
-    own = {name: float(standard[names.index(name)]) for name in names if name.startswith(f"{motor}.")}
-    viscous = [value for name, value in own.items() if ".viscous_friction" in name]
-    return {f"{motor}.inertia": own[f"{motor}.inertia"], f"{motor}.viscous_friction": float(np.mean(viscous))}
+    return {
+        f"{body}.mass": mass,
+        **{f"{body}.center_of_mass.{axis}": float(center[place]) for place, axis in enumerate("xyz")},
+        **{f"{body}.inertia.{entry}": value for entry, value in about_center.items()},
+    }

@@ -64,6 +64,7 @@ def result_record(
             for name, entry in identified.values.items()
         },
         "left_at_nominal": dict(identified.left_out),
+        "not_met": dict(identified.not_met),
         "warnings": list(fit.warnings),
         "provenance": {"versions": versions(), "model_hash": fit.robot.model_hash, "logs": dict(logs)},
     }

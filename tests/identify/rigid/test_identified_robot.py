@@ -13,6 +13,7 @@ from flexros.identify.rigid.fit import fit_rigid
 from flexros.identify.rigid.identified_robot import identified_values, identified_yaml
 from flexros.identify.rigid.settings import RigidSettings
 from flexros.robot import load_robot
+from flexros.robot.robot import robot_from_data
 
 SLOW = RigidSettings(cutoff=25.0)
 
@@ -54,15 +55,29 @@ def test_identified_file_of_the_elbow_gives_the_torques_of_the_real_one(
     assert new.parameters["body_1.length.z"].source == elbow.parameters["body_1.length.z"].source
 
 
-def test_what_no_body_can_have_is_left_out(elbow, fourier_motion, rigid_log) -> None:
+def test_what_cannot_be_is_left_out_and_said(elbow, fourier_motion, rigid_log) -> None:
     fit = fit_rigid(rigid_log(elbow, fourier_motion(8000, 1e-3, 2)), elbow, SLOW)
     values = fit.values.copy()
     values[fit.base.names.index("motor_2.inertia")] = -5.0
     identified = identified_values(replace(fit, values=values))
     assert "motor_2.inertia" not in identified.values
-    assert "motor_2" in identified.left_out
-    assert "-5" in identified.left_out["motor_2"]
-    assert "body_2.inertia.yy" in identified.values
+    assert "-5" in identified.left_out["motor_2.inertia"]
+    assert identified.not_met == {"motor_2.inertia": pytest.approx(25.0)}
+    assert {"body_2.inertia.yy", "motor_2.viscous_friction"} <= set(identified.values)
+
+
+def test_others_take_over_what_a_body_cannot_have(elbow, fourier_motion, rigid_log, tmp_path: Path) -> None:
+    nominal = elbow.with_values({"body_1.inertia.yy": 0.5, "motor_1.inertia": 30.0})
+    real = elbow.with_values({"body_1.inertia.yy": 0.5, "motor_1.inertia": 12.0})
+    fit = fit_rigid(rigid_log(real, fourier_motion(12_000, 1e-3, 2), noise=1e-6), nominal, SLOW)
+    identified = identified_values(fit)
+    assert "body_1" in identified.left_out  # its share of the difference would make its inertia negative
+    assert identified.not_met == {}
+    file = tmp_path / "identified.yaml"
+    file.write_text(identified_yaml(fit, identified))
+    motion = fourier_motion(500, 1e-2, 2, seed=5)
+    wanted, got = (RigidArm(robot).inverse_dynamics(motion).torque for robot in (real, load_robot(file)))
+    assert np.linalg.norm(got - wanted) < 2e-3 * np.linalg.norm(wanted)
 
 
 def test_first_moment_of_a_body_without_mass_has_no_place(fourier_motion, rigid_log) -> None:
@@ -85,3 +100,47 @@ def test_identified_file_of_a_robot_in_space(fourier_motion, rigid_log, tmp_path
     wanted, got, before = (RigidArm(r).inverse_dynamics(motion).torque for r in (real, load_robot(file), robot))
     assert np.linalg.norm(got - wanted) < 1e-3 * np.linalg.norm(wanted)
     assert np.linalg.norm(before - wanted) > 0.03 * np.linalg.norm(wanted)
+
+
+@pytest.mark.parametrize(("name", "samples"), [("elbow", 8000), ("six_axis", 10_000)])
+def test_tolerances_allow_for_what_only_combinations_tell(name: str, samples: int, fourier_motion, rigid_log) -> None:
+    robot, rng = load_robot(name), np.random.default_rng(3)
+    changed = {
+        key: parameter.value * (1 + 0.12 * rng.normal())
+        for key, parameter in robot.parameters.items()
+        if key.endswith((".mass", ".inertia.yy", "motor_2.inertia")) or ".center_of_mass." in key
+    }
+    real = robot.with_values(changed)
+    fit = fit_rigid(rigid_log(real, fourier_motion(samples, 1e-3, robot.n_motors), noise=1e-6), robot, SLOW)
+    identified = identified_values(fit)
+    assert identified.left_out == {}
+    assert identified.not_met == {}
+    errors = {
+        key: (entry.value - real.parameters[key].value) / (entry.relative * abs(entry.value))
+        for key, entry in identified.values.items()
+    }
+    assert max(abs(error) for error in errors.values()) < 4
+    assert identified.values["body_2.mass" if name == "elbow" else "body_3.mass"].relative > 0.02
+
+
+def test_tolerance_of_the_robot_file_is_the_prior(elbow, fourier_motion, rigid_log) -> None:
+    known = elbow.spec.model_dump(mode="json")
+    known["bodies"][1]["mass"]["tolerance"] = 1e-6
+    known["bodies"][1]["center_of_mass"]["tolerance"] = 1e-6
+    sure = robot_from_data(known, "test")
+    fit = fit_rigid(rigid_log(elbow, fourier_motion(8000, 1e-3, 2), noise=1e-6), sure, SLOW)
+    told, unknown = identified_values(fit), identified_values(replace(fit, robot=elbow))
+    assert told.values["body_2.mass"].relative < 1e-4
+    assert unknown.values["body_2.mass"].relative > 0.05
+
+
+def test_parameters_that_act_like_hidden_ones_are_as_uncertain(fourier_motion, rigid_log) -> None:
+    robot = load_robot("elbow")
+    motion = fourier_motion(8000, 1e-3, 2)
+    motion[:, :, 1] = 0.0
+    real = robot.with_values({"body_2.mass": 60.0, "body_2.inertia.yy": 4.0})
+    fit = fit_rigid(rigid_log(real, motion, noise=1e-6), robot, SLOW)
+    assert fit.hidden
+    identified = identified_values(fit)
+    for key, entry in identified.values.items():
+        assert abs(entry.value - real.parameters[key].value) < 4 * entry.relative * abs(entry.value), key
