@@ -32,6 +32,27 @@ def windows(n_lines: int, half: int) -> IntArray:
     return np.asarray(first[:, None] + np.arange(width))
 
 
+def pooled_degrees(degrees: float, places: IntArray, half: int, shared: FloatArray) -> float:
+    """Return the degrees of freedom of a mean over neighbouring covariances, which may rest on the same lines in part.
+
+    The variance of the mean of w covariances of nu degrees each is 1/w^2 sum_ij r_ij / nu, with the correlation r_ij of
+    their scatters.
+
+    Args:
+        degrees: Complex degrees of freedom nu of each covariance.
+        places: Lines of the covariances, increasing, shape (F,).
+        half: Neighbours on either side over which the mean is taken.
+        shared: Correlation r of the scatters 0, 1, 2 ... lines apart, shape (K,), zero beyond; [1] if independent.
+
+    Returns:
+        Complex degrees of freedom, the median over the lines.
+    """
+    mine = places[windows(len(places), half)]
+    apart = np.abs(mine[:, :, None] - mine[:, None, :])
+    correlation = np.append(shared, 0.0)[np.minimum(apart, len(shared))]
+    return float(degrees * mine.shape[1] ** 2 / np.median(correlation.sum(axis=(1, 2))))
+
+
 def pooled(scatter: ComplexArray, flattenings: Sequence[ComplexArray], half: int, degrees: float = 1.0) -> ComplexArray:
     """Average covariances over neighbouring lines where they are flattest.
 

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 WORST_CONDITION = 1e12
 """Largest condition of a local fit with columns scaled to equal size (chosen)."""
 
+ANCHORS = 20
+"""Fits that are compared with their neighbours to find what overlapping fits share (chosen)."""
+
 
 def local_polynomial(
     inputs: ComplexArray,
@@ -57,7 +60,8 @@ def local_polynomial(
     source = inputs if reference is None else reference
     response, error, inverse = [], [], []
     degrees = width * m - (degree + 1) * (n_u + m)
-    for k in at:
+    overlap = _Overlap(width, m)
+    for number, k in enumerate(at):
         first = int(np.clip(k - half, 0, len(inputs) - width))
         rows = slice(first, first + width)
         pseudo, rest = _fit(source[rows], np.arange(first, first + width) - k, degree)
@@ -68,7 +72,34 @@ def local_polynomial(
         response.append(G)
         error.append(unexplained @ adjoint(unexplained) / degrees)
         inverse.append(adjoint(B) @ B)
-    return LineEstimate(np.array(response), np.array(error), np.array(inverse), float(degrees))
+        overlap.add(first, rest, anchor=number % max(len(at) // ANCHORS, 1) == 0)
+    return LineEstimate(np.array(response), np.array(error), np.array(inverse), float(degrees), overlap.shared)
+
+
+class _Overlap:
+    """How much of their scatter local fits share whose lines overlap: tr(P Q) over tr(P), P and Q their residuals."""
+
+    def __init__(self, width: int, m: int) -> None:
+        self.width, self.m = width, m
+        self.anchors: list[tuple[int, ComplexArray]] = []
+        self.total, self.count = np.zeros(width), np.zeros(width)
+
+    def add(self, first: int, rest: ComplexArray, anchor: bool) -> None:
+        """Add the fit over the lines from `first` on; others are compared with those that are anchors."""
+        self.anchors = [each for each in self.anchors if 0 <= first - each[0] < self.width]
+        if anchor:
+            self.anchors.append((first, rest))
+        for before, other in self.anchors:
+            apart = (first - before) * self.m
+            both = slice(0, self.width * self.m - apart), slice(apart, self.width * self.m)
+            self.total[first - before] += float(np.vdot(other[both[1], both[1]], rest[both[0], both[0]]).real)
+            self.count[first - before] += 1
+
+    @property
+    def shared(self) -> FloatArray:
+        """Mean over all pairs with equal distance, relative to a fit with itself; 0 where there is no pair."""
+        mean = self.total / np.maximum(self.count, 1)
+        return np.asarray(mean / mean[0])
 
 
 def half_width(n_u: int, m: int, degree: int, spare: int) -> int:

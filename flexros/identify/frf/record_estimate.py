@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.identify.frf.error_covariance import flattenings
-from flexros.identify.frf.line_pooling import pooled, windows
+from flexros.identify.frf.line_pooling import pooled, pooled_degrees
 from flexros.identify.frf.local_polynomial import half_width, local_polynomial
 from flexros.identify.frf.period_spectra import check_lines
 from flexros.identify.frf.quantity import derivative_order
@@ -59,8 +59,8 @@ def record_response(experiments: Experiments, settings: FrfSettings) -> Frequenc
     error, degrees = found.error, found.degrees_of_freedom
     if error is not None:
         forms = flattenings(found.response, frequency, derivative_order(experiments.quantity))
-        error = pooled(error, forms, settings.pool_lines)
-        degrees *= 1.0 + 0.5 * (windows(len(lines), settings.pool_lines).shape[1] - 1)  # neighbours share half
+        error = pooled(error, forms, settings.pool_lines, degrees)
+        degrees = pooled_degrees(degrees, lines, settings.pool_lines, found.shared)
     return experiments.response(frequency, found.response, found.input_inverse, degrees, total_error=error)
 
 

@@ -24,12 +24,15 @@ class LineEstimate:
         error: Covariance of Y - G U at one line of one experiment, shape (F, n_y, n_y); None where nothing is spare.
         input_inverse: So that cov(vec G) = conj(input_inverse) kron error, shape (F, n_u, n_u).
         degrees_of_freedom: Complex degrees of freedom behind each error.
+        shared: Correlation between the scatters of two errors 0, 1, 2 ... lines apart, which rest on the same lines in
+            part, shape (K,); zero beyond.
     """
 
     response: ComplexArray
     error: ComplexArray | None
     input_inverse: ComplexArray
     degrees_of_freedom: float
+    shared: FloatArray
 
     def at(self, places: IntArray) -> LineEstimate:
         """Return the estimates at some of the lines.
@@ -100,7 +103,8 @@ def smoothed_estimate(
     rest = S_yy - left_out - adjoint(left_out) + response @ S_uu @ adjoint(response)
     spare = m / np.sum(weights**2) - n_u
     error = None if spare <= 0.5 else rest / (m - n_u * np.sum(weights**2))
-    return LineEstimate(response, error, adjoint(inverse) @ power @ inverse, max(float(spare), 0.0))
+    shared = np.correlate(weights, weights, "full")[len(weights) - 1 :] / np.sum(weights**2)
+    return LineEstimate(response, error, adjoint(inverse) @ power @ inverse, max(float(spare), 0.0), shared)
 
 
 def _smooth(spectra: ComplexArray, weights: FloatArray) -> ComplexArray:

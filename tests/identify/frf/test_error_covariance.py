@@ -83,6 +83,31 @@ def test_degrees_of_freedom_are_those_of_spare_experiments_and_neighbours() -> N
     assert abs(error_covariance(spectra, found, 0, 3).degrees_of_freedom - 7 * (9 - 3)) < 1e-6
 
 
+def test_degrees_of_freedom_are_those_of_the_scatter_over_repeated_experiments() -> None:
+    """Mean squared over variance of the total covariance of two motors and two blocks, pooled over seven lines."""
+    rng, n_lines, totals = np.random.default_rng(2), 30, []
+    T = np.array([[1.0, 1.0], [1.0, -1.0]])
+    for _ in range(300):
+        phases = np.exp(2j * np.pi * rng.random((n_lines, 2, 2)))
+        U = 30 * np.einsum("fib,ie->fibe", phases, T).reshape(n_lines, 2, 4)
+        Y = U + complex_normal(rng, 2, n_lines, 2, 4)
+        spectra = PeriodSpectra(
+            lines=np.arange(1, n_lines + 1),
+            period=200,
+            sample_time=1e-2,
+            input=np.transpose(np.broadcast_to(U, Y.shape), (3, 0, 1, 2)),
+            output=np.transpose(Y, (3, 0, 1, 2)),
+            reference=None,
+            block=np.array([0, 0, 1, 1]),
+        )
+        found = estimate(U, Y.mean(axis=0), None, spectra.block, "joint", spectra.frequency)
+        error = error_covariance(spectra, found, 0, 3)
+        assert error.total is not None
+        totals.append(np.einsum("fii->fi", error.total).real)
+    drawn = np.mean(np.mean(totals, axis=0) ** 2 / np.var(totals, axis=0))
+    assert abs(error.degrees_of_freedom / drawn - 1) < 0.1
+
+
 def test_one_block_and_one_period_tell_nothing() -> None:
     rng = np.random.default_rng(1)
     G = np.tile(np.eye(3, dtype=complex), (N_LINES, 1, 1))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexros.identify.frf.line_pooling import pooled, windows
+from flexros.identify.frf.line_pooling import pooled, pooled_degrees, windows
 
 EYE = np.broadcast_to(np.eye(2, dtype=complex), (40, 2, 2))
 
@@ -28,6 +28,20 @@ def test_flat_covariance_gains_degrees_of_freedom() -> None:
     before = np.mean(abs(scatter - covariance) ** 2)
     after = np.mean(abs(pooled(scatter, [EYE], 3, 2.0) - covariance) ** 2)
     assert after < 0.25 * before
+
+
+def test_degrees_of_a_mean_over_lines_that_share_their_data() -> None:
+    """Scatters that are moving means of five lines, of which every second is pooled with three on either side."""
+    rng = np.random.default_rng(4)
+    each = rng.gamma(2.0, 0.5, (4000, 60))
+    scatter = np.lib.stride_tricks.sliding_window_view(each, 5, axis=1).mean(axis=2)
+    places = np.arange(0, 56, 2)
+    mean = scatter[:, places][:, windows(len(places), 3)].mean(axis=2)
+    drawn = np.mean(mean.mean(axis=0) ** 2 / mean.var(axis=0))
+    claimed = pooled_degrees(2.0 * 5, places, 3, np.array([1.0, 0.8, 0.6, 0.4, 0.2]))
+    assert abs(claimed / drawn - 1) < 0.05
+    assert pooled_degrees(2.0, places, 3, np.ones(1)) == 2.0 * 7
+    assert pooled_degrees(2.0, places, 0, np.ones(1)) == 2.0
 
 
 def test_form_that_is_flat_is_chosen() -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import pytest
 from scipy.signal import lfilter
 
 from flexros.identify.frf.experiments import Experiments
@@ -61,6 +64,43 @@ def test_lines_kept_are_nearly_independent() -> None:
 def test_spacing_is_the_width_of_the_fit_over_its_gain() -> None:
     assert independent_spacing(5, 2) == 5
     assert independent_spacing(5, 0) == 11
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        {"method": "local_polynomial"},
+        {"method": "local_polynomial", "thinned": False},
+        {"method": "smoothing", "smoothing": 9},
+        {"method": "smoothing", "smoothing": 9, "thinned": False},
+    ],
+)
+def test_degrees_of_freedom_are_those_of_the_scatter_over_repeated_records(choice: dict[str, Any]) -> None:
+    """Mean squared over variance of the error covariance; without thinning, neighbours share most of their lines."""
+    rng, settings = np.random.default_rng(5), FrfSettings(**choice)
+    u, errors = rng.standard_normal((1, 600, 1)), []
+    for _ in range(100):
+        y = u + 0.1 * rng.standard_normal(u.shape)
+        found = record_response(Experiments.of(u, y, T, band=(50.0, 250.0), periodic=False), settings)
+        assert found.total_error is not None
+        errors.append(found.total_error[:, 0, 0].real)
+    drawn = np.mean(np.mean(errors, axis=0) ** 2 / np.var(errors, axis=0))
+    assert 0.7 < found.degrees_of_freedom / drawn < 1.2
+
+
+def test_form_in_which_the_error_is_flat_is_found_beside_a_resonance() -> None:
+    """A disturbance of the torque through a resonance of 4 Hz half width: the error follows |G|^2."""
+    a, ratios = [1.0, -1.94 * np.cos(0.2 * np.pi), 0.97**2], []
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        u, w = rng.standard_normal(3 * N), 0.2 * rng.standard_normal(3 * N)
+        mine = Experiments.of(u[-N:], lfilter([1.0], a, u + w)[-N:], T, band=(60.0, 140.0), periodic=False)
+        found = record_response(mine, FrfSettings(method="local_polynomial", spare_degrees=10))
+        assert found.total_error is not None
+        G = 1.0 / np.polyval(a[::-1], np.exp(-2j * np.pi * found.frequency * T))
+        ratios.append(found.total_error[:, 0, 0].real / abs(G) ** 2 / (0.2**2 * 4 / N))
+    assert np.std(np.log(ratios)) < 0.3
+    assert abs(np.mean(np.log(ratios))) < 0.2
 
 
 def test_error_is_total_because_noise_cannot_be_told_from_it() -> None:

@@ -30,21 +30,21 @@ def test_record_without_repetition_has_none(noisy_e12: tuple[FrequencyResponse, 
     assert response_noise(replace(noisy_e12[0], total_error=None)) is None
 
 
-def test_many_degrees_of_freedom_need_no_neighbours(noisy_e12: tuple[FrequencyResponse, ...]) -> None:
-    noise = response_noise(noisy_e12[1])
+def test_covariance_is_that_of_the_estimate(noisy_e12: tuple[FrequencyResponse, ...]) -> None:
+    given = replace(noisy_e12[1], noise_error=0.1 * noisy_e12[1].error())
+    noise = response_noise(given)
     assert noise is not None
-    np.testing.assert_allclose(noise.covariance(), noisy_e12[1].covariance("total"))
-    np.testing.assert_allclose(noise.variance, noisy_e12[1].standard_deviation("total") ** 2)
+    np.testing.assert_array_equal(noise.input_inverse, given.input_inverse)
+    np.testing.assert_array_equal(noise.covariance(), given.covariance("total"))
+    np.testing.assert_allclose(noise.variance, given.standard_deviation("total") ** 2)
+    assert noise.degrees_of_freedom == given.degrees_of_freedom
 
 
-def test_few_degrees_of_freedom_are_averaged_over_neighbours(noisy_e12: tuple[FrequencyResponse, ...]) -> None:
-    rng, given = np.random.default_rng(0), noisy_e12[0]
-    colour = (2 * np.pi * given.frequency) ** 4
-    drawn = rng.gamma(4.0, 0.25, (len(colour), 2)) * colour[:, None]
-    error = np.einsum("fi,ij->fij", drawn, np.eye(2)) + 0j
-    noise = response_noise(replace(given, total_error=error, degrees_of_freedom=4.0))
+def test_covariance_of_few_degrees_of_freedom_is_not_pooled_once_more(noisy_e12: tuple[FrequencyResponse, ...]) -> None:
+    """The estimate of the response did that, and its degrees of freedom count it."""
+    scatter = np.random.default_rng(0).gamma(4.0, 0.25, len(noisy_e12[0].frequency))
+    given = replace(noisy_e12[0], total_error=noisy_e12[0].error() * scatter[:, None, None], degrees_of_freedom=4.0)
+    noise = response_noise(given)
     assert noise is not None
-    assert noise.degrees_of_freedom == 4.0 * 5
-    steadied = np.einsum("fii->fi", noise.error).real / colour[:, None]
-    np.testing.assert_allclose(steadied.mean(), 1.0, atol=0.1)
-    assert steadied.std() < 0.6 * (drawn / colour[:, None]).std()
+    assert noise.degrees_of_freedom == 4.0
+    np.testing.assert_array_equal(noise.error, given.error())
