@@ -49,6 +49,7 @@ def finished_parts(
     jobs: Mapping[str, tuple[Any, ...]],
     function: Callable[..., dict[str, Any]],
     progress: Callable[[int], None],
+    shared: tuple[Any, ...] = (),
 ) -> dict[str, dict[str, Any]]:
     """Compute the parts that are not there yet, and give all.
 
@@ -58,6 +59,7 @@ def finished_parts(
         jobs: Arguments of the function by the name of the part, which becomes that of its file.
         function: What computes a part from its arguments; gives what JSON can hold.
         progress: Called with the number of parts that are there.
+        shared: First arguments of every part; they are sent to each worker once, not with every part.
 
     Returns:
         Results by name of the part, in the order of the jobs.
@@ -66,7 +68,8 @@ def finished_parts(
 
     missing = {name: arguments for name, arguments in jobs.items() if not _file(folder, name).exists()}
     progress(len(jobs) - len(missing))
-    submitted = {client.submit(function, *arguments, pure=False): name for name, arguments in missing.items()}
+    sent = client.scatter(list(shared), broadcast=True, hash=False) if shared and missing else []
+    submitted = {client.submit(function, *sent, *arguments, pure=False): name for name, arguments in missing.items()}
     try:
         for done, future in enumerate(as_completed(list(submitted)), start=1):
             write_whole(_file(folder, submitted[future]), json.dumps(future.result()))

@@ -49,6 +49,7 @@ class PaperStudy(AbstractCampaign):
             jobs,
             fitted_rows,
             lambda done: request.progress("groups of fits", done, len(jobs)),
+            shared=(problem,),
         )
         study = study_of(problem, parts, settings)
         return CampaignResult(study_files(study, scenario), numbers(study, scenario), study_summary(study))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +13,7 @@ from flexros.identify.graybox.problem import graybox_problem
 from flexros.identify.graybox.refine import refine
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from distributed import Client
 
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.fit import Fit
     from flexros.identify.graybox.problem import GrayBoxProblem
     from flexros.robot import Robot
-
-WEIGHTS = ("user", "optimal", "combined")
-"""Weights of the last fit."""
 
 
 @dataclass(frozen=True)
@@ -35,14 +32,17 @@ class SearchSettings:
         weights: Weights of the last fit, "user", "optimal" or "combined"; those from all starts have user weights,
             which find the valley from far away (Moberg 2007, Paper A, section 6). Those of the last fit are made with
             the fitted model's responses: chosen by the noisy ones, lines near the noise would bias logarithms.
-        starts: Number of starts; the first is the robot's values, the others lie within a factor of ten of them.
+        starts: Number of starts; the first is the robot's values, the others lie within a factor of ten of them, all
+            of them within the bounds.
         seed: Seed of the starts.
+        bounds: Lower and upper bound of values [SI] by name; see `ParameterScale.bounds` for the others.
     """
 
     estimator: str = "LLS"
     weights: str = "combined"
     starts: int = 20
     seed: int = 1
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +53,33 @@ class Found:
         problem: The problem with the weights of the last fit.
         fit: The last fit.
         searched: Fits from all starts.
+        settled: Whether the weights of the last fit belong to its values.
     """
 
     problem: GrayBoxProblem
     fit: Fit
     searched: tuple[Fit, ...]
+    settled: bool = True
+
+    @property
+    def failed(self) -> int:
+        """Number of starts at which the model could not be evaluated."""
+        return sum(not np.isfinite(each.cost) for each in self.searched)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What limits the search, one sentence each."""
+        texts = []
+        if self.failed:
+            texts.append(
+                f"{self.failed} of {len(self.searched)} starts failed, because the model cannot be evaluated there."
+            )
+        if not self.settled:
+            texts.append(
+                "The weights of the last fit did not settle: each fit with weights made anew changed the parameters "
+                "again. Try other weights."
+            )
+        return tuple(texts)
 
 
 def search(
@@ -82,16 +104,17 @@ def search(
         What was found.
 
     Raises:
-        InputError: Estimator, weights, names or responses are not possible.
+        InputError: Estimator, weights, names, bounds or responses are not possible.
+        RunError: The model cannot be evaluated at any start.
     """
     if settings.starts < 1:
         raise InputError(f"{settings.starts} starts were asked for, but at least one is needed")
     problem = graybox_problem(robot, responses, names, settings.estimator, "user")
     problem.with_choice(settings.estimator, settings.weights)  # what is not possible is refused before the search
-    starts = problem.scale.nominal[None]
+    scale, bounds = problem.scale, settings.bounds
+    starts = np.clip(scale.nominal, *map(scale.values, scale.bounds(bounds)))[None]
     if settings.starts > 1:
-        starts = np.vstack([starts, random_starts(problem, settings.starts - 1, settings.seed)])
-    searched = multistart(problem, starts, client=client, progress=progress)
-    found = best(searched)
-    refined = refine(problem, found, estimator=settings.estimator, weights=settings.weights)
-    return Found(refined.problem, refined.fit, searched)
+        starts = np.vstack([starts, random_starts(problem, settings.starts - 1, settings.seed, bounds=bounds)])
+    searched = multistart(problem, starts, bounds=bounds, client=client, progress=progress)
+    refined = refine(problem, best(searched), estimator=settings.estimator, weights=settings.weights, bounds=bounds)
+    return Found(refined.problem, refined.fit, searched, refined.settled)

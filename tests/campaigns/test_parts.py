@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from distributed import Client
@@ -49,6 +49,27 @@ def test_error_in_a_part_reaches_the_caller_and_keeps_the_others(client: Client,
     with pytest.raises(InputError, match="3 is refused"):
         finished_parts(tmp_path, client, {"a": (2,), "b": (3,)}, refuse, lambda done: None)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.json"]
+
+
+class Counted:
+    """Counts how often it is sent."""
+
+    sent: ClassVar[list[int]] = []
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        self.sent.append(1)
+        return Counted, ()
+
+
+def kind(shared: Counted, number: int) -> dict[str, Any]:
+    return {"kind": type(shared).__name__, "number": number}
+
+
+def test_what_parts_share_is_not_sent_with_every_part(client: Client, tmp_path: Path) -> None:
+    jobs = {f"part_{k}": (k,) for k in range(6)}
+    parts = finished_parts(tmp_path, client, jobs, kind, lambda done: None, shared=(Counted(),))
+    assert [parts[name] for name in jobs] == [{"kind": "Counted", "number": k} for k in range(6)]
+    assert len(Counted.sent) <= 1
 
 
 def test_folder_of_other_settings_is_refused(tmp_path: Path) -> None:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from flexros.errors import InputError
+from flexros.identify.graybox.fit import Fit
+from flexros.identify.graybox.multistart import multistart
 from flexros.identify.report.result import IdentificationResult
 from flexros.identify.search import SearchSettings, search
 from tests.identify.report.conftest import NAMES, ROBOT, TRUTH, make_result
@@ -36,6 +41,35 @@ def test_progress_counts_fits(clear: IdentificationResult) -> None:
     done: list[int] = []
     search(ROBOT, clear.problem.responses, NAMES, SearchSettings(starts=3), progress=done.append)
     assert done == [1, 2, 3]
+
+
+def test_search_keeps_within_bounds(clear: IdentificationResult) -> None:
+    bounds = {"body_1.ry.stiffness": (1.3e5, 1.5e5), "body_3.ry.damping": (1.0, 1e3)}
+    found = search(ROBOT, clear.problem.responses, NAMES, SearchSettings(starts=4, bounds=bounds))
+    for each in (*found.searched, found.fit):
+        assert 1.3e5 * (1 - 1e-9) <= each.start[0] <= 1.5e5 * (1 + 1e-9)
+        assert each.value("body_1.ry.stiffness") == pytest.approx(1.3e5)  # the truth is 1.2e5
+
+
+def test_starts_that_fail_are_told(clear: IdentificationResult, monkeypatch: pytest.MonkeyPatch) -> None:
+    def second_fails(*arguments: Any, **options: Any) -> tuple[Fit, ...]:
+        first, second, *others = multistart(*arguments, **options)
+        return (first, replace(second, cost=np.nan, converged=False), *others)
+
+    monkeypatch.setattr("flexros.identify.search.multistart", second_fails)
+    found = search(ROBOT, clear.problem.responses, NAMES, SearchSettings(starts=3))
+    assert found.failed == 1
+    assert found.warnings == ("1 of 3 starts failed, because the model cannot be evaluated there.",)
+
+
+def test_weights_that_did_not_settle_are_told(clear: IdentificationResult, monkeypatch: pytest.MonkeyPatch) -> None:
+    settled = search(ROBOT, clear.problem.responses, NAMES, SearchSettings(starts=1))
+    monkeypatch.setattr("flexros.identify.graybox.refine.SETTLED", 0.0)
+    found = search(ROBOT, clear.problem.responses, NAMES, SearchSettings(starts=1))
+    assert settled.settled
+    assert settled.warnings == ()
+    assert not found.settled
+    assert "weights of the last fit did not settle" in found.warnings[0]
 
 
 @pytest.mark.parametrize(

@@ -45,8 +45,7 @@ def amplitude_room(
     limits = torque_share * torque_limits(robot, law)
     if not np.any(np.isfinite(limits)):
         return np.inf
-    names = tuple(name for name in robot.parameters if name.endswith(".mass"))[:1]
-    positions = linearise_positions(robot, names, motor_positions)
+    positions = linearise_positions(robot, (), motor_positions)
     response = FrequencyModel(positions, conditions.frequency, sample_time, robot.delay).response(positions.values)
     controller = controller_response(law, robot.n_motors, sample_time, conditions.frequency)
     torque = input_spectrum(response, conditions, controller)

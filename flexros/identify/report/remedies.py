@@ -29,7 +29,7 @@ class Remedy:
     Attributes:
         what: The combination, in words.
         gears: Gear coordinates of the position [rad or m], shape (M,).
-        measured: Whether the position was among those measured already.
+        position: Number of the position among those measured already, 0-based; None where it was not.
         frequency: Frequency at which it tells most [Hz].
         now: Standard deviation of the combination now [1].
         optimal: What optimal weights would get from the same responses [1] (Moberg 2007, Paper A, eq. 6 and 8).
@@ -38,11 +38,26 @@ class Remedy:
 
     what: str
     gears: FloatArray
-    measured: bool
+    position: int | None
     frequency: float
     now: float
     optimal: float
     gain: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidates:
+    """Positions for a further experiment.
+
+    Attributes:
+        information: Information of an experiment in each, shape (C, P, P).
+        gears: Gear coordinates [rad or m], shape (C, M); NaN where they are not known.
+        positions: Number of the measured position that each is; None where it was not measured.
+    """
+
+    information: FloatArray
+    gears: FloatArray
+    positions: tuple[int | None, ...]
 
 
 def remedies(result: IdentificationResult) -> tuple[Remedy, ...]:
@@ -62,23 +77,24 @@ def remedies(result: IdentificationResult) -> tuple[Remedy, ...]:
         return ()
     by_line = measured_information(result)
     given = by_line.sum(axis=(0, 1))
-    candidates, gears = by_line.sum(axis=1), np.array([each.gears for each in result.problem.responses])
-    if result.design is not None and result.design.names == result.fit.names:
-        candidates = _ratio(given, result.design.information) * result.design.design.information
-        gears = result.design.candidates.gears
+    candidates = _candidates(result, by_line)
     total = given + np.eye(len(given)) / PRIOR_DEVIATION**2
     weighted = result.problem.with_choice(result.fit.estimator, "optimal").reweighted(result.fit.values)
     optimal = parameter_covariance(weighted, result.fit, correct=False).matrix
     found = []
     for what, direction in wanted:
-        best = next_experiment(total, candidates, direction)
-        frequency, lines = _lines(result, best.candidate, gears[best.candidate], by_line)
-        place = most_telling_frequency(lines, total + candidates[best.candidate], direction)
+        best = next_experiment(total, candidates.information, direction)
+        position = candidates.positions[best.candidate]
+        if position is None:
+            frequency, lines = _designed_lines(result, best.candidate)
+        else:
+            frequency, lines = result.problem.frequency, by_line[position]
+        place = most_telling_frequency(lines, total + candidates.information[best.candidate], direction)
         found.append(
             Remedy(
                 what=what,
-                gears=gears[best.candidate],
-                measured=frequency is result.problem.frequency,
+                gears=candidates.gears[best.candidate],
+                position=position,
                 frequency=float(frequency[place]),
                 now=float(np.sqrt(direction @ result.covariance.matrix @ direction)),
                 optimal=float(np.sqrt(direction @ optimal @ direction)),
@@ -133,14 +149,27 @@ def _ratio(given: FloatArray, promised: FloatArray) -> float:
     return float(np.exp((value - other) / len(given)))
 
 
-def _lines(
-    result: IdentificationResult, candidate: int, gears: FloatArray, measured: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return frequencies and information line by line of a candidate, measured where it was."""
-    same = [place for place, each in enumerate(result.problem.responses) if np.allclose(gears, each.gears)]
-    if same or result.design is None:
-        return result.problem.frequency, measured[same[0]]
+def _candidates(result: IdentificationResult, measured: FloatArray) -> _Candidates:
+    """Take the candidates of the design, or the measured positions where there is none for these parameters."""
+    gears = np.array([each.gears for each in result.problem.responses])
     design = result.design
+    if design is None or not has_candidates(result):
+        return _Candidates(measured.sum(axis=1), gears, tuple(range(len(gears))))
+    information = _ratio(measured.sum(axis=(0, 1)), design.information) * design.design.information
+    same = [np.all(np.isclose(gears, each), axis=1) for each in design.candidates.gears]
+    positions = tuple(int(np.argmax(each)) if np.any(each) else None for each in same)
+    return _Candidates(information, design.candidates.gears, positions)
+
+
+def has_candidates(result: IdentificationResult) -> bool:
+    """Tell whether there is a design for the fitted parameters, from which further positions can be chosen."""
+    return result.design is not None and result.design.names == result.fit.names
+
+
+def _designed_lines(result: IdentificationResult, candidate: int) -> tuple[FloatArray, FloatArray]:
+    """Return frequencies and information line by line of a candidate of the design."""
+    design = result.design
+    assert design is not None
     motors = design.candidates.motor_positions[[candidate]]
     robot = result.problem.robot
     lines = frequency_information(robot, design.names, motors, design.conditions, design.law, design.sample_time)

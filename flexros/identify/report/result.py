@@ -131,8 +131,14 @@ class IdentificationResult:
     @property
     def same_minimum(self) -> int:
         """Number of starts that ended in the best minimum."""
-        costs = np.array([each.cost for each in self.searched])
+        costs = self.start_costs
         return int(np.sum(costs <= SAME_MINIMUM * np.min(costs, initial=np.inf)))
+
+    @property
+    def start_costs(self) -> FloatArray:
+        """Costs of the fits from all starts but those that failed, lowest first, shape (S,)."""
+        costs = np.array([each.cost for each in self.searched])
+        return np.sort(costs[np.isfinite(costs)])
 
     def as_dict(self) -> dict[str, Any]:
         """Return all figures for JSON; values in SI units, standard deviations relative to the value."""
@@ -157,8 +163,9 @@ class IdentificationResult:
             ],
             "starts": {
                 "number": len(self.searched),
+                "failed": len(self.searched) - len(self.start_costs),
                 "same_minimum": self.same_minimum,
-                "costs": sorted(each.cost for each in self.searched),
+                "costs": self.start_costs.tolist(),
             },
             "positions": [response.gears.tolist() for response in self.problem.responses],
             "experiment": None if self.facts is None else vars(self.facts),

@@ -23,16 +23,19 @@ class StartSection(AbstractIdentificationSection):
 
     def blocks(self, result: IdentificationResult) -> tuple[Block, ...]:
         """Return sentence and picture; nothing for a single start."""
-        if len(result.searched) < 2:
+        costs = result.start_costs
+        if len(result.searched) < 2 or not len(costs):
             return ()
-        costs = np.sort([each.cost for each in result.searched])
         first = result.searched[0]
         text = (
-            f"{result.same_minimum} of {len(costs)} fits ({first.estimator}, {first.weights} weights) ended in the "
-            "best minimum"
+            f"{result.same_minimum} of {len(result.searched)} fits ({first.estimator}, {first.weights} weights) ended "
+            "in the best minimum"
         )
         if result.same_minimum < len(costs):
             text += f"; the others cost up to {number(float(costs[-1] / costs[0]), 3)} times as much"
+        failed = len(result.searched) - len(costs)
+        if failed:
+            text += f"; {failed} failed, because the model cannot be evaluated at their starts"
         text += (
             ". No minimum was found twice, so a better one may exist: give more starts."
             if result.same_minimum == 1

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+import numpy as np
+
 from flexros.analysis.figures_table import number, percent
 from flexros.analysis.report.base import Block, Paragraph, TextTable
 from flexros.identify.report.base import AbstractIdentificationSection
-from flexros.identify.report.remedies import Remedy, remedies
+from flexros.identify.report.remedies import Remedy, has_candidates, remedies
 
 if TYPE_CHECKING:
     from flexros.identify.graybox.identifiability import Direction
@@ -62,7 +64,7 @@ def _table(found: tuple[Remedy, ...], result: IdentificationResult) -> TextTable
     rows = tuple(
         (
             each.what,
-            ", ".join(f"{value:.3g}" for value in each.gears + 0.0),
+            _place(each),
             number(each.frequency, 3),
             percent(each.now),
             percent(each.now * each.gain),
@@ -70,7 +72,7 @@ def _table(found: tuple[Remedy, ...], result: IdentificationResult) -> TextTable
         for each in found
     )
     where = f"{len(result.problem.responses)} measured positions"
-    if result.design is not None:
+    if result.design is not None and has_candidates(result):
         where = f"{len(result.design.candidates.gears)} candidate positions"
     unit = "rad" if all(unit == "rad" for unit in result.problem.responses[0].coordinate_units) else "rad or m"
     header = ("Parameters", f"position, gears [{unit}]", "tells most at [Hz]", "std now [%]", "std then [%]")
@@ -79,6 +81,13 @@ def _table(found: tuple[Remedy, ...], result: IdentificationResult) -> TextTable
         "deviations of the logarithm of the combination, of this fit and predicted."
     )
     return TextTable(header, rows, caption, left=2)
+
+
+def _place(remedy: Remedy) -> str:
+    """Name a position by its gears, or by its number where they are not known."""
+    if remedy.position is not None and np.any(np.isnan(remedy.gears)):
+        return f"measured position {remedy.position + 1}"
+    return ", ".join(f"{value:.3g}" for value in remedy.gears + 0.0)
 
 
 def _better_weights(found: tuple[Remedy, ...]) -> tuple[Paragraph, ...]:

@@ -12,6 +12,7 @@ from flexros.identify.graybox.fit import Fit, FitSettings, fit
 from flexros.identify.graybox.levenberg_marquardt import StopRule
 from flexros.identify.graybox.multistart import multistart, random_starts
 from flexros.identify.graybox.problem import GrayBoxProblem, graybox_problem
+from flexros.identify.graybox.refine import refine
 from flexros.identify.study.choices import REFERENCE, SIX
 from flexros.identify.study.quasi_newton import judged, quasi_newton
 from flexros.identify.study.spread import estimated_spread
@@ -61,7 +62,11 @@ class Study:
         runs: What each estimator found, by its name.
         best: Fit of lowest cost of the reference estimator.
         single: Number of the position that the estimator with one position took.
-        theory: Standard deviation of the logarithms at `best` by (5) of the paper, with the correction, shape (P,).
+        refined: The reference estimator once more from `best`, with weights for whose mask the model's responses count
+            instead of the measured ones: theory has no meaning for lines in a notch of the model. Theory and spread are
+            those of this estimator.
+        theory: Standard deviation of the logarithms at `refined` by (5) of the paper, shape (P,).
+        corrected: The same with its correction, see `ParameterCovariance.factor`, shape (P,).
         spread: Standard deviation of the logarithms of fits to responses drawn anew, see `spread`, shape (P,).
         redrawn: Number of fits behind `spread`.
         explanation: What the covariance says of the model.
@@ -71,15 +76,15 @@ class Study:
     runs: dict[str, EstimatorRun]
     best: Fit
     single: int
+    refined: Fit
     theory: FloatArray
+    corrected: FloatArray
     spread: FloatArray
     redrawn: int
     explanation: str
 
 
-def study_jobs(
-    problem: GrayBoxProblem, settings: StudySettings
-) -> dict[str, tuple[GrayBoxProblem, str, int, list[list[float]], bool]]:
+def study_jobs(problem: GrayBoxProblem, settings: StudySettings) -> dict[str, tuple[str, int, list[list[float]], bool]]:
     """List the fits of the study in groups that can be computed anywhere.
 
     Args:
@@ -87,13 +92,12 @@ def study_jobs(
         settings: Number and seed of the starts.
 
     Returns:
-        Arguments of `fitted_rows` by name of the group.
+        Arguments of `fitted_rows` after the problem, by name of the group.
     """
     single = most_telling_position(problem)
     starts = random_starts(problem, settings.starts, settings.seed).tolist()
     return {
         f"{kind.name}_{first}_to_{first + len(starts[first : first + GROUP]) - 1}": (
-            problem,
             kind.name,
             single,
             starts[first : first + GROUP],
@@ -158,16 +162,19 @@ def study_of(problem: GrayBoxProblem, parts: Mapping[str, Mapping[str, Any]], se
     }
     reference = runs[REFERENCE]
     found = fit(problem, reference.values[int(np.argmin(reference.user_cost))])
-    covariance = parameter_covariance(problem, found)
+    refined = refine(problem, found, estimator=problem.estimator.name, weights=problem.setting)
+    theory, corrected = (parameter_covariance(refined.problem, refined.fit, correct) for correct in (False, True))
     return Study(
         problem=problem,
         runs=runs,
         best=found,
         single=most_telling_position(problem),
-        theory=covariance.standard_deviation,
-        spread=estimated_spread(problem, found, settings.redrawn, settings.seed),
+        refined=refined.fit,
+        theory=theory.standard_deviation,
+        corrected=corrected.standard_deviation,
+        spread=estimated_spread(refined.problem, refined.fit, settings.redrawn, settings.seed),
         redrawn=settings.redrawn,
-        explanation=covariance.explanation,
+        explanation=corrected.explanation,
     )
 
 
@@ -175,15 +182,16 @@ def most_telling_position(problem: GrayBoxProblem) -> int:
     """Find the position whose responses alone give the smallest covariance of all parameters, as the paper does.
 
     Args:
-        problem: The problem over all positions; theory is evaluated at the robot's own values.
+        problem: The problem over all positions; theory and weights are those at the robot's own values.
 
     Returns:
         Number of the position of smallest determinant.
     """
     nominal = fit(problem, settings=FitSettings(StopRule(iterations=0, evaluations=0), relinearisations=0))
+    weighed = problem.reweighted(problem.scale.nominal)
     sizes = []
     for place, response in enumerate(problem.responses):
         frame = graybox_problem(problem.robot, [response], problem.names, problem.estimator.name, problem.setting)
-        matrix = parameter_covariance(replace(frame, weights=problem.weights[place : place + 1]), nominal, False).matrix
+        matrix = parameter_covariance(replace(frame, weights=weighed.weights[place : place + 1]), nominal, False).matrix
         sizes.append(float(np.sum(np.log(np.maximum(np.linalg.eigvalsh(matrix), np.finfo(float).tiny)))))
     return int(np.argmin(sizes))

@@ -48,6 +48,7 @@ class Statistics:
         deviation: Standard deviation over the models from different starts.
         spread: Standard deviation over responses drawn anew.
         theory: Standard deviation by (5).
+        corrected: The same with its correction.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Statistics:
     deviation: float
     spread: float
     theory: float
+    corrected: float
 
 
 def normalised_costs(study: Study, name: str, weights: str = "user") -> FloatArray:
@@ -143,6 +145,7 @@ def table_1(study: Study) -> tuple[Statistics, ...]:
             deviation=float(np.std(column)),
             spread=float(study.spread[place]),
             theory=float(study.theory[place]),
+            corrected=float(study.corrected[place]),
         )
         for place, (name, column) in enumerate(zip(study.problem.names, ratio.T, strict=True))
     )

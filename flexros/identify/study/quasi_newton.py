@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 from flexros.errors import InputError
 from flexros.identify.graybox.fit import cost_at
-from flexros.identify.graybox.least_squares import ResponseTarget, least_squares
+from flexros.identify.graybox.least_squares import least_squares
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -38,8 +38,7 @@ def quasi_newton(problem: GrayBoxProblem, start: FloatArray) -> FloatArray:
         Values where it ended [SI], shape (P,).
     """
     scale = problem.scale
-    target = ResponseTarget(problem.measured, problem.weights, problem.estimator.name)
-    squares, nominal = least_squares(problem.model, target), scale.scaled(scale.nominal)
+    squares, nominal = least_squares(problem.model, problem.target), scale.scaled(scale.nominal)
     squares_at_start = squares.cost(start)
 
     def cost(x: FloatArray) -> tuple[float, FloatArray]:

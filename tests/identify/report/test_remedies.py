@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,6 +29,29 @@ def test_proposals_cover_what_is_open_and_promise_a_gain(noisy: IdentificationRe
         assert 0 < each.gain < 1
         assert noisy.problem.frequency[0] <= each.frequency <= noisy.problem.frequency[-1]
         assert any(np.array_equal(each.gears, gears) for gears in noisy.design.candidates.gears)
+        same = [k for k, one in enumerate(noisy.problem.responses) if np.allclose(one.gears, each.gears)]
+        assert each.position == (same[0] if same else None)
+
+
+def test_measured_positions_are_proposed_by_number_where_there_is_no_design(noisy: IdentificationResult) -> None:
+    """Responses made from plain arrays do not know their gears."""
+    bare = tuple(replace(each, gears=np.full(2, np.nan)) for each in noisy.problem.responses)
+    plain = replace(noisy, problem=replace(noisy.problem, responses=bare), design=None)
+    found, known = remedies(plain), remedies(replace(noisy, design=None))
+    assert found
+    for each, same in zip(found, known, strict=True):
+        assert each.position in range(3)
+        assert np.all(np.isnan(each.gears))
+        assert (each.position, each.frequency, each.gain) == (same.position, same.frequency, same.gain)
+        np.testing.assert_array_equal(same.gears, noisy.problem.responses[same.position].gears)
+
+
+def test_design_for_other_parameters_gives_no_candidates(noisy: IdentificationResult) -> None:
+    assert noisy.design is not None
+    other = replace(noisy, design=replace(noisy.design, names=noisy.design.names[::-1]))
+    assert [each.position for each in remedies(other)] == [
+        each.position for each in remedies(replace(noisy, design=None))
+    ]
 
 
 def test_no_weights_beat_the_measured_information(clear: IdentificationResult) -> None:

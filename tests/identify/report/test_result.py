@@ -29,10 +29,19 @@ def test_dictionary_is_json_with_all_that_matters(clear: IdentificationResult) -
     assert content["robot"] == "e12"
     assert content["cost"]["identified"] < 0.1 * content["cost"]["nominal"]
     assert content["starts"] == {
-        "number": 4, "same_minimum": clear.same_minimum, "costs": sorted(each.cost for each in clear.searched)
+        "number": 4, "failed": 0, "same_minimum": clear.same_minimum,
+        "costs": sorted(each.cost for each in clear.searched),
     }  # fmt: skip
     assert content["experiment"]["robot_time"] == 400.0
     assert np.array(content["positions"]).shape == (3, 2)
+
+
+def test_starts_that_failed_do_not_count(clear: IdentificationResult) -> None:
+    failed = replace(clear.searched[0], cost=np.nan, converged=False)
+    result = replace(clear, searched=(failed, *clear.searched, failed))
+    assert result.same_minimum == clear.same_minimum
+    starts = result.as_dict()["starts"]
+    assert (starts["number"], starts["failed"], len(starts["costs"])) == (6, 2, 4)
 
 
 def test_verdict_counts_and_names(clear: IdentificationResult, noisy: IdentificationResult) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from flexros.errors import InputError
@@ -154,3 +156,19 @@ def test_shifts_by_what_the_model_lacks_are_warned_of_and_only_then(
     assert "within 10 % as far as noise goes. The identified model misses the responses in 3 positions by 3.5" in text
     assert "identify with slow_motion" in text
     assert "What exceeds it is not noise" in text
+
+
+def test_report_of_responses_from_plain_arrays_names_positions_by_number(
+    noisy: IdentificationResult, tmp_path: Path
+) -> None:
+    bare = tuple(replace(each, gears=np.full(2, np.nan)) for each in noisy.problem.responses)
+    text = words(page(replace(noisy, problem=replace(noisy.problem, responses=bare), design=None), tmp_path))
+    assert re.search(r"measured position [123]", text)
+    assert "out of 3 measured positions" in text
+
+
+def test_starts_that_failed_are_counted(clear: IdentificationResult, tmp_path: Path) -> None:
+    failed = replace(clear.searched[0], cost=math.nan, converged=False)
+    text = words(page(replace(clear, searched=(failed, *clear.searched)), tmp_path))
+    assert f"{clear.same_minimum} of 5 fits (LLS, user weights) ended in the best minimum" in text
+    assert "1 failed, because the model cannot be evaluated at their starts" in text

@@ -28,5 +28,5 @@ def small_scenario() -> Scenario:
 def small_study(small_scenario: Scenario) -> Study:
     robot = load_robot("e12")
     problem = graybox_problem(robot, measured_responses(small_scenario), unknown_names(robot))
-    parts = {name: fitted_rows(*arguments) for name, arguments in study_jobs(problem, SMALL).items()}
+    parts = {name: fitted_rows(problem, *arguments) for name, arguments in study_jobs(problem, SMALL).items()}
     return study_of(problem, parts, SMALL)
