@@ -52,10 +52,10 @@ def input_spectrum(
     motors = response.shape[-1]
     rate = 2j * np.pi * conditions.frequency[:, None, None]
     position = response / rate**2
-    drive = controller.to_reference[..., :motors] / rate + controller.to_reference[..., motors:]
+    closed = controller.torque(position)
     turns = np.exp(2j * np.pi / motors * np.outer(np.arange(motors), np.arange(motors)))
     excitation = conditions.amplitude[:, :, None] * turns
-    return np.asarray(np.linalg.solve(np.eye(motors) - controller.to_measured @ position, drive @ excitation))
+    return np.asarray((closed[..., :motors] / rate + closed[..., motors:]) @ excitation)
 
 
 def output_error(response: ComplexArray, spectrum: ComplexArray, conditions: ExperimentConditions) -> FloatArray:
