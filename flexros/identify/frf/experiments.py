@@ -137,6 +137,13 @@ class Experiments:
         """Excited frequencies [Hz], shape (F,)."""
         return np.asarray(self.excited / (self.period * self.sample_time), dtype=float)
 
+    @property
+    def motor_position(self) -> FloatArray:
+        """Mean motor position [rad or m], shape (n_y,); NaN where the outputs are speeds or accelerations."""
+        if self.quantity != "position":
+            return np.full(self.outputs.shape[2], np.nan)
+        return np.asarray(self.outputs.mean(axis=(0, 1)))
+
     def response(
         self,
         frequency: FloatArray,
@@ -161,7 +168,7 @@ class Experiments:
             input_units=self.input_units,
             coordinate_units=self.coordinate_units,
             gears=self.gears,
-            motor_position=self.outputs.mean(axis=(0, 1)),
+            motor_position=self.motor_position,
             sample_time=self.sample_time,
             n_periods=self.n_periods,
             n_blocks=len(np.unique(self.block)),

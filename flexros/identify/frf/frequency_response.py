@@ -46,7 +46,7 @@ class FrequencyResponse:
         input_units: Units of the inputs, "Nm" or "N", length n_u.
         coordinate_units: Units of the positions of the outputs, "rad" or "m", length n_y.
         gears: Gear angles of the position [rad or m], shape (M,).
-        motor_position: Mean measured motor position [rad or m], shape (M,).
+        motor_position: Mean measured motor position [rad or m], shape (M,); NaN where positions were not measured.
         sample_time: T_s [s].
         n_periods: Recorded whole periods per experiment.
         n_blocks: Blocks of experiments.

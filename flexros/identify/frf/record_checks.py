@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.identify.frf.joint_pairing import check_order, check_pairing
 from flexros.identify.frf.joint_signs import check_signs
 from flexros.identify.frf.record_levels import (
@@ -70,6 +72,13 @@ def check_result(response: FrequencyResponse, label: str, robot: Robot | None = 
     """
     warnings = check_certainty(response, label)
     check_pairing(response, label)
+    if robot is not None and not np.all(np.isfinite(response.motor_position)):
+        names = ", ".join(response.output_names)
+        return [
+            *warnings,
+            f"{label}: the motor positions of {names} are not known, because the outputs are no positions; whether "
+            f"joints are swapped or inverted was not checked against robot {robot.name}",
+        ]
     if robot is not None:
         check_order(response, robot, label)
         check_signs(response, robot, label)

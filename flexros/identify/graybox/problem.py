@@ -201,6 +201,12 @@ def _check_responses(robot: Robot, responses: Sequence[FrequencyResponse]) -> No
                 f"frequency response {number} has elements that are zero, infinite or NaN, allowed are finite numbers; "
                 "check the record it was estimated from"
             )
+        if not np.all(np.isfinite(response.motor_position)):
+            raise InputError(
+                f"frequency response {number} does not say at which motor positions it was measured "
+                f"({np.round(response.motor_position, 4).tolist()}), allowed are finite numbers; estimate it from "
+                "positions, or give its motor_position"
+            )
         if response.sample_time != first.sample_time or not np.array_equal(response.frequency, first.frequency):
             raise InputError(
                 f"frequency response {number} has other frequencies or another sample time than response 0; a fit "

@@ -69,6 +69,14 @@ def test_response_that_is_not_finite_is_refused(e12: Robot, e12_names: list[str]
         graybox_problem(e12, [exact_e12[0], replace(exact_e12[1], response=broken)], e12_names)
 
 
+def test_response_without_motor_position_is_refused(e12: Robot, e12_names: list[str], exact_e12: Responses) -> None:
+    spoilt = replace(exact_e12[2], motor_position=np.array([0.1, np.nan]))
+    with pytest.raises(
+        InputError, match=r"response 2 does not say at which motor positions it was measured \(\[0\.1, nan\]\), allowed"
+    ):
+        graybox_problem(e12, [*exact_e12[:2], spoilt], e12_names)
+
+
 def test_positions_excited_differently_are_refused(e12: Robot, e12_names: list[str], exact_e12: Responses) -> None:
     other = replace(exact_e12[1], frequency=exact_e12[1].frequency + 0.1)
     with pytest.raises(InputError, match=r"frequency response 1 has other frequencies or another sample time"):
