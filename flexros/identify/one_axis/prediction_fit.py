@@ -7,7 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.identify.graybox.covariance import NORMAL_95
+from flexros.identify.graybox.fit import LARGEST_STEP
 from flexros.identify.graybox.levenberg_marquardt import NormalEquations, StopRule, minimise
+from flexros.identify.graybox.parameter_scale import ParameterScale
+from flexros.identify.one_axis.covariance import prediction_covariance
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -22,9 +26,6 @@ NOISE_RATIOS = np.logspace(-2, 8, 21)
 
 ROUNDS = 3
 """Searches with the gain computed anew before each (chosen)."""
-
-_LARGEST_STEP = 1.0
-"""Largest change of a logarithm in one step (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +81,7 @@ class AxisFit:
         """Standard deviations by name, same units; infinite where the record does not tell the value."""
         return dict(zip(self.structure.names, np.sqrt(np.diag(self.covariance)).tolist()))
 
-    def interval(self, name: str, width: float = 1.96) -> tuple[float, float]:
+    def interval(self, name: str, width: float = NORMAL_95) -> tuple[float, float]:
         """Return an interval for a parameter, symmetric in the logarithm for positive ones.
 
         Args:
@@ -104,30 +105,16 @@ class _Search:
 
     predictor: Predictor
     record: AxisRecord
-    torque: float
-
-    @property
-    def logarithmic(self) -> FloatArray:
-        return np.array([name != "offset" for name in self.predictor.structure.names])
-
-    def values(self, x: FloatArray) -> FloatArray:
-        return np.where(self.logarithmic, np.exp(np.where(self.logarithmic, x, 0.0)), self.torque * x)
-
-    def scaled(self, theta: FloatArray) -> FloatArray:
-        return np.where(self.logarithmic, np.log(np.where(self.logarithmic, theta, 1.0)), theta / self.torque)
-
-    def per_x(self, theta: FloatArray) -> FloatArray:
-        """Return d theta / d x."""
-        return np.where(self.logarithmic, theta, self.torque)
+    scale: ParameterScale
 
     def cost(self, x: FloatArray, gain: FloatArray, skip: int) -> float:
-        errors = self.predictor.errors(self.record, self.values(x), gain)[skip:]
+        errors = self.predictor.errors(self.record, self.scale.values(x), gain)[skip:]
         return float(errors @ errors)
 
     def equations(self, x: FloatArray, gain: FloatArray, skip: int) -> NormalEquations:
-        theta = self.values(x)
+        theta = self.scale.values(x)
         errors, slopes = self.predictor.sensitivities(self.record, theta, gain)
-        e, J = errors[skip:], slopes[skip:] * self.per_x(theta)
+        e, J = errors[skip:], slopes[skip:] * self.scale.per_value(theta)
         return NormalEquations(float(e @ e), 2 * J.T @ e, 2 * J.T @ J)
 
 
@@ -156,9 +143,10 @@ def fit_axis(
         The fit.
     """
     names = predictor.structure.names
-    search = _Search(predictor, record, record.rms_torque)
-    lower, upper = (search.scaled(np.array([bounds[name][side] for name in names])) for side in (0, 1))
-    x = np.clip(search.scaled(np.array([start[name] for name in names])), lower, upper)
+    scale = _scale(names, start, record.rms_torque)
+    search = _Search(predictor, record, scale)
+    lower, upper = scale.bounds(bounds)
+    x = np.clip(scale.scaled(scale.nominal), lower, upper)
     ratio, converged = None, False
     for _ in range(rounds):
         ratio = _best_ratio(search, x, ratio)
@@ -170,7 +158,7 @@ def fit_axis(
                 x,
                 lower,
                 upper,
-                np.full(len(names), _LARGEST_STEP),
+                np.full(len(names), LARGEST_STEP),
                 stop or StopRule(step=1e-5, decrease=1e-7, iterations=40, evaluations=80),
             )
         x, converged = minimum.x, minimum.converged
@@ -178,9 +166,16 @@ def fit_axis(
     return _result(search, x, ratio, gain, skip, minimum.cost, converged)
 
 
+def _scale(names: tuple[str, ...], start: Mapping[str, float], torque: float) -> ParameterScale:
+    """Move the logarithms of all parameters but the offset, which is taken relative to a torque."""
+    logarithmic = np.array([name != "offset" for name in names])
+    size, lowest = np.where(logarithmic, 1.0, torque), np.where(logarithmic, 0.0, -np.inf)
+    return ParameterScale(names, np.array([start[name] for name in names]), logarithmic, size, lowest)
+
+
 def _observer(search: _Search, x: FloatArray, ratio: float) -> tuple[FloatArray, int]:
     """Return the gain, and how many samples the start disturbs."""
-    theta, speed = search.values(x), search.record.rms_speed
+    theta, speed = search.scale.values(x), search.record.rms_speed
     gain = search.predictor.gain(theta, ratio, speed)
     return gain, min(search.predictor.memory(theta, gain, speed), len(search.record.output) // 5)
 
@@ -188,7 +183,7 @@ def _observer(search: _Search, x: FloatArray, ratio: float) -> tuple[FloatArray,
 def _best_ratio(search: _Search, x: FloatArray, near: float | None) -> float:
     """Find the noise ratio with the smallest prediction errors, among all or those near the last one."""
     record = search.record
-    unit = search.torque / float(np.std(record.output))
+    unit = record.rms_torque / float(np.std(record.output))
     ratios = unit * NOISE_RATIOS if near is None else near * np.logspace(-1, 1, 9)
     errors = []
     for ratio in ratios:
@@ -205,38 +200,14 @@ def _best_ratio(search: _Search, x: FloatArray, near: float | None) -> float:
 def _result(
     search: _Search, x: FloatArray, ratio: float, gain: FloatArray, skip: int, cost: float, converged: bool
 ) -> AxisFit:
-    predictor, record, theta = search.predictor, search.record, search.values(x)
+    predictor, record, theta = search.predictor, search.record, search.scale.values(x)
     errors, slopes = predictor.sensitivities(record, theta, gain)
-    e, J = errors[skip:], slopes[skip:] * search.per_x(theta)
-    per_x = search.per_x(theta)
-    covariance = per_x[:, None] * _covariance(e, J, skip) * per_x
+    per_x = search.scale.per_value(theta)
+    e, J = errors[skip:], slopes[skip:] * per_x
+    covariance = per_x[:, None] * prediction_covariance(e, J, skip) * per_x
     whiteness = float(e[1:] @ e[:-1] / (e @ e))
     quality = _quality(predictor, record, theta, gain)
     return AxisFit(predictor.structure, theta, covariance, predictor, gain, ratio, quality, cost, whiteness, converged)
-
-
-def _covariance(errors: FloatArray, slopes: FloatArray, lags: int) -> FloatArray:
-    """Compute the covariance of a least-squares estimate, also where its errors are correlated over some samples.
-
-    Gauss-Newton covariance for white errors; deviations that the sandwich of W. Newey and K. West (1987, Bartlett
-    weights) finds larger are raised to it. A direction that the record does not tell becomes infinite.
-    """
-    size = np.sqrt(np.sum(slopes**2, axis=0))
-    told = size > 1e-12 * np.max(size)
-    scaled = slopes[:, told] / size[told]
-    scores = scaled * errors[:, None]
-    middle = scores.T @ scores
-    for lag in range(1, min(lags, len(errors) // 10) + 1):
-        product = scores[lag:].T @ scores[:-lag]
-        middle += (1 - lag / (lags + 1)) * (product + product.T)
-    inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-13, hermitian=True)
-    white = inverse * float(errors @ errors) / (len(errors) - len(size))
-    sandwich = np.diag(inverse @ middle @ inverse)
-    raised = np.sqrt(np.maximum(sandwich / np.diag(white), 1.0)) / size[told]
-    covariance = np.zeros((len(size), len(size)))
-    covariance[np.ix_(told, told)] = raised[:, None] * white * raised
-    covariance[~told, ~told] = np.inf
-    return covariance
 
 
 def _quality(predictor: Predictor, record: AxisRecord, theta: FloatArray, gain: FloatArray) -> Quality:

@@ -169,7 +169,3 @@ class Predictor:
         for mass, name in enumerate(("motor_inertia", "arm_1_inertia", "arm_2_inertia")[: structure.masses]):
             B[structure.speed_place + mass, mass] = self._sample_time / theta[structure.names.index(name)]
         return A, B
-
-
-def _recursion(arguments: list[ca.SX], results: list[ca.SX]) -> Recursion:
-    return Recursion(ca.Function("step", arguments, [ca.densify(result) for result in results], {"cse": True}))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError, unknown_name
+from flexros.identify.graybox.parameter_scale import DECADES
 from flexros.identify.one_axis.gear_law import PARAMETERS
 from flexros.identify.one_axis.linear_start import linear_start, rigid_start
 
@@ -22,8 +23,8 @@ BELOW = 0.3
 LEAST = 1e-3
 """Least friction to start from, relative to rms torque (and rms speed), so that it has a logarithm (chosen)."""
 
-FACTOR = 10.0
-"""Default bounds: this factor either way of the start (as in Paper A of the thesis)."""
+FACTOR = 10.0**DECADES
+"""Default bounds: this factor either way of the start, as in fits of frequency responses."""
 
 WIDE_FACTOR = 1000.0
 """The same for friction and the gear's nonlinearity, whose starts are rough (chosen)."""

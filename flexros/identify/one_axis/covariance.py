@@ -1,0 +1,51 @@
+"""Covariance of a least-squares estimate whose errors may be correlated in time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.identify.graybox.covariance import NULL
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+
+_TAKES_PART = 1e-3
+"""Share of a direction from which a parameter takes part in it (chosen: above what rounding mixes)."""
+
+
+def prediction_covariance(errors: FloatArray, slopes: FloatArray, lags: int) -> FloatArray:
+    """Compute the covariance of a least-squares estimate, also where its errors are correlated over some samples.
+
+    Gauss-Newton covariance for white errors; deviations that the sandwich of W. Newey and K. West (1987, Bartlett
+    weights) finds larger are raised to it. Parameters that take part in a direction which the record does not tell,
+    each alone or several that act alike, have an infinite variance.
+
+    Args:
+        errors: Prediction errors, shape (n,).
+        slopes: Their derivatives with respect to the parameters, shape (n, P).
+        lags: Number of samples over which errors may be correlated.
+
+    Returns:
+        Covariance, shape (P, P).
+    """
+    size = np.sqrt(np.sum(slopes**2, axis=0))
+    size = np.where(size > 1e-12 * np.max(size), size, np.inf)
+    scaled = slopes / size
+    scores = scaled * errors[:, None]
+    middle = scores.T @ scores
+    for lag in range(1, min(lags, len(errors) // 10) + 1):
+        product = scores[lag:].T @ scores[:-lag]
+        middle += (1 - lag / (lags + 1)) * (product + product.T)
+    eigenvalues, vectors = np.linalg.eigh(scaled.T @ scaled)
+    seen = eigenvalues > NULL * eigenvalues[-1]
+    inverse = (vectors[:, seen] / eigenvalues[seen]) @ vectors[:, seen].T
+    told = np.all(np.abs(vectors[:, ~seen]) < _TAKES_PART, axis=1)
+    white = inverse * float(errors @ errors) / (len(errors) - np.count_nonzero(seen))
+    sandwich = np.diag(inverse @ middle @ inverse)
+    variance = np.where(told, np.diag(white), 1.0)
+    raised = np.where(told, np.sqrt(np.maximum(sandwich / variance, 1.0)), 1.0) / size
+    covariance: FloatArray = raised[:, None] * white * raised
+    covariance[~told, ~told] = np.inf
+    return covariance
