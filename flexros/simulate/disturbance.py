@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from flexros.config.validation import Settings
 from flexros.errors import InputError, unknown_name
-from flexros.simulate.noise import Stream, generator
+from flexros.random_streams import Stream, generator
 from flexros.simulate.sample_blocks import BLOCK, SampleBlocks, Zeros
 
 if TYPE_CHECKING:

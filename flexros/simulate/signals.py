@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.random_streams import Stream
 from flexros.simulate.disturbance import disturbance_signal
-from flexros.simulate.noise import Stream, white_noise
+from flexros.simulate.noise import white_noise
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexros.simulate.noise import Stream, white_noise
+from flexros.random_streams import Stream
+from flexros.simulate.noise import white_noise
 
 RMS = np.array([2e-6, 1e-4])
 

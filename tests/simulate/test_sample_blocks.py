@@ -6,7 +6,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexros.simulate.noise import Stream, white_noise
+from flexros.random_streams import Stream
+from flexros.simulate.noise import white_noise
 from flexros.simulate.sample_blocks import BLOCK, SampleBlocks, Zeros
 
 WHOLE = white_noise(np.array([1.0, 2.0]), 7, Stream.ENCODER).rows(0, 4 * BLOCK)

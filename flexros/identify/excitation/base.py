@@ -12,7 +12,7 @@ from pydantic import Field
 from flexros.config.per_motor import NotNegativePerMotor, per_motor
 from flexros.config.validation import Settings
 from flexros.errors import InputError
-from flexros.simulate.noise import Stream, generator
+from flexros.random_streams import Stream, generator
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

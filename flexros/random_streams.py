@@ -1,0 +1,29 @@
+"""Random numbers as pure functions of a seed: independent streams for all that is random in a run."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+
+
+class Stream(IntEnum):
+    """Independent streams of random numbers of one seed."""
+
+    ENCODER = 0
+    TOOL = 1
+    DISTURBANCE = 2
+    EXCITATION = 3
+
+
+def generator(seed: int, *stream: int) -> np.random.Generator:
+    """Make the random generator of one stream of a seed.
+
+    Args:
+        seed: Seed of the run, 0 or more.
+        stream: Numbers that tell the streams apart, e.g. a stream and a block number.
+
+    Returns:
+        Generator that depends on these numbers alone.
+    """
+    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=stream)))
