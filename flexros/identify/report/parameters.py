@@ -11,7 +11,14 @@ from flexros.analysis.figures_table import percent
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import INK, MUTED, stacked
 from flexros.identify.report.base import AbstractIdentificationSection
-from flexros.identify.report.words import VERDICT_COLOURS, VERDICT_WORDS, interval_text, value_text
+from flexros.identify.report.words import (
+    VERDICT_COLOURS,
+    VERDICT_WORDS,
+    interval_text,
+    rounded_text,
+    true_text,
+    value_text,
+)
 
 if TYPE_CHECKING:
     from flexros.identify.graybox.identifiability import ParameterVerdict
@@ -171,13 +178,14 @@ def parameter_row(entry: ParameterVerdict, nominal: float, true: float | None = 
     Returns:
         The texts.
     """
+    low, high = entry.interval
     return (
         entry.name,
         entry.unit,
         value_text(nominal),
-        value_text(entry.value),
-        interval_text(entry.interval[0], entry.value, entry.interval[1]),
-        percent(entry.relative),
+        rounded_text(entry.value, low, high),
+        interval_text(low, entry.value, high),
+        percent(entry.relative, 2),
         VERDICT_WORDS[entry.verdict],
-        "-" if true is None else value_text(true),
+        "-" if true is None else true_text(true, low, high),
     )

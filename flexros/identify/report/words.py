@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from flexros.analysis.figures_table import number
 
 VERDICT_WORDS = {"determined": "determined", "weak": "weak", "not_determined": "not determined"}
@@ -11,6 +13,9 @@ VERDICT_COLOURS = {"determined": "#0072b2", "weak": "#e69f00", "not_determined":
 """Colours of verdicts, to be told apart also by the colour-blind."""
 
 _FAR = 1000.0
+_MANIFOLD = 10.0
+_EVEN = 0.1
+"""Ends whose distances from the value differ by at most this share are told as one (chosen)."""
 
 
 def value_text(value: float, significant: int = 5) -> str:
@@ -28,6 +33,40 @@ def value_text(value: float, significant: int = 5) -> str:
     return number(value, significant)
 
 
+def rounded_text(value: float, low: float, high: float) -> str:
+    """Write a value to two digits of its uncertainty, as many as say something.
+
+    Args:
+        value: The value, or an end of its interval (SI).
+        low: Lower end of the interval (SI).
+        high: Upper end (SI).
+
+    Returns:
+        E.g. "2499500" for 2499496 with an interval of 2499010 to 2499980, "50.06" for 50.057 with 49.2 to 50.9.
+    """
+    half = 0.5 * (high - low)
+    if not (math.isfinite(half) and 0 < half <= 0.25 * abs(high + low)):
+        return value_text(value, 3)
+    places = 1 - math.floor(math.log10(half))
+    if not 1e-4 <= abs(value) < 1e9:
+        return value_text(value, max(places + 1 + math.floor(math.log10(abs(value) or half)), 2))
+    return f"{round(value, places):.{max(places, 0)}f}"
+
+
+def true_text(true: float, low: float, high: float) -> str:
+    """Write a true value beside an identified one: whole numbers as such, others as `rounded_text`.
+
+    Args:
+        true: The true value (SI).
+        low: Lower end of the interval of the identified value (SI).
+        high: Upper end (SI).
+
+    Returns:
+        E.g. "120000", "61.25".
+    """
+    return value_text(true, 9) if true == round(true) else rounded_text(true, low, high)
+
+
 def interval_text(low: float, value: float, high: float) -> str:
     """Write an interval; an end that is farther than a factor of 1000 from the value says nothing and is left out.
 
@@ -43,7 +82,29 @@ def interval_text(low: float, value: float, high: float) -> str:
     if value > 0 and below and above:
         return "unknown"
     if value > 0 and above:
-        return f"above {value_text(low)}"
+        return f"above {rounded_text(low, low, high)}"
     if value > 0 and low > 0 and below:
-        return f"below {value_text(high)}"
-    return f"{value_text(low)} to {value_text(high)}"
+        return f"below {rounded_text(high, low, high)}"
+    return f"{rounded_text(low, low, high)} to {rounded_text(high, low, high)}"
+
+
+def reach_text(low: float, value: float, high: float) -> str:
+    """Write how far an interval reaches from its value, shorter than `interval_text`.
+
+    Args:
+        low: Lower end (SI).
+        value: The value (SI).
+        high: Upper end (SI).
+
+    Returns:
+        E.g. "±0.82 %", "-26 +35 %", "factor 12", "above 2.1"; the interval itself where the value is not positive.
+    """
+    told = interval_text(low, value, high)
+    if value <= 0 or told.startswith(("unknown", "above", "below")):
+        return told
+    down, up = 100 * (1 - low / value), 100 * (high / value - 1)
+    if abs(up - down) <= _EVEN * up:
+        return f"±{number(0.5 * (up + down), 2)} %"
+    if low > 0 and high > _MANIFOLD * value:
+        return f"factor {number(max(high / value, value / low), 2)}"
+    return f"-{number(down, 2)} +{number(up, 2)} %"
