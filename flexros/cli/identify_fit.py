@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
-from rich.table import Table
 
 from flexros.cli.identify_design import chosen_names
+from flexros.cli.identify_table import parameter_table
 from flexros.cli.output import console, print_json, progress_bar, say
 
 if TYPE_CHECKING:
@@ -112,17 +112,9 @@ def print_identification(result: IdentificationResult, out: Path) -> None:
         out: Folder of its files.
     """
     from flexros.identify.report.files import FIGURES, REPORT, ROBOT
-    from flexros.identify.report.parameters import parameter_row
     from flexros.identify.report.result import verdict
 
-    table = Table("parameter", "unit", "nominal", "identified", "95 % interval", "std [%]", "verdict")
-    table.columns[0].overflow = "fold"
-    if result.truth:
-        table.add_column("true")
-    for place, entry in enumerate(result.identifiability.parameters):
-        row = parameter_row(entry, float(result.nominal[place]), result.truth.get(entry.name))
-        table.add_row(*row[: len(table.columns)])
-    console.print(table)
+    console.print(parameter_table(result, console.width))
     say(verdict(result))
     for direction in result.identifiability.directions:
         say(direction.sentence)

@@ -95,17 +95,23 @@ def response_record(response: FrequencyResponse) -> dict[str, Any]:
 
 def print_responses(responses: tuple[FrequencyResponse, ...]) -> None:
     """Print responses for people."""
-    table = Table("position", "gears", "lines", "blocks", "std, median [%]", "of it noise [%]")
-    for number, response in enumerate(responses, start=1):
-        record = response_record(response)
+    records = [response_record(response) for response in responses]
+    table = Table("no.", "gears", "blocks", "std [%]", "noise [%]")
+    for number, record in enumerate(records, start=1):
         told = record["relative_std"]
         table.add_row(
             str(number),
-            ", ".join(f"{value:.3g}" for value in response.gears + 0.0),
-            f"{record['lines']}, {record['lowest_hz']:.3g} to {record['highest_hz']:.3g} Hz",
+            " ".join(f"{value:.2f}" for value in np.round(record["gears"], 2) + 0.0),
             str(record["blocks"]),
             *(f"{100 * told[kind]:.3g}" if kind in told else "-" for kind in ("total", "noise")),
         )
     console.print(table)
+    bands = dict.fromkeys(
+        f"{row['lines']} lines from {row['lowest_hz']:.3g} to {row['highest_hz']:.3g} Hz" for row in records
+    )
+    say(
+        f"{len(records)} position{'s' * (len(records) > 1)}, {' or '.join(bands)}; std: standard deviation over "
+        "magnitude, median of lines and elements; noise: as the periods alone tell it"
+    )
     for warning in dict.fromkeys(text for response in responses for text in response.warnings):
         console.print(f"warning: {warning}")

@@ -1,0 +1,69 @@
+"""Table of identified parameters for the terminal: no column is broken, what does not fit is left out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from flexros.identify.report.result import IdentificationResult
+
+_FRAME, _PADDED = 1, 3
+"""Characters of the frame of a table, and of the frame and the padding of each column."""
+
+_DROPPED = ("true", "nominal")
+"""Columns that are left out where the terminal is too narrow, first to last."""
+
+
+def parameter_table(result: IdentificationResult, width: int) -> Table:
+    """Lay out the identified parameters.
+
+    Args:
+        result: What was identified.
+        width: Width of the terminal [characters].
+
+    Returns:
+        The table: name with unit, nominal and fitted value, 95 % interval in per cent, verdict, and the true value
+        where it is known. The nominal and the true value are left out where the table would be too wide with them; all
+        figures stand in the report.
+    """
+    columns = _columns(result)
+    for label in _DROPPED:
+        if _wide(columns) > width:
+            columns.pop(label, None)
+    table = Table()
+    for label in columns:
+        table.add_column(label, no_wrap=label != "verdict", justify="left" if label == "parameter" else "right")
+    for row in zip(*columns.values(), strict=True):
+        table.add_row(*row)
+    return table
+
+
+def _columns(result: IdentificationResult) -> dict[str, list[str]]:
+    from flexros.identify.report.words import VERDICT_WORDS, reach_text, rounded_text, true_text, value_text
+
+    entries = result.identifiability.parameters
+    columns = {
+        "parameter": [f"{entry.name} [{entry.unit}]" if entry.unit else entry.name for entry in entries],
+        "nominal": [value_text(float(value)) for value in result.nominal],
+        "fitted": [rounded_text(entry.value, *entry.interval) for entry in entries],
+        "± 95 %": [reach_text(entry.interval[0], entry.value, entry.interval[1]) for entry in entries],
+        "verdict": [VERDICT_WORDS[entry.verdict] for entry in entries],
+    }
+    if result.truth:
+        truth = [result.truth.get(entry.name) for entry in entries]
+        columns["true"] = [
+            "-" if true is None else true_text(true, *entry.interval)
+            for true, entry in zip(truth, entries, strict=True)
+        ]
+    return columns
+
+
+def _wide(columns: dict[str, list[str]]) -> int:
+    """Width of the table; a verdict of two words may stand on two lines."""
+    words = (
+        [word for text in (label, *texts) for word in (text.split() if label == "verdict" else [text])]
+        for label, texts in columns.items()
+    )
+    return _FRAME + sum(_PADDED + max(map(len, each)) for each in words)
