@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
-from rich.table import Table
+from rich.table import Column, Table
 
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.cli.run import key_and_value
@@ -213,7 +213,7 @@ def design_record(found: ExperimentDesign, factor: float, duration: float) -> di
 
 def print_design(found: ExperimentDesign, factor: float, duration: float) -> None:
     """Print a design for people."""
-    table = Table("parameter", "predicted std [%]", "random positions [%]")
+    table = Table(Column("parameter", no_wrap=True), "predicted std [%]", "random positions [%]")
     rows = zip(found.names, found.gain.deviation, found.gain.random_deviation, strict=True)
     for name, deviation, other in rows:
         table.add_row(name, f"{100 * deviation:.3g}", f"{100 * other:.3g}")

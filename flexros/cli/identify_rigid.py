@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
-from rich.table import Table
 
+from flexros.cli.identify_table import fitting_table
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError
 from flexros.json_text import json_text
@@ -76,12 +76,15 @@ def _labelled(paths: list[Path]) -> dict[str, Path]:
 
 def _print(record: Mapping[str, Any]) -> None:
     """Print parameters, errors and verdict for people."""
-    table = Table("base parameter", "value", "± std", "nominal", "unit")
-    table.columns[0].overflow = "fold"
-    for row in record["parameters"]:
-        deviation = "kept" if row["std"] is None else f"{row['std']:.3g}"
-        table.add_row(row["name"], f"{row['value']:.6g}", deviation, f"{row['nominal']:.6g}", row["unit"])
-    console.print(table)
+    rows = record["parameters"]
+    columns = {
+        "base parameter": [row["name"] for row in rows],
+        "unit": [row["unit"] for row in rows],
+        "nominal": [f"{row['nominal']:.6g}" for row in rows],
+        "value": [f"{row['value']:.6g}" for row in rows],
+        "± std": ["kept" if row["std"] is None else f"{row['std']:.3g}" for row in rows],
+    }
+    console.print(fitting_table(columns, console.width, ("nominal",)))
     for row in record["parameters"]:
         if len(row["combination"]) > 1:
             say(f"{row['name']} = {row['words']}")

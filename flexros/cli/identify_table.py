@@ -1,4 +1,4 @@
-"""Table of identified parameters for the terminal: no column is broken, what does not fit is left out."""
+"""Tables of parameters for the terminal: no name or number is broken, what does not fit is left out."""
 
 from __future__ import annotations
 
@@ -12,9 +12,6 @@ if TYPE_CHECKING:
 _FRAME, _PADDED = 1, 3
 """Characters of the frame of a table, and of the frame and the padding of each column."""
 
-_DROPPED = ("true", "nominal")
-"""Columns that are left out where the terminal is too narrow, first to last."""
-
 
 def parameter_table(result: IdentificationResult, width: int) -> Table:
     """Lay out the identified parameters.
@@ -25,17 +22,32 @@ def parameter_table(result: IdentificationResult, width: int) -> Table:
 
     Returns:
         The table: name with unit, nominal and fitted value, 95 % interval in per cent, verdict, and the true value
-        where it is known. The nominal and the true value are left out where the table would be too wide with them; all
+        where it is known. The true and the nominal value are left out where the table would be too wide with them; all
         figures stand in the report.
     """
-    columns = _columns(result)
-    for label in _DROPPED:
-        if _wide(columns) > width:
-            columns.pop(label, None)
+    return fitting_table(_columns(result), width, ("true", "nominal"), broken="verdict")
+
+
+def fitting_table(columns: dict[str, list[str]], width: int, dropped: tuple[str, ...], broken: str = "") -> Table:
+    """Lay out columns such that nothing in them is broken over lines.
+
+    Args:
+        columns: Texts by label, of equal number; the first column stands at the left.
+        width: Width of the terminal [characters].
+        dropped: Columns that are left out where the table is too wide, first to last.
+        broken: Column that may be broken between words.
+
+    Returns:
+        The table.
+    """
+    shown = dict(columns)
+    for label in dropped:
+        if _wide(shown, broken) > width:
+            shown.pop(label, None)
     table = Table()
-    for label in columns:
-        table.add_column(label, no_wrap=label != "verdict", justify="left" if label == "parameter" else "right")
-    for row in zip(*columns.values(), strict=True):
+    for place, label in enumerate(shown):
+        table.add_column(label, no_wrap=label != broken, justify="right" if place else "left")
+    for row in zip(*shown.values(), strict=True):
         table.add_row(*row)
     return table
 
@@ -60,10 +72,10 @@ def _columns(result: IdentificationResult) -> dict[str, list[str]]:
     return columns
 
 
-def _wide(columns: dict[str, list[str]]) -> int:
-    """Width of the table; a verdict of two words may stand on two lines."""
+def _wide(columns: dict[str, list[str]], broken: str) -> int:
+    """Width of the table, with one column as narrow as its longest word."""
     words = (
-        [word for text in (label, *texts) for word in (text.split() if label == "verdict" else [text])]
+        [word for text in (label, *texts) for word in (text.split() if label == broken else [text])]
         for label, texts in columns.items()
     )
     return _FRAME + sum(_PADDED + max(map(len, each)) for each in words)

@@ -54,10 +54,12 @@ def test_results_are_printed_and_written(flexros, logs: list[str], tmp_path: Pat
     assert load_robot(out / "identified.yaml").parameters["body_1.mass"].value == values["body_1.mass"]
 
 
-def test_table_for_people(flexros, logs: list[str], tmp_path: Path) -> None:
+def test_table_for_people(flexros, logs: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "70")
     ended = flexros("identify", "rigid", *logs, "--model", "emps", "--out", str(tmp_path / "out"), "--asymmetric")
     assert ended.code == 0, ended.err
     assert "motor_1.coulomb_friction_backward" in ended.out
+    assert max(len(line) for line in ended.out.splitlines() if line.startswith("│")) <= 70
     assert "body_1.mass = mass of body_1 + inertia of motor_1 at the arm" in ended.out
     assert "% in two (cross-test)" in ended.out
     assert "Excitation rich enough" in ended.out
