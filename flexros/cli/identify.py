@@ -9,7 +9,7 @@ import typer
 
 from flexros.cli import identify_axis, identify_rigid, transports
 from flexros.cli.identify_design import POSITIONS, chosen_names, design, designed, gear_ranges, template_with
-from flexros.cli.identify_fit import fit, print_identification, searched
+from flexros.cli.identify_fit import BOUND, fit, print_identification, searched, value_bounds
 from flexros.cli.identify_frf import estimated, frf
 from flexros.cli.output import print_json
 from flexros.cli.run import choose_transport
@@ -52,6 +52,7 @@ def robot(
     estimator: str = typer.Option("LLS", "--estimator", help="LLS, LLSM (magnitude only) or NLS."),
     weights: str = typer.Option("combined", "--weights", help="Of the last fit: user, optimal or combined."),
     starts: int = typer.Option(20, "--starts", help="Number of starts, the first one at the nominal values."),
+    bound: list[str] = typer.Option([], "--bound", help=BOUND),
     transport: str = typer.Option("", "--transport", help="ros or direct; default: ros where it is installed."),
     layout: str = typer.Option("composed", "--layout", help="Of the nodes: composed or processes."),
     seed: int = typer.Option(1, "--seed", help="Seed of candidates, excitation, noise and starts."),
@@ -74,7 +75,7 @@ def robot(
     transport = choose_transport(transport, quiet=as_json)
     make_folder(out)
     wanted = DesignSettings(positions or min(POSITIONS, len(names)), candidates, seed=seed)
-    search = SearchSettings(estimator, weights, starts, seed)
+    search = SearchSettings(estimator, weights, starts, seed, value_bounds(names, bound))
     found, experiment, factor = designed(
         nominal, names, template, wanted, gear_ranges(nominal, ranges), out / "experiment.yaml", minutes
     )
@@ -149,7 +150,7 @@ def _identified(
         design=found,
         facts=ExperimentFacts.of(plan, "log", run.transport),
         truth=_truth(plant, nominal, names),
-        warnings=(lowered,) if factor < 1 else (),
+        warnings=((lowered,) if factor < 1 else ()) + fitted.warnings,
         provenance=log.provenance,
     )
     write_identification(result, out, f"experiment {experiment.name}")

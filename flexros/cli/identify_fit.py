@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
 from flexros.cli.identify_design import chosen_names
 from flexros.cli.identify_table import parameter_table
 from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
     from flexros.identify.search import Found, SearchSettings
     from flexros.robot import Robot
 
-CONNECTING = 5.0
-"""Time within which a Dask scheduler must answer [s] (chosen)."""
+BOUND = "Of a value [SI], NAME=LOW:HIGH (may be repeated); default: a factor of 10 either way."
+"""Help of the option that bounds values."""
 
 
 def fit(
@@ -33,6 +34,7 @@ def fit(
     weights: str = typer.Option("combined", "--weights", help="Of the last fit: user, optimal or combined."),
     starts: int = typer.Option(20, "--starts", help="Number of starts, the first one at the nominal values."),
     seed: int = typer.Option(1, "--seed", help="Seed of the starts."),
+    bound: list[str] = typer.Option([], "--bound", help=BOUND),
     scheduler: str = typer.Option("", "--scheduler", help="Address of a Dask scheduler whose workers fit."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
@@ -47,10 +49,12 @@ def fit(
     robot = load_robot(model)
     names = chosen_names(robot, unknown)
     measured = load_responses(responses)
-    settings = SearchSettings(estimator, weights, starts, seed)
+    settings = SearchSettings(estimator, weights, starts, seed, value_bounds(names, bound))
     found = searched(robot, measured, names, settings, scheduler)
     provenance = {"responses": responses.name, "robot": robot.name, "seed": seed, "versions": versions()}
-    result = identification_result(found.problem, found.fit, found.searched, provenance=provenance)
+    result = identification_result(
+        found.problem, found.fit, found.searched, warnings=found.warnings, provenance=provenance
+    )
     write_identification(result, out, responses.name)
     if as_json:
         print_json(result.as_dict())
@@ -81,27 +85,41 @@ def searched(
         InputError: Something is not possible, or there is no scheduler at the address.
     """
     from flexros.identify.search import search
+    from flexros.scheduler import connected
 
     with ExitStack() as stack:
-        client = stack.enter_context(_client(scheduler)) if scheduler else None
+        client = stack.enter_context(connected(scheduler)) if scheduler else None
         bar = stack.enter_context(progress_bar())
         task = bar.add_task("fits", total=settings.starts)
         return search(robot, responses, names, settings, client, lambda done: bar.update(task, completed=done))
 
 
-def _client(address: str) -> Any:
-    """Connect to a Dask scheduler."""
-    from distributed import Client
+def value_bounds(names: Sequence[str], texts: list[str]) -> dict[str, tuple[float, float]]:
+    """Read bounds of values, NAME=LOW:HIGH.
 
-    from flexros.errors import InputError
+    Args:
+        names: Unknown parameters.
+        texts: What was given.
 
-    try:
-        return Client(address, timeout=CONNECTING)
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"--scheduler: no Dask scheduler answers at '{address}' ({error}); start one (dask scheduler) or leave the "
-            "option out"
-        ) from error
+    Returns:
+        Lower and upper bound [SI] by name.
+
+    Raises:
+        InputError: No such parameter, or no two numbers.
+    """
+    bounds = {}
+    for text in texts:
+        name, _, pair = text.partition("=")
+        if name not in names:
+            raise unknown_name("parameter to identify", name, names, "--bound")
+        try:
+            low, high = (float(part) for part in pair.split(":"))
+        except ValueError:
+            raise InputError(
+                f"--bound is '{text}', but must be NAME=LOW:HIGH in SI units, e.g. {name}=1e4:1e6"
+            ) from None
+        bounds[name] = (low, high)
+    return bounds
 
 
 def print_identification(result: IdentificationResult, out: Path) -> None:

@@ -112,6 +112,17 @@ def test_fit_of_some_parameters(flexros: Flexros, done: Done, tmp_path: Path) ->
     assert content["experiment"] is None
 
 
+def test_fit_keeps_within_bounds(flexros: Flexros, done: Done, tmp_path: Path) -> None:
+    ended = flexros(
+        "identify", "fit", str(done.folder / "frf.nc"), "--model", "e12", "--out", str(tmp_path / "fit"), "--json",
+        "--unknown", "body_1.ry.stiffness", "--starts", "2", "--bound", "body_1.ry.stiffness=2e5:3e5",
+    )  # fmt: skip
+    assert ended.code == 0, ended.err
+    content = json.loads(ended.out)
+    assert content["parameters"][0]["value"] == pytest.approx(2e5)
+    assert "On a bound of the search: body_1.ry.stiffness." in content["warnings"]
+
+
 def test_design_writes_a_scenario_that_can_be_run(flexros: Flexros, tmp_path: Path) -> None:
     from flexros.config.scenario import load_scenario
     from flexros.identify.plan import plan_of_scenario
@@ -192,13 +203,16 @@ def test_log_that_is_there_is_not_written_over(flexros: Flexros, done: Done) -> 
         (("--estimator", "LLT"), "unknown estimator 'LLT'"),
         (("--weights", "equal"), "unknown kind of weights 'equal'"),
         (("--starts", "0"), "0 starts were asked for, but at least one is needed"),
+        (("--bound", "spring=1:2"), "unknown parameter to identify 'spring'"),
+        (("--bound", "body_1.ry.stiffness=1e4"), "--bound is 'body_1.ry.stiffness=1e4', but must be NAME=LOW:HIGH"),
+        (("--bound", "body_1.ry.stiffness=2e5:1e5"), "body_1.ry.stiffness is to lie within 200000 and 100000"),
         (("--scheduler", "tcp://127.0.0.1:9"), "no Dask scheduler answers at 'tcp://127.0.0.1:9'"),
     ],
 )
 def test_choices_of_a_fit_are_checked(
     flexros: Flexros, done: Done, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, option: tuple[str, str], message: str
 ) -> None:
-    monkeypatch.setattr("flexros.cli.identify_fit.CONNECTING", 0.5)
+    monkeypatch.setattr("flexros.scheduler.ANSWER", 0.5)
     ended = flexros(
         "identify", "fit", str(done.folder / "frf.nc"), "--model", "e12", "--out", str(tmp_path), *option
     )  # fmt: skip

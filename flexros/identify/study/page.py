@@ -108,17 +108,24 @@ def page(study: Study, scenario: Scenario) -> str:
         "",
         *_table_rows(study),
         "",
-        "All columns but the first are relative to the best model; std is over starts, redrawn over fits to "
-        f"{study.redrawn} sets of responses with noise drawn anew from the measured covariance, theory is equation "
-        "(5), corrected is the same with the factor for what the model misses. For these three the model's responses "
-        "decide which lines stand out of the noise, not the measured ones: (5) has no meaning for lines in a notch of "
-        "the model. "
-        f"{study.explanation}",
+        _table_notes(study),
         "",
     ]
     for name, caption in CAPTIONS.items():
         lines += [f"![{caption}](study_{name}.svg)", "", caption, ""]
     return "\n".join(lines).rstrip() + "\n"
+
+
+def _table_notes(study: Study) -> str:
+    """Say what the columns of Table 1 are."""
+    return (
+        "All columns but the first are relative to the best model; std is over starts, redrawn over fits to "
+        f"{study.redrawn} sets of responses with noise drawn anew from the measured covariance, theory is equation "
+        "(5), corrected is the same with the factor for what the model misses. For these three the model's responses "
+        "decide which lines stand out of the noise, not the measured ones: (5) has no meaning for lines in a notch of "
+        "the model. "
+        f"{study.explanation}"
+    )
 
 
 def _peers(study: Study) -> int:
