@@ -10,31 +10,34 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a text file under a temporary name, then rename it.
+def write_whole(path: Path, text: str | bytes) -> None:
+    """Write a file under a temporary name, then rename it.
 
     Args:
         path: The file; one that exists is replaced once the new one is complete.
-        text: Its content, written as UTF-8.
+        text: Its content: text, which is written as UTF-8, or bytes, which are written as they are.
 
     Raises:
         OSError: It could not be written; the old file stands.
     """
     temporary = path.with_name(f".{path.name}.part")
     try:
-        temporary.write_text(text, encoding="utf-8")
+        if isinstance(text, bytes):
+            temporary.write_bytes(text)
+        else:
+            temporary.write_text(text, encoding="utf-8")
         temporary.replace(path)
     except OSError:
         temporary.unlink(missing_ok=True)
         raise
 
 
-def write_result(path: Path, text: str, what: str) -> None:
+def write_result(path: Path, text: str | bytes, what: str) -> None:
     """Write a result that a user asked for.
 
     Args:
         path: The file; one that exists is replaced once the new one is complete.
-        text: Its content.
+        text: Its content, text or bytes.
         what: What it is, e.g. "report"; opens the error text.
 
     Raises:

@@ -16,6 +16,14 @@ def test_file_is_written_and_nothing_else_left(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
 
 
+def test_bytes_are_written_as_they_are(tmp_path: Path) -> None:
+    write_whole(tmp_path / "a.bin", b"\r\n\xff\x00")
+    write_result(tmp_path / "b.bin", b"\x00\xff", "result")
+    assert (tmp_path / "a.bin").read_bytes() == b"\r\n\xff\x00"
+    assert (tmp_path / "b.bin").read_bytes() == b"\x00\xff"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.bin", "b.bin"]
+
+
 def test_old_file_stands_when_writing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "a.txt"
     file.write_text("old")

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.identify.frf.labelled import response_of
+from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,16 +44,7 @@ def save_responses(responses: Sequence[FrequencyResponse], path: Path | str) -> 
     parts = [_numbered(_without_complex(response.dataset()), number) for number, response in enumerate(responses)]
     whole = xr.merge(parts, combine_attrs="override")
     whole.attrs = {"schema": SCHEMA, "n_responses": len(responses)}
-    temporary = file.with_name(f".{file.name}.part")
-    try:
-        temporary.write_bytes(bytes(whole.to_netcdf(engine="scipy")))
-        temporary.replace(file)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise InputError(
-            f"the frequency responses cannot be written to '{file}' ({error.strerror or error}): its folder must exist "
-            "and be writable; give another file"
-        ) from error
+    write_result(file, bytes(whole.to_netcdf(engine="scipy")), "frequency responses")
 
 
 def load_responses(path: Path | str) -> tuple[FrequencyResponse, ...]:

@@ -89,8 +89,15 @@ def test_another_file_is_refused(tmp_path: Path) -> None:
 
 
 def test_missing_folder_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot be written to .*its folder must exist and be writable"):
+    with pytest.raises(InputError, match="the frequency responses cannot be written to .*its folder must exist and be"):
         save_responses([response(4)], tmp_path / "nowhere" / "responses.nc")
+
+
+def test_folder_in_place_of_a_file_is_named() -> None:
+    with pytest.raises(
+        InputError, match=r"the frequency responses cannot be written to '\.', which is a folder; give a"
+    ):
+        save_responses([response(4)], Path())
 
 
 def test_nothing_to_write_is_refused(tmp_path: Path) -> None:
