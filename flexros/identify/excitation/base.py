@@ -113,23 +113,24 @@ def shifts(n_motors: int) -> FloatArray:
     return 2.0 * np.pi * (np.outer(numbers, numbers) % n_motors) / n_motors
 
 
-def whole_samples(name: str, time: float, sample_time: float) -> int:
+def whole_samples(name: str, time: float, sample_time: float, least: int = 1) -> int:
     """Turn a time into samples.
 
     Args:
         name: Key of the time, for the message.
         time: The time [s].
         sample_time: Time between two samples [s].
+        least: Smallest number of samples that is allowed.
 
     Raises:
-        InputError: No whole number of samples.
+        InputError: No whole number of samples, or fewer.
     """
     number = round(time / sample_time)
-    if number < 1 or abs(time / sample_time - number) > 1e-6 * number:
-        below = max(int(time / sample_time), 1) * sample_time
+    if number < least or abs(time / sample_time - number) > 1e-6 * number:
+        below = max(int(time / sample_time), least) * sample_time
         raise InputError(
-            f"excitation.{name} is {time:g} s, allowed is a whole number of samples of {sample_time:g} s; set it e.g. "
-            f"to {below:.9g}"
+            f"excitation.{name} is {time:g} s, allowed is a whole number of samples of {sample_time:g} s, {least} "
+            f"or more; set it e.g. to {below:.9g}"
         )
     return number
 

@@ -13,10 +13,10 @@ from flexros.identify.excitation.base import (
     phase_generator,
     require_below_nyquist,
     shifts,
-    whole_samples,
 )
 from flexros.identify.excitation.lines import Lines, candidate_lines
 from flexros.identify.excitation.multisine import synthesise
+from flexros.identify.excitation.record_parts import RecordParts
 from flexros.identify.excitation.spectrum import Spectrum, amplitudes
 from flexros.identify.excitation.window import window
 
@@ -59,7 +59,7 @@ class Burst(AbstractExcitation):
     def record_samples(self, sample_time: float) -> int:
         """Give the samples from rest to rest; see `AbstractExcitation.record_samples`."""
         require_below_nyquist("highest", self.highest, sample_time)
-        return whole_samples("duration with its rests", self.rest_before + self.duration + self.rest_after, sample_time)
+        return self._parts(sample_time).total
 
     def lines(self, sample_time: float, seed: int) -> Lines:
         """Give all lines of the record within the band; none is left out."""
@@ -68,7 +68,8 @@ class Burst(AbstractExcitation):
 
     def block(self, n_motors: int, sample_time: float, seed: int, position: int, block: int) -> BlockSignals:
         """Make the records of one block; see `AbstractExcitation.block`."""
-        length = round(self.duration / sample_time)
+        parts = self._parts(sample_time)
+        length = parts.length
         lines = self._band(length * sample_time)
         size = amplitudes(self.spectrum, lines / (length * sample_time), self.sizes(n_motors))
         random = phase_generator(seed, position, block)
@@ -78,14 +79,15 @@ class Burst(AbstractExcitation):
         if self.orthogonal:
             phases = phases + shifts(n_motors).T[:, :, None]
         inside = synthesise(lines, size, phases, length, sample_time)
-        height, slope, _ = (part[:, None] for part in window(length, round(self.taper / sample_time), sample_time))
-        shape = (n_motors, self.record_samples(sample_time), n_motors)
+        height, slope, _ = (part[:, None] for part in window(length, parts.ramp, sample_time))
+        shape = (n_motors, parts.total, n_motors)
         speed, moved = np.zeros(shape), np.zeros(shape)
-        before = round(self.rest_before / sample_time)
-        rows = slice(before, before + length)
-        moved[:, rows] = height * inside.position
-        speed[:, rows] = height * inside.speed + slope * inside.position
+        moved[:, parts.excited] = height * inside.position
+        speed[:, parts.excited] = height * inside.speed + slope * inside.position
         return BlockSignals(speed, moved)
+
+    def _parts(self, sample_time: float) -> RecordParts:
+        return RecordParts.of(self.rest_before, self.duration, self.rest_after, self.taper, sample_time)
 
     def _band(self, record: float) -> IntArray:
         """List the lines of a record [s] within the band, shape (F,)."""

@@ -13,9 +13,9 @@ from flexros.identify.excitation.base import (
     phase_generator,
     require_below_nyquist,
     shifts,
-    whole_samples,
 )
 from flexros.identify.excitation.lines import Lines, candidate_lines
+from flexros.identify.excitation.record_parts import RecordParts
 from flexros.identify.excitation.window import window
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class Chirp(AbstractExcitation):
         """Give the samples from rest to rest; see `AbstractExcitation.record_samples`."""
         require_below_nyquist("from_hz", self.from_hz, sample_time)
         require_below_nyquist("to_hz", self.to_hz, sample_time)
-        return whole_samples("duration with its rests", self.rest_before + self.duration + self.rest_after, sample_time)
+        return self._parts(sample_time).total
 
     def lines(self, sample_time: float, seed: int) -> Lines:
         """Give all lines that the sweep passes; none is left out."""
@@ -74,18 +74,20 @@ class Chirp(AbstractExcitation):
         start = shifts(n_motors).T
         if not self.orthogonal:
             start = phase_generator(seed, position, block).uniform(0.0, 2.0 * np.pi, (n_motors, n_motors))
-        before = round(self.rest_before / sample_time)
-        length = round(self.duration / sample_time)
-        angle, rate, change = self._sweep(np.arange(length, dtype=np.float64) * sample_time)
-        height, slope, _ = window(length, round(self.taper / sample_time), sample_time)
+        parts = self._parts(sample_time)
+        angle, rate, change = self._sweep(np.arange(parts.length, dtype=np.float64) * sample_time)
+        height, slope, _ = window(parts.length, parts.ramp, sample_time)
         phi = angle[None, :, None] + start[:, None, :]
         height, slope, rate, change = (part[None, :, None] for part in (height, slope, rate, change))
-        shape = (n_motors, self.record_samples(sample_time), n_motors)
+        shape = (n_motors, parts.total, n_motors)
         speed, moved = np.zeros(shape), np.zeros(shape)
-        rows = slice(before, before + length)
+        rows = parts.excited
         moved[:, rows] = -size * height * np.cos(phi) / rate
         speed[:, rows] = size * (height * (np.sin(phi) + change / rate**2 * np.cos(phi)) - slope * np.cos(phi) / rate)
         return BlockSignals(speed, moved)
+
+    def _parts(self, sample_time: float) -> RecordParts:
+        return RecordParts.of(self.rest_before, self.duration, self.rest_after, self.taper, sample_time)
 
     def _sweep(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Give angle [rad], its rate [rad/s] and the change of the rate [rad/s^2] at times in the sweep, each (n,)."""

@@ -90,14 +90,16 @@ def with_detection(chosen: IntArray, group: int, random: np.random.Generator) ->
 
     Args:
         chosen: Lines, shape (F,).
-        group: Size of a group; the last one may be smaller and then stays whole, as do both ends of the band.
+        group: Size of a group; the last one may be smaller and then stays whole, as do both ends of the band and a
+            group that is nothing but these.
         random: Source of the choice.
 
     Returns:
-        The lines that stay, shape (F - n_groups,).
+        The lines that stay, at least F - F / group, in order.
     """
     keep = np.ones(len(chosen), dtype=bool)
     for first in range(0, len(chosen) - group + 1, group):
         inner = [k for k in range(first, first + group) if 0 < k < len(chosen) - 1]
-        keep[inner[int(random.integers(len(inner)))]] = False
+        if inner:
+            keep[inner[int(random.integers(len(inner)))]] = False
     return chosen[keep]

@@ -59,6 +59,13 @@ def test_detection_lines_are_empty_and_one_lies_in_every_group() -> None:
     assert np.array_equal(lines.even_detection, np.arange(4, 119, 2))
 
 
+def test_group_of_nothing_but_the_ends_of_the_band_stays_whole() -> None:
+    lines = Multisine(number=2, detection_group=2).lines(T, 1)
+    assert np.array_equal(lines.excited, [3, 119])
+    three = Multisine(number=3, detection_group=2).lines(T, 1)
+    assert np.array_equal(three.excited, [3, 119])
+
+
 def test_detection_lines_follow_from_the_seed() -> None:
     one, again, other = (Multisine().lines(T, seed).odd_detection for seed in (1, 1, 2))
     assert np.array_equal(one, again)

@@ -76,6 +76,29 @@ def test_burst_of_noise_is_new_in_every_block_and_normal_in_size() -> None:
     assert np.mean(one**4) / np.mean(one**2) ** 2 == pytest.approx(3.0, abs=0.3)
 
 
+@pytest.mark.parametrize("kind", [Chirp, Burst])
+def test_every_part_of_a_record_is_whole_samples(kind: type[Chirp | Burst]) -> None:
+    name = kind.__name__.lower()
+    with pytest.raises(
+        InputError, match=r"excitation\.rest_before is 0\.00075 s, allowed is a whole number of samples of 0\.0005 s, 0"
+    ):
+        kind(kind=name, rest_before=0.00075, duration=0.10075, rest_after=0.0, taper=0.02).block(1, 5e-4, 1, 0, 0)
+    with pytest.raises(InputError, match=r"excitation\.duration is 1\.0002 s, .* 2 or more; set it e\.g\. to 1$"):
+        kind(kind=name, duration=1.0002).record_samples(5e-4)
+    with pytest.raises(InputError, match=r"excitation\.rest_after is 0\.0003 s, .* 0 or more; set it e\.g\. to 0$"):
+        kind(kind=name, rest_after=0.0003).record_samples(5e-4)
+
+
+@pytest.mark.parametrize("kind", [Chirp, Burst])
+@pytest.mark.parametrize(("duration", "taper"), [(0.203, 0.1015), (0.2, 1e-6), (0.2, 0.0303)])
+def test_taper_is_rounded_to_samples_that_fit(kind: type[Chirp | Burst], duration: float, taper: float) -> None:
+    mine = kind(kind=kind.__name__.lower(), rest_before=0.0, duration=duration, rest_after=0.001, taper=taper)
+    signals = mine.block(1, T, 1, 0, 0)
+    assert signals.speed.shape == (1, mine.record_samples(T), 1)
+    assert np.all(np.isfinite(signals.speed))
+    assert np.all(signals.position[0, [0, -1]] == 0.0)
+
+
 def test_frequencies_and_times_are_checked() -> None:
     with pytest.raises(InputError, match=r"excitation\.from_hz is 600 Hz, allowed is less than half .* 500 Hz"):
         Chirp(kind="chirp", from_hz=600.0).lines(T, 1)
