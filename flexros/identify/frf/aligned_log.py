@@ -10,6 +10,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.identify.frf.record_timing import check_equal_rates, check_no_gap, sample_numbers
+from flexros.identify.record import HeldCommands
 from flexros.logs.stamps import START_NS
 
 if TYPE_CHECKING:
@@ -109,7 +110,7 @@ def align(log: Log, plan: ExperimentPlan, start_stamp: int | None = None) -> Ali
     if not np.array_equal(torques.stamp, states.stamp):
         given = sample_numbers(torques.stamp, start_stamp, plan.sample_time, "joint_commands", highest, warnings)
         _check_recorded(given, numbers, warnings)
-        torque = torque[np.clip(np.searchsorted(given, numbers, side="right") - 1, 0, None)]
+        torque = HeldCommands.of(given, numbers).values(torque)
     return AlignedLog(
         names=names,
         numbers=numbers,

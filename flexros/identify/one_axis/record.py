@@ -10,14 +10,12 @@ import numpy as np
 
 from flexros.compile.command_delay import split_delay
 from flexros.errors import InputError, unknown_name
+from flexros.identify.record import EVEN, HeldCommands
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.identify.one_axis.structure import OutputQuantity
     from flexros.logs.time_series import JointSeries, Log
-
-_EVEN = 1e-3
-"""Deviation of an interval, in intervals, that counts as even sampling (chosen)."""
 
 _SHORTEST = 200
 """Samples that a record must have (chosen)."""
@@ -108,15 +106,14 @@ def axis_record(log: Log, joint: str, output: OutputQuantity, delay: float, labe
         raise InputError(f"{label} has no commanded torque (effort of joint_commands); record it")
     y = measured[:, _column(states, joint, f"{label}: joint_states")]
     sample_time = _interval(states, label)
-    place = np.searchsorted(commands.stamp, states.stamp, side="right") - 1
-    first = int(np.argmax(place >= 0)) if np.any(place >= 0) else len(place)
-    u = commands.effort[np.maximum(place, 0), _column(commands, joint, f"{label}: joint_commands")]
-    torque, motion = u[first:], y[first:]
+    held = HeldCommands.of(commands.stamp, states.stamp)
+    u = held.values(commands.effort[:, _column(commands, joint, f"{label}: joint_commands")])
+    torque, motion = u[held.first :], y[held.first :]
     if len(torque) < _SHORTEST:
         raise InputError(f"{label} has {len(torque)} samples with a command, needed are {_SHORTEST}; give a longer log")
     for name, signal in ((output, motion), ("effort", torque)):
         if not np.all(np.isfinite(signal)):
-            at = first + int(np.argmin(np.isfinite(signal)))
+            at = held.first + int(np.argmin(np.isfinite(signal)))
             raise InputError(f"{label}: {name} of {joint} is not finite in sample {at}; cut the log there")
     return AxisRecord(label, output, sample_time, torque.copy(), motion.copy(), delay)
 
@@ -133,7 +130,7 @@ def _interval(states: JointSeries, label: str) -> float:
         raise InputError(f"{label} has {len(states.stamp)} samples, needed are {_SHORTEST}; give a longer log")
     typical = float(np.mean(steps))
     worst = int(np.argmax(np.abs(steps - typical)))
-    if abs(steps[worst] - typical) > _EVEN * typical:
+    if abs(steps[worst] - typical) > EVEN * typical:
         time = (states.stamp[worst] - states.stamp[0]) * 1e-9
         raise InputError(
             f"{label}: the interval at {time:.6g} s is {1e3 * steps[worst]:.6g} ms instead of {1e3 * typical:.6g} ms; "

@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.identify.record import EVEN, HeldCommands
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
     from flexros.logs.time_series import JointSeries, Log
     from flexros.robot import Robot
-
-_EVEN = 1e-3
-"""Deviation of an interval, in intervals, that counts as even sampling (chosen)."""
 
 _GAP = 1.5
 """Interval, in mean intervals, from which on samples are missing (chosen)."""
@@ -102,9 +100,8 @@ def _acting(
     start = command_stamp[0]
     begin, at = (command_stamp - start) * 1e-9, (stamp - start) * 1e-9
     if not hold:
-        held = np.searchsorted(command_stamp, stamp, side="right") - 1
-        first = int(np.argmax(held >= 0)) if np.any(held >= 0) else len(stamp)
-        return effort[np.maximum(held, 0)], first
+        held = HeldCommands.of(command_stamp, stamp)
+        return held.values(effort), held.first
     half = np.median(np.diff(at)) / 2
     begin = begin + delay
     ends = np.append(begin, max(begin[-1], at[-1]) + 2 * half)
@@ -142,7 +139,7 @@ def _even(time: FloatArray, values: FloatArray, label: str, warnings: list[str])
     interval = float((time[-1] - time[0]) / (len(time) - 1))
     even = time[0] + interval * np.arange(len(time))
     jitter = float(np.abs(even - time).max())
-    if jitter <= _EVEN * interval:
+    if jitter <= EVEN * interval:
         return interval, values
     warnings.append(
         f"the samples are up to {1e3 * jitter:.3g} ms off an even interval of {1e3 * interval:.6g} ms; they were "
