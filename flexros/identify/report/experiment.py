@@ -38,17 +38,19 @@ def _facts(facts: ExperimentFacts) -> str:
         f"blocks, {facts.experiments} experiments ({facts.excitation}) with {facts.periods} recorded periods of "
         f"{number(facts.period)} s each"
     )
-    text += f"; run {facts.transport}" if facts.transport else ""
+    text += f"; transport: {facts.transport}" if facts.transport else ""
     return f"{text}. Log: {facts.log}." if facts.log else f"{text}."
 
 
 def _gain(design: ExperimentDesign) -> str:
-    gain, chosen = design.gain, len(design.chosen)
+    gain, chosen, support = design.gain, len(design.chosen), len(design.design.support)
+    refused = "; ".join(f"{count} more were refused because {why}" for why, count in design.candidates.refused.items())
     return (
         f"The positions were chosen out of {len(design.candidates.gears)} candidates such that the determinant of the "
-        f"information is largest (optimal shares over {len(design.design.support)} positions, duality gap "
-        f"{design.design.gap:.1g}). {chosen} whole positions keep {100 * gain.efficiency:.3g} % of the optimum; sets "
-        f"of as many random positions have {100 * float(np.median(gain.random_efficiency)):.3g} % in the median and "
+        f"information is largest (optimal shares over {support} position{'s' * (support != 1)}, duality gap "
+        f"{design.design.gap:.1g}{'; ' * bool(refused)}{refused}). {chosen} whole positions keep "
+        f"{100 * gain.efficiency:.3g} % of the optimum; sets of as many random positions have "
+        f"{100 * float(np.median(gain.random_efficiency)):.3g} % in the median and "
         f"{100 * float(gain.random_efficiency[-1]):.3g} % at best, so they would need "
         f"{gain.experiments_saved:.2g} times the experiments."
     )
@@ -57,7 +59,7 @@ def _gain(design: ExperimentDesign) -> str:
 def _picture(design: ExperimentDesign) -> Picture:
     """Draw the predicted deviation of each parameter beside that of random positions."""
     gain = design.gain
-    figure = stacked(["Predicted standard deviation of each parameter"], height=300)
+    figure = stacked(["Smallest possible standard deviation of each parameter"], height=300)
     kinds = (("chosen positions", gain.deviation, run_colour(0)), ("random positions", gain.random_deviation, INK))
     for name, values, colour in kinds:
         figure.add_trace(
@@ -80,8 +82,9 @@ def _picture(design: ExperimentDesign) -> Picture:
     figure.update_xaxes(tickangle=-60, tickfont={"size": 10})
     figure.update_layout(margin={"b": 150}, height=figure.layout.height + 100)
     caption = (
-        "Predicted by the nominal model for encoder noise"
-        f"{_distorted(design)}: chosen positions, and the median of random sets of as many positions."
+        "Smallest deviations that any fit could reach, predicted by the nominal model for encoder noise"
+        f"{_distorted(design)}: chosen positions, and the median of random sets of as many positions. Weights other "
+        "than optimal ones give larger ones, as in the table of parameters."
     )
     return Picture(figure, caption)
 

@@ -32,7 +32,7 @@ _MARKS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
 """Marks of an axis between `_NARROW` and `_FEW_DECADES` decades (chosen)."""
 _BIAS = (
     "The robot does something that the model lacks, and parameters shift to make up for it, dampers most of all. "
-    "The intervals hold random errors, not such shifts: values may be wrong by more than they tell."
+    "The intervals hold random errors, not such shifts: values may be wrong by more than they tell. Signs of it: "
 )
 
 
@@ -48,7 +48,7 @@ class ParameterSection(AbstractIdentificationSection):
             blocks.append(_picture(result))
         blocks += [_table(result), Paragraph(result.covariance.explanation, "note")]
         if result.bias_signs:
-            blocks.append(Paragraph(_BIAS, "warning"))
+            blocks.append(Paragraph(f"{_BIAS}{'; '.join(result.bias_signs)}.", "warning"))
         return tuple(blocks)
 
 

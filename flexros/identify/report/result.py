@@ -275,8 +275,8 @@ def _shifted(result: IdentificationResult) -> str:
     if not result.bias_signs:
         return ""
     return (
-        f" The robot does something that the model lacks ({'; '.join(result.bias_signs)}): that shifts parameters, "
-        "dampers most of all, and the intervals do not cover it."
+        " The robot does something that the model lacks: parameters shift, dampers most of all, and the intervals do "
+        "not cover it."
     )
 
 

@@ -13,6 +13,7 @@ from flexros.analysis.report.theme import run_colour, stacked
 from flexros.identify.report.base import AbstractIdentificationSection
 
 if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
     from flexros.identify.report.result import IdentificationResult
 
 
@@ -22,7 +23,7 @@ class StartSection(AbstractIdentificationSection):
     title: ClassVar[str] = "Local minima"
 
     def blocks(self, result: IdentificationResult) -> tuple[Block, ...]:
-        """Return sentence and picture; nothing for a single start."""
+        """Return the sentence, and the picture where the fits differ; nothing for a single start."""
         costs = result.start_costs
         if len(result.searched) < 2 or not len(costs):
             return ()
@@ -41,17 +42,23 @@ class StartSection(AbstractIdentificationSection):
             if result.same_minimum == 1
             else "."
         )
-        figure = stacked(["Cost from each start over the lowest, sorted"], height=240)
-        figure.add_trace(
-            go.Scatter(
-                x=np.arange(1, len(costs) + 1),
-                y=costs / costs[0],
-                mode="markers",
-                marker={"color": run_colour(0), "size": 7},
-                hovertemplate="%{x}: %{y:.4g}<extra></extra>",
-                showlegend=False,
-            )
+        differ = result.same_minimum < len(costs)
+        return (Paragraph(text), _picture(costs)) if differ else (Paragraph(text),)
+
+
+def _picture(costs: FloatArray) -> Picture:
+    """Draw the costs over the lowest one."""
+    figure = stacked(["Cost from each start over the lowest, sorted"], height=240)
+    figure.add_trace(
+        go.Scatter(
+            x=np.arange(1, len(costs) + 1),
+            y=costs / costs[0],
+            mode="markers",
+            marker={"color": run_colour(0), "size": 7},
+            hovertemplate="%{x}: %{y:.4g}<extra></extra>",
+            showlegend=False,
         )
-        figure.update_yaxes(title_text="cost / lowest cost", type="log")
-        figure.update_xaxes(title_text="start")
-        return (Paragraph(text), Picture(figure, "Costs of the fits from all starts."))
+    )
+    figure.update_yaxes(title_text="cost / lowest cost", type="log")
+    figure.update_xaxes(title_text="start", range=[0.5, len(costs) + 0.5], tickformat="d")
+    return Picture(figure, "Costs of the fits from all starts; those at 1 ended in the best minimum.")

@@ -28,7 +28,7 @@ def test_linear_robot_shows_no_sign(clear: IdentificationResult) -> None:
 
 def test_odd_distortions_are_a_sign(distorted: IdentificationResult) -> None:
     assert distorted.bias_signs == ("odd detection lines of motor_2 carry 50 times their noise",)
-    assert "shifts parameters, dampers most of all, and the intervals do not cover it." in verdict(distorted)
+    assert "parameters shift, dampers most of all, and the intervals do not cover it." in verdict(distorted)
     assert distorted.as_dict()["bias_signs"] == list(distorted.bias_signs)
 
 

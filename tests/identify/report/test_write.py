@@ -92,6 +92,14 @@ def test_first_position_is_drawn_with_its_own_numbers(html: str, clear: Identifi
     assert all(top >= value for top, value in zip(band, measured, strict=False))
 
 
+def test_costs_are_drawn_only_where_they_differ(clear: IdentificationResult, tmp_path: Path) -> None:
+    alike = replace(clear, searched=(clear.fit,) * 3)
+    worse = replace(clear, searched=(clear.fit, replace(clear.fit, cost=3 * clear.fit.cost)))
+    assert "Costs of the fits" not in words(page(alike, tmp_path))
+    assert "3 of 3 fits" in words(page(alike, tmp_path))
+    assert "Costs of the fits" in words(page(worse, tmp_path))
+
+
 def test_models_are_drawn_between_the_lines_too(html: str, clear: IdentificationResult) -> None:
     figure = pictures(html)[1]
     identified = figure["data"][3]  # type: ignore[index]
@@ -111,7 +119,7 @@ def test_distortions_are_named_with_their_size(distorted: IdentificationResult, 
     text = words(page(distorted, tmp_path))
     assert "odd ones at motor_2, 5 % of the output in the median, with noise of 0.10 %" in text
     assert "as far as noise goes. With the weights of the fit the identified model explains" in text
-    assert "(odd detection lines of motor_2 carry 50 times their noise)" in text
+    assert "Signs of it: odd detection lines of motor_2 carry 50 times their noise." in text
     assert "values may be wrong by more than they tell" in text
 
 
