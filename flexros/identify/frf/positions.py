@@ -123,9 +123,11 @@ def _complete(
         block = segment.position, segment.block
         ends[block] = max(ends.get(block, 0), segment.stop)
     used = [segment for segment in segments if ends[segment.position, segment.block] <= end]
-    why = "the log ends" if end == recorded else "the experiment was stopped"
+    silent = aligned.last_command < int(aligned.numbers[-1])
+    ends_by = ("the log ends", "it ends") if not silent else ("the commands of the log end", "its commands end")
+    why = ends_by[0] if end == recorded else "the experiment was stopped"
     if not used:
-        what = "too short a log: it ends" if end == recorded else "too short an experiment: it was stopped"
+        what = f"too short a log: {ends_by[1]}" if end == recorded else "too short an experiment: it was stopped"
         raise InputError(
             f"{what} at {max(end - 1, 0) * plan.sample_time:.3f} s, before the first block is complete at "
             f"{(min(ends.values()) - 1) * plan.sample_time:.3f} s; record longer"

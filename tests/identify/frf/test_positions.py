@@ -155,11 +155,16 @@ def test_commands_that_begin_late_are_named(recorded: Recorded) -> None:
 
 
 def test_commands_that_end_early_are_named_or_used_as_far_as_complete(recorded: Recorded) -> None:
-    early = with_commands(recorded.log, slice(0, recorded.plan.segments[-1].stop - 1))
+    segments = recorded.plan.segments
+    early = with_commands(recorded.log, slice(0, segments[-1].stop - 1))
     with pytest.raises(InputError, match="the commands of the log end at .*, position 2, block 2, experiment 2 lasts"):
         estimate_responses(early, recorded.plan)
     first, second = estimate_responses(early, recorded.plan, FrfSettings(partial=True))
     assert (first.n_blocks, second.n_blocks) == (2, 1)
+    assert "the commands of the log end before its plan; 1 blocks that are not complete were left out" in first.warnings
+    earlier = with_commands(recorded.log, slice(0, segments[0].stop))
+    with pytest.raises(InputError, match="too short a log: its commands end at .*, before the first block is complete"):
+        estimate_responses(earlier, recorded.plan, FrfSettings(partial=True))
 
 
 def test_log_of_every_tenth_sample_is_aliasing(recorded: Recorded) -> None:
