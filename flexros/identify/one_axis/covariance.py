@@ -19,8 +19,10 @@ def prediction_covariance(errors: FloatArray, slopes: FloatArray, lags: int) -> 
     """Compute the covariance of a least-squares estimate, also where its errors are correlated over some samples.
 
     Gauss-Newton covariance for white errors; deviations that the sandwich of W. Newey and K. West (1987, Bartlett
-    weights) finds larger are raised to it. Parameters that take part in a direction which the record does not tell,
-    each alone or several that act alike, have an infinite variance.
+    weights) finds larger are raised to it. That sandwich is itself an estimate, the poorer the more lags it has for the
+    length of the record; its deviations are raised by the 97.5 % quantile of N. M. Kiefer and T. J. Vogelsang (2005,
+    Econometric Theory 21, table 1) over that of the normal distribution. Parameters that take part in a direction
+    which the record does not tell, each alone or several that act alike, have an infinite variance.
 
     Args:
         errors: Prediction errors, shape (n,).
@@ -35,7 +37,8 @@ def prediction_covariance(errors: FloatArray, slopes: FloatArray, lags: int) -> 
     scaled = slopes / size
     scores = scaled * errors[:, None]
     middle = scores.T @ scores
-    for lag in range(1, min(lags, len(errors) // 10) + 1):
+    lags = min(lags, len(errors) // 10)
+    for lag in range(1, lags + 1):
         product = scores[lag:].T @ scores[:-lag]
         middle += (1 - lag / (lags + 1)) * (product + product.T)
     eigenvalues, vectors = np.linalg.eigh(scaled.T @ scaled)
@@ -43,9 +46,14 @@ def prediction_covariance(errors: FloatArray, slopes: FloatArray, lags: int) -> 
     inverse = (vectors[:, seen] / eigenvalues[seen]) @ vectors[:, seen].T
     told = np.all(np.abs(vectors[:, ~seen]) < _TAKES_PART, axis=1)
     white = inverse * float(errors @ errors) / (len(errors) - np.count_nonzero(seen))
-    sandwich = np.diag(inverse @ middle @ inverse)
+    sandwich = np.diag(inverse @ middle @ inverse) * (_quantile((lags + 1) / len(errors)) / _quantile(0.0)) ** 2
     variance = np.where(told, np.diag(white), 1.0)
     raised = np.where(told, np.sqrt(np.maximum(sandwich / variance, 1.0)), 1.0) / size
     covariance: FloatArray = raised[:, None] * white * raised
     covariance[~told, ~told] = np.inf
     return covariance
+
+
+def _quantile(share: float) -> float:
+    """97.5 % quantile of an estimate over its Bartlett deviation, whose lags are a share of the record."""
+    return float(np.polyval([-0.5324, 0.4160, 2.9694, 1.9600], share))

@@ -28,6 +28,18 @@ def test_correlated_errors_and_slopes_raise_deviations(slopes: np.ndarray) -> No
     assert np.all((ratio > 3) & (ratio < 6))  # sqrt(20), less the Bartlett weights
 
 
+def test_intervals_of_short_records_hold() -> None:
+    """A mean of 300 samples, correlated over 20 of them, covered by its 95 % interval."""
+    rng, ones = np.random.default_rng(4), np.ones((300, 1))
+    noise = np.stack([np.convolve(rng.normal(size=340), np.hanning(21), "valid")[:300] for _ in range(1500)])
+    means = noise.mean(axis=1)
+    covered = [
+        abs(mean) < 1.96 * np.sqrt(prediction_covariance(row - mean, ones, 30)[0, 0])
+        for row, mean in zip(noise, means, strict=True)
+    ]
+    assert np.mean(covered) > 0.92
+
+
 def test_parameters_that_act_alike_are_not_told(slopes: np.ndarray) -> None:
     errors = 0.1 * np.random.default_rng(2).normal(size=4000)
     alike = np.column_stack([slopes, -7.0 * slopes[:, 1]])
