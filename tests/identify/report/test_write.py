@@ -16,6 +16,7 @@ import pytest
 from flexros.errors import InputError
 from flexros.identify.report.responses import POINTS
 from flexros.identify.report.result import IdentificationResult
+from flexros.identify.report.starts import StartSection
 from flexros.identify.report.write import SECTIONS, write_identification_report
 
 
@@ -92,12 +93,13 @@ def test_first_position_is_drawn_with_its_own_numbers(html: str, clear: Identifi
     assert all(top >= value for top, value in zip(band, measured, strict=False))
 
 
-def test_costs_are_drawn_only_where_they_differ(clear: IdentificationResult, tmp_path: Path) -> None:
-    alike = replace(clear, searched=(clear.fit,) * 3)
-    worse = replace(clear, searched=(clear.fit, replace(clear.fit, cost=3 * clear.fit.cost)))
-    assert "Costs of the fits" not in words(page(alike, tmp_path))
-    assert "3 of 3 fits" in words(page(alike, tmp_path))
-    assert "Costs of the fits" in words(page(worse, tmp_path))
+def test_costs_are_drawn_only_where_they_differ(clear: IdentificationResult) -> None:
+    worse = replace(clear.fit, cost=3 * clear.fit.cost)
+    (sentence,) = StartSection().blocks(replace(clear, searched=(clear.fit,) * 3))
+    assert "3 of 3 fits" in sentence.text  # type: ignore[union-attr]
+    sentence, picture = StartSection().blocks(replace(clear, searched=(clear.fit, worse)))
+    assert "the others cost up to 3 times as much" in sentence.text  # type: ignore[union-attr]
+    assert list(picture.figure.data[0].y) == pytest.approx([1, 3])  # type: ignore[union-attr]
 
 
 def test_models_are_drawn_between_the_lines_too(html: str, clear: IdentificationResult) -> None:
