@@ -19,7 +19,7 @@ N, T = 6000, 1e-3
 REALDATA = os.environ.get("FLEXROS_REALDATA", "")
 
 
-def write_drive_log(folder: Path, seed: int) -> str:
+def write_drive_log(folder: Path, seed: int, viscous: float = 210.0) -> str:
     """Log of a drive with M = 100 kg, Fv = 210 N s/m, Fc = 15 N that moves along slow sines."""
     rng = np.random.default_rng(seed)
     time = np.arange(N)[:, None] * T
@@ -28,7 +28,7 @@ def write_drive_log(folder: Path, seed: int) -> str:
     q = 0.05 * np.sin(w * time + phase).sum(axis=1, keepdims=True)
     v = 0.05 * (w * np.cos(w * time + phase)).sum(axis=1, keepdims=True)
     a = -0.05 * (w**2 * np.sin(w * time + phase)).sum(axis=1, keepdims=True)
-    effort = 100 * a + 210 * v + 15 * np.sign(v)
+    effort = 100 * a + viscous * v + 15 * np.sign(v)
     stamp = stamps_ns(N, T)
     states = JointSeries(stamp, ("motor_1",), position=q + 1e-7 * rng.normal(size=q.shape))
     write_log(Log(states, JointSeries(stamp, ("motor_1",), effort=effort), provenance={"seed": seed}), folder)
@@ -52,6 +52,19 @@ def test_results_are_printed_and_written(flexros, logs: list[str], tmp_path: Pat
     assert printed["excitation"]["rich_enough"]
     assert json.loads((out / "rigid.json").read_text()) == printed
     assert load_robot(out / "identified.yaml").parameters["body_1.mass"].value == values["body_1.mass"]
+
+
+def test_what_the_robot_file_cannot_have_is_said(flexros, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    log = write_drive_log(tmp_path / "driven", 1, viscous=-50.0)
+    ended = flexros("identify", "rigid", log, "--model", "emps", "--out", str(tmp_path / "out"), "--cutoff", "50")
+    assert ended.code == 0, ended.err
+    assert "left at nominal in the robot file: motor_1.viscous_friction" in ended.out + ended.err
+    assert "not met by the robot file: motor_1.viscous_friction, which is 203.503 there" in ended.out + ended.err
+    written = load_robot(tmp_path / "out" / "identified.yaml").parameters
+    assert written["motor_1.viscous_friction"].value == 203.5034
+    assert written["body_1.mass"].value == pytest.approx(100, rel=5e-3)
+    assert written["body_1.mass"].tolerance < 0.01
 
 
 def test_table_for_people(flexros, logs: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -145,6 +145,11 @@ def fit_rigid(
     base = base_parameters(regressor, robot.n_motors)
     rows = _rows(log, settings, label, regressor, base, progress)
     check_rows(len(rows.torque), len(base.leading))
+    return _fit(rows, robot, settings, base, label)
+
+
+def _fit(rows: _Rows, robot: Robot, settings: RigidSettings, base: BaseParameters, label: str) -> RigidFit:
+    """Estimate what the motion shows."""
     size = np.sqrt(np.mean(rows.torque**2, axis=0))
     excitation = judge_excitation(rows.H / np.where(size > 0, size, 1.0)[:, None], base)
     values, estimate = _estimate(rows, base, excitation)
