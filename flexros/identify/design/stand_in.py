@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from flexros.errors import InputError
+from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
     from flexros.robot import Robot
 
-_NOT_PHYSICS = ("name", "description", "source", "tolerance", "label", "tags", "defaults", "unknown_parameters", "home")
+_NOT_PHYSICS = (
+    *("name", "description", "source", "tolerance", "label", "tags", "defaults", "unknown_parameters", "home"),
+    "unit",  # may be left out, and is the SI unit of its key where it is given
+)
 """Keys of a robot file that change no motion."""
+_ROUNDING = 1e-12
+"""Relative difference of numbers that were written and read again, or scaled (chosen)."""
 
 
 def stand_in_values(nominal: Robot, real: Robot) -> dict[str, float]:
@@ -30,7 +37,7 @@ def stand_in_values(nominal: Robot, real: Robot) -> dict[str, float]:
         name: one.value
         for name, one in real.parameters.items()
         if name in nominal.parameters and one.value != nominal.parameters[name].value
-    }
+    } | _law_factors(nominal, real)
     if real.delay != nominal.delay:
         values["delay"] = real.delay
     made = nominal.with_values(values, f"robot {real.source}")
@@ -41,6 +48,26 @@ def stand_in_values(nominal: Robot, real: Robot) -> dict[str, float]:
             "the equations of motion; give a file that differs from the nominal robot in such numbers only"
         )
     return values
+
+
+def _law_factors(nominal: Robot, real: Robot) -> dict[str, float]:
+    """List the factors between nonlinear springs, whose parameter is 1 in each robot itself."""
+    factors = {}
+    for number, (one, other) in enumerate(zip(nominal.spec.bodies, real.spec.bodies, strict=False), start=1):
+        for axis in one.directions.keys() & other.directions.keys():
+            mine, theirs = (_law(body.directions[axis].spring) for body in (one, other))
+            if sum(mine) and theirs and mine != theirs:
+                factors[f"body_{number}.{axis}.stiffness"] = sum(theirs) / sum(mine)
+    return factors
+
+
+def _law(spring: object) -> tuple[float, ...]:
+    """Numbers of a nonlinear spring that its factor scales; none for other springs."""
+    if not isinstance(spring, Spring):
+        return ()
+    if spring.piecewise_linear is not None:
+        return spring.piecewise_linear.slopes
+    return () if spring.cubic is None else (spring.cubic.linear, spring.cubic.cubic)
 
 
 def _physics(node: Any) -> Any:
@@ -64,4 +91,6 @@ def _difference(one: Any, other: Any, path: str) -> str:
             return path
         pairs = enumerate(zip(one, other, strict=True))
         return next((found for place, pair in pairs if (found := _difference(*pair, f"{path}[{place}]"))), "")
+    if isinstance(one, float) and isinstance(other, float):
+        return "" if math.isclose(one, other, rel_tol=_ROUNDING) else path
     return "" if one == other else path
