@@ -52,7 +52,7 @@ def _gain(design: ExperimentDesign) -> str:
         f"{100 * gain.efficiency:.3g} % of the optimum; sets of as many random positions have "
         f"{100 * float(np.median(gain.random_efficiency)):.3g} % in the median and "
         f"{100 * float(gain.random_efficiency[-1]):.3g} % at best, so they would need "
-        f"{gain.experiments_saved:.2g} times the experiments."
+        f"{number(gain.experiments_saved, 2)} times the experiments."
     )
 
 
@@ -91,7 +91,7 @@ def _picture(design: ExperimentDesign) -> Picture:
 
 def _distorted(design: ExperimentDesign) -> str:
     share = design.conditions.distortion
-    return f" and distortions of {100 * share:.2g} % of the output" if share else " alone"
+    return f" and distortions of {number(100 * share, 2)} % of the output" if share else " alone"
 
 
 def _positions(result: IdentificationResult) -> TextTable:

@@ -263,9 +263,9 @@ def _explained(result: IdentificationResult) -> str:
         weighed = "With the weights of the fit the" if result.bias_signs else "The"
         return f"{weighed} identified model explains {where} within their uncertainty; {gain}."
     if reduced < 100:
-        return f"The identified model misses {where} by {np.sqrt(reduced):.2g} times their uncertainty (rms); {gain}."
+        return f"The identified model misses {where} by {number(float(np.sqrt(reduced)), 2)} times their uncertainty (rms); {gain}."
     return (
-        f"The identified model misses {where} by far more than their uncertainty ({np.sqrt(reduced):.2g} times, rms); "
+        f"The identified model misses {where} by far more than their uncertainty ({number(float(np.sqrt(reduced)), 2)} times, rms); "
         f"{gain}."
     )
 
