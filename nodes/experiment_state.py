@@ -88,6 +88,8 @@ class ExperimentState:
         )
         if self.state == "waiting":
             return "waiting for the service start"
+        if self.state == "stopping" and self.stopped_at_sample == 0:
+            return "stopped before it began; no experiment was run"
         if self.state == "stopping":
             return f"stopped at {where}; {self.completed} of {self.planned} experiments are complete"
         if self.state == "done":

@@ -102,6 +102,8 @@ class IdentificationNode(FlexrosNode):
     # Services.
 
     def _on_start(self) -> Answer:
+        if self._stopped is not None:
+            return Answer(False, f"the experiment was stopped ({self.state().sentence()}); run it again")
         if not self._stream.closed:
             return Answer(False, f"the experiment has been started already: {self.state().sentence()}")
         self._stream.open()

@@ -79,6 +79,11 @@ def test_state_between_two_records_is_on_the_way(plan: ExperimentPlan) -> None:
     assert sentence.startswith("on the way to position 1 of 2, block 1 of 2, experiment 1 of 1; 0.0 % done, ")
 
 
+def test_stop_before_the_first_sample_names_no_experiment(plan: ExperimentPlan) -> None:
+    sentence = ExperimentCourse(plan).state("stopping", 0, (0, 600)).sentence()
+    assert sentence == "stopped before it began; no experiment was run"
+
+
 def test_message_is_read_back(plan: ExperimentPlan) -> None:
     state = ExperimentCourse(plan).state("stopping", 700, (600, 900))
     assert read_experiment_state(serialised(state.as_json())) == state

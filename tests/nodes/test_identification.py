@@ -187,6 +187,8 @@ def test_stop_can_be_asked_for_twice(loop: Loop) -> None:
     assert again.message.startswith("the experiment has been stopped already: ")
     start = loop.call("start")
     assert not start.success
+    assert start.message.startswith("the experiment was stopped (stopped ")
+    assert start.message.endswith("); run it again")
     loop.finish()
 
 
@@ -195,7 +197,12 @@ def test_stop_of_an_experiment_that_waits_ends_a_run_at_rest(
 ) -> None:
     run = Experiment.prepare(load_scenario(identification_scenario))
     loop.bring_up()
-    assert loop.call("stop").success
+    stop = loop.call("stop")
+    assert stop.success
+    assert stop.message.startswith("stopped before it began; no experiment was run; the run ends in ")
+    start = loop.call("start")
+    assert not start.success
+    assert start.message == "the experiment was stopped (stopped before it began; no experiment was run); run it again"
     loop.finish()
     log = read_log(tmp_path / "log")
     assert (log.provenance["stopped"]["stopped_at_sample"], log.provenance["stopped"]["completed"]) == (0, 0)
