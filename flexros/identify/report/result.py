@@ -262,12 +262,8 @@ def _explained(result: IdentificationResult) -> str:
     if reduced < MISSES:
         weighed = "With the weights of the fit the" if result.bias_signs else "The"
         return f"{weighed} identified model explains {where} within their uncertainty; {gain}."
-    if reduced < 100:
-        return f"The identified model misses {where} by {number(float(np.sqrt(reduced)), 2)} times their uncertainty (rms); {gain}."
-    return (
-        f"The identified model misses {where} by far more than their uncertainty ({number(float(np.sqrt(reduced)), 2)} times, rms); "
-        f"{gain}."
-    )
+    times = number(float(np.sqrt(reduced)), 2)
+    return f"The identified model misses {where} by {times} times their uncertainty (rms); {gain}."
 
 
 def _shifted(result: IdentificationResult) -> str:
