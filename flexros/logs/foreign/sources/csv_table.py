@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import warnings
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -37,18 +38,25 @@ class CsvTable(AbstractSignalSource):
         """Read columns; see `AbstractSignalSource.read`."""
         places = [self._names.index(name) for name in names]
         try:
-            table = np.loadtxt(
-                self._path,
-                delimiter=self._delimiter,
-                comments=_COMMENT,
-                skiprows=self._lines_before,
-                usecols=places,
-                ndmin=2,
-                quotechar='"',
-                encoding="utf-8-sig",
-            )
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", "loadtxt: input contained no data", UserWarning)  # said below
+                table = np.loadtxt(
+                    self._path,
+                    delimiter=self._delimiter,
+                    comments=_COMMENT,
+                    skiprows=self._lines_before,
+                    usecols=places,
+                    ndmin=2,
+                    quotechar='"',
+                    encoding="utf-8-sig",
+                )
         except (ValueError, IndexError) as error:
             raise self._first_fault(places, error) from error
+        if not len(table):
+            raise InputError(
+                f"{self._path} has no rows below its line of names ({', '.join(self._names)}); give a table with rows of "
+                "numbers"
+            )
         return {name: Signal(table[:, k].copy()) for k, name in enumerate(names)}
 
     def _first_fault(self, places: list[int], error: Exception) -> InputError:

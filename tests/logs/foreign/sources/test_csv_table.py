@@ -75,3 +75,11 @@ def test_no_text(tmp_path: Path) -> None:
     file.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="is no text .byte 0 is not UTF-8"):
         CsvTable(file)
+
+
+@pytest.mark.filterwarnings("error")
+def test_line_of_names_alone(tmp_path: Path) -> None:
+    with pytest.raises(
+        InputError, match=r"log.csv has no rows below its line of names \(t, q\); give a table with rows"
+    ):
+        table(tmp_path, "t,q\n").read(["q"])
