@@ -28,6 +28,11 @@ _STILL = 20.0
 _MOST_BYTES = 400_000_000
 """Largest regressor that is made [bytes] (chosen; the least squares need a few times that)."""
 
+_FASTEST = 2e4
+"""Sampling rate [Hz] beyond which the time unit of an imported log is more likely wrong (chosen)."""
+
+_ODD_RATE = ", or correct the time unit in the mapping if the rate is not that of the recorder"
+
 _FEWEST = 50
 """Rows that must be left after decimation (chosen)."""
 
@@ -75,8 +80,8 @@ def estimate_motion(position: FloatArray, sample_time: float, cutoff: float) -> 
     least = 2 * decimation(sample_time, cutoff) * _LENGTH
     if len(position) < least:
         raise InputError(
-            f"the log has {len(position)} samples, but a cut-off of {cutoff:.6g} Hz needs at least {least}; give a "
-            "longer log or a higher --cutoff"
+            f"the log has {len(position)} samples, but a cut-off of {cutoff:.6g} Hz needs at least {least} at "
+            f"{_in_words(rate)}; give a longer log or a higher --cutoff{_ODD_RATE if rate > _FASTEST else ''}"
         )
     sections = butter(_ORDER, 2 * cutoff * sample_time, output="sos")
     filtered: FloatArray = sosfiltfilt(sections, position, axis=0)
@@ -88,6 +93,12 @@ def estimate_motion(position: FloatArray, sample_time: float, cutoff: float) -> 
     return MotionEstimate(
         np.where(moving, filtered, filtered.mean(axis=0)), velocity * moving, acceleration * moving, moving
     )
+
+
+def _in_words(rate: float) -> str:
+    """Write a sampling rate [Hz] with the unit that suits it."""
+    size, unit = next((pair for pair in ((1e6, "MHz"), (1e3, "kHz")) if rate >= pair[0]), (1.0, "Hz"))
+    return f"{rate / size:.6g} {unit}"
 
 
 def decimation(sample_time: float, cutoff: float) -> int:

@@ -61,8 +61,18 @@ def test_cutoff_beyond_the_rate(cutoff: float) -> None:
 
 
 def test_record_shorter_than_its_filter() -> None:
-    with pytest.raises(InputError, match="the log has 300 samples, but a cut-off of 50 Hz needs at least 800"):
+    with pytest.raises(
+        InputError, match="the log has 300 samples, but a cut-off of 50 Hz needs at least 800 at 1 kHz; give"
+    ):
         estimate_motion(np.zeros((300, 1)), T, 50.0)
+
+
+def test_rate_of_a_wrong_time_unit_is_doubted() -> None:
+    message = (
+        "needs at least 400000 at 1 MHz; give a longer log or a higher --cutoff, or correct the time unit in the map"
+    )
+    with pytest.raises(InputError, match=message):
+        estimate_motion(np.zeros((24841, 1)), 1e-6, 100.0)
 
 
 def test_too_few_rows_for_a_regression() -> None:
