@@ -40,7 +40,8 @@ class FrequencyResponse:
         total_error: The same with stochastic nonlinear distortion, from the variation over blocks; None with one block.
         input_inverse: W^H W summed over all experiments and blocks, (U U^H)^-1 for the least-squares estimate
             [(unit of input)^-2], shape (F, n_u, n_u).
-        degrees_of_freedom: Complex degrees of freedom behind each total_error (noise_error where that is None).
+        degrees_of_freedom: Complex degrees of freedom behind each total_error (noise_error where that is None); the
+            covariance is pooled over neighbouring lines already, and what these share is counted once.
         input_names: Names of the inputs, length n_u.
         output_names: Names of the outputs, length n_y.
         input_units: Units of the inputs, "Nm" or "N", length n_u.
