@@ -42,10 +42,10 @@ def error_covariance(spectra: PeriodSpectra, found: MatrixEstimate, order: int, 
     chapter 2), so E and not Y is looked at. Its covariance C follows from the period means, E_hat = Y - G U =
     E (I - W U), by E[E_hat E_hat^H] = C tr((I - W U)(I - W U)^H).
 
-    The degrees of freedom count neighbouring lines as independent, which noise and stochastic distortion in steady state
+    The degrees of freedom count neighbouring lines as independent, as noise and stochastic distortion in steady state
     are. A transient that has not died out is smooth over the lines, so that fewer are left: of 14 for two motors and
-    two blocks, repeated simulations of scenario identify_e12 without detection lines show 14 and 15 after 8 transient
-    periods, but 4 and 7 after 2.
+    two blocks, repeated simulations of scenario identify_e12 without detection lines show 14 and 15 (motors 1 and 2)
+    after 8 transient periods, but 4 and 7 after 2.
 
     Args:
         spectra: Spectra at the excited lines.
