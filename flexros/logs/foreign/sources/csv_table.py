@@ -54,8 +54,8 @@ class CsvTable(AbstractSignalSource):
             raise self._first_fault(places, error) from error
         if not len(table):
             raise InputError(
-                f"{self._path} has no rows below its line of names ({', '.join(self._names)}); give a table with rows of "
-                "numbers"
+                f"{self._path} has no rows below its line of names ({', '.join(self._names)}); give a table with "
+                "rows of numbers"
             )
         return {name: Signal(table[:, k].copy()) for k, name in enumerate(names)}
 
