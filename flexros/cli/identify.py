@@ -8,12 +8,20 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from flexros.cli import identify_axis, identify_rigid, transports
-from flexros.cli.identify_design import POSITIONS, chosen_names, design, designed, gear_ranges, template_with
-from flexros.cli.identify_fit import BOUND, fit, print_identification, searched, value_bounds
+from flexros.cli.identify_design import (
+    POSITIONS,
+    checked_minutes,
+    chosen_names,
+    design,
+    designed,
+    gear_ranges,
+    template_with,
+)
+from flexros.cli.identify_fit import BOUND, fit, print_identification, search_settings, searched
 from flexros.cli.identify_frf import estimated, frf
 from flexros.cli.output import print_json
 from flexros.cli.run import choose_transport
-from flexros.errors import InputError
+from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,6 +32,9 @@ if TYPE_CHECKING:
     from flexros.identify.report.result import IdentificationResult
     from flexros.identify.search import SearchSettings
     from flexros.robot import Robot
+
+LAYOUTS = ("composed", "processes")
+"""Layouts of the nodes."""
 
 app = typer.Typer(
     name="identify",
@@ -61,21 +72,23 @@ def robot(
     """Design an experiment, run it, estimate frequency responses, fit the parameters, and report."""
     from flexros.identify.design.experiment_design import DesignSettings
     from flexros.identify.report.files import make_folder
-    from flexros.identify.search import SearchSettings
     from flexros.robot import load_robot
 
     log = out / "log"
     if log.exists():
-        raise InputError(f"the log folder {log} exists already; give another folder with --out")
+        raise InputError(_log_exists(log, name))
+    checked_minutes(minutes)
+    if layout not in LAYOUTS:
+        raise unknown_name("layout", layout, LAYOUTS, "--layout")
     nominal = load_robot(name)
     names = chosen_names(nominal, unknown)
+    search = search_settings(nominal, names, estimator, weights, starts, seed, bound)
     template = with_real_robot(
         template_with(name, nominal, scenario, [*setting, f"seed={seed}"], effect), nominal, real
     )
     transport = choose_transport(transport, quiet=as_json)
     make_folder(out)
     wanted = DesignSettings(positions or min(POSITIONS, len(names)), candidates, seed=seed)
-    search = SearchSettings(estimator, weights, starts, seed, value_bounds(names, bound))
     found, experiment, factor = designed(
         nominal, names, template, wanted, gear_ranges(nominal, ranges), out / "experiment.yaml", minutes
     )
@@ -112,6 +125,15 @@ def with_real_robot(template: Scenario, nominal: Robot, real: str) -> Scenario:
         return template
     values = {**stand_in_values(nominal, load_robot(real)), **template.plant.values}
     return template.with_values({"plant": {**template.plant.model_dump(mode="json"), "values": values}}, "--real")
+
+
+def _log_exists(log: Path, name: str) -> str:
+    """Say what can be done where an experiment was made already."""
+    responses, fitted = log.parent / "frf.nc", log.parent / "fit"
+    return (
+        f"the log folder {log} exists already; give another folder with --out, or go on with this log: flexros "
+        f"identify frf {log} --out {responses}; flexros identify fit {responses} --model {name} --out {fitted}"
+    )
 
 
 def _run(experiment: Scenario, log: Path, transport: str, layout: str) -> RunResult:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +44,9 @@ def design(
     from flexros.identify.plan import plan_of_scenario
     from flexros.robot import load_robot
 
+    checked_minutes(minutes)
+    if not 0 <= distortion <= 1:
+        raise InputError(f"--distortion is {distortion:g}, but must be a share of the output from 0 to 1, e.g. 0.01")
     robot = load_robot(name)
     names = chosen_names(robot, unknown)
     template = template_with(name, robot, scenario, [*setting, f"seed={seed}"])
@@ -60,6 +64,22 @@ def design(
         return
     print_design(found, factor, duration)
     say(f"Scenario: {out}; run it: flexros run {out} --out log, then: flexros identify frf log --out frf.nc")
+
+
+def checked_minutes(minutes: float) -> None:
+    """Check the robot time up to which transient periods are added.
+
+    Args:
+        minutes: What was given [min].
+
+    Raises:
+        InputError: It is no length of time.
+    """
+    if not (math.isfinite(minutes) and minutes >= 0):
+        raise InputError(
+            f"--minutes is {minutes:g}, but must be a finite number of 0 or more; transient periods are added up to "
+            "this robot time"
+        )
 
 
 def chosen_names(robot: Robot, given: list[str]) -> tuple[str, ...]:

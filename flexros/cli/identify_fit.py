@@ -42,14 +42,13 @@ def fit(
     from flexros.identify.frf.response_files import load_responses
     from flexros.identify.report.files import write_identification
     from flexros.identify.report.result import identification_result
-    from flexros.identify.search import SearchSettings
     from flexros.provenance import versions
     from flexros.robot import load_robot
 
     robot = load_robot(model)
     names = chosen_names(robot, unknown)
+    settings = search_settings(robot, names, estimator, weights, starts, seed, bound)
     measured = load_responses(responses)
-    settings = SearchSettings(estimator, weights, starts, seed, value_bounds(names, bound))
     found = searched(robot, measured, names, settings, scheduler)
     provenance = {"responses": responses.name, "robot": robot.name, "seed": seed, "versions": versions()}
     result = identification_result(
@@ -60,6 +59,48 @@ def fit(
         print_json(result.as_dict())
     else:
         print_identification(result, out)
+
+
+def search_settings(
+    robot: Robot,
+    names: tuple[str, ...],
+    estimator: str,
+    weights: str,
+    starts: int,
+    seed: int,
+    bound: list[str],
+) -> SearchSettings:
+    """Check the choices of a fit, before anything is measured for it.
+
+    Args:
+        robot: The robot with its nominal values.
+        names: Unknown parameters.
+        estimator: Its name.
+        weights: Kind of the weights of the last fit.
+        starts: Number of starts.
+        seed: Seed of the starts.
+        bound: Bounds of values, NAME=LOW:HIGH.
+
+    Returns:
+        The choices.
+
+    Raises:
+        InputError: One of them is not possible.
+    """
+    from flexros.identify.graybox.estimators import estimator_named
+    from flexros.identify.graybox.parameter_scale import parameter_scale
+    from flexros.identify.graybox.weights import weights_named
+    from flexros.identify.search import SearchSettings
+
+    estimator_named(estimator, "--estimator")
+    weights_named(weights, "--weights")
+    if starts < 1:
+        raise InputError(f"--starts is {starts}: {starts} starts were asked for, but at least one is needed")
+    if seed < 0:
+        raise InputError(f"--seed is {seed}, but must be 0 or more")
+    bounds = value_bounds(names, bound)
+    parameter_scale(robot, names).bounds(bounds)
+    return SearchSettings(estimator, weights, starts, seed, bounds)
 
 
 def searched(

@@ -179,6 +179,11 @@ def test_robot_file_plays_the_real_robot(tmp_path: Path) -> None:
         (["design", "e12", "--out", "{}", "--range", "motor_1=1:0"], "but must be MOTOR=LOW:HIGH"),
         (["design", "e12", "--out", "{}", "--range", "motor_1=a"], "but must be MOTOR=LOW:HIGH"),
         (["design", "e12", "--out", "{}", "--scenario", "circle_pd"], "scenario circle_pd has no key identification"),
+        (["design", "e12", "--out", "{}", "--minutes", "nan"], "--minutes is nan, but must be a finite number of 0"),
+        (["design", "e12", "--out", "{}", "--minutes=-3"], "--minutes is -3, but must be a finite number of 0"),
+        (["robot", "e12", "--out", "{}", "--minutes", "inf"], "--minutes is inf, but must be a finite number of 0"),
+        (["design", "e12", "--out", "{}", "--distortion", "nan"], "--distortion is nan, but must be a share"),
+        (["design", "e12", "--out", "{}", "--distortion", "1.2"], "--distortion is 1.2, but must be a share"),
         (["fit", "{}/none.nc", "--model", "e12", "--out", "{}"], "none.nc"),
     ],
 )
@@ -191,10 +196,37 @@ def test_bad_input_ends_with_2_and_one_sentence(
     assert len(ended.err.strip().splitlines()) == 1
 
 
-def test_log_that_is_there_is_not_written_over(flexros: Flexros, done: Done) -> None:
+def test_log_that_is_there_is_not_written_over_and_the_way_on_is_named(
+    flexros: Flexros, done: Done, tmp_path: Path
+) -> None:
     ended = flexros("identify", "robot", "e12", "--out", str(done.folder))
     assert ended.code == 2
-    assert "log exists already; give another folder with --out" in ended.err
+    assert "log exists already; give another folder with --out, or go on with this log: flexros identify " in ended.err
+    frf, fit = ended.err.strip().partition(": flexros ")[2].split("; flexros ")
+    assert frf == f"identify frf {done.folder / 'log'} --out {done.folder / 'frf.nc'}"
+    assert fit == f"identify fit {done.folder / 'frf.nc'} --model e12 --out {done.folder / 'fit'}"
+    assert flexros(*frf.split()[:-1], str(tmp_path / "frf.nc")).code == 0
+    assert flexros(*fit.split()[:-1], str(tmp_path / "fit"), "--starts", "1").code == 0
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        (("--estimator", "FOO"), "unknown estimator 'FOO' in --estimator"),
+        (("--weights", "foo"), "unknown kind of weights 'foo' in --weights"),
+        (("--starts", "0"), "--starts is 0"),
+        (("--layout", "threads"), "unknown layout 'threads' in --layout"),
+        (("--bound", "body_1.ry.stiffness=2e5:1e5"), "body_1.ry.stiffness is to lie within 200000 and 100000"),
+        (("--bound", "motor_1.inertia=50:200"), "unknown parameter to identify 'motor_1.inertia'"),
+    ],
+)
+def test_choices_of_the_fit_are_checked_before_anything_moves(
+    flexros: Flexros, tmp_path: Path, option: tuple[str, str], message: str
+) -> None:
+    ended = flexros("identify", "robot", "e12", "--out", str(tmp_path / "new"), *option)
+    assert ended.code == 2
+    assert message in ended.err
+    assert not (tmp_path / "new").exists()
 
 
 @pytest.mark.parametrize(
@@ -203,6 +235,7 @@ def test_log_that_is_there_is_not_written_over(flexros: Flexros, done: Done) -> 
         (("--estimator", "LLT"), "unknown estimator 'LLT'"),
         (("--weights", "equal"), "unknown kind of weights 'equal'"),
         (("--starts", "0"), "0 starts were asked for, but at least one is needed"),
+        (("--seed", "-1"), "--seed is -1, but must be 0 or more"),
         (("--bound", "spring=1:2"), "unknown parameter to identify 'spring'"),
         (("--bound", "body_1.ry.stiffness=1e4"), "--bound is 'body_1.ry.stiffness=1e4', but must be NAME=LOW:HIGH"),
         (("--bound", "body_1.ry.stiffness=2e5:1e5"), "body_1.ry.stiffness is to lie within 200000 and 100000"),
