@@ -7,10 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.errors import InputError
 from flexros.identify.rigid.base_parameters import BaseParameters, base_parameters
 from flexros.identify.rigid.excitation import LARGEST_CONDITION, Excitation, judge_excitation
 from flexros.identify.rigid.least_squares import Estimate, condition_number, weighted_least_squares
-from flexros.identify.rigid.motion_estimate import check_rows, check_size, decimate, decimation, edge, estimate_motion
+from flexros.identify.rigid.motion_estimate import (
+    MotionEstimate,
+    check_rows,
+    check_size,
+    decimate,
+    decimation,
+    edge,
+    estimate_motion,
+)
 from flexros.identify.rigid.record import RigidRecord, rigid_record
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.settings import RigidSettings
@@ -225,6 +234,7 @@ def _rows(
     record = rigid_record(log, regressor.robot, label, settings.hold)
     cutoff = settings.cutoff_at(1 / record.sample_time)
     motion = estimate_motion(record.position, record.sample_time, cutoff)
+    _check_signals(record, motion, regressor.robot, label)
     factor = decimation(record.sample_time, cutoff)
     half, n = edge(factor), len(record.position)
     check_size((n - 2 * half) // factor, record.torque.shape[1], len(base.leading))
@@ -238,6 +248,20 @@ def _rows(
     torque = decimate(record.torque, factor)
     rate = 1 / (record.sample_time * factor)
     return _Rows(np.concatenate(parts), torque, cutoff, rate, motion.moving, record)
+
+
+def _check_signals(record: RigidRecord, motion: MotionEstimate, robot: Robot, label: str) -> None:
+    """Refuse a log without motion or without torque."""
+    names = ", ".join(robot.joint_names)
+    if not np.any(motion.moving):
+        raise InputError(
+            f"{label}: no motion: the position of {names} does not change beyond its noise; give a log in which the "
+            "motors move"
+        )
+    if not np.any(record.torque):
+        raise InputError(
+            f"{label}: the torque of {names} is zero throughout; give a log with torques"
+        )
 
 
 def _error(label: str, torque: FloatArray, residual: FloatArray) -> TorqueError:
