@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -15,6 +14,7 @@ from flexros.identify.graybox.fit import cost_at
 from flexros.identify.graybox.identifiability import identifiability
 from flexros.identify.graybox.residuals import residual_report
 from flexros.identify.report.bias import bias_signs
+from flexros.identify.report.own_warnings import own_warnings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -227,7 +227,7 @@ def identification_result(
         design=design,
         facts=facts,
         truth={} if truth is None else truth,
-        warnings=(*warnings, *_own_warnings(problem, found)),
+        warnings=(*warnings, *own_warnings(problem, found)),
         provenance={} if provenance is None else provenance,
     )
 
@@ -274,21 +274,3 @@ def _shifted(result: IdentificationResult) -> str:
         " The robot does something that the model lacks: parameters shift, dampers most of all, and the intervals do "
         "not cover it."
     )
-
-
-def _own_warnings(problem: GrayBoxProblem, found: Fit) -> tuple[str, ...]:
-    """Collect warnings of responses and fit; those that differ in numbers only are told once."""
-    alike: dict[str, list[str]] = {}
-    for response in problem.responses:
-        for text in dict.fromkeys(response.warnings):
-            alike.setdefault(re.sub(r"[\d.]+", "#", text), []).append(text)
-    texts = []
-    for same in alike.values():
-        others = len(set(same)) - 1
-        texts.append(same[0] if not others else f"{same[0]} (alike in {others} more position{'s' * (others > 1)})")
-    if not found.converged:
-        texts.append(f"The fit did not converge: {found.message}.")
-    bound = [name for name, at in zip(found.names, found.at_bound, strict=True) if at]
-    if bound:
-        texts.append(f"On a bound of the search: {', '.join(bound)}.")
-    return tuple(texts)
