@@ -171,7 +171,7 @@ def print_identification(result: IdentificationResult, out: Path) -> None:
         out: Folder of its files.
     """
     from flexros.identify.report.files import FIGURES, REPORT, ROBOT
-    from flexros.identify.report.result import verdict
+    from flexros.identify.report.verdict import kept_text, verdict
 
     console.print(parameter_table(result, console.width))
     say(verdict(result))
@@ -179,6 +179,8 @@ def print_identification(result: IdentificationResult, out: Path) -> None:
         say(f"Signs that the model lacks something: {'; '.join(result.bias_signs)}")
     for direction in result.identifiability.directions:
         say(direction.sentence)
+    if told := kept_text(result):
+        say(told)
     for warning in result.warnings:
         say(f"warning: {warning}")
     say(f"Identified robot: {out / ROBOT}; report: {out / REPORT}; figures: {out / FIGURES}")

@@ -121,6 +121,8 @@ def test_fit_keeps_within_bounds(flexros: Flexros, done: Done, tmp_path: Path) -
     content = json.loads(ended.out)
     assert content["parameters"][0]["value"] == pytest.approx(2e5)
     assert "On a bound of the search: body_1.ry.stiffness." in content["warnings"]
+    assert content["kept_nominal"] == ["body_1.ry.stiffness"]
+    assert load_robot(tmp_path / "fit" / "identified.yaml").parameters["body_1.ry.stiffness"].value == 1e5
 
 
 def test_design_writes_a_scenario_that_can_be_run(flexros: Flexros, tmp_path: Path) -> None:

@@ -1,4 +1,8 @@
-"""The identified robot as a robot file: the same robot with new values, their source and their tolerance."""
+"""The identified robot as a robot file: the same robot with new values, their source and their tolerance.
+
+What the responses do not determine, or what ended on a bound of the search, is no knowledge about the robot: it may
+keep the value that the robot had before.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,7 @@ from flexros.robot.robot import robot_from_data
 from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
     from pathlib import Path
 
     from flexros.identify.graybox.covariance import ParameterCovariance
@@ -16,7 +21,9 @@ if TYPE_CHECKING:
     from flexros.robot.robot import Robot
 
 
-def identified_robot(robot: Robot, fit: Fit, covariance: ParameterCovariance, origin: str = "") -> Robot:
+def identified_robot(
+    robot: Robot, fit: Fit, covariance: ParameterCovariance, origin: str = "", kept: Collection[str] = ()
+) -> Robot:
     """Return the robot with fitted values, their source and tolerance.
 
     Args:
@@ -24,21 +31,29 @@ def identified_robot(robot: Robot, fit: Fit, covariance: ParameterCovariance, or
         fit: Fitted values.
         covariance: Their covariance, from which the tolerances come.
         origin: What else the source of the values says, e.g. the name of the log.
+        kept: Names of fitted parameters that keep value, source and tolerance of the robot.
 
     Raises:
         InputError: The robot with the fitted values is not physical.
     """
-    data = identified_data(robot, _values(fit, covariance), _source(fit, origin))
+    data = identified_data(robot, _values(fit, covariance, kept), _source(fit, origin))
     return robot_from_data(data, f"identified {robot.name}")
 
 
-def identified_yaml(robot: Robot, fit: Fit, covariance: ParameterCovariance, origin: str = "") -> str:
+def identified_yaml(
+    robot: Robot, fit: Fit, covariance: ParameterCovariance, origin: str = "", kept: Collection[str] = ()
+) -> str:
     """Return the text of the identified robot's file; arguments and errors as for `identified_robot`."""
-    return identified_file(robot, _values(fit, covariance), _source(fit, origin))
+    return identified_file(robot, _values(fit, covariance, kept), _source(fit, origin))
 
 
 def write_identified_robot(
-    path: Path, robot: Robot, fit: Fit, covariance: ParameterCovariance, origin: str = ""
+    path: Path,
+    robot: Robot,
+    fit: Fit,
+    covariance: ParameterCovariance,
+    origin: str = "",
+    kept: Collection[str] = (),
 ) -> None:
     """Write the identified robot as a robot file, whole or not at all.
 
@@ -48,16 +63,17 @@ def write_identified_robot(
         fit: Fitted values.
         covariance: Their covariance.
         origin: What else the source of the values says.
+        kept: Names of fitted parameters that keep value, source and tolerance of the robot.
 
     Raises:
         InputError: The file cannot be written, or the robot with the fitted values is not physical.
     """
-    write_result(path, identified_yaml(robot, fit, covariance, origin), "identified robot")
+    write_result(path, identified_yaml(robot, fit, covariance, origin, kept), "identified robot")
 
 
-def _values(fit: Fit, covariance: ParameterCovariance) -> dict[str, IdentifiedValue]:
-    pairs = zip(fit.values.tolist(), covariance.relative.tolist(), strict=True)
-    return {name: IdentifiedValue(value, relative) for name, (value, relative) in zip(fit.names, pairs, strict=True)}
+def _values(fit: Fit, covariance: ParameterCovariance, kept: Collection[str]) -> dict[str, IdentifiedValue]:
+    rows = zip(fit.names, fit.values.tolist(), covariance.relative.tolist(), strict=True)
+    return {name: IdentifiedValue(value, relative) for name, value, relative in rows if name not in kept}
 
 
 def _source(fit: Fit, origin: str) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.errors import InputError
-from flexros.identify.graybox.identified_robot import write_identified_robot
-from flexros.identify.report.write import write_identification_report
+from flexros.identify.graybox.identified_robot import identified_yaml
+from flexros.identify.report.write import identification_report
 from flexros.json_text import json_text
 from flexros.whole_file import write_result
 
@@ -17,10 +17,14 @@ if TYPE_CHECKING:
 
 ROBOT, FIGURES, REPORT = "identified.yaml", "identification.json", "report.html"
 """Names of the files in the folder of an identification."""
+_KINDS = {ROBOT: "identified robot", FIGURES: "result", REPORT: "report"}
 
 
 def write_identification(result: IdentificationResult, folder: Path, origin: str = "") -> None:
-    """Write identified.yaml, identification.json and report.html.
+    """Write identified.yaml, identification.json and report.html, once all of them are made.
+
+    Parameters that are not determined, or that ended on a bound of the search, keep their nominal value in the file of
+    the robot: it may be used for feedforward.
 
     Args:
         result: What was identified.
@@ -31,9 +35,13 @@ def write_identification(result: IdentificationResult, folder: Path, origin: str
         InputError: They cannot be written there, or the identified robot is not physical.
     """
     make_folder(folder)
-    write_identified_robot(folder / ROBOT, result.problem.robot, result.fit, result.covariance, origin)
-    write_result(folder / FIGURES, json_text(result.as_dict()), "result")
-    write_identification_report(result, folder / REPORT)
+    contents = {
+        ROBOT: identified_yaml(result.problem.robot, result.fit, result.covariance, origin, result.kept_nominal),
+        FIGURES: json_text(result.as_dict()),
+        REPORT: identification_report(result),
+    }
+    for name, text in contents.items():
+        write_result(folder / name, text, _KINDS[name])
 
 
 def make_folder(folder: Path) -> None:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexros.analysis.figures_table import number
-from flexros.identify.graybox.covariance import MISSES, parameter_covariance
+from flexros.identify.graybox.covariance import parameter_covariance
 from flexros.identify.graybox.fit import cost_at
 from flexros.identify.graybox.identifiability import identifiability
 from flexros.identify.graybox.residuals import residual_report
 from flexros.identify.report.bias import bias_signs
 from flexros.identify.report.own_warnings import own_warnings
+from flexros.identify.report.verdict import verdict
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.residuals import ResidualReport
     from flexros.identify.plan import ExperimentPlan
 
-_AS_GOOD = 0.9
 SAME_MINIMUM = 1.01
 """Fits whose cost is within this factor of the best one count as the same minimum (chosen)."""
 
@@ -118,6 +117,11 @@ class IdentificationResult:
         """Values of the robot before the identification (SI), shape (P,)."""
         return self.problem.scale.nominal
 
+    @property
+    def kept_nominal(self) -> tuple[str, ...]:
+        """Parameters whose fitted value is not used: not determined, or on a bound of the search."""
+        return self.identifiability.names("not_determined")
+
     @cached_property
     def bias_signs(self) -> tuple[str, ...]:
         """Signs that the model lacks something, so that parameters shift by more than their intervals tell."""
@@ -161,6 +165,7 @@ class IdentificationResult:
                 {"combination": dict(each.exponents), "std": each.standard_deviation, "text": each.sentence}
                 for each in self.identifiability.directions
             ],
+            "kept_nominal": list(self.kept_nominal),
             "starts": {
                 "number": len(self.searched),
                 "failed": len(self.searched) - len(self.start_costs),
@@ -184,6 +189,7 @@ class IdentificationResult:
             "interval_95": list(entry.interval),
             "verdict": entry.verdict,
             "reason": entry.reason,
+            "used": entry.name not in self.kept_nominal,
         }
         if entry.name in self.truth:
             content["truth"] = self.truth[entry.name]
@@ -229,48 +235,4 @@ def identification_result(
         truth={} if truth is None else truth,
         warnings=(*warnings, *own_warnings(problem, found)),
         provenance={} if provenance is None else provenance,
-    )
-
-
-def verdict(result: IdentificationResult) -> str:
-    """Say in a few sentences what was determined and how well the model explains the responses."""
-    names = result.fit.names
-    determined, weak = (len(result.identifiability.names(kind)) for kind in ("determined", "weak"))
-    open_ones = result.identifiability.names("not_determined")
-    text = f"{determined} of {len(names)} parameters of {result.problem.robot.name} are determined within 10 %"
-    if result.bias_signs:
-        text += " as far as noise goes"
-    if weak:
-        text += f", {weak} {'is' if weak == 1 else 'are'} known less well"
-    if open_ones:
-        shown = ", ".join(open_ones[:3]) + (f" and {len(open_ones) - 3} more" if len(open_ones) > 3 else "")
-        text += f", {len(open_ones)} {'is' if len(open_ones) == 1 else 'are'} not determined ({shown})"
-    return f"{text}. {_explained(result)}{_shifted(result)}"
-
-
-def _explained(result: IdentificationResult) -> str:
-    """Say how well the model explains what was measured."""
-    count = len(result.problem.responses)
-    where = f"the responses in {count} positions" if count > 1 else "the response"
-    share = result.fit.cost / result.nominal_cost if result.nominal_cost > 0 else 1.0
-    gain = f"it leaves {number(100 * share, 2)} % of what the nominal values leave unexplained"
-    if share > _AS_GOOD:
-        gain = "the nominal values explain them nearly as well"
-    if result.covariance.basis == "residuals":
-        return f"The errors of {where} are not known, so the identified model is judged by itself: {gain}."
-    reduced = result.covariance.reduced_cost
-    if reduced < MISSES:
-        weighed = "With the weights of the fit the" if result.bias_signs else "The"
-        return f"{weighed} identified model explains {where} within their uncertainty; {gain}."
-    times = number(float(np.sqrt(reduced)), 2)
-    return f"The identified model misses {where} by {times} times their uncertainty (rms); {gain}."
-
-
-def _shifted(result: IdentificationResult) -> str:
-    """Say what the intervals do not cover, where there are signs of it."""
-    if not result.bias_signs:
-        return ""
-    return (
-        " The robot does something that the model lacks: parameters shift, dampers most of all, and the intervals do "
-        "not cover it."
     )

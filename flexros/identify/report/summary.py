@@ -9,7 +9,7 @@ import numpy as np
 from flexros.analysis.figures_table import number, percent
 from flexros.analysis.report.base import Block, Paragraph, Tiles
 from flexros.identify.report.base import AbstractIdentificationSection
-from flexros.identify.report.result import verdict
+from flexros.identify.report.verdict import verdict
 
 if TYPE_CHECKING:
     from flexros.identify.report.result import IdentificationResult

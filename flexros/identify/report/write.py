@@ -47,12 +47,26 @@ def write_identification_report(result: IdentificationResult, file: Path, *, tit
     Raises:
         InputError: The file cannot be written.
     """
+    write_result(file, identification_report(result, title=title), "report")
+
+
+def identification_report(result: IdentificationResult, *, title: str | None = None) -> str:
+    """Make the report of an identification.
+
+    Args:
+        result: What was identified.
+        title: Heading; None for the name of the robot.
+
+    Returns:
+        The HTML page.
+    """
     chapters = [Chapter(section.title, section.blocks(result)) for section in SECTIONS]
     heading = title or f"Identification of {result.problem.robot.name}"
-    write_result(file, page_html(heading, _subtitle(result), chapters), "report")
+    return page_html(heading, _subtitle(result), chapters)
 
 
 def _subtitle(result: IdentificationResult) -> str:
     positions = len(result.problem.responses)
-    text = f"{len(result.fit.names)} parameters, {positions} position{'s' if positions > 1 else ''}"
+    count = len(result.fit.names)
+    text = f"{count} parameter{'s' * (count > 1)}, {positions} position{'s' * (positions > 1)}"
     return f"{text}, estimator {result.fit.estimator} with {result.fit.weights} weights"

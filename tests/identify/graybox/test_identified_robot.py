@@ -50,6 +50,16 @@ def test_everything_else_stays(six_axis: Robot, six_axis_responses: Responses) -
     assert robot.spec.outputs == six_axis.spec.outputs
 
 
+def test_parameters_may_keep_what_the_robot_had(e12: Robot, e12_names: list[str], noisy_e12: Responses) -> None:
+    problem = graybox_problem(e12, noisy_e12, e12_names)
+    found = fit(problem)
+    robot = identified_robot(e12, found, parameter_covariance(problem, found), kept=e12_names[:2])
+    for place, name in enumerate(e12_names):
+        known = e12.parameters[name].value if place < 2 else found.values[place]
+        assert robot.parameters[name].value == known
+    assert robot.parameters[e12_names[0]] == e12.parameters[e12_names[0]]
+
+
 def test_file_says_what_the_robots_own_file_says_one_quantity_per_line(
     e12: Robot, e12_names: list[str], noisy_e12: Responses
 ) -> None:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from flexros.identify.report.bias import bias_signs
-from flexros.identify.report.result import IdentificationResult, verdict
+from flexros.identify.report.result import IdentificationResult
+from flexros.identify.report.verdict import verdict
 
 
 def with_levels(result: IdentificationResult, **changed: np.ndarray) -> IdentificationResult:

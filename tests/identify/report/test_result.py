@@ -10,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.identify.report.result import ExperimentFacts, IdentificationResult, verdict
+from flexros.identify.report.result import ExperimentFacts, IdentificationResult
+from flexros.identify.report.verdict import kept_text, verdict
 
 
 def test_figures_hold_truth_within_their_intervals(clear: IdentificationResult) -> None:
@@ -49,6 +50,12 @@ def test_verdict_counts_and_names(clear: IdentificationResult, noisy: Identifica
     open_ones = noisy.identifiability.names("not_determined")
     assert open_ones
     assert f"not determined ({open_ones[0]}" in verdict(noisy)
+
+
+def test_what_keeps_its_nominal_value_is_named(clear: IdentificationResult, noisy: IdentificationResult) -> None:
+    assert (clear.kept_nominal, kept_text(clear)) == ((), "")
+    told = ", ".join(noisy.identifiability.names("not_determined"))
+    assert kept_text(noisy).startswith(f"The identified robot keeps the nominal values of {told}: not determined, or ")
 
 
 def test_verdict_says_when_the_nominal_values_do_as_well(clear: IdentificationResult) -> None:
