@@ -46,18 +46,16 @@ def rigid(
     first, *others = logs
     settings = RigidSettings(cutoff=cutoff, asymmetric=asymmetric, hold=hold)
     with progress_bar() as progress:
-        task = progress.add_task("regression", total=len(logs) + 1)
+        task = progress.add_task("regression", total=len(logs))
 
         def at(step: int) -> Callable[[float], None]:
             return lambda share: progress.update(task, completed=step + share)
 
-        held = fit = fit_rigid(logs[first], robot, settings, first, at(0))
-        if not (hold or fit.measured_torque):
-            held = fit_rigid(logs[first], robot, settings.model_copy(update={"hold": True}), first, at(1))
-        tests = [cross_test(fit, logs[label], label, at(step)) for step, label in enumerate(others, start=2)]
+        fit = fit_rigid(logs[first], robot, settings, first, at(0))
+        tests = [cross_test(fit, logs[label], label, at(step)) for step, label in enumerate(others, start=1)]
     identified = identified_values(fit)
     record = result_record(fit, identified, tests, {label: dict(entry.provenance) for label, entry in logs.items()})
-    record["force_error_percent"]["fit_with_hold"] = None if fit.measured_torque else held.error.total
+    record["force_error_percent"]["fit_with_hold"] = fit.error_with_hold
     out.mkdir(parents=True, exist_ok=True)
     write_result(out / "rigid.json", json_text(record), "result")
     write_result(out / "identified.yaml", identified_yaml(fit, identified), "identified robot")

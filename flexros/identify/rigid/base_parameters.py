@@ -88,7 +88,8 @@ def base_parameters(regressor: RigidRegressor, n_motors: int, seed: int = 0) -> 
     """
     rng = np.random.default_rng(seed)
     n = 3 * len(regressor.parameters)
-    H = regressor.matrix(*(scale * rng.uniform(-1, 1, (n, n_motors)) for scale in (np.pi, 3.0, 10.0)))
+    q, v, a = (scale * rng.uniform(-1, 1, (n, n_motors)) for scale in (np.pi, 3.0, 10.0))
+    H = regressor.matrix(q, v, a)
     H = H.reshape(n * n_motors, -1)
     leading = independent_columns(H, _DEPENDENT)
     combination = np.zeros((len(leading), H.shape[1]))

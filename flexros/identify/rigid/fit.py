@@ -7,20 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.errors import InputError
 from flexros.identify.rigid.base_parameters import BaseParameters, base_parameters
 from flexros.identify.rigid.excitation import LARGEST_CONDITION, Excitation, judge_excitation
-from flexros.identify.rigid.least_squares import Estimate, condition_number, weighted_least_squares
-from flexros.identify.rigid.motion_estimate import (
-    MotionEstimate,
-    check_rows,
-    check_size,
-    decimate,
-    decimation,
-    edge,
-    estimate_motion,
-)
-from flexros.identify.rigid.record import RigidRecord, rigid_record
+from flexros.identify.rigid.least_squares import Solution, condition_number, covariance, weighted_least_squares
+from flexros.identify.rigid.motion_estimate import check_rows, decimate
+from flexros.identify.rigid.record import rigid_record
+from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.settings import RigidSettings
 
@@ -30,9 +22,6 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.logs.time_series import Log
     from flexros.robot import Robot
-
-_CHUNK_ROWS = 200
-"""Decimated rows made at a time, to keep the regressor of a long log small (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,9 +52,12 @@ class RigidFit:
         values: Their values, shape (r,); nominal where the motion does not show them.
         covariance: Covariance of the values, shape (r, r); zero where the motion does not show them.
         excitation: Which base parameters the motion shows, k of them.
+        factor: Triangular factors of [H, tau] of each motor, which stand for all rows, shape (r + 1, M, r + 1).
         information: Normal matrix H' W H of all base parameters, shape (r, r).
         condition: Condition number of the scaled regressor of those that it shows.
         error: Torque error on the log itself.
+        error_with_hold: What the total error [%] would be with delay and hold of the command; None where the torque was
+            measured or `hold` was set.
         cutoff: Corner of the low-pass for the positions [Hz].
         rate: Rate after decimation [Hz].
         measured_torque: Whether the torque was measured, else it is the command.
@@ -79,9 +71,11 @@ class RigidFit:
     values: FloatArray
     covariance: FloatArray
     excitation: Excitation
+    factor: FloatArray
     information: FloatArray
     condition: float
     error: TorqueError
+    error_with_hold: float | None
     cutoff: float
     rate: float
     measured_torque: bool
@@ -107,22 +101,15 @@ class RigidFit:
         scaled = at[np.ix_(shown, shown)] / np.outer(size, size)
         return np.linalg.solve(scaled, at[np.ix_(shown, hidden)] / size[:, None]) / size[:, None]
 
+    def force_error(self, values: FloatArray) -> float:
+        """Relative torque error [%] on the log with other values of the base parameters, shape (r,)."""
+        torque = self.factor[:, :, -1]
+        return float(100 * np.linalg.norm(torque - self.factor[:, :, :-1] @ values) / np.linalg.norm(torque))
+
     @property
     def rich_enough(self) -> bool:
         """Whether the motion shows every base parameter, and well conditioned."""
         return not self.excitation.not_excited and self.condition <= LARGEST_CONDITION
-
-
-@dataclass(frozen=True, eq=False)
-class _Rows:
-    """Decimated regression of one log: H, shape (n, M, r), and torques [Nm or N], shape (n, M)."""
-
-    H: FloatArray
-    torque: FloatArray
-    cutoff: float
-    rate: float
-    moving: BoolArray
-    record: RigidRecord
 
 
 def fit_rigid(
@@ -147,50 +134,77 @@ def fit_rigid(
         The fit.
 
     Raises:
-        InputError: The log does not fit the robot, has gaps, or is too short.
+        InputError: The log does not fit the robot, has gaps, is too short, or has no motion or no torque.
     """
     settings = settings or RigidSettings()
     regressor = RigidRegressor(robot, settings.asymmetric)
     base = base_parameters(regressor, robot.n_motors)
-    rows = _rows(log, settings, label, regressor, base, progress)
+    rows = RegressionRows.of_log(log, settings, label, regressor, base)
     check_rows(len(rows.torque), len(base.leading))
-    return _fit(rows, robot, settings, base, label)
+    held = None
+    if not (settings.hold or rows.record.measured):
+        held = decimate(rigid_record(log, robot, label, hold=True, first=rows.record.first).torque, rows.factor)
+    factor = rows.triangular(held, progress)
+    return _fit(rows, factor, robot, settings, base, label)
 
 
-def _fit(rows: _Rows, robot: Robot, settings: RigidSettings, base: BaseParameters, label: str) -> RigidFit:
+def _fit(
+    rows: RegressionRows, factor: FloatArray, robot: Robot, settings: RigidSettings, base: BaseParameters, label: str
+) -> RigidFit:
     """Estimate what the motion shows."""
-    size = np.sqrt(np.mean(rows.torque**2, axis=0))
-    excitation = judge_excitation(rows.H / np.where(size > 0, size, 1.0)[:, None], base)
-    values, estimate = _estimate(rows, base, excitation)
+    n, r = len(rows.torque), len(base.leading)
+    H = factor[:, :, :r]
+    size = np.linalg.norm(factor[:, :, r], axis=0) / np.sqrt(n)
+    excitation = judge_excitation(H / np.where(size > 0, size, 1.0)[:, None], base)
     shown = list(excitation.shown)
-    covariance = np.zeros((len(values), len(values)))
-    covariance[np.ix_(shown, shown)] = estimate.covariance
+    values, solution = _solve(H, factor[:, :, r], n, base, shown)
+    residual, moments = _residual(rows, values, shown, solution)
+    spread = np.zeros((r, r))
+    spread[np.ix_(shown, shown)] = covariance(solution, moments, residual)
+    with_hold = None
+    if factor.shape[2] > r + 1:
+        size_held = np.linalg.norm(factor[:, :, r + 1])
+        with_hold = float(100 * np.linalg.norm(_solve(H, factor[:, :, r + 1], n, base, shown)[1].error) / size_held)
     return RigidFit(
         robot=robot,
         settings=settings,
         base=base,
         values=values,
-        covariance=covariance,
+        covariance=spread,
         excitation=excitation,
-        information=_information(rows.H, estimate.deviation),
-        condition=condition_number(rows.H[:, :, shown], estimate.deviation),
-        error=_error(label, rows.torque, estimate.residual),
+        factor=factor[:, :, : r + 1],
+        information=_information(H, solution.deviation),
+        condition=condition_number(H[:, :, shown], solution.deviation),
+        error=_error(label, rows.torque, residual),
+        error_with_hold=with_hold,
         cutoff=rows.cutoff,
         rate=rows.rate,
         measured_torque=rows.record.measured,
-        moving=rows.moving,
+        moving=rows.motion.moving,
         warnings=rows.record.warnings,
     )
 
 
-def _estimate(rows: _Rows, base: BaseParameters, excitation: Excitation) -> tuple[FloatArray, Estimate]:
+def _solve(
+    H: FloatArray, torque: FloatArray, n: int, base: BaseParameters, shown: list[int]
+) -> tuple[FloatArray, Solution]:
     """Values of all base parameters, nominal for those that are not shown, and the regression of the others."""
-    shown = list(excitation.shown)
     values = base.nominal.copy()
     values[shown] = 0.0
-    estimate = weighted_least_squares(rows.H[:, :, shown], rows.torque - rows.H @ values)
-    values[shown] = estimate.values
-    return values, estimate
+    solution = weighted_least_squares(H[:, :, shown], torque - H @ values, n)
+    values[shown] = solution.values
+    return values, solution
+
+
+def _residual(
+    rows: RegressionRows, values: FloatArray, shown: list[int], solution: Solution
+) -> tuple[FloatArray, FloatArray]:
+    """Torque that is left, shape (n, M), and its products with the weighted regressor, shape (n, k)."""
+    residual, moments = [], []
+    for H, torque in rows.blocks():
+        residual.append(torque - H @ values)
+        moments.append(np.einsum("nmk,nm->nk", H[:, :, shown], residual[-1] / solution.deviation**2))
+    return np.concatenate(residual), np.concatenate(moments)
 
 
 def _information(H: FloatArray, deviation: FloatArray) -> FloatArray:
@@ -215,53 +229,12 @@ def cross_test(
         The torque error, filtered as in the fit.
 
     Raises:
-        InputError: The log does not fit the robot, has gaps, or is too short.
+        InputError: The log does not fit the robot, has gaps, is too short, or has no motion or no torque.
     """
     settings = fit.settings.model_copy(update={"cutoff": fit.cutoff})
-    rows = _rows(log, settings, label, RigidRegressor(fit.robot, settings.asymmetric), fit.base, progress)
-    return _error(label, rows.torque, rows.torque - rows.H @ fit.values)
-
-
-def _rows(
-    log: Log,
-    settings: RigidSettings,
-    label: str,
-    regressor: RigidRegressor,
-    base: BaseParameters,
-    progress: Callable[[float], None] | None,
-) -> _Rows:
-    """Filter a log and build its decimated regression, a stretch at a time."""
-    record = rigid_record(log, regressor.robot, label, settings.hold)
-    cutoff = settings.cutoff_at(1 / record.sample_time)
-    motion = estimate_motion(record.position, record.sample_time, cutoff)
-    _check_signals(record, motion, regressor.robot, label)
-    factor = decimation(record.sample_time, cutoff)
-    half, n = edge(factor), len(record.position)
-    check_size((n - 2 * half) // factor, record.torque.shape[1], len(base.leading))
-    parts = []
-    for start in range(0, n - 2 * half, _CHUNK_ROWS * factor):
-        cut = slice(start, min(start + (_CHUNK_ROWS - 1) * factor + 2 * half + 1, n))
-        H = regressor.matrix(motion.position[cut], motion.velocity[cut], motion.acceleration[cut])
-        parts.append(decimate(H[:, :, list(base.leading)], factor))
-        if progress is not None:
-            progress(cut.stop / n)
-    torque = decimate(record.torque, factor)
-    rate = 1 / (record.sample_time * factor)
-    return _Rows(np.concatenate(parts), torque, cutoff, rate, motion.moving, record)
-
-
-def _check_signals(record: RigidRecord, motion: MotionEstimate, robot: Robot, label: str) -> None:
-    """Refuse a log without motion or without torque."""
-    names = ", ".join(robot.joint_names)
-    if not np.any(motion.moving):
-        raise InputError(
-            f"{label}: no motion: the position of {names} does not change beyond its noise; give a log in which the "
-            "motors move"
-        )
-    if not np.any(record.torque):
-        raise InputError(
-            f"{label}: the torque of {names} is zero throughout; give a log with torques"
-        )
+    regressor = RigidRegressor(fit.robot, settings.asymmetric)
+    rows = RegressionRows.of_log(log, settings, label, regressor, fit.base)
+    return _error(label, rows.torque, rows.residual(fit.values, progress))
 
 
 def _error(label: str, torque: FloatArray, residual: FloatArray) -> TorqueError:

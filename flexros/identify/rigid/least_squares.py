@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.signal import oaconvolve
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -15,54 +16,74 @@ _MOST_ROUNDS = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate:
-    """Result of a regression.
+class Solution:
+    """Values of a regression.
 
     Attributes:
         values: Parameters, shape (k,).
-        covariance: Their covariance, shape (k, k).
-        residual: Torque that is left [Nm or N], shape (n, M).
         deviation: Standard deviation of the residual of each motor, by which its rows were weighted, shape (M,).
+        bread: Inverse of the normal matrix H' W H, shape (k, k).
+        error: Norm of the residual of each motor [Nm or N], shape (M,).
     """
 
     values: FloatArray
-    covariance: FloatArray
-    residual: FloatArray
     deviation: FloatArray
+    bread: FloatArray
+    error: FloatArray
 
 
-def weighted_least_squares(H: FloatArray, y: FloatArray) -> Estimate:
+def weighted_least_squares(H: FloatArray, y: FloatArray, n: int) -> Solution:
     """Solve tau = H pi, each motor weighted by its own residual.
 
     pi = (H' W H)^-1 H' W tau (eq. 4.13 with weights W). The first solution, with equal weights, gives the weights of
-    the second, and so on until they stay. The covariance is that of W. K. Newey and K. D. West (1987): residuals are
-    correlated over time wherever the model is not complete, and the usual formula would then promise too much.
+    the second, and so on until they stay.
 
     Args:
-        H: Regressor, shape (n, M, k), of full rank.
-        y: Torques [Nm or N], shape (n, M).
+        H: Regressor, shape (m, M, k), of full rank; the n rows of every motor or what an orthogonal transformation
+            makes of them.
+        y: Torques [Nm or N], shape (m, M).
+        n: Number of rows of each motor before the transformation.
 
     Returns:
-        The estimate.
+        The solution.
     """
-    n, motors, k = H.shape
+    rows, motors, k = H.shape
     deviation = np.ones(motors)
-    tiny = np.finfo(float).eps * np.maximum(np.sqrt(np.mean(y**2, axis=0)), np.finfo(float).tiny)
+    freedom = max(n - k / motors, 1.0)
+    tiny = np.finfo(float).eps * np.maximum(np.sqrt(np.sum(y**2, axis=0) / n), np.finfo(float).tiny)
     for _ in range(_MOST_ROUNDS):
-        weighted = (H / deviation[:, None]).reshape(n * motors, k)
+        weighted = (H / deviation[:, None]).reshape(rows * motors, k)
         scale = np.linalg.norm(weighted, axis=0)
         orthogonal, upper = np.linalg.qr(weighted / scale)
         values = np.linalg.solve(upper, orthogonal.T @ (y / deviation).ravel()) / scale
-        residual = y - H @ values
+        error = np.linalg.norm(y - H @ values, axis=0)
         used = deviation
-        deviation = np.maximum(np.sqrt(np.sum(residual**2, axis=0) / max(n - k / motors, 1.0)), tiny)
+        deviation = np.maximum(error / np.sqrt(freedom), tiny)
         if np.allclose(deviation, used, rtol=1e-3, atol=0.0):
             break
     inverse = np.linalg.inv(upper)
-    bread = (inverse @ inverse.T) / np.outer(scale, scale)
-    moments = np.einsum("nmk,nm->nk", H, residual / used**2)
-    covariance = bread @ _long_run(moments, correlation_length(residual)) @ bread * n / max(n - k / motors, 1.0)
-    return Estimate(values, covariance, residual, used)
+    return Solution(values, used, (inverse @ inverse.T) / np.outer(scale, scale), error)
+
+
+def covariance(solution: Solution, moments: FloatArray, residual: FloatArray) -> FloatArray:
+    """Covariance of the parameters that allows for correlated residuals (W. K. Newey and K. D. West, 1987).
+
+    Residuals are correlated over time wherever the model is not complete, and the usual formula would then promise too
+    much.
+
+    Args:
+        solution: The solution.
+        moments: Products of regressor and weighted residual, summed over the motors, shape (n, k).
+        residual: Torque that is left [Nm or N], shape (n, M).
+
+    Returns:
+        Shape (k, k).
+    """
+    n, motors = residual.shape
+    k = len(solution.values)
+    meat = long_run(moments, correlation_length(residual))
+    result: FloatArray = solution.bread @ meat @ solution.bread * n / max(n - k / motors, 1.0)
+    return result
 
 
 def condition_number(H: FloatArray, deviation: FloatArray) -> float:
@@ -101,10 +122,17 @@ def correlation_length(residual: FloatArray) -> int:
     return min(max(2 * longest, int(4 * (n / 100) ** (2 / 9))), n // 10)
 
 
-def _long_run(moments: FloatArray, lags: int) -> FloatArray:
-    """Sum of the covariances of rows over all lags, those of longer lags with less weight; shape (k, k)."""
-    total = moments.T @ moments
-    for lag in range(1, lags + 1):
-        part = moments[lag:].T @ moments[:-lag]
-        total = total + (1 - lag / (lags + 1)) * (part + part.T)
-    return total
+def long_run(moments: FloatArray, lags: int) -> FloatArray:
+    """Sum the covariances of rows over all lags, those of longer lags with less weight (Bartlett's).
+
+    Args:
+        moments: Shape (n, k).
+        lags: Number of lags.
+
+    Returns:
+        Shape (k, k). The sum over lags is a convolution, done by Fourier transforms: long logs have thousands of lags.
+    """
+    weights = 1 - np.abs(np.arange(-lags, lags + 1)) / (lags + 1)
+    smooth = oaconvolve(moments, weights[:, None], mode="full", axes=0)[lags : lags + len(moments)]
+    total: FloatArray = moments.T @ smooth
+    return (total + total.T) / 2

@@ -25,9 +25,6 @@ _PASS = 0.9
 _STILL = 20.0
 """Range of a position, in rms values of what the filter took away, up to which the motor stands still (chosen)."""
 
-_MOST_BYTES = 400_000_000
-"""Largest regressor that is made [bytes] (chosen; the least squares need a few times that)."""
-
 _FASTEST = 2e4
 """Sampling rate [Hz] beyond which the time unit of an imported log is more likely wrong (chosen)."""
 
@@ -147,23 +144,4 @@ def check_rows(rows: int, parameters: int) -> None:
         raise InputError(
             f"{rows} samples are left after filtering and decimation, but {parameters} parameters need at least {least}"
             "; give a longer log or a higher --cutoff"
-        )
-
-
-def check_size(rows: int, motors: int, parameters: int) -> None:
-    """Refuse records whose regressor would not fit into memory.
-
-    Args:
-        rows: Rows after decimation.
-        motors: Number of motors.
-        parameters: Number of parameters.
-
-    Raises:
-        InputError: It would be too large.
-    """
-    size = 8 * rows * motors * parameters
-    if size > _MOST_BYTES:
-        raise InputError(
-            f"{rows} samples after decimation with {motors} motors and {parameters} parameters make a regressor of "
-            f"{size / 1e6:.0f} MB, allowed are {_MOST_BYTES / 1e6:.0f} MB; give a lower --cutoff or a shorter log"
         )

@@ -29,6 +29,7 @@ class RigidRecord:
         torque: Motor torques [Nm or N], shape (n, M).
         measured: Whether the torque was measured; else it is the command.
         warnings: What was noticed, one sentence each.
+        first: Sample of the log with which it begins.
     """
 
     sample_time: float
@@ -36,9 +37,10 @@ class RigidRecord:
     torque: FloatArray
     measured: bool
     warnings: tuple[str, ...]
+    first: int = 0
 
 
-def rigid_record(log: Log, robot: Robot, label: str, hold: bool = False) -> RigidRecord:
+def rigid_record(log: Log, robot: Robot, label: str, hold: bool = False, first: int | None = None) -> RigidRecord:
     """Take positions and torques out of a log.
 
     The measured torque is preferred to the command. A command counts as the sample at the time of the position (eq.
@@ -50,6 +52,7 @@ def rigid_record(log: Log, robot: Robot, label: str, hold: bool = False) -> Rigi
         robot: The robot, whose motors must be those of the log.
         label: Name of the log; opens error texts.
         hold: Take delay and hold of the command into account.
+        first: Sample with which to begin; default: the first that has a torque. Before the first command there is none.
 
     Returns:
         The record.
@@ -62,24 +65,25 @@ def rigid_record(log: Log, robot: Robot, label: str, hold: bool = False) -> Rigi
         raise InputError(f"{label}: joint_states has no positions, which the regression needs; record them")
     columns = _columns(states, robot, f"{label}: joint_states")
     warnings: list[str] = []
-    first = 0
+    begin = 0
     if states.effort is not None:
         torque = states.effort[:, columns]
     elif log.joint_commands is not None and log.joint_commands.effort is not None:
         commands = log.joint_commands
         effort = commands.effort[:, _columns(commands, robot, f"{label}: joint_commands")]  # type: ignore[index]
-        torque, first = _acting(commands.stamp, effort, states.stamp, robot.delay, hold)
+        torque, begin = _acting(commands.stamp, effort, states.stamp, robot.delay, hold)
     else:
         raise InputError(
             f"{label} has neither measured torques (effort of joint_states) nor commanded ones (effort of "
             "joint_commands); record one of them"
         )
+    first = begin if first is None else first
     _check_finite(states.position[:, columns], torque[first:], label)
     time = (states.stamp - states.stamp[0])[first:] * 1e-9
     interval, values = _even(time, np.hstack([states.position[first:, columns], torque[first:]]), label, warnings)
     _warn_of_limits(torque, robot, warnings)
     position, torque = values[:, : robot.n_motors], values[:, robot.n_motors :]
-    return RigidRecord(interval, position, torque, states.effort is not None, tuple(warnings))
+    return RigidRecord(interval, position, torque, states.effort is not None, tuple(warnings), first)
 
 
 def _columns(series: JointSeries, robot: Robot, place: str) -> list[int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import casadi as ca
 import numpy as np
@@ -11,10 +11,12 @@ from flexros.identify.rigid.standard_parameters import FRICTION, standard_parame
 from flexros.robot.parameters import INERTIA_COMPONENTS
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from flexros.arrays import FloatArray
     from flexros.robot import Robot
 
-_CHUNK = 1000
+_CHUNK = 500
 """Samples evaluated at once (chosen: some tens of MB for a six-axis robot)."""
 
 
@@ -38,49 +40,72 @@ class RigidRegressor:
     def __init__(self, robot: Robot, asymmetric: bool = False) -> None:
         self.robot = robot
         self.parameters = standard_parameters(robot, asymmetric)
-        self._column = {parameter.name: place for place, parameter in enumerate(self.parameters)}
-        self._bodies = _body_columns(robot)
-        self._rotors = _rotor_columns(robot) if robot.spec.inertial_coupling else None
-        self._asymmetric = asymmetric
+        self._motion = tuple(ca.SX.sym(name, robot.n_motors) for name in "qva")
+        self._columns = self._all_columns(asymmetric)
+        self._functions: dict[tuple[int, ...], ca.Function] = {}
 
-    def matrix(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+    def matrix(self, q: FloatArray, v: FloatArray, a: FloatArray, places: Sequence[int] | None = None) -> FloatArray:
         """Evaluate the regressor.
 
         Args:
             q: Motor positions [rad or m], shape (n, M).
             v: Speeds, shape (n, M).
             a: Accelerations, shape (n, M).
+            places: Which columns, k of them; default: all.
 
         Returns:
-            H, shape (n, M, P).
+            H, shape (n, M, k).
         """
+        chosen = tuple(range(len(self.parameters)) if places is None else places)
         n, motors = q.shape
-        H = np.zeros((n, motors, len(self.parameters)))
-        names = _body_names(self.robot)
-        places = [self._column[_linear_name(name)] for name in names]
+        H = np.empty((-(-n // _CHUNK) * _CHUNK, motors, len(chosen)))
+        motion = np.zeros((3, len(H), motors))
+        motion[:, :n] = q, v, a
+        buffer, evaluate = cast("tuple[Any, Callable[[], None]]", self._function(chosen).buffer())
         for first in range(0, n, _CHUNK):
-            rows = slice(first, min(first + _CHUNK, n))
-            arguments = (q[rows].T, v[rows].T, a[rows].T)
-            H[rows, :, places] = _unstack(self._bodies(*arguments), motors, len(names))
-            if self._rotors is not None:
-                columns = [self._column[f"motor_{k + 1}.inertia"] for k in self.robot.chain.flexible_motors]
-                H[rows, :, columns] = _unstack(self._rotors(*arguments), motors, len(columns))
-        for motor in range(motors):
-            self._motor_columns(H[:, motor], motor, v[:, motor], a[:, motor])
+            rows = slice(first, first + _CHUNK)
+            for number, signal in enumerate(motion[:, rows]):
+                buffer.set_arg(number, signal.data)
+            buffer.set_res(0, H[rows].data)
+            evaluate()
+        return H[:n]
+
+    def _function(self, places: tuple[int, ...]) -> ca.Function:
+        """Function from (q, v, a) of a chunk, side by side, to some columns of its rows, one after the other."""
+        if places not in self._functions:
+            wanted = ca.vec(ca.densify(self._columns[:, list(places)]).T)
+            one = ca.Function("regressor", list(self._motion), [wanted], {"cse": True})
+            self._functions[places] = one.map(_CHUNK)
+        return self._functions[places]
+
+    def _all_columns(self, asymmetric: bool) -> ca.SX:
+        """Columns of all parameters as symbols, shape (M, P)."""
+        robot = self.robot
+        column = {parameter.name: place for place, parameter in enumerate(self.parameters)}
+        H = ca.SX(robot.n_motors, len(self.parameters))
+        H[:, [column[_linear_name(name)] for name in _body_names(robot)]] = _body_columns(robot, *self._motion)
+        coupled = robot.chain.flexible_motors if robot.spec.inertial_coupling else ()
+        if coupled:
+            H[:, [column[f"motor_{k + 1}.inertia"] for k in coupled]] = _rotor_columns(robot, *self._motion)
+        _, v, a = self._motion
+        for motor in range(robot.n_motors):
+            name = f"motor_{motor + 1}"
+            if motor not in coupled:
+                H[motor, column[f"{name}.inertia"]] = a[motor]
+            for kind, value in _friction_columns(v[motor], asymmetric).items():
+                H[motor, column[f"{name}.{kind}"]] = value
         return H
 
-    def _motor_columns(self, rows: FloatArray, motor: int, v: FloatArray, a: FloatArray) -> None:
-        """Fill the columns of one motor into its rows, shape (n, P)."""
-        name = f"motor_{motor + 1}"
-        if self._rotors is None or motor not in self.robot.chain.flexible_motors:
-            rows[:, self._column[f"{name}.inertia"]] = a
-        if not self._asymmetric:
-            for kind, values in zip(FRICTION, (v, np.sign(v), np.ones_like(v)), strict=True):
-                rows[:, self._column[f"{name}.{kind}"]] = values
-            return
-        for direction, moving in (("forward", v > 0), ("backward", v < 0)):
-            rows[:, self._column[f"{name}.viscous_friction_{direction}"]] = v * moving
-            rows[:, self._column[f"{name}.coulomb_friction_{direction}"]] = np.sign(v) * moving
+
+def _friction_columns(v: ca.SX, asymmetric: bool) -> dict[str, ca.SX]:
+    """What the friction of a motor multiplies at its speed."""
+    if not asymmetric:
+        return dict(zip(FRICTION, (v, ca.sign(v), ca.SX(1.0)), strict=True))
+    found = {}
+    for direction, moving in (("forward", v > 0), ("backward", v < 0)):
+        found[f"viscous_friction_{direction}"] = v * moving
+        found[f"coulomb_friction_{direction}"] = ca.sign(v) * moving
+    return found
 
 
 def _body_names(robot: Robot) -> list[str]:
@@ -100,24 +125,21 @@ def _linear_name(name: str) -> str:
     return name.replace(".inertia.", ".inertia_at_joint.").replace(".center_of_mass.", ".first_moment.")
 
 
-def _body_columns(robot: Robot) -> ca.Function:
-    """Function from (q, v, a), shape (M, 1) each, to the columns of the bodies, shape (M, 10 R and more)."""
+def _body_columns(robot: Robot, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
+    """Columns of the bodies, shape (M, 10 R and more)."""
     names = _body_names(robot)
     model = robot.symbolic(names)
-    q, v, a = (ca.SX.sym(name, robot.n_motors) for name in "qva")
     p = ca.SX.sym("p", len(names))
     arm = robot.chain.arm_from_gears
     tau = model.arm_inverse_dynamics(arm(q), arm(v), arm(a), p)[list(robot.chain.geared)]
     unit = ca.DM([1.0 if name.endswith(".mass") else 0.0 for name in names])
-    columns = ca.substitute(ca.jacobian(tau, p), p, unit)
-    return ca.Function("body_columns", [q, v, a], [ca.densify(columns)], {"cse": True})
+    return ca.substitute(ca.jacobian(tau, p), p, unit)
 
 
-def _rotor_columns(robot: Robot) -> ca.Function:
-    """Function from (q, v, a) to the columns of the rotors behind flexible gears, with their coupling to the arm."""
+def _rotor_columns(robot: Robot, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
+    """Columns of the rotors behind flexible gears, with their coupling to the arm."""
     flexible = robot.chain.flexible_motors
     model = robot.symbolic([f"motor_{number + 1}.inertia" for number in flexible])
-    q, v, a = (ca.SX.sym(name, robot.n_motors) for name in "qva")
     p = ca.SX.sym("p", len(flexible))
     whole = [ca.vertcat(robot.chain.arm_from_gears(x), *[x[number] for number in flexible]) for x in (q, v, a)]
     force = model.force(whole[0], whole[1], ca.SX.zeros(robot.n_motors), ca.SX.zeros(6), p)
@@ -125,10 +147,4 @@ def _rotor_columns(robot: Robot) -> ca.Function:
     tau = need[list(robot.chain.geared)]
     for place, number in enumerate(flexible):
         tau[number] += need[robot.n_arm + place]
-    return ca.Function("rotor_columns", [q, v, a], [ca.densify(ca.jacobian(tau, p))], {"cse": True})
-
-
-def _unstack(result: ca.DM, rows: int, columns: int) -> FloatArray:
-    """Take the matrices of many samples, side by side, apart: shape (n, rows, columns)."""
-    stacked = np.array(result).reshape(rows, -1, columns)
-    return np.ascontiguousarray(stacked.transpose(1, 0, 2))
+    return ca.jacobian(tau, p)

@@ -98,9 +98,7 @@ def test_motor_that_stands_still_keeps_its_nominal_values(elbow, fourier_motion,
 @pytest.mark.parametrize("noise", [0.0, 1e-5])
 def test_log_without_motion(emps, rigid_log, noise: float) -> None:
     log = rigid_log(emps, np.zeros((3, 8000, 1)), noise=noise)
-    with pytest.raises(
-        InputError, match="still: no motion: the position of motor_1 does not change beyond its noise"
-    ):
+    with pytest.raises(InputError, match="still: no motion: the position of motor_1 does not change beyond its noise"):
         fit_rigid(log, emps, SLOW, "still")
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.identify.rigid.motion_estimate import check_rows, check_size, decimate, decimation, edge, estimate_motion
+from flexros.identify.rigid.motion_estimate import check_rows, decimate, decimation, edge, estimate_motion
 
 T = 1e-3
 
@@ -79,9 +79,3 @@ def test_too_few_rows_for_a_regression() -> None:
     check_rows(50, 4)
     with pytest.raises(InputError, match="90 samples are left after filtering and decimation, but 60 parameters need"):
         check_rows(90, 60)
-
-
-def test_regressor_beyond_the_memory() -> None:
-    check_size(100_000, 6, 58)
-    with pytest.raises(InputError, match="make a regressor of 557 MB, allowed are 400 MB; give a lower --cutoff or a"):
-        check_size(200_000, 6, 58)
