@@ -13,69 +13,84 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.analysis.figures_table import number, percent
-from flexros.identify.graybox.covariance import MISSES
+from flexros.identify.report.scatter import ScatterLimits, power_ratio
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
     from flexros.identify.frf.distortion import Distortion
+    from flexros.identify.frf.frequency_response import FrequencyResponse
     from flexros.identify.graybox.covariance import ParameterCovariance
     from flexros.identify.graybox.problem import GrayBoxProblem
     from flexros.identify.graybox.residuals import ResidualReport
 
-UNEXPLAINED = 2.0
-"""Mean squared misfit over variance, every line counting alike, from which something is left unexplained (chosen)."""
-
 STANDS_OUT = 1.5
-"""Distortions of so many times their noise, rms over lines and positions, stand out of it (chosen)."""
+"""Distortions of so many times their noise, rms over lines and positions, stand out of it (chosen), if it is more than
+what few experiments and lines give by chance."""
 
 MUCH = 0.01
 """Even distortions count from this share of the output on, rms (chosen)."""
 
 
-def bias_signs(problem: GrayBoxProblem, covariance: ParameterCovariance, residuals: ResidualReport) -> tuple[str, ...]:
+def bias_signs(
+    problem: GrayBoxProblem,
+    covariance: ParameterCovariance,
+    residuals: ResidualReport,
+    limits: ScatterLimits | None = None,
+    settled: bool = True,
+) -> tuple[str, ...]:
     """Tell the signs in words.
 
     Args:
         problem: Measured responses.
         covariance: Covariance of the fitted parameters.
         residuals: What the fitted model leaves unexplained.
+        limits: Misfits that chance explains; default: as for many blocks.
+        settled: Whether the fit converged within its bounds; the misfit of another one tells nothing of the robot.
 
     Returns:
         One clause per sign; none where the robot is as linear as the model and the model explains its responses.
     """
-    signs = []
+    signs, limits = [], limits or ScatterLimits()
     reduced = covariance.reduced_cost if covariance.basis != "residuals" else 1.0
-    if reduced >= MISSES:
+    if settled and reduced >= limits.cost:
         signs.append(f"the cost of the fit is {number(reduced, 2)} times what the errors of the responses explain")
-    elif residuals.chi_square >= UNEXPLAINED:
+    elif settled and residuals.chi_square >= limits.chi_square:
         signs.append(
             f"the squared misfit is {number(residuals.chi_square, 2)} times the variance of the responses, where every "
             "line counts alike"
         )
     levels = [response.distortion for response in problem.responses if response.distortion is not None]
-    return (*signs, *_distorted(levels, problem.responses[0].output_names)) if levels else tuple(signs)
+    return (*signs, *_distorted(levels, problem.responses)) if levels else tuple(signs)
 
 
-def _distorted(levels: Sequence[Distortion], names: tuple[str, ...]) -> list[str]:
+def _distorted(levels: Sequence[Distortion], responses: Sequence[FrequencyResponse]) -> list[str]:
     """Name the motors at which distortions stand out most."""
+    names = responses[0].output_names
     odd, even = (_over_noise(levels, kind, f"{kind}_noise") for kind in ("odd", "even"))
     found = []
-    if np.any(odd > STANDS_OUT):
+    if np.any(odd > _standing_out(responses, len(levels[0].odd_frequency))):
         worst = int(np.nanargmax(odd))
         found.append(f"odd detection lines of {names[worst]} carry {number(odd[worst], 2)} times their noise")
     elif np.all(np.isnan(odd)):
         total = _over_noise(levels, "total", "noise")
-        if np.any(total > STANDS_OUT):
+        if np.any(total > _standing_out(responses, len(levels[0].frequency))):
             worst = int(np.nanargmax(total))
             much = number(total[worst], 2)
             found.append(f"with the phases of the excitation responses of {names[worst]} vary {much} times the noise")
-    share = np.where(even > STANDS_OUT, _share(levels), 0.0)
+    share = np.where(even > _standing_out(responses, len(levels[0].even_frequency)), _share(levels), 0.0)
     if np.any(share > MUCH):
         worst = int(np.argmax(share))
         found.append(f"even detection lines of {names[worst]} carry {percent(share[worst], 2)} % of the output")
     return found
+
+
+def _standing_out(responses: Sequence[FrequencyResponse], lines: int) -> float:
+    """Level over noise that is more than chance, for so many lines."""
+    experiments = sum(response.n_blocks * response.response.shape[2] for response in responses)
+    spare = experiments * (responses[0].n_periods - 1)
+    return max(STANDS_OUT, float(np.sqrt(power_ratio(experiments, spare, lines))))
 
 
 def _over_noise(levels: Sequence[Distortion], level: str, noise: str) -> FloatArray:

@@ -11,7 +11,7 @@ from flexros.analysis.figures_table import percent
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import INK, MUTED, stacked
 from flexros.identify.report.base import AbstractIdentificationSection
-from flexros.identify.report.verdict import kept_text
+from flexros.identify.report.verdict import covariance_text, kept_text
 from flexros.identify.report.words import (
     VERDICT_COLOURS,
     VERDICT_WORDS,
@@ -47,7 +47,7 @@ class ParameterSection(AbstractIdentificationSection):
         blocks: list[Block] = []
         if np.all(result.nominal > 0):
             blocks.append(_picture(result))
-        blocks += [_table(result), Paragraph(result.covariance.explanation, "note")]
+        blocks += [_table(result), Paragraph(covariance_text(result), "note")]
         if told := kept_text(result):
             blocks.append(Paragraph(told, "warning"))
         if result.bias_signs:

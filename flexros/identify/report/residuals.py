@@ -10,9 +10,7 @@ import plotly.graph_objects as go
 from flexros.analysis.figures_table import number, percent
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import stacked
-from flexros.identify.graybox.covariance import MISSES
 from flexros.identify.report.base import AbstractIdentificationSection
-from flexros.identify.report.bias import UNEXPLAINED
 
 if TYPE_CHECKING:
     from flexros.identify.report.result import IdentificationResult
@@ -40,10 +38,17 @@ def _sentence(result: IdentificationResult) -> str:
         f"Squared misfit over the variance of the responses: {number(reduced, 3)} with the weights of the fit, "
         f"{number(chi, 3)} in the mean of all lines that count; about 1 is to be expected"
     )
-    if reduced < MISSES and chi < UNEXPLAINED:
-        return f"{text}, so nothing systematic is left."
-    text += ". What exceeds it is not noise: nonlinear effects, or flexibilities that the model does not have."
-    return f"{text} The intervals were widened for it." if reduced >= MISSES else text
+    limits = result.limits
+    few = f", and up to {number(limits.cost, 2)} and {number(limits.chi_square, 2)} comes by chance"
+    if reduced < limits.cost and chi < limits.chi_square:
+        return f"{text}{few}, so nothing systematic is told by it."
+    if result.settled:
+        text += (
+            f"{few}. What exceeds it is not noise: nonlinear effects, or flexibilities that the model does not have."
+        )
+    else:
+        text += f"{few}. The fit ended on a bound or did not converge, so this tells nothing about the robot."
+    return f"{text} The intervals were widened for it." if reduced > 1 else text
 
 
 def _picture(result: IdentificationResult) -> Picture:

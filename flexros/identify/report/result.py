@@ -14,7 +14,8 @@ from flexros.identify.graybox.identifiability import identifiability
 from flexros.identify.graybox.residuals import residual_report
 from flexros.identify.report.bias import bias_signs
 from flexros.identify.report.own_warnings import own_warnings
-from flexros.identify.report.verdict import verdict
+from flexros.identify.report.scatter import ScatterLimits, scatter_limits
+from flexros.identify.report.verdict import covariance_text, verdict
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -122,10 +123,20 @@ class IdentificationResult:
         """Parameters whose fitted value is not used: not determined, or on a bound of the search."""
         return self.identifiability.names("not_determined")
 
+    @property
+    def settled(self) -> bool:
+        """Whether the fit converged within its bounds, so that its misfit tells something of the robot."""
+        return self.fit.converged and not np.any(self.fit.at_bound)
+
+    @cached_property
+    def limits(self) -> ScatterLimits:
+        """Misfits that chance explains."""
+        return scatter_limits(self.problem, self.fit, self.covariance)
+
     @cached_property
     def bias_signs(self) -> tuple[str, ...]:
         """Signs that the model lacks something, so that parameters shift by more than their intervals tell."""
-        return bias_signs(self.problem, self.covariance, self.residuals)
+        return bias_signs(self.problem, self.covariance, self.residuals, self.limits, self.settled)
 
     @cached_property
     def nominal_cost(self) -> float:
@@ -157,7 +168,9 @@ class IdentificationResult:
                 "basis": self.covariance.basis,
                 "reduced_cost": self.covariance.reduced_cost,
                 "factor": self.covariance.factor,
-                "explanation": self.covariance.explanation,
+                "explanation": covariance_text(self),
+                "misfit": self.residuals.chi_square,
+                "by_chance": {"reduced_cost": self.limits.cost, "misfit": self.limits.chi_square},
             },
             "bias_signs": list(self.bias_signs),
             "parameters": [self._parameter(place) for place in range(len(self.fit.names))],

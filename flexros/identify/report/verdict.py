@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.analysis.figures_table import number
-from flexros.identify.graybox.covariance import MISSES
 
 if TYPE_CHECKING:
     from flexros.identify.report.result import IdentificationResult
 
 _AS_GOOD = 0.9
+_MISSES = "because the model misses something"
 _SEVERAL = ("values", "their fitted values", "ones")
 
 
@@ -43,7 +43,7 @@ def _explained(result: IdentificationResult) -> str:
     if result.covariance.basis == "residuals":
         return f"The errors of {where} are not known, so the identified model is judged by itself: {gain}."
     reduced = result.covariance.reduced_cost
-    if reduced < MISSES:
+    if reduced < result.limits.cost:
         weighed = "With the weights of the fit the" if result.bias_signs else "The"
         return f"{weighed} identified model explains {where} within their uncertainty; {gain}."
     times = number(float(np.sqrt(reduced)), 2)
@@ -52,12 +52,23 @@ def _explained(result: IdentificationResult) -> str:
 
 def _shifted(result: IdentificationResult) -> str:
     """Say what the intervals do not cover, where there are signs of it."""
+    if not result.settled:
+        how = "ended on a bound of the search" if result.fit.converged else "did not converge"
+        return f" The fit {how}, so the misfit tells nothing about the robot."
     if not result.bias_signs:
         return ""
     return (
         " The robot does something that the model lacks: parameters shift, dampers most of all, and the intervals do "
         "not cover it."
     )
+
+
+def covariance_text(result: IdentificationResult) -> str:
+    """Say what the covariance rests on; that the model misses something only where chance does not explain it."""
+    text, reduced = result.covariance.explanation, result.covariance.reduced_cost
+    if not result.settled:
+        return text.replace(_MISSES, "because the fit leaves more than the errors of the responses explain")
+    return text if reduced >= result.limits.cost else text.replace(_MISSES, "which is within what scatter explains")
 
 
 def kept_text(result: IdentificationResult) -> str:

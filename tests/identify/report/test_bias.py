@@ -9,7 +9,8 @@ import pytest
 
 from flexros.identify.report.bias import bias_signs
 from flexros.identify.report.result import IdentificationResult
-from flexros.identify.report.verdict import verdict
+from flexros.identify.report.scatter import ScatterLimits
+from flexros.identify.report.verdict import covariance_text, verdict
 
 
 def with_levels(result: IdentificationResult, **changed: np.ndarray) -> IdentificationResult:
@@ -40,6 +41,30 @@ def test_misfit_is_a_sign_once_it_is_beyond_scatter(clear: IdentificationResult)
     residuals = replace(clear.residuals, chi_square=3.9)
     (sign,) = bias_signs(clear.problem, clear.covariance, residuals)
     assert sign.startswith("the squared misfit is 3.9 times the variance")
+
+
+def test_misfit_that_chance_explains_is_no_sign(clear: IdentificationResult) -> None:
+    covariance, residuals = replace(clear.covariance, reduced_cost=1.7), replace(clear.residuals, chi_square=2.5)
+    limits = ScatterLimits(cost=2.2, chi_square=3.0)
+    assert len(bias_signs(clear.problem, covariance, residuals)) == 1
+    assert bias_signs(clear.problem, covariance, residuals, limits) == ()
+
+
+def test_fit_on_a_bound_tells_nothing_of_the_robot(clear: IdentificationResult) -> None:
+    covariance = replace(
+        clear.covariance, reduced_cost=50.0, explanation="by 50: by this, because the model misses something."
+    )
+    missed = replace(clear, covariance=covariance)
+    assert "The robot does something that the model lacks" in verdict(missed)
+    assert "because the model misses something" in covariance_text(missed)
+    bound = replace(missed, fit=replace(clear.fit, at_bound=np.arange(6) == 2))
+    assert bound.bias_signs == ()
+    assert verdict(bound).endswith(
+        "The fit ended on a bound of the search, so the misfit tells nothing about the robot."
+    )
+    assert "model misses" not in covariance_text(bound)
+    broken_off = replace(missed, fit=replace(clear.fit, converged=False))
+    assert verdict(broken_off).endswith("The fit did not converge, so the misfit tells nothing about the robot.")
 
 
 def test_cost_is_no_sign_where_errors_are_not_known(clear: IdentificationResult) -> None:
