@@ -23,8 +23,9 @@ if TYPE_CHECKING:
 _CHUNK_ROWS = 200
 """Decimated rows made at a time (chosen)."""
 
-_KEPT_BYTES = 400_000_000
-"""Largest regressor that is kept [bytes]; a larger one is evaluated anew when it is needed again (chosen)."""
+_KEPT_BYTES = 1_000_000_000
+"""Largest regressor that is kept [bytes]; a larger one is evaluated anew when it is needed again (chosen: no more than
+reading such a log takes)."""
 
 
 @dataclass(frozen=True, eq=False)
