@@ -9,12 +9,15 @@ import typer
 
 from flexros.cli.identify_table import fitting_table
 from flexros.cli.output import console, print_json, progress_bar, say
-from flexros.errors import InputError
+from flexros.errors import InputError, RunError
 from flexros.json_text import json_text
 from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+
+_MOST_LINES = 3
+"""Lines of one kind that are printed (chosen); the result file has all."""
 
 
 def rigid(
@@ -33,9 +36,10 @@ def rigid(
 ) -> None:
     """Identify masses, inertias and friction of the rigid robot by linear regression."""
     from flexros.identify.rigid.fit import cross_test, fit_rigid
-    from flexros.identify.rigid.identified_robot import identified_values, identified_yaml
+    from flexros.identify.rigid.identified_robot import identified_yaml
     from flexros.identify.rigid.result import result_record
     from flexros.identify.rigid.settings import RigidSettings
+    from flexros.identify.rigid.verdict import judge_fit
     from flexros.logs.reader import read_log
     from flexros.robot import load_robot
 
@@ -53,17 +57,23 @@ def rigid(
 
         fit = fit_rigid(logs[first], robot, settings, first, at(0))
         tests = [cross_test(fit, logs[label], label, at(step)) for step, label in enumerate(others, start=1)]
-    identified = identified_values(fit)
-    record = result_record(fit, identified, tests, {label: dict(entry.provenance) for label, entry in logs.items()})
-    record["force_error_percent"]["fit_with_hold"] = fit.error_with_hold
+    verdict = judge_fit(fit)
+    record = result_record(fit, verdict, tests, {label: dict(entry.provenance) for label, entry in logs.items()})
     out.mkdir(parents=True, exist_ok=True)
     write_result(out / "rigid.json", json_text(record), "result")
-    write_result(out / "identified.yaml", identified_yaml(fit, identified), "identified robot")
+    robot_file = out / "identified.yaml"
+    if verdict.usable:
+        write_result(robot_file, identified_yaml(fit, verdict.identified), "identified robot")
+    else:
+        robot_file.unlink(missing_ok=True)  # one of a run before would pass for that of this one
     if as_json:
         print_json(record)
-        return
-    _print(record)
-    say(f"Result: {out / 'rigid.json'}; identified robot: {out / 'identified.yaml'}")
+    else:
+        _print(record)
+        robots = f"; identified robot: {robot_file}" if verdict.usable else ""
+        say(f"Result: {out / 'rigid.json'}{robots}")
+    if not verdict.usable:
+        raise RunError(f"no robot file was written: {verdict.sentence}")
 
 
 def _labelled(paths: list[Path]) -> dict[str, Path]:
@@ -73,7 +83,8 @@ def _labelled(paths: list[Path]) -> dict[str, Path]:
 
 
 def _print(record: Mapping[str, Any]) -> None:
-    """Print parameters, errors and verdict for people."""
+    """Print verdict, parameters and errors for people."""
+    say(f"Verdict: {record['verdict']['sentence']}")
     rows = record["parameters"]
     columns = {
         "base parameter": [row["name"] for row in rows],
@@ -92,17 +103,56 @@ def _print(record: Mapping[str, Any]) -> None:
         say(f"Force error: {test['total']:.4f} % in {test['log']} (cross-test)")
     if errors["fit_with_hold"] is not None and errors["fit_with_hold"] < errors["fit"]["total"]:
         say(f"With delay and hold of the command (--hold): {errors['fit_with_hold']:.4f} %")
-    verdict = record["excitation"]
-    word = "rich enough" if verdict["rich_enough"] else "NOT rich enough"
-    say(
-        f"Excitation {word}: condition number {verdict['condition_number']:.4g} "
-        f"(up to {verdict['largest_condition_number']:g}), {len(verdict['not_excited'])} parameters not excited"
-    )
-    for entry in verdict["not_excited"]:
-        say(f"not excited: {entry['name']}, {entry['reason']}; its nominal value is kept")
-    for owner, reason in record["left_at_nominal"].items():
-        say(f"left at nominal in the robot file: {owner} ({reason})")
-    for name, value in record["not_met"].items():
-        say(f"not met by the robot file: {name}, which is {value:.6g} there, since no possible robot was found with it")
+    _print_excitation(record["excitation"], len(rows))
+    if record["verdict"]["usable"]:
+        _print_robot_file(record)
     for warning in record["warnings"]:
         say(f"warning: {warning}")
+
+
+def _print_excitation(verdict: Mapping[str, Any], n_parameters: int) -> None:
+    """Say whether the motion shows everything, and if not, for which reason."""
+    missing, number, limit = verdict["not_excited"], verdict["condition_number"], verdict["largest_condition_number"]
+    condition = f"condition number {number:.4g} (up to {limit:g})"
+    if verdict["rich_enough"]:
+        say(f"Excitation rich enough: {condition}, all {n_parameters} base parameters excited")
+    else:
+        reasons = [f"{len(missing)} of {n_parameters} base parameters are not excited"] if missing else []
+        if number > limit:
+            reasons.append(f"condition number {number:.4g} is above {limit:g}")
+        rest = f"; the others are well told apart, {condition}" if number <= limit else ""
+        say(f"Excitation NOT rich enough: {' and '.join(reasons)}{rest}")
+    for entry in missing:
+        say(f"not excited: {entry['name']}, {entry['reason']}; its nominal value is kept")
+
+
+def _print_robot_file(record: Mapping[str, Any]) -> None:
+    """Say what the robot file does not have."""
+    outside = record["not_in_robot_file"]
+    if outside["values"]:
+        units = {row["name"]: row["unit"] for row in record["parameters"]}
+        named = ", ".join(f"{name} {value:.4g} {units[name]}" for name, value in outside["values"].items())
+        effects = " ".join(f"--effect {effect}" for effect in outside["effects"])
+        say(f"not in the robot file: {named}" + (f"; add to a run: {effects}" if effects else ""))
+    for sentence in record["means_in_robot_file"]:
+        say(sentence)
+    _say_some(
+        [
+            f"left at nominal in the robot file: {owner} ({reason})"
+            for owner, reason in record["left_at_nominal"].items()
+        ]
+    )
+    _say_some(
+        [
+            f"not met by the robot file: {name}, which is {value:.6g} there, since no possible robot was found with it"
+            for name, value in record["not_met"].items()
+        ]
+    )
+
+
+def _say_some(lines: list[str]) -> None:
+    """Say a few lines, and how many more there are."""
+    for line in lines[:_MOST_LINES]:
+        say(line)
+    if len(lines) > _MOST_LINES:
+        say(f"... {len(lines)} such lines in all, see rigid.json")

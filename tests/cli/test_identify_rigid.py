@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
+from flexros.cli.identify_rigid import _print_excitation, _print_robot_file
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log
 from flexros.logs.write_log import write_log
 from flexros.robot import load_robot
+from flexros.robot.robot import LIBRARY
 
 N, T = 6000, 1e-3
 REALDATA = os.environ.get("FLEXROS_REALDATA", "")
@@ -56,15 +58,85 @@ def test_results_are_printed_and_written(flexros, logs: list[str], tmp_path: Pat
 
 def test_what_the_robot_file_cannot_have_is_said(flexros, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "200")
-    log = write_drive_log(tmp_path / "driven", 1, viscous=-50.0)
-    ended = flexros("identify", "rigid", log, "--model", "emps", "--out", str(tmp_path / "out"), "--cutoff", "50")
+    model, out = tmp_path / "smooth.yaml", tmp_path / "out"
+    model.write_text((LIBRARY / "emps.yaml").read_text().replace("203.5034", "1.0"))
+    log = write_drive_log(tmp_path / "driven", 1, viscous=-5.0)
+    ended = flexros("identify", "rigid", log, "--model", str(model), "--out", str(out), "--cutoff", "50")
     assert ended.code == 0, ended.err
-    assert "left at nominal in the robot file: motor_1.viscous_friction" in ended.out + ended.err
-    assert "not met by the robot file: motor_1.viscous_friction, which is 203.503 there" in ended.out + ended.err
-    written = load_robot(tmp_path / "out" / "identified.yaml").parameters
-    assert written["motor_1.viscous_friction"].value == 203.5034
+    assert ended.out.startswith("Verdict: the rigid model leaves 0.0")
+    assert "left at nominal in the robot file: motor_1.viscous_friction" in ended.out
+    assert "not met by the robot file: motor_1.viscous_friction, which is 1 there" in ended.out
+    written = load_robot(out / "identified.yaml").parameters
+    assert written["motor_1.viscous_friction"].value == 1.0
     assert written["body_1.mass"].value == pytest.approx(100, rel=5e-3)
     assert written["body_1.mass"].tolerance < 0.01
+
+
+def test_no_robot_file_where_no_possible_robot_comes_near(flexros, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "identified.yaml").write_text("of a run before")
+    log = write_drive_log(tmp_path / "driven", 1, viscous=-50.0)
+    ended = flexros("identify", "rigid", log, "--model", "emps", "--out", str(out), "--cutoff", "50")
+    assert ended.code == 3
+    assert "no robot file was written: the rigid model leaves 0.0" in ended.err
+    assert "but with values that no possible robot has (the nearest one leaves" in ended.err
+    assert ended.err.count("\n") == 1
+    assert [file.name for file in out.iterdir()] == ["rigid.json"]
+    assert not json.loads((out / "rigid.json").read_text())["verdict"]["usable"]
+
+
+def test_friction_that_has_no_place_in_the_robot_file_is_offered_as_an_effect(
+    flexros, logs: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    arguments = ["identify", "rigid", logs[0], "--model", "emps", "--out", str(tmp_path / "out"), "--cutoff", "50"]
+    ended = flexros(*arguments)
+    assert "not in the robot file: motor_1.coulomb_friction 15" in ended.out
+    assert "; add to a run: --effect coulomb_friction@motor_1:level=15" in ended.out
+    ended = flexros(*arguments, "--asymmetric")
+    assert "motor_1.viscous_friction in the robot file is the mean of 2" in ended.out
+
+
+def test_long_lists_are_cut(capsys: pytest.CaptureFixture[str]) -> None:
+    record = {
+        "not_in_robot_file": {"values": {}, "effects": []},
+        "means_in_robot_file": [],
+        "left_at_nominal": {},
+        "not_met": {f"body_{k}.mass": float(k) for k in range(40)},
+    }
+    _print_robot_file(record)
+    lines = capsys.readouterr().out.splitlines()
+    assert "body_2.mass, which is 2 there" in "".join(lines)
+    assert "body_3.mass" not in "".join(lines)
+    assert lines[-1] == "... 40 such lines in all, see rigid.json"
+
+
+@pytest.mark.parametrize(
+    ("missing", "condition", "sentence"),
+    [
+        (0, 5.0, "rich enough: condition number 5 (up to 100), all 11 base parameters excited"),
+        (
+            1,
+            4.658,
+            "NOT rich enough: 1 of 11 base parameters are not excited; the others are well told apart, condition "
+            "number 4.658 (up to 100)",
+        ),
+        (0, 230.0, "NOT rich enough: condition number 230 is above 100"),
+        (2, 230.0, "NOT rich enough: 2 of 11 base parameters are not excited and condition number 230 is above 100"),
+    ],
+)
+def test_reason_of_the_verdict_on_the_motion_is_said(
+    capsys: pytest.CaptureFixture[str], missing: int, condition: float, sentence: str
+) -> None:
+    verdict = {
+        "rich_enough": missing == 0 and condition <= 100,
+        "condition_number": condition,
+        "largest_condition_number": 100.0,
+        "not_excited": [{"name": "body_1.mass", "reason": "nothing in the motion depends on it"}] * missing,
+    }
+    _print_excitation(verdict, 11)
+    assert " ".join(capsys.readouterr().out.split()).startswith(f"Excitation {sentence}")
 
 
 def test_table_for_people(flexros, logs: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -39,11 +39,13 @@ class IdentifiedRobot:
             that stands for itself.
         not_met: Base parameters that the file gives another value than was identified, since what was left out is
             missing: that value by name.
+        base_values: Values of all base parameters in the file, shape (r,).
     """
 
     values: Mapping[str, IdentifiedValue]
     left_out: Mapping[str, str]
     not_met: Mapping[str, float]
+    base_values: FloatArray
 
 
 def identified_values(fit: RigidFit) -> IdentifiedRobot:
@@ -65,7 +67,8 @@ def identified_values(fit: RigidFit) -> IdentifiedRobot:
         share = _most_likely_change(fit, left_out)
         values, refused = _values(fit, share, left_out)
         if not refused:
-            return IdentifiedRobot(values, left_out, _not_met(fit, share))
+            got = _base_values(fit, share)
+            return IdentifiedRobot(values, left_out, _not_met(fit, got), got)
         left_out.update(refused)
 
 
@@ -171,14 +174,22 @@ def _of_group(
     }
 
 
-def _not_met(fit: RigidFit, share: FloatArray) -> dict[str, float]:
-    """Values in the file of base parameters that it misses by more than their deviation."""
-    got, missed = fit.base.nominal.copy(), np.zeros(len(fit.values), bool)
+def _base_values(fit: RigidFit, share: FloatArray) -> FloatArray:
+    """Values of the base parameters in the file, shape (r,)."""
+    got = fit.base.nominal.copy()
+    got[list(fit.excitation.shown)] += _seen(fit) @ _change(fit, share)
+    return got
+
+
+def _not_met(fit: RigidFit, got: FloatArray) -> dict[str, float]:
+    """Values in the file of base parameters that it misses by more than their deviation, the worst first."""
+    missed = np.zeros(len(fit.values), bool)
     shown = list(fit.excitation.shown)
-    got[shown] += _seen(fit) @ _change(fit, share)
-    margin = np.maximum(fit.deviation, _MISSED * np.maximum(np.abs(fit.values), np.abs(fit.base.nominal)))
-    missed[shown] = (np.abs(got - fit.values) > margin)[shown]
-    return {fit.base.names[place]: float(got[place]) for place in np.flatnonzero(missed)}
+    size = np.maximum(np.maximum(np.abs(fit.values), np.abs(fit.base.nominal)), 1e-300)
+    distance = np.abs(got - fit.values)
+    missed[shown] = (distance > np.maximum(fit.deviation, _MISSED * size))[shown]
+    places = sorted(np.flatnonzero(missed), key=lambda place: -distance[place] / size[place])
+    return {fit.base.names[place]: float(got[place]) for place in places}
 
 
 def _group(name: str) -> str:

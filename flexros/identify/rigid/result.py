@@ -6,13 +6,15 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from flexros.identify.rigid.excitation import LARGEST_CONDITION
+from flexros.identify.rigid.friction_effects import friction_outside_file
+from flexros.identify.rigid.verdict import LARGEST_ERROR
 from flexros.provenance import versions
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flexros.identify.rigid.fit import RigidFit, TorqueError
-    from flexros.identify.rigid.identified_robot import IdentifiedRobot
+    from flexros.identify.rigid.verdict import Verdict
 
 SCHEMA = 1
 """Version of the record."""
@@ -20,7 +22,7 @@ SCHEMA = 1
 
 def result_record(
     fit: RigidFit,
-    identified: IdentifiedRobot,
+    verdict: Verdict,
     cross_tests: Sequence[TorqueError],
     logs: Mapping[str, Mapping[str, Any]],
 ) -> dict[str, Any]:
@@ -28,15 +30,17 @@ def result_record(
 
     Args:
         fit: The fit.
-        identified: What of it goes into the robot file.
+        verdict: What is made of it.
         cross_tests: Torque errors in other logs.
         logs: Provenance of all logs by name.
 
     Returns:
         The record, to be written as JSON.
     """
+    identified, outside = verdict.identified, friction_outside_file(fit)
     return {
         "schema": SCHEMA,
+        "verdict": {"usable": verdict.usable, "sentence": verdict.sentence, "largest_error_percent": LARGEST_ERROR},
         "robot": fit.robot.name,
         "settings": fit.settings.model_dump(mode="json"),
         "torque": "measured" if fit.measured_torque else "command",
@@ -54,7 +58,12 @@ def result_record(
             ],
             "without_effect_in_any_motion": list(fit.base.without_effect),
         },
-        "force_error_percent": {"fit": _error(fit, fit.error), "cross_tests": [_error(fit, t) for t in cross_tests]},
+        "force_error_percent": {
+            "fit": _error(fit, fit.error),
+            "fit_with_hold": fit.error_with_hold,
+            "robot_file": verdict.file_error,
+            "cross_tests": [_error(fit, t) for t in cross_tests],
+        },
         "identified_values": {
             name: {
                 "value": entry.value,
@@ -65,6 +74,8 @@ def result_record(
         },
         "left_at_nominal": dict(identified.left_out),
         "not_met": dict(identified.not_met),
+        "not_in_robot_file": {"values": dict(outside.values), "effects": list(outside.effects)},
+        "means_in_robot_file": list(outside.means),
         "warnings": list(fit.warnings),
         "provenance": {"versions": versions(), "model_hash": fit.robot.model_hash, "logs": dict(logs)},
     }

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 
 from flexros.identify.rigid.fit import cross_test, fit_rigid
-from flexros.identify.rigid.identified_robot import identified_values
 from flexros.identify.rigid.result import result_record
 from flexros.identify.rigid.settings import RigidSettings
+from flexros.identify.rigid.verdict import judge_fit
 from flexros.robot import load_robot
 
 
@@ -17,11 +17,13 @@ def test_record_of_a_log_in_which_a_motor_rests(fourier_motion, rigid_log) -> No
     motion[:, :, 1] = 0
     log = rigid_log(robot, motion, noise=1e-6)
     fit = fit_rigid(log, robot, RigidSettings(cutoff=25.0), "first")
-    record = result_record(fit, identified_values(fit), [cross_test(fit, log, "second")], {"first": {"seed": 1}})
+    record = result_record(fit, judge_fit(fit), [cross_test(fit, log, "second")], {"first": {"seed": 1}})
     text = json.loads(json.dumps(record, allow_nan=False))
     assert text["force_error_percent"]["cross_tests"][0]["log"] == "second"
     assert text["excitation"]["motors_that_stood_still"] == ["motor_2"]
     assert not text["excitation"]["rich_enough"]
+    assert text["verdict"]["usable"]
+    assert text["force_error_percent"]["robot_file"] < 1
     rows = {row["name"]: row for row in text["parameters"]}
     assert rows["motor_2.inertia"]["std"] is None
     assert not rows["motor_2.inertia"]["estimated"]

@@ -1,0 +1,74 @@
+"""Whether a rigid fit is good for a robot file, in one sentence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flexros.identify.rigid.identified_robot import IdentifiedRobot, identified_values
+
+if TYPE_CHECKING:
+    from flexros.identify.rigid.fit import RigidFit
+
+LARGEST_ERROR = 20.0
+"""Share of the torque [%] that may be left unexplained; from more no robot file is made (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What is to be made of a fit.
+
+    Attributes:
+        usable: Whether the fit explains the torque well enough and a possible robot does so, too.
+        sentence: It in words.
+        identified: The possible robot; without values when the fit itself is not usable.
+        file_error: Share of the torque that the values in the robot file leave unexplained [%]; None without a search.
+    """
+
+    usable: bool
+    sentence: str
+    identified: IdentifiedRobot
+    file_error: float | None
+
+
+def judge_fit(fit: RigidFit) -> Verdict:
+    """Judge a fit by the torque that it leaves unexplained, and look for a possible robot if it is good enough.
+
+    Args:
+        fit: The fit.
+
+    Returns:
+        The verdict. The search for a possible robot takes no more rounds than the robot has bodies and motors, as each
+        leaves another one of them at its nominal values.
+    """
+    if fit.error.total > LARGEST_ERROR:
+        return Verdict(
+            False,
+            f"the rigid model leaves {fit.error.total:.3g} % of the torque unexplained, more than {LARGEST_ERROR:g} %: "
+            f"{_reason(fit)}",
+            IdentifiedRobot({}, {}, {}, fit.base.nominal),
+            None,
+        )
+    identified = identified_values(fit)
+    error = fit.force_error(identified.base_values)
+    if error > LARGEST_ERROR:
+        return Verdict(
+            False,
+            f"the rigid model leaves {fit.error.total:.3g} % of the torque unexplained, but with values that no "
+            f"possible robot has (the nearest one leaves {error:.3g} %, more than {LARGEST_ERROR:g} %): {_reason(fit)}",
+            identified,
+            error,
+        )
+    sentence = f"the rigid model leaves {fit.error.total:.3g} % of the torque unexplained"
+    if identified.not_met:
+        sentence += f", the robot file {error:.3g} %, since not all identified values are possible"
+    return Verdict(True, sentence, identified, error)
+
+
+def _reason(fit: RigidFit) -> str:
+    """Say what most likely is amiss and what to do."""
+    if fit.error_with_hold is not None and fit.error_with_hold < min(LARGEST_ERROR, fit.error.total):
+        return f"with delay and hold of the command it would be {fit.error_with_hold:.3g} %; give --hold"
+    if fit.robot.n_coordinates > fit.robot.n_motors:
+        return "the motion excites the flexibilities or shows too little; record slow moves"
+    return "the model lacks something that acts in the log; check robot and units, and record moves without contact"

@@ -1,0 +1,58 @@
+"""The verdict on a fit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.identify.rigid.fit import fit_rigid
+from flexros.identify.rigid.settings import RigidSettings
+from flexros.identify.rigid.verdict import judge_fit
+
+SLOW = RigidSettings(cutoff=25.0)
+
+
+def test_good_fit_gets_a_robot(elbow, fourier_motion, rigid_log) -> None:
+    verdict = judge_fit(fit_rigid(rigid_log(elbow, fourier_motion(8000, 1e-3, 2), noise=1e-6), elbow, SLOW))
+    assert verdict.usable
+    assert verdict.sentence.endswith("% of the torque unexplained")
+    assert verdict.identified.values
+    assert verdict.file_error is not None
+    assert verdict.file_error < 0.1
+
+
+@pytest.mark.parametrize(
+    ("robot", "advice"),
+    [("elbow", "the motion excites the flexibilities or shows too little; record slow moves"), ("emps", "check robot")],
+)
+def test_torque_that_the_model_does_not_explain(request, fourier_motion, rigid_log, robot: str, advice: str) -> None:
+    machine = request.getfixturevalue(robot)
+    log = rigid_log(machine, fourier_motion(8000, 1e-3, machine.n_motors))
+    torque = log.joint_commands.effort
+    time = np.arange(8000)[:, None] * 1e-3
+    torque += 0.6 * np.std(torque, axis=0) * np.sin(2 * np.pi * 9 * time)
+    verdict = judge_fit(fit_rigid(log, machine, SLOW))
+    assert not verdict.usable
+    assert "% of the torque unexplained, more than 20 %: " in verdict.sentence
+    assert advice in verdict.sentence
+    assert not verdict.identified.values
+    assert verdict.file_error is None
+
+
+def test_hold_is_advised_where_it_helps(elbow, fourier_motion, rigid_log) -> None:
+    fit = fit_rigid(rigid_log(elbow, fourier_motion(8000, 1e-3, 2)), elbow, SLOW)
+    poor = replace(fit, error=replace(fit.error, total=30.0), error_with_hold=5.0)
+    assert judge_fit(poor).sentence.endswith("with delay and hold of the command it would be 5 %; give --hold")
+
+
+def test_values_that_no_robot_can_have(emps, fourier_motion, rigid_log) -> None:
+    fit = fit_rigid(rigid_log(emps, fourier_motion(8000, 1e-3, 1)), emps, SLOW)
+    values = fit.values.copy()
+    values[fit.base.names.index("body_1.mass")] = -500.0
+    verdict = judge_fit(replace(fit, values=values))
+    assert "body_1" in verdict.identified.left_out
+    assert list(verdict.identified.not_met) == ["body_1.mass"]
+    assert verdict.usable  # the nominal mass explains the torque just as well
+    assert verdict.sentence.endswith("%, since not all identified values are possible")
