@@ -72,7 +72,7 @@ class AlignedLog:
             raise InputError(
                 f"the commands of the log end at {self.last_command * self.sample_time:.4f} s, {what} lasts until "
                 f"{(stop - 1) * self.sample_time:.4f} s, so the torque that acted is not known; record joint_commands "
-                "to the end, or set partial to use what is complete"
+                "to the end, or use what is complete (--set partial=true)"
             )
         begin = int(np.searchsorted(self.numbers, first))
         return slice(begin, begin + stop - first)
@@ -97,7 +97,7 @@ def align(log: Log, plan: ExperimentPlan, start_stamp: int | None = None) -> Ali
     """
     warnings: list[str] = []
     states = log.joint_states
-    position = _required(states.position, "joint_states.position")
+    position = _required(states.position, "joint_states.position", states)
     torques, torque = _torque(log, warnings)
     check_equal_rates(states.stamp, torques.stamp)
     order = _motor_order(states.names, plan.n_motors)
@@ -124,21 +124,30 @@ def align(log: Log, plan: ExperimentPlan, start_stamp: int | None = None) -> Ali
     )
 
 
-def _required(values: FloatArray | None, name: str) -> FloatArray:
+def _required(values: FloatArray | None, name: str, series: JointSeries) -> FloatArray:
+    """Return values that are there and finite; refuses others with joint and time."""
     if values is None:
         raise InputError(f"the log has no {name}, without which there is no frequency response; record it")
     if not np.all(np.isfinite(values)):
-        raise InputError(f"{name} of the log holds values that are not finite; cut the log before them")
+        row, joint = (int(place) for place in np.argwhere(~np.isfinite(values))[0])
+        seconds = (int(series.stamp[row]) - int(series.stamp[0])) * 1e-9
+        raise InputError(
+            f"{name} of {series.names[joint]} is {values[row, joint]} at {seconds:.4f} s of the log "
+            f"({np.sum(~np.isfinite(values))} values are not finite); cut the log before it, or record it again"
+        )
     return values
 
 
 def _torque(log: Log, warnings: list[str]) -> tuple[JointSeries, FloatArray]:
     """Take the command, else the measured torque."""
     if log.joint_commands is not None and log.joint_commands.effort is not None:
-        return log.joint_commands, _required(log.joint_commands.effort, "joint_commands.effort")
+        return log.joint_commands, _required(log.joint_commands.effort, "joint_commands.effort", log.joint_commands)
     if log.joint_states.effort is not None:
         warnings.append("the log has no joint_commands; the measured torque of joint_states is taken as the input")
-    return log.joint_states, _required(log.joint_states.effort, "joint_commands.effort (nor joint_states.effort)")
+    name = (
+        "joint_commands.effort (nor joint_states.effort)" if log.joint_states.effort is None else "joint_states.effort"
+    )
+    return log.joint_states, _required(log.joint_states.effort, name, log.joint_states)
 
 
 def _motor_order(names: tuple[str, ...], n_motors: int) -> list[int]:

@@ -11,6 +11,8 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.identify.frf.aligned_log import align
 from flexros.identify.frf.experiments import Experiments
+from flexros.identify.frf.planned_positions import check_positions
+from flexros.identify.frf.record_checks import model_warnings
 from flexros.identify.frf.response_of import frequency_response_of
 from flexros.identify.frf.settings import FrfSettings
 from flexros.robot.quantity import unit_of
@@ -40,7 +42,7 @@ def estimate_responses(
         log: The log.
         plan: The plan of its experiment, e.g. from `plan_of_log`.
         settings: How.
-        robot: The nominal robot: its torque limits and the order of its joints are then checked too.
+        robot: The nominal robot: torque limits, and order, signs, level and delay of the joints, are then checked too.
         start_stamp: Stamp of the plan's sample 0 [ns]; default: 1 s for logs of FlexROS, else the first measurement.
         progress: Called with positions done and their number.
 
@@ -53,6 +55,7 @@ def estimate_responses(
     chosen = FrfSettings() if settings is None else settings
     aligned = align(log, plan, start_stamp)
     segments, warnings = _complete(plan, aligned, _stopped_at(log), chosen.partial)
+    check_positions(aligned, plan, segments, robot)
     visited = sorted({segment.position for segment in segments})
     responses = []
     for done, position in enumerate(visited):
@@ -62,7 +65,8 @@ def estimate_responses(
         responses.append(replace(response, warnings=(*aligned.warnings, *warnings, *response.warnings)))
         if progress is not None:
             progress(done + 1, len(visited))
-    return tuple(responses)
+    told = tuple(model_warnings(responses, robot))
+    return tuple(replace(response, warnings=response.warnings + told) for response in responses)
 
 
 def experiments_of(
@@ -150,8 +154,8 @@ def _check_not_stopped(plan: ExperimentPlan, stopped_at: int | None) -> None:
         return
     raise InputError(
         f"the experiment of the log was stopped at {stopped_at * plan.sample_time:.3f} s, when {complete} of "
-        f"{len(plan.segments)} experiments were complete, and what follows is not as planned; set partial to use the "
-        "blocks that are complete (--set partial=true), or run the experiment to its end"
+        f"{len(plan.segments)} experiments were complete, and what follows is not as planned; use the blocks that "
+        "are complete (--set partial=true), or run the experiment to its end"
     )
 
 

@@ -65,11 +65,12 @@ def load_responses(path: Path | str) -> tuple[FrequencyResponse, ...]:
     except (OSError, ValueError, TypeError) as error:
         reason = (getattr(error, "strerror", None) or "no netCDF 3 file").lower()
         raise InputError(
-            f"'{file}' cannot be read as frequency responses ({reason}); give a file of save_responses"
+            f"'{file}' cannot be read as frequency responses ({reason}); give a file written by flexros identify frf"
         ) from error
     if whole.attrs.get("schema") != SCHEMA:
         raise InputError(
-            f"'{file}' has schema {whole.attrs.get('schema')}, allowed is {SCHEMA}; give a file of save_responses"
+            f"'{file}' has schema {whole.attrs.get('schema')}, allowed is {SCHEMA}; give a file written by "
+            "flexros identify frf"
         )
     return tuple(response_of(_with_complex(_single(whole, n))) for n in range(int(whole.attrs["n_responses"])))
 

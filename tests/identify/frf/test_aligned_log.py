@@ -79,7 +79,9 @@ def test_what_acted_before_the_first_and_after_the_last_command_is_not_known(rec
         InputError, match=r"the commands of the log begin at 0\.2500 s, experiment 1 at 0\.2495 s, so the torque that"
     ):
         found.rows(499, n - 800, "experiment 1")
-    with pytest.raises(InputError, match=r"the commands of the log end at .*, experiment 1 lasts until .*set partial"):
+    with pytest.raises(
+        InputError, match=r"the commands of the log end at .*, experiment 1 lasts until .*--set partial=true"
+    ):
         found.rows(500, n - 799, "experiment 1")
 
 
@@ -106,8 +108,10 @@ def test_log_without_torque_or_position_is_refused(recorded: Recorded) -> None:
 
 def test_values_that_are_not_finite_are_refused(recorded: Recorded) -> None:
     position = np.array(recorded.log.joint_states.position)
-    position[5] = np.nan
-    with pytest.raises(InputError, match=r"joint_states\.position of the log holds values that are not finite"):
+    position[5, 1] = np.nan
+    with pytest.raises(
+        InputError, match=r"joint_states\.position of motor_2 is nan at 0\.0025 s of the log \(1 values"
+    ):
         align(replace(recorded.log, joint_states=replace(recorded.log.joint_states, position=position)), recorded.plan)
 
 

@@ -207,7 +207,9 @@ def test_joints_swapped_everywhere_are_named(recorded: Recorded) -> None:
         mine = getattr(log, name)
         series[name] = replace(mine, names=("motor_2", "motor_1"))
     swapped = replace(log, **series)
-    with pytest.raises(InputError, match="swapped joints: motor_1 behaves like motor_2, motor_2 behaves like motor_1"):
+    with pytest.raises(
+        InputError, match="swapped joints: motor_1 stands where motor_2 belongs, motor_2 stands where motor_1"
+    ):
         estimate_responses(swapped, recorded.plan, robot=recorded.robot)
 
 

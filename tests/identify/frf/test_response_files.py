@@ -84,7 +84,10 @@ def test_file_is_plain_netcdf(tmp_path: Path) -> None:
 def test_another_file_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "notes.nc"
     file.write_text("no netCDF")
-    with pytest.raises(InputError, match=r"notes\.nc' cannot be read as frequency responses .*; give a file of save_"):
+    with pytest.raises(
+        InputError,
+        match=r"notes\.nc' cannot be read as frequency responses .*; give a file written by flexros identify frf",
+    ):
         load_responses(file)
 
 
