@@ -39,7 +39,8 @@ class IdentifiedRobot:
             that stands for itself.
         not_met: Base parameters that the file gives another value than was identified, since what was left out is
             missing: that value by name.
-        base_values: Values of all base parameters in the file, shape (r,).
+        base_values: Values of all base parameters in the file, shape (r,); of what a file has no place for, such as
+            Coulomb friction, those that were identified.
     """
 
     values: Mapping[str, IdentifiedValue]
@@ -175,10 +176,12 @@ def _of_group(
 
 
 def _base_values(fit: RigidFit, share: FloatArray) -> FloatArray:
-    """Values of the base parameters in the file, shape (r,)."""
+    """Values of the base parameters in the file, shape (r,); as identified where a file has no place for them."""
     got = fit.base.nominal.copy()
     got[list(fit.excitation.shown)] += _seen(fit) @ _change(fit, share)
-    return got
+    groups = [_group(name) for name in fit.base.names]
+    outside = ["." in group and group not in fit.robot.parameters for group in groups]
+    return np.where(outside, fit.values, got)
 
 
 def _not_met(fit: RigidFit, got: FloatArray) -> dict[str, float]:

@@ -10,7 +10,7 @@ import pytest
 
 from flexros.feedforward.rigid_arm import RigidArm
 from flexros.identify.rigid.fit import fit_rigid
-from flexros.identify.rigid.identified_robot import identified_values, identified_yaml
+from flexros.identify.rigid.identified_robot import _base_values, _not_met, identified_values, identified_yaml
 from flexros.identify.rigid.settings import RigidSettings
 from flexros.robot import load_robot
 from flexros.robot.robot import robot_from_data
@@ -64,6 +64,18 @@ def test_what_cannot_be_is_left_out_and_said(elbow, fourier_motion, rigid_log) -
     assert "-5" in identified.left_out["motor_2.inertia"]
     assert identified.not_met == {"motor_2.inertia": pytest.approx(25.0)}
     assert {"body_2.inertia.yy", "motor_2.viscous_friction"} <= set(identified.values)
+
+
+def test_friction_that_a_file_has_no_place_for_is_never_missed(elbow, fourier_motion, rigid_log) -> None:
+    real = elbow.with_values({"motor_2.inertia": 28.0})
+    log = rigid_log(real, fourier_motion(8000, 1e-3, 2), noise=1e-6, friction=lambda v: 20 * np.sign(v))
+    fit = fit_rigid(log, elbow, SLOW)
+    nothing_changed = np.zeros((len(fit.base.standard), len(fit.excitation.shown)))
+    values = _base_values(fit, nothing_changed)
+    missed = _not_met(fit, values)
+    assert "motor_2.inertia" in missed
+    assert not any(name.endswith(("coulomb_friction", "torque_offset")) for name in missed)
+    assert values[fit.base.names.index("motor_1.coulomb_friction")] == pytest.approx(20, rel=0.01)
 
 
 def test_others_take_over_what_a_body_cannot_have(elbow, fourier_motion, rigid_log, tmp_path: Path) -> None:
