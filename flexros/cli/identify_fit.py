@@ -171,7 +171,7 @@ def print_identification(result: IdentificationResult, out: Path) -> None:
         out: Folder of its files.
     """
     from flexros.identify.report.files import FIGURES, REPORT, ROBOT
-    from flexros.identify.report.verdict import kept_text, verdict
+    from flexros.identify.report.verdict import advice, kept_text, verdict
 
     console.print(parameter_table(result, console.width))
     say(verdict(result))
@@ -179,7 +179,7 @@ def print_identification(result: IdentificationResult, out: Path) -> None:
         say(f"Signs that the model lacks something: {'; '.join(result.bias_signs)}")
     for direction in result.identifiability.directions:
         say(direction.sentence)
-    if told := kept_text(result):
+    for told in filter(None, (advice(result), kept_text(result))):
         say(told)
     for warning in result.warnings:
         say(f"warning: {warning}")

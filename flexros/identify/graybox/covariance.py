@@ -234,4 +234,5 @@ def _explanation(reduced: float, inflation: float, factor: float, correct: bool)
         causes.append(f"by {inflation:.3g}, because the weights come from few blocks")
     if not causes:
         return f"{text}; the parameter covariance is that of the responses alone."
-    return f"{text}; the parameter covariance was multiplied by {factor:.3g}: {', and '.join(causes)}."
+    whole = f" by {factor:.3g}:" if len(causes) > 1 else ""
+    return f"{text}; the parameter covariance was multiplied{whole} {', and '.join(causes)}."

@@ -188,4 +188,4 @@ def _product(exponents: tuple[tuple[str, float], ...]) -> str:
 
 
 def _percent(deviation: float) -> str:
-    return f"{100 * deviation:.2g} %" if deviation < 10 else "more than a factor of 1000"
+    return f"{float(f'{100 * deviation:.2g}'):g} %" if deviation < 10 else "more than a factor of 1000"

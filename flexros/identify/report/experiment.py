@@ -11,6 +11,7 @@ from flexros.analysis.figures_table import number
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import INK, run_colour, stacked
 from flexros.identify.report.base import AbstractIdentificationSection
+from flexros.identify.report.words import counted
 
 if TYPE_CHECKING:
     from flexros.identify.design.experiment_design import ExperimentDesign
@@ -34,9 +35,9 @@ class ExperimentSection(AbstractIdentificationSection):
 
 def _facts(facts: ExperimentFacts) -> str:
     text = (
-        f"{number(facts.robot_time / 60, 3)} minutes of robot time: {facts.positions} positions, {facts.blocks} "
-        f"blocks, {facts.experiments} experiments ({facts.excitation}) with {facts.periods} recorded periods of "
-        f"{number(facts.period)} s each"
+        f"{number(facts.robot_time / 60, 3)} minutes of robot time: {counted(facts.positions, 'position')}, "
+        f"{counted(facts.blocks, 'block')}, {counted(facts.experiments, 'experiment')} ({facts.excitation}) with "
+        f"{counted(facts.periods, 'recorded period')} of {number(facts.period)} s each"
     )
     text += f"; transport: {facts.transport}" if facts.transport else ""
     return f"{text}. Log: {facts.log}." if facts.log else f"{text}."

@@ -11,6 +11,7 @@ from flexros.analysis.figures_table import number, percent
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import stacked
 from flexros.identify.report.base import AbstractIdentificationSection
+from flexros.identify.report.verdict import advice
 
 if TYPE_CHECKING:
     from flexros.identify.report.result import IdentificationResult
@@ -26,7 +27,8 @@ class ResidualSection(AbstractIdentificationSection):
 
     def blocks(self, result: IdentificationResult) -> tuple[Block, ...]:
         """Return the picture and the table."""
-        return (Paragraph(_sentence(result)), _picture(result), _table(result))
+        told = advice(result)
+        return (Paragraph(_sentence(result)), *([Paragraph(told)] if told else []), _picture(result), _table(result))
 
 
 def _sentence(result: IdentificationResult) -> str:

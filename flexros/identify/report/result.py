@@ -15,7 +15,8 @@ from flexros.identify.graybox.residuals import residual_report
 from flexros.identify.report.bias import bias_signs
 from flexros.identify.report.own_warnings import own_warnings
 from flexros.identify.report.scatter import ScatterLimits, scatter_limits
-from flexros.identify.report.verdict import covariance_text, verdict
+from flexros.identify.report.verdict import advice, covariance_text, verdict
+from flexros.identify.report.words import known_ends
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.residuals import ResidualReport
     from flexros.identify.plan import ExperimentPlan
 
+MUCH = 5.0
+"""Misfit in standard deviations, rms, from which noise is not what limits the result (chosen)."""
 SAME_MINIMUM = 1.01
 """Fits whose cost is within this factor of the best one count as the same minimum (chosen)."""
 
@@ -133,6 +136,14 @@ class IdentificationResult:
         """Misfits that chance explains."""
         return scatter_limits(self.problem, self.fit, self.covariance)
 
+    @property
+    def much_missed(self) -> bool:
+        """Whether the model misses the responses by many times their uncertainty, so that noise limits nothing."""
+        if self.covariance.basis == "residuals":
+            return False
+        cost, lines = self.covariance.reduced_cost, self.residuals.chi_square
+        return cost >= max(self.limits.cost, MUCH**2) or lines >= max(self.limits.chi_square, MUCH**2)
+
     @cached_property
     def bias_signs(self) -> tuple[str, ...]:
         """Signs that the model lacks something, so that parameters shift by more than their intervals tell."""
@@ -156,7 +167,10 @@ class IdentificationResult:
         return np.sort(costs[np.isfinite(costs)])
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all figures for JSON; values in SI units, standard deviations relative to the value."""
+        """Return all figures for JSON; values in SI units, standard deviations relative to the value.
+
+        Ends of intervals are None where they say nothing.
+        """
         return {
             "schema": 1,
             "robot": self.problem.robot.name,
@@ -173,6 +187,7 @@ class IdentificationResult:
                 "by_chance": {"reduced_cost": self.limits.cost, "misfit": self.limits.chi_square},
             },
             "bias_signs": list(self.bias_signs),
+            "advice": advice(self),
             "parameters": [self._parameter(place) for place in range(len(self.fit.names))],
             "not_determined": [
                 {"combination": dict(each.exponents), "std": each.standard_deviation, "text": each.sentence}
@@ -199,7 +214,7 @@ class IdentificationResult:
             "nominal": float(self.nominal[place]),
             "value": entry.value,
             "relative_std": float(self.covariance.relative[place]),
-            "interval_95": list(entry.interval),
+            "interval_95": list(known_ends(entry.interval[0], entry.value, entry.interval[1])),
             "verdict": entry.verdict,
             "reason": entry.reason,
             "used": entry.name not in self.kept_nominal,

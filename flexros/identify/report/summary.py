@@ -10,6 +10,7 @@ from flexros.analysis.figures_table import number, percent
 from flexros.analysis.report.base import Block, Paragraph, Tiles
 from flexros.identify.report.base import AbstractIdentificationSection
 from flexros.identify.report.verdict import verdict
+from flexros.identify.report.words import counted
 
 if TYPE_CHECKING:
     from flexros.identify.report.result import IdentificationResult
@@ -55,7 +56,7 @@ def _tiles(result: IdentificationResult) -> tuple[tuple[str, str, str, str], ...
         ),
     ]
     if result.facts is not None:
-        positions = f"{result.facts.positions} positions, {result.facts.experiments} experiments"
+        positions = f"{counted(result.facts.positions, 'position')}, {counted(result.facts.experiments, 'experiment')}"
         tiles.append(("Robot time", number(result.facts.robot_time / 60, 3), "min", positions))
     return tuple(tiles)
 

@@ -36,6 +36,8 @@ class UndeterminedSection(AbstractIdentificationSection):
                 else _all_determined(result)
             )
             return (*directions, Paragraph(text))
+        if result.much_missed:  # what noise allows is not what limits the result
+            return (*directions, _table(found, result))
         return (*directions, _table(found, result), *_better_weights(found), *_hopeless(found))
 
 

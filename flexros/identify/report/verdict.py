@@ -7,47 +7,65 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.analysis.figures_table import number
+from flexros.identify.report.words import counted
 
 if TYPE_CHECKING:
     from flexros.identify.report.result import IdentificationResult
 
 _AS_GOOD = 0.9
 _MISSES = "because the model misses something"
+_PART_OF_ALL, _MOST_OF_IT, _ITS_PART = 0.1, 0.8, 0.2
+"""Inertias of motors are suspect where high frequencies have this part of the cost at least, motors' responses to their
+own torque this part of it, and one motor this part of that (chosen)."""
 _SEVERAL = ("values", "their fitted values", "ones")
 
 
 def verdict(result: IdentificationResult) -> str:
     """Say in a few sentences what was determined and how well the model explains the responses."""
+    if result.much_missed:
+        return f"{_explained(result)}{_shifted(result)} {_judged(result)}."
+    return f"{_judged(result)}. {_explained(result)}{_shifted(result)}"
+
+
+def _judged(result: IdentificationResult) -> str:
+    """Count the parameters by their verdicts."""
     names = result.fit.names
     determined, weak = (len(result.identifiability.names(kind)) for kind in ("determined", "weak"))
     open_ones = result.identifiability.names("not_determined")
-    text = f"{determined} of {len(names)} parameters of {result.problem.robot.name} are determined within 10 %"
-    if result.bias_signs:
-        text += " as far as noise goes"
+    text = f"{determined} of {counted(len(names), 'parameter')} of {result.problem.robot.name} {_are(determined)}"
+    if result.much_missed:
+        text += " told within 10 % by the noise alone, which is not what limits them here"
+    else:
+        text += f" determined within 10 %{' as far as noise goes' if result.bias_signs else ''}"
     if weak:
-        text += f", {weak} {'is' if weak == 1 else 'are'} known less well"
+        text += f", {weak} {_are(weak)} known less well"
     if open_ones:
         shown = ", ".join(open_ones[:3]) + (f" and {len(open_ones) - 3} more" if len(open_ones) > 3 else "")
-        text += f", {len(open_ones)} {'is' if len(open_ones) == 1 else 'are'} not determined ({shown})"
-    return f"{text}. {_explained(result)}{_shifted(result)}"
+        text += f", {len(open_ones)} {_are(len(open_ones))} not determined ({shown})"
+    return text
+
+
+def _are(count: int) -> str:
+    return "is" if count == 1 else "are"
 
 
 def _explained(result: IdentificationResult) -> str:
     """Say how well the model explains what was measured."""
     count = len(result.problem.responses)
-    where = f"the responses in {count} positions" if count > 1 else "the response"
+    its, them = ("its", "it") if count == 1 else ("their", "them")
+    where = "the response" if count == 1 else f"the responses in {count} positions"
     share = result.fit.cost / result.nominal_cost if result.nominal_cost > 0 else 1.0
     gain = f"it leaves {number(100 * share, 2)} % of what the nominal values leave unexplained"
     if share > _AS_GOOD:
-        gain = "the nominal values explain them nearly as well"
+        gain = f"the nominal values explain {them} nearly as well"
     if result.covariance.basis == "residuals":
         return f"The errors of {where} are not known, so the identified model is judged by itself: {gain}."
     reduced = result.covariance.reduced_cost
-    if reduced < result.limits.cost:
+    if reduced < result.limits.cost and not result.much_missed:
         weighed = "With the weights of the fit the" if result.bias_signs else "The"
-        return f"{weighed} identified model explains {where} within their uncertainty; {gain}."
-    times = number(float(np.sqrt(reduced)), 2)
-    return f"The identified model misses {where} by {times} times their uncertainty (rms); {gain}."
+        return f"{weighed} identified model explains {where} within {its} uncertainty; {gain}."
+    times = number(float(np.sqrt(max(reduced, result.residuals.chi_square) if result.much_missed else reduced)), 2)
+    return f"The identified model misses {where} by {times} times {its} uncertainty (rms); {gain}."
 
 
 def _shifted(result: IdentificationResult) -> str:
@@ -60,6 +78,32 @@ def _shifted(result: IdentificationResult) -> str:
     return (
         " The robot does something that the model lacks: parameters shift, dampers most of all, and the intervals do "
         "not cover it."
+    )
+
+
+def advice(result: IdentificationResult) -> str:
+    """Name parameters to free where a large misfit sits in the mass lines of motors; empty where it does not.
+
+    Far above the resonances the response of a motor to its own torque is one over its inertia.
+    """
+    if not result.much_missed:
+        return ""
+    middle = np.median([cell.lowest for cell in result.residuals.cells])
+    high = [cell for cell in result.residuals.cells if cell.lowest >= middle]
+    above = {
+        name: sum(cell.share for cell in high if cell.output == cell.input == name)
+        for name in result.problem.responses[0].output_names
+    }
+    whole, all_high = sum(above.values()), sum(cell.share for cell in high)
+    known = result.problem.robot.parameters
+    names = [f"{name}.inertia" for name, share in above.items() if share >= _ITS_PART * whole]
+    free = [name for name in names if name in known and name not in result.fit.names]
+    if all_high < _PART_OF_ALL or whole < _MOST_OF_IT * all_high or not free:
+        return ""
+    return (
+        f"{number(100 * whole / all_high, 2)} % of the misfit from {number(float(middle), 3)} Hz on is in responses of "
+        "motors to their own torque, where inertias rule: identify them, or masses of the arm, as well by adding "
+        f"{' '.join(f'--unknown {name}' for name in free)} to all names that are to be identified."
     )
 
 

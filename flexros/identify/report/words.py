@@ -18,6 +18,11 @@ _EVEN = 0.1
 """Ends whose distances from the value differ by at most this share are told as one (chosen)."""
 
 
+def counted(count: int, what: str) -> str:
+    """Write a number of things, e.g. "1 position", "3 positions"."""
+    return f"{count} {what}{'s' * (count != 1)}"
+
+
 def value_text(value: float, significant: int = 5) -> str:
     """Write a value of a parameter without exponent where it has at most nine digits before the point.
 
@@ -78,14 +83,31 @@ def interval_text(low: float, value: float, high: float) -> str:
     Returns:
         E.g. "2.1 to 2.4", "above 2.1", "unknown".
     """
-    below, above = not abs(low) * _FAR > abs(value), not abs(high) < abs(value) * _FAR
-    if value > 0 and below and above:
-        return "unknown"
-    if value > 0 and above:
-        return f"above {rounded_text(low, low, high)}"
-    if value > 0 and low > 0 and below:
-        return f"below {rounded_text(high, low, high)}"
+    first, last = known_ends(low, value, high)
+    if first is None:
+        return "unknown" if last is None else f"below {rounded_text(last, low, high)}"
+    if last is None:
+        return f"above {rounded_text(first, low, high)}"
     return f"{rounded_text(low, low, high)} to {rounded_text(high, low, high)}"
+
+
+def known_ends(low: float, value: float, high: float) -> tuple[float | None, float | None]:
+    """Leave out ends of an interval that are farther than a factor of 1000 from the value.
+
+    Args:
+        low: Lower end (SI).
+        value: The value (SI).
+        high: Upper end (SI).
+
+    Returns:
+        Lower and upper end, None where it says nothing; both for a value that is not positive.
+    """
+    if value <= 0:
+        return low, high
+    above = not high < value * _FAR
+    if low <= 0:  # a parameter that may be negative: its lower end says nothing if the upper one does not
+        return (None, None) if above else (low, high)
+    return None if not low * _FAR > value else low, None if above else high
 
 
 def reach_text(low: float, value: float, high: float) -> str:

@@ -107,6 +107,7 @@ def test_only_a_clear_excess_of_the_cost_is_held_against_the_model(
     covariance = parameter_covariance(replace(problem, responses=stated), found)
     assert covariance.reduced_cost == pytest.approx(reduced, rel=0.02)
     assert said in covariance.explanation
+    assert ("multiplied by this, " in covariance.explanation) == (reduced > 1)
 
 
 def test_weights_from_few_degrees_of_freedom_inflate(e12: Robot, e12_names: list[str], noisy_e12: Responses) -> None:

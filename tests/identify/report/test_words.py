@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.identify.report.words import interval_text, reach_text, rounded_text, true_text, value_text
+from flexros.identify.report.words import interval_text, known_ends, reach_text, rounded_text, true_text, value_text
 
 
 @pytest.mark.parametrize(
@@ -61,6 +61,24 @@ def test_values_are_written_to_two_digits_of_their_uncertainty(value: float, hal
 )
 def test_reach_of_an_interval_is_told_in_per_cent(low: float, value: float, high: float, text: str) -> None:
     assert reach_text(low, value, high) == text
+
+
+@pytest.mark.parametrize(
+    ("interval", "ends"),
+    [
+        ((5.8e-155, 1.0, 1.7e156), (None, None)),
+        ((0.5, 1.0, np.inf), (0.5, None)),
+        ((1e-9, 1.0, 2.0), (None, 2.0)),
+        ((-1959.0, 0.5, 1960.0), (None, None)),
+        ((-1.0, 0.5, 2.0), (-1.0, 2.0)),
+        ((-3.0, -1.0, 1.0), (-3.0, 1.0)),
+    ],
+)
+def test_ends_that_say_nothing_are_none(interval: tuple[float, ...], ends: tuple[float | None, ...]) -> None:
+    low, value, high = interval
+    assert known_ends(low, value, high) == ends
+    if ends == (None, None):
+        assert interval_text(low, value, high) == "unknown"
 
 
 def test_true_values_have_the_digits_of_the_identified_ones() -> None:
