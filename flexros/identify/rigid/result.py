@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flexros.identify.rigid.fit import RigidFit, TorqueError
+    from flexros.identify.rigid.identified_robot import IdentifiedRobot
     from flexros.identify.rigid.verdict import Verdict
 
 SCHEMA = 1
@@ -48,36 +49,44 @@ def result_record(
         "rate_hz": fit.rate,
         "rows": fit.error.rows,
         "parameters": _parameters(fit),
-        "excitation": {
-            "rich_enough": fit.rich_enough,
-            "condition_number": fit.condition,
-            "largest_condition_number": LARGEST_CONDITION,
-            "not_excited": [{"name": entry.name, "reason": entry.reason} for entry in fit.excitation.not_excited],
-            "motors_that_stood_still": [
-                name for name, moved in zip(fit.robot.joint_names, fit.moving, strict=True) if not moved
-            ],
-            "without_effect_in_any_motion": list(fit.base.without_effect),
-        },
+        "excitation": _excitation(fit),
         "force_error_percent": {
             "fit": _error(fit, fit.error),
             "fit_with_hold": fit.error_with_hold,
             "robot_file": verdict.file_error,
             "cross_tests": [_error(fit, t) for t in cross_tests],
         },
-        "identified_values": {
-            name: {
-                "value": entry.value,
-                "std": entry.relative * abs(entry.value),
-                "unit": fit.robot.parameters[name].unit,
-            }
-            for name, entry in identified.values.items()
-        },
+        "identified_values": _identified_values(fit, identified),
         "left_at_nominal": dict(identified.left_out),
         "not_met": dict(identified.not_met),
         "not_in_robot_file": {"values": dict(outside.values), "effects": list(outside.effects)},
         "means_in_robot_file": list(outside.means),
         "warnings": list(fit.warnings),
         "provenance": {"versions": versions(), "model_hash": fit.robot.model_hash, "logs": dict(logs)},
+    }
+
+
+def _excitation(fit: RigidFit) -> dict[str, Any]:
+    return {
+        "rich_enough": fit.rich_enough,
+        "condition_number": fit.condition,
+        "largest_condition_number": LARGEST_CONDITION,
+        "not_excited": [{"name": entry.name, "reason": entry.reason} for entry in fit.excitation.not_excited],
+        "motors_that_stood_still": [
+            name for name, moved in zip(fit.robot.joint_names, fit.moving, strict=True) if not moved
+        ],
+        "without_effect_in_any_motion": list(fit.base.without_effect),
+    }
+
+
+def _identified_values(fit: RigidFit, identified: IdentifiedRobot) -> dict[str, Any]:
+    return {
+        name: {
+            "value": entry.value,
+            "std": entry.relative * abs(entry.value),
+            "unit": fit.robot.parameters[name].unit,
+        }
+        for name, entry in identified.values.items()
     }
 
 
