@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexros.config.scenario import load_scenario
 from flexros.identify.rigid.fit import fit_rigid
 from flexros.identify.rigid.friction_effects import friction_outside_file
 from flexros.identify.rigid.settings import RigidSettings
+from flexros.simulate.experiment import Experiment
 
 
 def friction(v: np.ndarray) -> np.ndarray:
@@ -41,3 +43,11 @@ def test_friction_by_direction_is_the_same_effect(emps, fourier_motion, rigid_lo
 def test_no_effect_without_friction(elbow, fourier_motion, rigid_log) -> None:
     log = rigid_log(elbow, fourier_motion(8000, 1e-3, 2), noise=1e-6, friction=lambda v: -5 * np.sign(v))
     assert friction_outside_file(fit_rigid(log, elbow, RigidSettings(cutoff=25.0))).effects == ()
+
+
+def test_effect_is_understood_by_a_scenario(emps, fourier_motion, rigid_log) -> None:
+    log = rigid_log(emps, fourier_motion(8000, 1e-3, 1), noise=1e-6, friction=friction)
+    (effect,) = friction_outside_file(fit_rigid(log, emps, RigidSettings(cutoff=25.0))).effects
+    scenario = load_scenario("two_mass_step").with_values({"plant.effects": [effect]}, "--effect")
+    (law,) = Experiment.prepare(scenario).laws
+    assert law.name == "coulomb_friction@motor_1"
