@@ -86,14 +86,13 @@ def nominal_response(response: FrequencyResponse, robot: Robot) -> ComplexArray:
     Returns:
         Response [rad/s^2/Nm], shape (F, M, M).
     """
-    from flexros.robot.bode import frequency_response
-    from flexros.robot.linearise import linear_model
+    from flexros.identify.graybox.linearised_positions import linearise_positions  # here, because it loads slowly
 
-    state = robot.equilibrium(motor_position=response.motor_position)
-    linear = linear_model(robot, state[: robot.n_arm])
-    M = robot.n_motors
-    position = frequency_response(linear, response.frequency)[:, :M]
-    return np.asarray(-((2 * np.pi * response.frequency[:, None, None]) ** 2) * position)
+    linear = linearise_positions(robot, (), response.motor_position[None])
+    mass, damping, stiffness, places = linear.mass[0], linear.damping[0], linear.stiffness[0], linear.motor_places
+    s = 2j * np.pi * response.frequency[:, None, None]
+    drive = np.broadcast_to(np.eye(len(mass))[:, places], (len(s), len(mass), len(places)))
+    return np.asarray(s**2 * np.linalg.solve(stiffness + s * damping + s**2 * mass, drive)[:, places])
 
 
 def _order_cost(measured: ComplexArray, model: ComplexArray) -> FloatArray:

@@ -76,8 +76,8 @@ def nominal_diagonal(response: FrequencyResponse, robot: Robot) -> NominalDiagon
 def levels(response: FrequencyResponse, nominal: NominalDiagonal) -> FloatArray:
     """Return the measured level of every motor over the nominal one at the lines where motor inertia makes it up.
 
-    Of the springs and dampers that count as honest, those are taken that fit best but for the level. Where too few lines
-    are mass-like, all of them count.
+    Of the springs and dampers that count as honest, those are taken that fit best but for the level. With too few
+    lines that are mass-like, all of them count.
 
     Args:
         response: What was measured.
