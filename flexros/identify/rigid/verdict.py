@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 LARGEST_ERROR = 20.0
 """Share of the torque [%] that may be left unexplained; from more no robot file is made (chosen)."""
 
+_MOST_MISSED = 0.5
+"""Share of the estimated base parameters that no possible robot has; from more no robot file is made (chosen)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
@@ -51,11 +54,13 @@ def judge_fit(fit: RigidFit) -> Verdict:
         )
     identified = identified_values(fit)
     error = fit.force_error(identified.base_values)
-    if error > LARGEST_ERROR:
+    estimated, missed = len(fit.excitation.shown), len(identified.not_met)
+    if error > LARGEST_ERROR or missed > _MOST_MISSED * estimated:
         return Verdict(
             False,
             f"the rigid model leaves {fit.error.total:.3g} % of the torque unexplained, but with values that no "
-            f"possible robot has (the nearest one leaves {error:.3g} %, more than {LARGEST_ERROR:g} %): {_reason(fit)}",
+            f"possible robot has (the nearest one misses {missed} of {estimated} and leaves {error:.3g} %): "
+            f"{_reason(fit)}",
             identified,
             error,
         )

@@ -56,3 +56,14 @@ def test_values_that_no_robot_can_have(emps, fourier_motion, rigid_log) -> None:
     assert list(verdict.identified.not_met) == ["body_1.mass"]
     assert verdict.usable  # the nominal mass explains the torque just as well
     assert verdict.sentence.endswith("%, since not all identified values are possible")
+
+
+def test_values_most_of_which_no_robot_can_have(elbow, fourier_motion, rigid_log) -> None:
+    fit = fit_rigid(rigid_log(elbow, fourier_motion(8000, 1e-3, 2)), elbow, SLOW)
+    names = zip(fit.base.units, fit.base.names, strict=True)
+    inertial = [unit.startswith("kg") or "viscous" in name for unit, name in names]
+    verdict = judge_fit(replace(fit, values=np.where(inertial, -5000.0, fit.values)))
+    assert not verdict.usable
+    assert verdict.file_error is not None
+    assert verdict.file_error < 20  # the nominal robot, which is the real one here
+    assert "with values that no possible robot has (the nearest one misses 9 of 13 and leaves 0.0" in verdict.sentence
