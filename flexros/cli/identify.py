@@ -10,6 +10,8 @@ import typer
 from flexros.cli import identify_axis, identify_rigid, transports
 from flexros.cli.identify_design import (
     POSITIONS,
+    RANGE,
+    UNKNOWN,
     checked_minutes,
     chosen_names,
     design,
@@ -36,6 +38,13 @@ if TYPE_CHECKING:
 LAYOUTS = ("composed", "processes")
 """Layouts of the nodes."""
 
+OUT = "Folder for scenario, log, responses, identified robot and report; one that holds a log already is refused."
+REAL = (
+    "Robot YAML that plays the real one; default: ROBOT itself. It may differ in numbers of the equations of motion; "
+    "other structures, sensors and limits are refused."
+)
+"""Helps of options."""
+
 app = typer.Typer(
     name="identify",
     help="Identify springs, dampers and other parameters of a robot by experiments.",
@@ -46,20 +55,28 @@ app = typer.Typer(
 
 def robot(
     name: str = typer.Argument(help="Robot as it is thought to be: shipped name or YAML.", metavar="ROBOT"),
-    out: Path = typer.Option(..., "--out", help="Folder for scenario, log, responses, identified robot and report."),
+    out: Path = typer.Option(
+        ...,
+        "--out",
+        help=OUT,
+    ),
     positions: int = typer.Option(0, "--positions", help="Number of positions; default: 15, or as many as unknowns."),
     candidates: int = typer.Option(4000, "--candidates", help="Number of positions to choose from."),
-    ranges: list[str] = typer.Option([], "--range", help="Of a gear, e.g. motor_1=-0.5:0.5 (may be repeated)."),
+    ranges: list[str] = typer.Option([], "--range", help=RANGE),
     minutes: float = typer.Option(30.0, "--minutes", help="Robot time up to which transient periods are added."),
     scenario: str = typer.Option("", "--scenario", help="Excitation and controller; default: chosen for the robot."),
-    real: str = typer.Option("", "--real", help="Robot YAML that plays the real one; default: ROBOT itself."),
+    real: str = typer.Option(
+        "",
+        "--real",
+        help=REAL,
+    ),
     effect: list[str] = typer.Option(
         [], "--effect", help="Effect in the plant, NAME@LOCATION:parameter=value,... (may be repeated)."
     ),
     setting: list[str] = typer.Option(
         [], "--set", help="Key of the scenario, e.g. plant.values.body_3.mass=290 or identification.blocks=3."
     ),
-    unknown: list[str] = typer.Option([], "--unknown", help="Parameter to identify (may be repeated)."),
+    unknown: list[str] = typer.Option([], "--unknown", help=UNKNOWN),
     estimator: str = typer.Option("LLS", "--estimator", help="LLS, LLSM (magnitude only) or NLS."),
     weights: str = typer.Option("combined", "--weights", help="Of the last fit: user, optimal or combined."),
     starts: int = typer.Option(20, "--starts", help="Number of starts, the first one at the nominal values."),

@@ -22,20 +22,29 @@ if TYPE_CHECKING:
 
 POSITIONS = 15
 """Positions by default, as in Moberg (2007), Paper A; fewer for robots with fewer unknown parameters."""
+UNKNOWN = (
+    "Parameter to identify (may be repeated); replaces the default: the list of the robot file, else all its springs "
+    "and dampers."
+)
+RANGE = "Of a gear, e.g. motor_1=-0.5:0.5 (may be repeated); default: 1 rad or 0.2 m either side of the home pose."
+"""Helps of options."""
+_SMALLEST = "std: with optimal weights and noise alone; the weights of a fit by default (combined) reach larger ones"
 
 
 def design(
     name: str = typer.Argument(help="Robot: shipped name or YAML.", metavar="ROBOT"),
-    out: Path = typer.Option(..., "--out", help="Scenario of the experiment to write (YAML)."),
+    out: Path = typer.Option(
+        ..., "--out", help="Scenario of the experiment to write (YAML); one that exists is replaced."
+    ),
     positions: int = typer.Option(0, "--positions", help="Number of positions; default: 15, or as many as unknowns."),
     candidates: int = typer.Option(4000, "--candidates", help="Number of positions to choose from."),
-    ranges: list[str] = typer.Option([], "--range", help="Of a gear, e.g. motor_1=-0.5:0.5 (may be repeated)."),
+    ranges: list[str] = typer.Option([], "--range", help=RANGE),
     repeat: bool = typer.Option(False, "--repeat", help="Allow a position to be chosen more than once."),
     distortion: float = typer.Option(0.0, "--distortion", help="Expected nonlinear share of the output, e.g. 0.01."),
     minutes: float = typer.Option(30.0, "--minutes", help="Robot time up to which transient periods are added."),
     scenario: str = typer.Option("", "--scenario", help="Excitation and controller; default: chosen for the robot."),
     setting: list[str] = typer.Option([], "--set", help="Key of the scenario, e.g. identification.blocks=3."),
-    unknown: list[str] = typer.Option([], "--unknown", help="Parameter to identify (may be repeated)."),
+    unknown: list[str] = typer.Option([], "--unknown", help=UNKNOWN),
     seed: int = typer.Option(1, "--seed", help="Seed of candidates and excitation."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
@@ -216,6 +225,8 @@ def design_record(found: ExperimentDesign, factor: float, duration: float) -> di
         "positions": found.positions.tolist(),
         "shares": found.counts.tolist(),
         "candidates": len(found.candidates.gears),
+        "origin": found.origin,
+        "remark": found.remark,
         "refused": dict(found.candidates.refused),
         "duality_gap": found.design.gap,
         "optimal_support": len(found.design.support),
@@ -224,6 +235,7 @@ def design_record(found: ExperimentDesign, factor: float, duration: float) -> di
             "median": float(found.gain.random_efficiency[len(found.gain.random_efficiency) // 2]),
             "best": float(found.gain.random_efficiency[-1]),
         },
+        "relative_std_of": _SMALLEST,
         "relative_std": dict(zip(found.names, found.gain.deviation.tolist(), strict=True)),
         "random_relative_std": dict(zip(found.names, found.gain.random_deviation.tolist(), strict=True)),
         "amplitude_factor": factor,
@@ -233,17 +245,19 @@ def design_record(found: ExperimentDesign, factor: float, duration: float) -> di
 
 def print_design(found: ExperimentDesign, factor: float, duration: float) -> None:
     """Print a design for people."""
-    table = Table(Column("parameter", no_wrap=True), "predicted std [%]", "random positions [%]")
+    table = Table(Column("parameter", no_wrap=True), "smallest std [%]", "random positions [%]", caption=_SMALLEST)
     rows = zip(found.names, found.gain.deviation, found.gain.random_deviation, strict=True)
     for name, deviation, other in rows:
         table.add_row(name, f"{100 * deviation:.3g}", f"{100 * other:.3g}")
     console.print(table)
     record = design_record(found, factor, duration)
     say(
-        f"{len(found.chosen)} of {record['candidates']} positions, {duration / 60:.3g} min: "
+        f"{len(found.chosen)} positions chosen out of {found.origin}; {duration / 60:.3g} min of robot time: "
         f"{100 * record['efficiency']:.3g} % of the best shares (duality gap {record['duality_gap']:.1g}), random ones "
         f"{100 * record['random_efficiency']['median']:.3g} %, at best "
         f"{100 * record['random_efficiency']['best']:.3g} %"
     )
+    if found.remark:
+        say(found.remark)
     if factor < 1:
         say(f"Amplitudes were lowered to {100 * factor:.3g} % of what the template says, because of the torque limits.")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from flexros.cli.identify_design import chosen_names
+from flexros.cli.identify_design import UNKNOWN, chosen_names
 from flexros.cli.identify_table import parameter_table
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError, unknown_name
@@ -28,8 +28,12 @@ BOUND = "Of a value [SI], NAME=LOW:HIGH (may be repeated); default: a factor of 
 def fit(
     responses: Path = typer.Argument(help="File of frequency responses (netCDF), from: flexros identify frf."),
     model: str = typer.Option(..., "--model", help="Robot with its nominal values: shipped name or YAML."),
-    out: Path = typer.Option(..., "--out", help="Folder for identified.yaml, identification.json and report.html."),
-    unknown: list[str] = typer.Option([], "--unknown", help="Parameter to identify (may be repeated)."),
+    out: Path = typer.Option(
+        ...,
+        "--out",
+        help="Folder for identified.yaml, identification.json and report.html; those of an earlier fit are replaced.",
+    ),
+    unknown: list[str] = typer.Option([], "--unknown", help=UNKNOWN),
     estimator: str = typer.Option("LLS", "--estimator", help="LLS, LLSM (magnitude only) or NLS."),
     weights: str = typer.Option("combined", "--weights", help="Of the last fit: user, optimal or combined."),
     starts: int = typer.Option(20, "--starts", help="Number of starts, the first one at the nominal values."),

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 
 def frf(
     log: Path = typer.Argument(help="Log folder (rosbag2) or .mcap file of an identification experiment."),
-    out: Path = typer.Option(..., "--out", help="File of the responses to write (netCDF)."),
+    out: Path = typer.Option(
+        ..., "--out", help="File of the responses to write (netCDF); one that exists is replaced."
+    ),
     scenario: str = typer.Option("", "--scenario", help="Scenario of the experiment; default: from the provenance."),
     setting: list[str] = typer.Option([], "--set", help="Choice of the estimation, e.g. average=arithmetic."),
     namespace: str = typer.Option("", "--namespace", help="Namespace of the topics, when the log holds several."),

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 SETTLED = 9.0
 """Time constants of the loop's slowest motion after which its transient counts as gone, 1e-4 of it left (chosen)."""
+SLOW = "the loop settles too slowly"
+"""Why a candidate is left out, see `_settling`."""
 FEWEST = 0.1
 """Share of the candidates that is kept even where the loop settles more slowly, the fastest ones (chosen)."""
 PRIOR_DEVIATION = np.log(10.0)
@@ -90,6 +92,22 @@ class ExperimentDesign:
         return self.candidates.gears[self.chosen]
 
     @property
+    def origin(self) -> str:
+        """Say what the positions were chosen from, e.g. "400 of 4000 candidates (in the others the loop ...)"."""
+        left, slow = len(self.candidates.gears), self.candidates.refused.get(SLOW, 0)
+        return f"{left} of {left + slow} candidates (in the others {SLOW})" if slow else f"{left} candidates"
+
+    @property
+    def remark(self) -> str:
+        """Say where the choice of positions gains nothing by their number; empty elsewhere."""
+        if len(self.design.support) > 1 or len(self.chosen) == 1:
+            return ""
+        return (
+            "The best experiment has a single position, to which others add nothing of their own: fewer positions with "
+            "more blocks do as well."
+        )
+
+    @property
     def information(self) -> FloatArray:
         """Predicted information of the whole experiment about the logarithms of the parameters, shape (P, P)."""
         return np.asarray(np.tensordot(self.counts.astype(float), self.design.information[self.chosen], axes=1))
@@ -129,7 +147,7 @@ def design_experiment(
 
     found = candidate_positions(robot, settings.candidates, ranges, settings.seed, tell("candidate positions"))
     decays = decays_at(robot, found.motor_positions, law, sample_time, tell("settling of the positions"))
-    found = found.only(_settling(specification, sample_time, decays, settings.positions), "the loop settles too slowly")
+    found = found.only(_settling(specification, sample_time, decays, settings.positions), SLOW)
     conditions = experiment_conditions(specification, robot, sample_time, settings.seed, distortion=settings.distortion)
     one_block = position_information(
         robot,

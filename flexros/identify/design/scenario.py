@@ -161,7 +161,7 @@ def _transient_periods(scenario: Scenario, robot: Robot, design: ExperimentDesig
 def _description(robot: Robot, design: ExperimentDesign) -> str:
     return (
         f"Identification experiment on {robot.name} in {len(design.chosen)} positions, chosen out of "
-        f"{len(design.candidates.gears)} for the {len(design.names)} unknown parameters."
+        f"{design.origin} for the {len(design.names)} unknown parameters."
     )
 
 

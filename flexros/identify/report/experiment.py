@@ -10,6 +10,7 @@ import plotly.graph_objects as go
 from flexros.analysis.figures_table import number
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import INK, run_colour, stacked
+from flexros.identify.design.experiment_design import SLOW
 from flexros.identify.report.base import AbstractIdentificationSection
 from flexros.identify.report.words import counted
 
@@ -45,15 +46,16 @@ def _facts(facts: ExperimentFacts) -> str:
 
 def _gain(design: ExperimentDesign) -> str:
     gain, chosen, support = design.gain, len(design.chosen), len(design.design.support)
-    refused = "; ".join(f"{count} more were refused because {why}" for why, count in design.candidates.refused.items())
+    others = ((why, count) for why, count in design.candidates.refused.items() if why != SLOW)
+    refused = "; ".join(f"{count} more were refused because {why}" for why, count in others)
     return (
-        f"The positions were chosen out of {len(design.candidates.gears)} candidates such that the determinant of the "
+        f"The positions were chosen out of {design.origin}, such that the determinant of the "
         f"information is largest (optimal shares over {support} position{'s' * (support != 1)}, duality gap "
         f"{design.design.gap:.1g}{'; ' * bool(refused)}{refused}). {chosen} whole positions keep "
         f"{100 * gain.efficiency:.3g} % of the optimum; sets of as many random positions have "
         f"{100 * float(np.median(gain.random_efficiency)):.3g} % in the median and "
         f"{100 * float(gain.random_efficiency[-1]):.3g} % at best, so they would need "
-        f"{number(gain.experiments_saved, 2)} times the experiments."
+        f"{number(gain.experiments_saved, 2)} times the experiments.{' ' * bool(design.remark)}{design.remark}"
     )
 
 

@@ -17,6 +17,8 @@ _MISSES = "because the model misses something"
 _PART_OF_ALL, _MOST_OF_IT, _ITS_PART = 0.1, 0.8, 0.2
 """Inertias of motors are suspect where high frequencies have this part of the cost at least, motors' responses to their
 own torque this part of it, and one motor this part of that (chosen)."""
+_SURE = 2
+"""Starts that must end in the same minimum for a large misfit to be the model's (chosen)."""
 _SEVERAL = ("values", "their fitted values", "ones")
 
 
@@ -75,6 +77,12 @@ def _shifted(result: IdentificationResult) -> str:
         return f" The fit {how}, so the misfit tells nothing about the robot."
     if not result.bias_signs:
         return ""
+    if result.much_missed and len(result.start_costs) > 0 and result.same_minimum < _SURE:
+        return (
+            f" Of {counted(len(result.start_costs), 'start')} {result.same_minimum} ended here, so either the search "
+            "missed the best values, and more starts (--starts) find them, or the robot does something that the model "
+            "lacks."
+        )
     return (
         " The robot does something that the model lacks: parameters shift, dampers most of all, and the intervals do "
         "not cover it."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from flexros.config.scenario import load_scenario
 from flexros.errors import InputError
-from flexros.identify.design.experiment_design import DesignSettings, ExperimentDesign, design_experiment
+from flexros.identify.design.experiment_design import SLOW, DesignSettings, ExperimentDesign, design_experiment
 from flexros.identify.design.scenario import designed_scenario, scenario_yaml, template_scenario, unknown_names
 from flexros.identify.plan import plan_of_scenario
 from flexros.robot import load_robot
@@ -59,6 +60,25 @@ def test_positions_enter_the_scenario() -> None:
     assert factor == 1.0
 
 
+def test_description_says_what_the_positions_were_chosen_from() -> None:
+    design = designed()
+    some = replace(design, candidates=replace(design.candidates, refused={SLOW: 100, "the rest is not stable": 4}))
+    left = len(design.candidates.gears)
+    scenario, _ = designed_scenario(template_scenario(E12, "e12"), E12, some)
+    told = f"{left} of {left + 100} candidates (in the others the loop settles too slowly) for the 6 unknown parameters"
+    assert told in scenario.description
+    all_of_them = replace(design, candidates=replace(design.candidates, refused={}))
+    assert all_of_them.origin == f"{left} candidates"
+
+
+def test_single_best_position_is_remarked() -> None:
+    design = designed()
+    many = replace(design, design=replace(design.design, support=np.array([0, 1])))
+    assert many.remark == ""
+    alone = replace(design, design=replace(design.design, support=np.array([0])))
+    assert alone.remark.startswith("The best experiment has a single position")
+
+
 def test_repeated_positions_have_more_blocks() -> None:
     design = designed(most=None)
     scenario, _ = designed_scenario(template_scenario(E12, "e12"), E12, design)
@@ -68,6 +88,7 @@ def test_repeated_positions_have_more_blocks() -> None:
 
 def test_transient_periods_grow_with_the_time_that_is_left() -> None:
     template, design = template_scenario(E12, "e12"), designed()
+    template = template.with_values({"identification.transient_periods": 2})
     assert template.identification is not None
     own = template.identification.transient_periods
     periods = []

@@ -35,6 +35,13 @@ def test_large_misfit_comes_first(clear: IdentificationResult) -> None:
     assert verdict(missed(clear, 4.0)).startswith("6 of 6 parameters of e12 are determined within 10 % as far as noise")
 
 
+def test_misfit_of_a_minimum_found_once_may_be_that_of_the_search(clear: IdentificationResult) -> None:
+    best, other = clear.fit, replace(clear.fit, cost=2 * clear.fit.cost)
+    once, twice = (replace(missed(clear, 400.0), searched=each) for each in ((best, other, other), (best, best)))
+    assert "Of 3 starts 1 ended here, so either the search missed the best values, and more starts" in verdict(once)
+    assert "parameters shift" in verdict(twice)
+
+
 def test_misfit_of_lines_counts_too(clear: IdentificationResult) -> None:
     lines = replace(clear, residuals=replace(clear.residuals, chi_square=900.0))
     assert verdict(lines).startswith("The identified model misses the responses in 3 positions by 30 times")
