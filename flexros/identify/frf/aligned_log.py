@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 MOST_HELD = 0.01
 """Largest share of samples without a command of their own, whose torque is the one before (chosen)."""
 
+LONGEST_HELD = 5
+"""Most samples in a row without a command within a record: a longer hole is a loss of the recorder, not a command that
+the robot held, and spoils every line (chosen)."""
+
 _NUMBERED = re.compile(r"motor_(\d+)")
 
 
@@ -36,8 +40,7 @@ class AlignedLog:
         reference: Position reference (speed reference where there is no other), shape (n, M); None where it is missing.
         sample_time: T_s [s].
         warnings: What was found, one sentence each.
-        first_command: Number of the sample of the first command; what acted before it is not known.
-        last_command: Number of the sample of the last command; what acted after its sample is not known.
+        commands: Numbers of the samples that have a command of their own, increasing, shape (n_c,).
     """
 
     names: tuple[str, ...]
@@ -47,8 +50,17 @@ class AlignedLog:
     reference: FloatArray | None
     sample_time: float
     warnings: tuple[str, ...]
-    first_command: int
-    last_command: int
+    commands: IntArray
+
+    @property
+    def first_command(self) -> int:
+        """Number of the sample of the first command; what acted before it is not known."""
+        return int(self.commands[0])
+
+    @property
+    def last_command(self) -> int:
+        """Number of the sample of the last command; what acted after its sample is not known."""
+        return int(self.commands[-1])
 
     def rows(self, first: int, stop: int, what: str) -> slice:
         """Return the rows of samples first ... stop - 1, all of which must be there.
@@ -74,8 +86,21 @@ class AlignedLog:
                 f"{(stop - 1) * self.sample_time:.4f} s, so the torque that acted is not known; record joint_commands "
                 "to the end, or use what is complete (--set partial=true)"
             )
+        self._check_no_hole(first, stop, what)
         begin = int(np.searchsorted(self.numbers, first))
         return slice(begin, begin + stop - first)
+
+    def _check_no_hole(self, first: int, stop: int, what: str) -> None:
+        """Refuse samples among which many commands in a row are missing."""
+        held = np.diff(self.commands) - 1
+        before = self.commands[:-1]
+        holes = np.flatnonzero((held > LONGEST_HELD) & (before + held >= first) & (before + 1 < stop))
+        if holes.size:
+            hole = holes[0]
+            raise InputError(
+                f"{held[hole]} commands in a row are missing at {(before[hole] + 1) * self.sample_time:.4f} s within "
+                f"{what}, allowed are {LONGEST_HELD}; record joint_commands without losses"
+            )
 
 
 def align(log: Log, plan: ExperimentPlan, start_stamp: int | None = None) -> AlignedLog:
@@ -119,8 +144,7 @@ def align(log: Log, plan: ExperimentPlan, start_stamp: int | None = None) -> Ali
         reference=_reference(log, names, numbers, start_stamp, plan.sample_time, warnings),
         sample_time=plan.sample_time,
         warnings=tuple(warnings),
-        first_command=int(given[0]),
-        last_command=int(given[-1]),
+        commands=given,
     )
 
 

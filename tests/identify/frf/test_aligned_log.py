@@ -59,6 +59,17 @@ def test_missing_command_was_held(recorded: Recorded) -> None:
     assert found.warnings == ("1 measurements have no command with the same stamp; the command before was held",)
 
 
+def test_hole_in_the_commands_of_a_record_is_refused(recorded: Recorded) -> None:
+    """Six commands in a row; the same hole in a move between records does no harm."""
+    log, segment = recorded.log, recorded.plan.segments[0]
+    assert log.joint_commands is not None
+    keep = np.delete(np.arange(recorded.plan.n_samples), np.arange(segment.first + 20, segment.first + 26))
+    found = align(replace(log, joint_commands=rows(log.joint_commands, keep)), recorded.plan)
+    with pytest.raises(InputError, match="6 commands in a row are missing at .* s within a period, allowed are 5"):
+        found.rows(segment.first, segment.first + segment.period, "a period")
+    found.rows(0, segment.first, "the way there")
+
+
 def test_many_missing_commands_are_refused(recorded: Recorded) -> None:
     log = recorded.log
     assert log.joint_commands is not None
