@@ -6,6 +6,7 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, ClassVar
 
+from flexros.analysis.figures_table import number
 from flexros.campaigns.base import AbstractCampaign, CampaignResult
 from flexros.provenance import versions
 
@@ -56,7 +57,7 @@ class PathErrors(AbstractCampaign):
 def _summary(found: Improvement) -> tuple[str, ...]:
     return tuple(
         f"{one.motion}: largest path error {1e3 * one.nominal:.3g} mm with the nominal model, "
-        f"{1e3 * one.identified:.3g} mm with the identified one ({one.factor:.3g} times smaller), "
+        f"{1e3 * one.identified:.3g} mm with the identified one ({number(one.factor, 3)} times smaller), "
         f"{1e3 * one.true:.3g} mm with the true one."
         for one in found.paths
     )
@@ -65,7 +66,7 @@ def _summary(found: Improvement) -> tuple[str, ...]:
 def _page(found: Improvement, used: dict[str, str]) -> str:
     paths = [
         f"| {one.motion} | {one.method} | {1e3 * one.nominal:.3g} | {1e3 * one.identified:.3g} | {1e3 * one.true:.3g} "
-        f"| {one.factor:.3g} |"
+        f"| {number(one.factor, 3)} |"
         for one in found.paths
     ]
     values = [
