@@ -9,7 +9,7 @@ import typer
 
 from flexros.cli.identify_table import fitting_table
 from flexros.cli.output import console, print_json, progress_bar, say
-from flexros.errors import InputError, RunError
+from flexros.errors import InputError
 from flexros.json_text import json_text
 from flexros.whole_file import write_result
 
@@ -73,7 +73,7 @@ def rigid(
         robots = f"; identified robot: {robot_file}" if verdict.usable else ""
         say(f"Result: {out / 'rigid.json'}{robots}")
     if not verdict.usable:
-        raise RunError(f"no robot file was written: {verdict.sentence}")
+        raise InputError(f"no robot file was written: {verdict.sentence}")
 
 
 def _labelled(paths: list[Path]) -> dict[str, Path]:
