@@ -37,6 +37,12 @@ LEAST_SPREAD = 2e-5
 COHERENT = 0.9
 """Smallest share of the response that a pure delay must explain before it is believed (chosen)."""
 
+LARGEST_DEVIATION = 0.5
+"""Relative deviation of a response from which its phase tells nothing (chosen)."""
+
+SAME_LEVEL = 0.5
+"""Distance of the logarithm of a magnitude from the middle one from which its phase is not used (chosen)."""
+
 LEAST_DEVIATION = 0.01
 """Deviation that every phase has beside its noise, because the model is not exact [rad] (chosen)."""
 
@@ -59,11 +65,19 @@ def delays(response: FrequencyResponse, nominal: NominalDiagonal) -> FloatArray:
     found = np.full((2, own.shape[1]), np.nan)
     for motor in range(own.shape[1]):
         fits = []
-        for model, lines in zip(nominal.response[:, :, motor], nominal.mass_like[:, :, motor], strict=True):
+        for model, like in zip(nominal.response[:, :, motor], nominal.mass_like[:, :, motor], strict=True):
+            ratio = own[:, motor] / model
+            lines = like & (deviation[:, motor] < LARGEST_DEVIATION) & _same_level(ratio)
             if lines.sum() >= FEWEST_LINES:
-                fits.append(_delay(response.frequency[lines], (own[:, motor] / model)[lines], deviation[lines, motor]))
+                fits.append(_delay(response.frequency[lines], ratio[lines], deviation[lines, motor]))
         found[:, motor] = _together(np.array([fit for fit in fits if np.isfinite(fit[0])]))
     return found
+
+
+def _same_level(ratio: ComplexArray) -> BoolArray:
+    """Mark the lines where a ratio has the level of most lines: elsewhere a resonance or noise makes up its phase."""
+    level = np.log(np.maximum(abs(ratio), 1e-300))
+    return np.asarray(abs(level - np.median(level)) < SAME_LEVEL)
 
 
 def _together(fits: FloatArray) -> tuple[float, float]:

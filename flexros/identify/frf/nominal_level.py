@@ -76,8 +76,9 @@ def nominal_diagonal(response: FrequencyResponse, robot: Robot) -> NominalDiagon
 def levels(response: FrequencyResponse, nominal: NominalDiagonal) -> FloatArray:
     """Return the measured level of every motor over the nominal one at the lines where motor inertia makes it up.
 
-    Of the springs and dampers that count as honest, those are taken that fit best but for the level. With too few
-    lines that are mass-like, all of them count.
+    Of the springs and dampers that count as honest, those are taken that fit best but for the level. With too few lines
+    that are mass-like, all of them count. A wrong unit shows at all lines: where these tell another level, e.g. because
+    noise drowns the mass-like ones, the one nearer to the nominal robot is taken.
 
     Args:
         response: What was measured.
@@ -95,8 +96,10 @@ def levels(response: FrequencyResponse, nominal: NominalDiagonal) -> FloatArray:
         mine = ratio[scale, lines, motor] if lines.sum() >= FEWEST_LINES else ratio[scale, :, motor]
         found[scale, motor] = np.median(mine)
         scatter[scale, motor] = np.mean(abs(mine - found[scale, motor]))
-    best = np.argmin(scatter, axis=0)
-    return np.asarray(np.exp(found[best, np.arange(found.shape[1])]))
+    best, motors = np.argmin(scatter, axis=0), np.arange(found.shape[1])
+    here, everywhere = found[best, motors], np.median(ratio, axis=1)[best, motors]
+    nearer = np.where(abs(here) < abs(everywhere), here, everywhere)
+    return np.asarray(np.exp(np.where(here * everywhere > 0, nearer, 0.0)))
 
 
 def check_level(factor: FloatArray, names: Sequence[str], robot: Robot, label: str) -> None:

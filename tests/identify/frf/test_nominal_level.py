@@ -7,11 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.config.scenario import load_scenario
 from flexros.errors import InputError
 from flexros.identify.frf.frequency_response import FrequencyResponse
 from flexros.identify.frf.nominal_level import check_level, level_warnings, levels, nominal_diagonal
 from flexros.identify.frf.positions import estimate_responses
+from flexros.identify.plan import plan_of_scenario
 from flexros.robot import Robot, load_robot
+from flexros.simulate.closed_loop import closed_loop
+from flexros.simulate.experiment import Experiment
 from tests.identify.frf.recorded_experiment import Recorded
 from tests.identify.frf.test_joint_pairing import POSES, measured
 
@@ -52,6 +56,17 @@ def test_torque_of_another_unit_is_refused(recorded: Recorded) -> None:
     ):
         estimate_responses(log, recorded.plan, robot=recorded.robot)
     assert estimate_responses(log, recorded.plan)
+
+
+def test_noise_at_the_mass_like_lines_is_no_unit() -> None:
+    robot = load_robot("two_mass")
+    scenario = load_scenario("identify_two_mass")
+    log = closed_loop(Experiment.prepare(scenario))
+    (mine,) = estimate_responses(log, plan_of_scenario(scenario), robot=robot)
+    nominal = nominal_diagonal(mine, robot)
+    drowned = abs(mine.response[-5:, 0, 0] / nominal.response[0, -5:, 0])
+    assert np.min(drowned) > 20.0  # the chirp has died out there
+    assert abs(np.log(levels(mine, nominal)[0])) < np.log(1.1)
 
 
 def test_degrees_and_thousandths_are_named(recorded: Recorded) -> None:
