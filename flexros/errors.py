@@ -16,6 +16,10 @@ INTERNAL_ERROR = 70
 """Exit code of a fault in FlexROS itself, with a traceback (EX_SOFTWARE of sysexits.h)."""
 
 
+_MANY, _NEAR = 20, 5
+"""Names beyond which not all are listed, and how many are then (chosen)."""
+
+
 class FlexrosError(Exception):
     """Base of all errors that FlexROS raises on purpose; `exit_code` is what the command line returns."""
 
@@ -51,7 +55,7 @@ def source_named(source: str) -> Iterator[None]:
 
 
 def unknown_name(kind: str, given: str, allowed: Iterable[str], source: str = "", other: str = "") -> InputError:
-    """Make the error for a name that is not known, offering the nearest and listing all.
+    """Make the error for a name that is not known, offering the nearest and listing all, or of many the nearest.
 
     Args:
         kind: What is named, e.g. "robot".
@@ -67,4 +71,9 @@ def unknown_name(kind: str, given: str, allowed: Iterable[str], source: str = ""
     nearest = get_close_matches(given, names, n=1)
     hint = f"did you mean '{nearest[0]}'? " if nearest else ""
     origin = f" in {source}" if source else ""
-    return InputError(f"unknown {kind} '{given}'{origin}: {hint}allowed are {', '.join(names)}{other and ' ' + other}")
+    if len(names) > _MANY:
+        near = get_close_matches(given, names, n=_NEAR, cutoff=0.0)
+        listed = f"the nearest of {len(names)} are {', '.join(near)}"
+    else:
+        listed = f"allowed are {', '.join(names)}"
+    return InputError(f"unknown {kind} '{given}'{origin}: {hint}{listed}{other and ' ' + other}")

@@ -28,6 +28,7 @@ UNKNOWN = (
 )
 RANGE = "Of a gear, e.g. motor_1=-0.5:0.5 (may be repeated); default: 1 rad or 0.2 m either side of the home pose."
 """Helps of options."""
+_LISTED = "(others are named alike, e.g. body_1.mass, body_2.center_of_mass.x, motor_1.inertia)"
 _SMALLEST = "std: with optimal weights and noise alone; the weights of a fit by default (combined) reach larger ones"
 
 
@@ -108,7 +109,7 @@ def chosen_names(robot: Robot, given: list[str]) -> tuple[str, ...]:
 
     for name in given:
         if name not in robot.parameters:
-            raise unknown_name(f"parameter of robot {robot.name}", name, robot.parameters, "--unknown")
+            raise unknown_name(f"parameter of robot {robot.name}", name, robot.parameters, "--unknown", _LISTED)
     return tuple(dict.fromkeys(given)) or unknown_names(robot)
 
 
