@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +22,7 @@ from flexros.cli.identify_design import (
 )
 from flexros.cli.identify_fit import BOUND, fit, print_identification, search_settings, searched
 from flexros.cli.identify_frf import estimated, frf
-from flexros.cli.output import print_json
+from flexros.cli.output import print_json, say
 from flexros.cli.run import choose_transport
 from flexros.errors import InputError, unknown_name
 
@@ -106,9 +107,12 @@ def robot(
     transport = choose_transport(transport, quiet=as_json)
     make_folder(out)
     wanted = DesignSettings(positions or min(POSITIONS, len(names)), candidates, seed=seed)
+    _stage("designing the experiment")
     found, experiment, factor = designed(
         nominal, names, template, wanted, gear_ranges(nominal, ranges), out / "experiment.yaml", minutes
     )
+    _tell_robot_time(experiment, quiet=as_json)
+    _stage("running the experiment")
     run = _run(experiment, log, transport, layout)
     if run.exit_code:
         typer.echo(f"flexros: {run.message}", err=True)
@@ -118,7 +122,25 @@ def robot(
         print_json({**result.as_dict(), "run": run.as_dict()})
     else:
         print_identification(result, out)
+        if result.facts is not None:
+            say(f"Robot time: {result.facts.robot_time / 60:.3g} min")
     return 0
+
+
+def _stage(what: str) -> None:
+    """Say what begins, where no progress bar shows it."""
+    if not sys.stderr.isatty():
+        typer.echo(f"flexros: {what}", err=True)
+
+
+def _tell_robot_time(experiment: Scenario, quiet: bool) -> None:
+    """Say how long the robot will be at work."""
+    from flexros.identify.plan import plan_of_scenario
+
+    if not quiet and experiment.identification is not None:
+        minutes = plan_of_scenario(experiment).duration / 60
+        positions = len(experiment.identification.positions)
+        say(f"Experiment in {positions} position{'s' * (positions != 1)}: {minutes:.3g} min of robot time")
 
 
 def with_real_robot(template: Scenario, nominal: Robot, real: str) -> Scenario:
@@ -178,7 +200,9 @@ def _identified(
 
     log = read_log(out / "log")
     plan = plan_of_log(log)
+    _stage("estimating frequency responses")
     responses = estimated(log, plan, nominal, out / "frf.nc")
+    _stage(f"fitting from {settings.starts} start{'s' * (settings.starts != 1)}")
     fitted = searched(nominal, responses, names, settings)
     plant = Experiment.prepare(experiment).plant
     lowered = f"Amplitudes were lowered to {100 * factor:.3g} % of the template's because of the torque limits."

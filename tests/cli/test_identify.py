@@ -76,6 +76,22 @@ def test_experiment_stays_within_its_time(done: Done) -> None:
     assert 60 < done.content["experiment"]["robot_time"] <= 80
 
 
+def test_stages_and_robot_time_are_told(flexros: Flexros, tmp_path: Path) -> None:
+    ended = flexros(
+        "identify", "robot", "e12", "--out", str(tmp_path / "one"), "--transport", "direct", "--positions", "1",
+        "--candidates", "10", "--starts", "1", "--minutes", "0", "--set", "identification.transient_periods=1",
+    )  # fmt: skip
+    assert ended.code == 0, ended.err
+    assert [line for line in ended.err.splitlines() if line.startswith("flexros: ")] == [
+        "flexros: designing the experiment", "flexros: running the experiment",
+        "flexros: estimating frequency responses", "flexros: fitting from 1 start",
+    ]  # fmt: skip
+    before, after = ended.out.splitlines()[0], ended.out.splitlines()[-1]
+    minutes = re.fullmatch(r"Experiment in 1 position: ([\d.]+) min of robot time", before)
+    assert minutes
+    assert after == f"Robot time: {minutes[1]} min"
+
+
 def test_log_gives_the_same_responses_again(flexros: Flexros, done: Done, tmp_path: Path) -> None:
     out = tmp_path / "frf.nc"
     ended = flexros("identify", "frf", str(done.folder / "log"), "--out", str(out))
