@@ -11,6 +11,7 @@ from flexros.errors import InputError
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray, IntArray
     from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.identify.frf.period_spectra import PeriodSpectra
     from flexros.robot import Robot
 
 PAIRING_MARGIN = 1.0
@@ -45,6 +46,32 @@ def check_pairing(response: FrequencyResponse, label: str) -> None:
     raise InputError(
         f"{label}: swapped joints: the command of {response.input_names[column]} moves {response.output_names[row]}, "
         "not the joint of its name; correct the joint names of joint_commands or joint_states"
+    )
+
+
+def check_tracking(spectra: PeriodSpectra, names: tuple[str, ...], label: str) -> None:
+    """Refuse positions that follow the reference of another joint, which a controller cannot mean.
+
+    Args:
+        spectra: Spectra of whole periods at the excited lines.
+        names: Names of the outputs, length n_y.
+        label: What the record is called.
+
+    Raises:
+        InputError: Joints follow each other's reference; names them.
+    """
+    if spectra.reference is None or spectra.reference.shape[3] != len(names) or len(names) < 2:
+        return
+    Y, R = spectra.output.mean(axis=1), spectra.reference.mean(axis=1)
+    power = np.sqrt(np.outer(np.sum(abs(Y) ** 2, axis=(0, 1)), np.sum(abs(R) ** 2, axis=(0, 1))))
+    follows = abs(np.einsum("mfi,mfj->ij", Y, np.conj(R))) / np.maximum(power, 1e-300)
+    best = _assignment(-follows)
+    if np.sum(follows[best, np.arange(len(best))]) - np.trace(follows) < PAIRING_MARGIN:
+        return
+    column, row = next((j, int(i)) for j, i in enumerate(best) if i != j)
+    raise InputError(
+        f"{label}: swapped joints: {names[row]} follows the reference of {names[column]}, not its own; correct the "
+        "joint names of joint_states and joint_commands, or those of joint_reference"
     )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.identify.frf.joint_pairing import check_order, check_pairing
+from flexros.identify.frf.joint_pairing import check_order, check_pairing, check_tracking
 from flexros.identify.frf.joint_signs import check_signs
 from flexros.identify.frf.loop_delay import check_delay, delay_warnings, delays, undelayed
 from flexros.identify.frf.nominal_level import check_level, level_warnings, levels, nominal_diagonal
@@ -58,6 +58,7 @@ def check_record(
         warnings = check_reference(experiments)
     else:
         check_periods(experiments, spectra)
+        check_tracking(spectra.at(experiments.excited), experiments.output_names, experiments.label)
         warnings = check_settled(experiments, drift_degree)
     return [*warnings, *check_saturation(experiments, torque_limits), *check_aliasing(experiments)]
 

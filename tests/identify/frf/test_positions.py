@@ -213,6 +213,19 @@ def test_joints_swapped_everywhere_are_named(recorded: Recorded) -> None:
         estimate_responses(swapped, recorded.plan, robot=recorded.robot)
 
 
+def test_joints_that_follow_the_reference_of_another_are_named() -> None:
+    recorded = run(positions=[[0.3, 0.3]], blocks=1)
+    assert estimate_responses(recorded.log, recorded.plan)
+    series = {}
+    for name in ("joint_states", "joint_commands"):
+        mine = getattr(recorded.log, name)
+        series[name] = replace(mine, names=("motor_2", "motor_1"))
+    with pytest.raises(
+        InputError, match="position 1: swapped joints: motor_2 follows the reference of motor_1, not its"
+    ):
+        estimate_responses(replace(recorded.log, **series), recorded.plan)
+
+
 def test_transient_in_the_record_is_warned_of_and_modelled_by_local_polynomials() -> None:
     recorded = run(positions=[[0.0, 0.3]], transient_periods=0)
     periodic = estimate_responses(recorded.log, recorded.plan)
