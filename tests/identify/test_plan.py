@@ -108,7 +108,10 @@ def test_plan_is_found_again_in_the_log(scenario_of: Scenarios, tmp_path: Path) 
     ("provenance", "message"),
     [
         ({}, r"the provenance of the log holds no scenario, .* give the scenario of the experiment"),
-        ({"scenario": {"identification": None}}, r"log is of a scenario without identification, .* give the scenario of the experiment"),
+        (
+            {"scenario": {"identification": None}},
+            r"log is of a scenario without identification, .* give the scenario of the experiment",
+        ),
         ({"scenario": {"identification": {}}}, r"provenance of the log, key scenario: key 'robot' is missing"),
     ],
 )
