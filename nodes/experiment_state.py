@@ -171,8 +171,9 @@ class ExperimentCourse:
             stopped: First sample that may differ from the plan, and last sample of the run; None if it was not stopped.
         """
         at, last = (-1, self._last) if stopped is None else stopped
-        planned = sample if stopped is None else min(sample, at)
-        completed = self.number(planned)
+        completed = self.number(
+            sample if stopped is None else at
+        )  # the robot goes as planned up to there, so it counts
         segment = self._segments[min(completed, len(self._segments) - 1)]
         blocks, experiments = self._sizes[segment.position]
         return ExperimentState(
