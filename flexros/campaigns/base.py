@@ -58,15 +58,15 @@ class CampaignResult:
 class AbstractCampaign(ABC):
     """A long computation that is repeated before a release, and its page of results.
 
-    How to add a campaign: write one file in `flexros/campaigns` with one final subclass. It is then found by its name
-    in `flexros campaign` and `make campaign`. It provides:
+    How to add a campaign: write a folder in `flexros/campaigns` whose `__init__` imports one final subclass. It is then
+    found by its name in `flexros campaign` and `make campaign`. It provides:
 
     1. `name`, a class variable: the name by which the command line chooses it.
     2. `question`, a class variable: what it answers, one sentence.
     3. `run`: computes the result; it keeps finished parts in the folder it is given, so that a campaign that was
        broken off goes on (`flexros.campaigns.parts.finished_parts` does so), and is a function of its request alone.
 
-    The mathematics belongs into the room it is about; the file here only puts it together.
+    Robots, experiments and estimators belong into their own rooms; the folder holds what the question adds to them.
     """
 
     name: ClassVar[str]

@@ -1,1 +1,0 @@
-"""The study of Paper A of Moberg (2007) repeated: six estimators, many starts, a robot that the model does not know."""
