@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import gc
 import json
+import os
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import fields
 from pathlib import Path
@@ -22,6 +25,8 @@ if TYPE_CHECKING:
 
     from flexros_nodes.node_base import FlexrosNode
 
+CHECKOUT = Path(__file__).parents[2]
+
 SAMPLED = ("joint_states", "joint_commands", "joint_reference", "tool_pose", "tool_reference")
 
 
@@ -39,6 +44,24 @@ def differences(first: Log, second: Log) -> list[str]:
             if not same:
                 found.append(f"{topic}.{field.name}")
     return found
+
+
+def started_node(node: str, *parameters: str) -> subprocess.Popen[str]:
+    arguments = [word for parameter in parameters for word in ("-p", parameter)]
+    return subprocess.Popen(
+        [sys.executable, "-m", f"flexros_nodes.{node}", "--ros-args", *arguments],
+        cwd=CHECKOUT,
+        env={**os.environ, "PYTHONPATH": str(CHECKOUT)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+@pytest.fixture
+def start_node() -> Callable[..., subprocess.Popen[str]]:
+    """Give the start of a node as a process of its own, from its name and parameters `name:=value`."""
+    return started_node
 
 
 @pytest.fixture

@@ -2,32 +2,19 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
-import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from flexros.logs.reader import read_log
 
-CHECKOUT = Path(__file__).parents[2]
+StartNode = Callable[..., subprocess.Popen[str]]
 TIMEOUT = 60.0
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
-
-
-def start(node: str, *parameters: str) -> subprocess.Popen[str]:
-    arguments = [word for parameter in parameters for word in ("-p", parameter)]
-    return subprocess.Popen(
-        [sys.executable, "-m", f"flexros_nodes.{node}", "--ros-args", *arguments],
-        cwd=CHECKOUT,
-        env={**os.environ, "PYTHONPATH": str(CHECKOUT)},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
 
 
 @pytest.mark.parametrize(
@@ -37,25 +24,25 @@ def start(node: str, *parameters: str) -> subprocess.Popen[str]:
         ("scenario:=nowhere", "error: unknown scenario 'nowhere'"),
     ],
 )
-def test_bad_parameter_is_one_sentence_and_exit_code_2(parameter: str, sentence: str) -> None:
-    process = start("plant", parameter)
+def test_bad_parameter_is_one_sentence_and_exit_code_2(start_node: StartNode, parameter: str, sentence: str) -> None:
+    process = start_node("plant", parameter)
     _, errors = process.communicate(timeout=TIMEOUT)
     assert process.returncode == 2
     assert errors.splitlines()[-1].startswith(sentence)
     assert "Traceback" not in errors
 
 
-def test_node_whose_parent_is_gone_ends_also_where_the_time_of_ros_stands_still() -> None:
-    process = start("feedforward", "parent_process:=1", "use_sim_time:=true", "autostart:=false")
+def test_node_whose_parent_is_gone_ends_also_where_the_time_of_ros_stands_still(start_node: StartNode) -> None:
+    process = start_node("feedforward", "parent_process:=1", "use_sim_time:=true", "autostart:=false")
     _, errors = process.communicate(timeout=TIMEOUT)
     assert process.returncode == 0, errors
 
 
-def test_four_executables_find_each_other_and_the_plant_ends_the_run(tmp_path: Path) -> None:
+def test_four_executables_find_each_other_and_the_plant_ends_the_run(start_node: StartNode, tmp_path: Path) -> None:
     scenario = "scenario:=circle_dae"
-    plant = start("plant", scenario)
-    others = [start("controller", scenario), start("feedforward", scenario)]
-    recorder = start("recorder", scenario, f"folder:={tmp_path / 'log'}")
+    plant = start_node("plant", scenario)
+    others = [start_node("controller", scenario), start_node("feedforward", scenario)]
+    recorder = start_node("recorder", scenario, f"folder:={tmp_path / 'log'}")
     try:
         _, errors = plant.communicate(timeout=TIMEOUT)
         assert plant.returncode == 0, errors

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -38,7 +36,6 @@ from flexros_nodes.run import run_scenario
 
 Bench = Any  # the class is in conftest
 Differences = Callable[[Log, Log], list[str]]
-CHECKOUT = Path(__file__).parents[2]
 TIMEOUT = 60.0
 
 
@@ -260,27 +257,19 @@ def test_parameters_of_the_node_that_is_left_out_are_bad_input(identification_sc
         run_scenario("circle_dae", None, parameters={"identification": {"lead": 1.0}})
 
 
-def start_process(node: str, *parameters: str) -> subprocess.Popen[str]:
-    arguments = [word for parameter in parameters for word in ("-p", parameter)]
-    return subprocess.Popen(
-        [sys.executable, "-m", f"flexros_nodes.{node}", "--ros-args", *arguments],
-        cwd=CHECKOUT,
-        env={**os.environ, "PYTHONPATH": str(CHECKOUT)},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-
-
 def test_executables_wait_for_the_service_and_run(
-    bench: Bench, tmp_path: Path, identification_scenario: Path, log_differences: Differences
+    bench: Bench,
+    start_node: Callable[..., subprocess.Popen[str]],
+    tmp_path: Path,
+    identification_scenario: Path,
+    log_differences: Differences,
 ) -> None:
     scenario = f"scenario:={identification_scenario}"
-    plant = start_process("plant", scenario)
+    plant = start_node("plant", scenario)
     others = [
-        start_process("controller", scenario),
-        start_process("identification", scenario, "begin_at_once:=false"),
-        start_process("recorder", scenario, f"folder:={tmp_path / 'log'}"),
+        start_node("controller", scenario),
+        start_node("identification", scenario, "begin_at_once:=false"),
+        start_node("recorder", scenario, f"folder:={tmp_path / 'log'}"),
     ]
     user = bench.hold(rclpy.create_node("user", context=bench.context))
     client = user.create_client(Trigger, "identification/start")

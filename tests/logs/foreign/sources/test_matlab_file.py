@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from scipy.io import savemat
@@ -38,7 +39,6 @@ def test_version_7_3_without_h5py(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 def test_version_7_3_with_h5py(tmp_path: Path) -> None:
-    h5py = pytest.importorskip("h5py", reason="h5py is not installed, the refusal is tested above")
     file = tmp_path / "log.mat"
     q = np.arange(8.0).reshape(4, 2)
     with h5py.File(file, "w", userblock_size=512) as content:
