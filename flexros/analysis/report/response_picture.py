@@ -31,13 +31,15 @@ class ModelCurve:
         name: Its name in the legend.
         colour: Colour of its line.
         width: Width of its line [px].
-        responses: Its response in each position, at the measured frequencies, shape (F, n_y, n_u) each.
+        frequency: Frequencies at which it is drawn [Hz], shape (F_m,).
+        responses: Its response in each position, shape (F_m, n_y, n_u) each.
     """
 
     kind: str
     name: str
     colour: str
     width: float
+    frequency: FloatArray
     responses: Sequence[ComplexArray]
 
 
@@ -79,7 +81,7 @@ def response_picture(responses: Sequence[FrequencyResponse], models: Sequence[Mo
     figure.update_yaxes(type="log", exponentformat="power", dtick=2)
     figure.update_yaxes(title_text=_magnitude(first), row=(n_y + 1) // 2, col=1)
     figure.update_xaxes(title_text="frequency [Hz]", row=n_y)
-    _add_menus(figure, responses, drawn, 2 + len(models))
+    _add_menus(figure, responses, drawn, models)
     return figure
 
 
@@ -145,7 +147,7 @@ def _line(
         style = {"mode": "lines", "line": {"color": model.colour, "width": model.width}}
     kind = "measured" if model is None else model.kind
     return go.Scatter(
-        x=frequency,
+        x=frequency if model is None else digits(model.frequency, 5),
         y=values,
         name="measured" if model is None else model.name,
         legendgroup=kind,
@@ -157,9 +159,12 @@ def _line(
 
 
 def _add_menus(
-    figure: go.Figure, responses: Sequence[FrequencyResponse], drawn: list[list[list[float | None]]], sizes: int
+    figure: go.Figure,
+    responses: Sequence[FrequencyResponse],
+    drawn: list[list[list[float | None]]],
+    models: Sequence[ModelCurve],
 ) -> None:
-    """Add the menus; the first `sizes` traces of a panel show magnitudes, the others phases."""
+    """Add the menus; of the traces of a panel band and magnitudes come first, then phases."""
     n_y, n_u = responses[0].response.shape[1:]
     axes = [f"yaxis{place + 1 if place else ''}" for place in range(n_y * n_u)]
     titled = f"{axes[(n_y - 1) // 2 * n_u]}.title.text"
@@ -168,28 +173,31 @@ def _add_menus(
     for axis in axes:
         size |= {f"{axis}.type": "log", f"{axis}.dtick": 2, f"{axis}.autorange": True}
         phase |= {f"{axis}.type": "linear", f"{axis}.dtick": 90, f"{axis}.range": [-190, 190]}
-    sized = [*[True] * sizes, *[False] * (sizes - 1)]
+    n_curves = 1 + len(models)
+    sized = [*[True] * (1 + n_curves), *[False] * n_curves]
     views = [
         {"label": name, "method": "update", "args": [{"visible": visible * len(axes)}, layout]}
         for name, visible, layout in (("magnitude", sized, size), ("phase [°]", [not one for one in sized], phase))
     ]
     menus = [menu(views)]
     if len(drawn) > 1:
-        menus.append(menu(_positions(responses, drawn, len(sized)), width_ahead=130))
+        menus.append(menu(_positions(responses, drawn, models), width_ahead=130))
     figure.update_layout(updatemenus=menus)
 
 
 def _positions(
-    responses: Sequence[FrequencyResponse], drawn: list[list[list[float | None]]], per_panel: int
+    responses: Sequence[FrequencyResponse], drawn: list[list[list[float | None]]], models: Sequence[ModelCurve]
 ) -> list[dict[str, Any]]:
     """Return the entries of the menu of positions; frequencies go with them only where they differ."""
     alike = all(np.array_equal(response.frequency, responses[0].frequency) for response in responses)
+    n_y, n_u = responses[0].response.shape[1:]
+    modelled = [digits(model.frequency, 5) for model in models]
     buttons = []
     for place, response in enumerate(responses):
         changed: dict[str, Any] = {"y": drawn[place]}
         if not alike:
             there = response.frequency.tolist()
-            changed["x"] = [*[there + there[::-1]], *[there] * (per_panel - 1)] * (len(drawn[place]) // per_panel)
+            changed["x"] = [there + there[::-1], *[there, *modelled] * 2] * (n_y * n_u)
         label = position_name(place, response.gears)
         buttons.append({"label": label, "method": "restyle", "args": [changed]})
     return buttons

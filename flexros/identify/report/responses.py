@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.analysis.report.base import Block, Picture
-from flexros.analysis.report.grid import digits
 from flexros.analysis.report.response_picture import ModelCurve, response_picture
 from flexros.identify.graybox.response_noise import response_noise
 from flexros.identify.report.base import AbstractIdentificationSection
@@ -38,14 +37,12 @@ class ResponseSection(AbstractIdentificationSection):
 def _picture(result: IdentificationResult) -> go.Figure:
     """Draw what was measured at its lines, and the models at frequencies of their own."""
     grid = model_frequencies(result.problem.frequency)
+    before, after = (tuple(_modelled(result, values, grid)) for values in (result.nominal, result.fit.values))
     models = (
-        ModelCurve("nominal", "nominal model", BEFORE, 1.2, tuple(_modelled(result, result.nominal, grid))),
-        ModelCurve("identified", "identified model", AFTER, 1.6, tuple(_modelled(result, result.fit.values, grid))),
+        ModelCurve("nominal", "nominal model", BEFORE, 1.2, grid, before),
+        ModelCurve("identified", "identified model", AFTER, 1.6, grid, after),
     )
-    figure = response_picture(result.problem.responses, models)
-    for model in models:
-        figure.update_traces(x=digits(grid, 5), selector={"legendgroup": model.kind})
-    return figure
+    return response_picture(result.problem.responses, models)
 
 
 def model_frequencies(lines: FloatArray) -> FloatArray:

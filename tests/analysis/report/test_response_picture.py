@@ -48,10 +48,21 @@ def test_frequencies_follow_the_menu_of_positions_where_they_differ(response: Fr
     assert len(apart.args[0]["x"]) == len(apart.args[0]["y"]) == 12
 
 
-def test_model_is_drawn_over_the_measurement(response: FrequencyResponse) -> None:
-    model = ModelCurve("mine", "my model", "#000000", 1.5, [2 * response.response])
+def test_model_is_drawn_over_the_measurement_at_frequencies_of_its_own(response: FrequencyResponse) -> None:
+    finer = np.linspace(2.0, 6.0, 5)
+    model = ModelCurve("mine", "my model", "#000000", 1.5, finer, [np.full((5, 2, 2), 2.0 + 0j)])
     figure = response_picture([response], [model])
     line = figure.data[2]
     assert (line.name, line.mode, line.visible) == ("my model", "lines", True)
-    np.testing.assert_allclose(line.y, 2 * abs(response.response[:, 0, 0]), rtol=1e-3)
+    np.testing.assert_allclose(line.x, finer)
+    np.testing.assert_allclose(line.y, 2.0)
     assert figure.layout.updatemenus[0].buttons[0].args[0]["visible"] == [True, True, True, False, False] * 4
+
+
+def test_model_keeps_its_frequencies_where_those_of_positions_differ(response: FrequencyResponse) -> None:
+    finer = np.linspace(2.0, 6.0, 5)
+    model = ModelCurve("mine", "my model", "#000000", 1.5, finer, [np.full((5, 2, 2), 2.0 + 0j)] * 2)
+    other = replace(response, frequency=response.frequency + 1)
+    changed = response_picture([response, other], [model]).layout.updatemenus[1].buttons[1].args[0]
+    assert changed["x"][1:5] == [[2, 4, 6], finer.tolist(), [2, 4, 6], finer.tolist()]
+    assert [len(x) for x in changed["x"]] == [len(y) for y in changed["y"]]
