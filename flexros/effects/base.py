@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import flexros.effects
 from flexros.config.validation import Settings, validate
 from flexros.discovery import members
+from flexros.effects.ranges import Range
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from flexros.robot import Robot
 
 
@@ -41,6 +42,8 @@ class AbstractEffect(Settings, ABC):
 
     name: ClassVar[str]
     stage: ClassVar[Stage]
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({})
+    """Where the parameters that a diagnosis fits may lie; those without a range keep their defaults."""
 
     @abstractmethod
     def locations(self, robot: Robot) -> tuple[str, ...]:

@@ -1,0 +1,31 @@
+"""Where the true value of an effect's parameter may lie: bounds and starts of its search."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Yardstick = Literal["torque", "speed", "angle", "deflection", "relative", "time", "frequency", "order", "phase"]
+"""What the bounds of a range multiply: the largest torque, speed, motor angle or deflection of a gear in the log (of
+the joint in question), or 1 with the unit 1, s, Hz, periods per turn, rad."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """Range of a parameter.
+
+    Attributes:
+        yardstick: What the bounds multiply.
+        low: Smallest size, as a multiple of the yardstick; above zero where the spacing is logarithmic.
+        high: Largest size, as a multiple of the yardstick.
+        starts: Number of starts between them: logarithmic, or where `signed` is set of both signs.
+        signed: Whether the parameter may also be negative (the bounds hold of its magnitude).
+        source: Where the range comes from.
+    """
+
+    yardstick: Yardstick
+    low: float
+    high: float
+    starts: int = 5
+    signed: bool = False
+    source: str = "chosen"

@@ -1,0 +1,90 @@
+"""What a diagnosis takes from a log: motor positions and torques on an even grid, and what else was measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from flexros.arrays import BoolArray, FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ToolRecord:
+    """Positions of the tool, measured.
+
+    Attributes:
+        time: Time of the poses from the first sample of the record on [s], shape (n_t,); any rate.
+        position: Positions in the frame of the tracker [m], shape (n_t, 3).
+    """
+
+    time: FloatArray
+    position: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class GapRecord:
+    """Signals of one log, in the units and on the side of the gear that the robot file uses.
+
+    Attributes:
+        name: Name of the log, for messages.
+        sample_time: Time between two samples [s].
+        position: Motor positions from the encoders [rad or m], shape (n, M).
+        torque: Torques that the motors were given, each from its sample to the next [Nm or N], shape (n, M).
+        valid: Whether a sample was measured; false where messages are missing (held values stand there), shape (n,).
+        reference: Motor positions that were asked for [rad or m], shape (n, M); None where not recorded.
+        tool: What a tool tracker saw; None where there was none.
+        measured_torque: Whether the torques were measured at the motor, so that no delay lies before them.
+        simulated: Whether the log was made by this program's plant, as its provenance says.
+        warnings: What was repaired or is doubtful, a sentence each.
+    """
+
+    name: str
+    sample_time: float
+    position: FloatArray
+    torque: FloatArray
+    valid: BoolArray
+    reference: FloatArray | None = None
+    tool: ToolRecord | None = None
+    measured_torque: bool = False
+    simulated: bool = False
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def n_samples(self) -> int:
+        """Number of samples n."""
+        return len(self.position)
+
+    @property
+    def duration(self) -> float:
+        """Time from the first sample to the last [s]."""
+        return (self.n_samples - 1) * self.sample_time
+
+    def part(self, first: int, end: int) -> GapRecord:
+        """Cut out samples first ... end - 1.
+
+        Args:
+            first: First sample of the part.
+            end: Sample behind its last.
+
+        Returns:
+            The part; its time starts at zero again.
+        """
+        tool = self.tool
+        if tool is not None:
+            begin = first * self.sample_time
+            inside = (tool.time >= begin) & (tool.time <= (end - 1) * self.sample_time)
+            tool = ToolRecord(tool.time[inside] - begin, tool.position[inside])
+        cut = slice(first, end)
+        return GapRecord(
+            name=self.name,
+            sample_time=self.sample_time,
+            position=self.position[cut],
+            torque=self.torque[cut],
+            valid=self.valid[cut],
+            reference=None if self.reference is None else self.reference[cut],
+            tool=tool,
+            measured_torque=self.measured_torque,
+            simulated=self.simulated,
+            warnings=self.warnings,
+        )
