@@ -1,0 +1,151 @@
+"""What a diagnosis found, with the evidence that its report shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.arrays import FloatArray
+    from flexros.effects.base import PlacedEffect
+    from flexros.gap.diagnosis_file import CauseParameter, Diagnosis, GapPlace, Place
+    from flexros.gap.record import GapRecord
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What a predictor with a fixed gain made of a log, sample by sample.
+
+    Attributes:
+        innovations: Measured minus predicted motor positions [rad or m], shape (n, M).
+        sd: Standard deviation of the innovations where nothing is missing in the model [rad or m], shape (M,).
+        states: Filtered states of the model [SI], arm and motor coordinates, then their rates, shape (n, 2 (N + M));
+            None where they were not kept.
+    """
+
+    innovations: FloatArray
+    sd: FloatArray
+    states: FloatArray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """A model of the robot, and what it predicts of both logs.
+
+    Attributes:
+        name: What it is, e.g. "nominal", or "coulomb_friction@motor_1".
+        fit: Of the log that it was fitted to.
+        holdout: Of the log that it has not seen; None where there is none.
+        effects: The effects on the nominal robot, with their fitted numbers.
+    """
+
+    name: str
+    fit: Prediction
+    holdout: Prediction | None = None
+    effects: tuple[PlacedEffect, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """An effect at a place, as it stands in the ranking.
+
+    Attributes:
+        effect: Name of the effect.
+        location: Its place.
+        parameters: Fitted numbers by name.
+        gain: Twice the gain in log-likelihood over the nominal model on the fit log [1].
+        penalty: What its parameters cost, in the units of `gain` [1].
+        probability: That this effect is part of the truth [1].
+        holdout_gain: The gain on the log that it was not fitted to [1]; None where there is none.
+        closed_fraction: Share of the gap that it closes on held-out data [1]; None where not computed.
+        remainder: Share of the excess over the noise floor that it leaves in the fit log [1]; None where not computed.
+        beside: Effects that were in the model together with it, found before.
+        words: Evidence in words, a sentence each: what speaks for it and against it.
+    """
+
+    effect: str
+    location: str
+    parameters: Mapping[str, CauseParameter]
+    gain: float
+    penalty: float
+    probability: float
+    holdout_gain: float | None = None
+    closed_fraction: float | None = None
+    remainder: float | None = None
+    beside: tuple[Place, ...] = ()
+    words: tuple[str, ...] = ()
+
+    @property
+    def score(self) -> float:
+        """Gain less penalty [1]; above zero where the effect is worth its parameters."""
+        return self.gain - self.penalty
+
+
+@dataclass(frozen=True)
+class SignalGap:
+    """How far apart robot and model are in one signal, in units that a user feels.
+
+    Attributes:
+        signal: E.g. "motor_1 position, 0.1 s ahead", or "tool path in closed loop".
+        unit: E.g. "mrad", "mm".
+        before: With the nominal model, rms.
+        after: With the repaired model; None where nothing was repaired.
+        floor: Without any gap; None where not known.
+        rival: With the best explanation that was not chosen; None where there is none.
+    """
+
+    signal: str
+    unit: str
+    before: float
+    after: float | None = None
+    floor: float | None = None
+    rival: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class DiagnosisResult:
+    """What a diagnosis found, and by what.
+
+    Attributes:
+        diagnosis: The answer, as written into diagnosis.json.
+        robot: The nominal robot.
+        record: The log that the effects were fitted to.
+        holdout: The log for the final check; None where none could be set aside.
+        before: The nominal model, with what lies within its tolerance fitted.
+        ranking: All effects that competed, by probability, the first one first.
+        nothing: Probability that no effect is there [1].
+        after: The model with the causes; None where none was found.
+        rival: The best explanation that was not chosen; None where there is none.
+        patch: The effects that repair the model, with their fitted numbers; empty where none was found.
+        covariance_of: Names of fitted numbers, e.g. "coulomb_friction@motor_1.level", in the order of `covariance`.
+        covariance: Covariance of the fitted numbers [SI], shape (p, p); None where none was found.
+        excess: All places that were looked at for a gap, significant or not: per joint and band over the regime "all",
+            and per joint and regime over the whole band.
+        signals: The gap by signal, on held-out data, and in closed loop where reference and controller are known.
+        tolerance: Parameters that were moved within their tolerance, in standard deviations of it [1].
+        cannot_tell: What this log could not tell, a sentence each.
+        settings: Settings of the diagnosis, for the provenance.
+        timings: Time that each stage took [s], by its name.
+    """
+
+    diagnosis: Diagnosis
+    robot: Robot
+    record: GapRecord
+    holdout: GapRecord | None
+    before: Explanation
+    ranking: tuple[Candidate, ...] = ()
+    nothing: float = 0.0
+    after: Explanation | None = None
+    rival: Explanation | None = None
+    patch: tuple[PlacedEffect, ...] = ()
+    covariance_of: tuple[str, ...] = ()
+    covariance: FloatArray | None = None
+    excess: tuple[GapPlace, ...] = ()
+    signals: tuple[SignalGap, ...] = ()
+    tolerance: Mapping[str, float] = field(default_factory=dict)
+    cannot_tell: tuple[str, ...] = ()
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    timings: Mapping[str, float] = field(default_factory=dict)
