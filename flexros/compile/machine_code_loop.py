@@ -39,7 +39,7 @@ class MachineCodeLoop:
         """
         check_lanes(lanes)
         builder = ModuleBuilder()
-        driver = LoopDriver(_add_functions(builder, functions, lanes), sizes, delay, substeps, lanes)
+        driver = LoopDriver(add_functions(builder, functions, lanes), sizes, delay, substeps, lanes)
         builder.add_text(driver.text())
         builder.add_text(packed_entry(MEASURE, 5))
         builder.add_text(packed_entry(ADVANCE, 5))
@@ -72,7 +72,7 @@ class MachineCodeLoop:
         return bound
 
 
-def _add_functions(builder: ModuleBuilder, functions: LoopFunctions, lanes: int) -> LoopSymbols:
+def add_functions(builder: ModuleBuilder, functions: LoopFunctions, lanes: int) -> LoopSymbols:
     def add(name: str, function: ca.Function) -> str:
         return builder.add_function(function, name=name, lanes=lanes)
 

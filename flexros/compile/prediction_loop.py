@@ -1,0 +1,211 @@
+"""A predictor of constant gain around a plant, as one kernel of machine code.
+
+At every sampling instant t_k = k T, with the recorded positions y_k and torques u_k:
+
+    e_k = (y_k - sensor(encoder(x_k))) v_k,   z_k = tool pose of x_k
+    x_k <- x_k + K e_k
+    x_k+1: as in the closed loop of loop.py, under the delayed torque u_k
+
+v_k is 1 where a sample was measured and 0 where not, so that the model runs on alone through gaps. A gain of zero gives
+the free response. All of it for several lanes side by side, each with parameters and, where wanted, torques of its own.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.compile.command_delay import split_delay
+from flexros.compile.ir_text import IrBlock
+from flexros.compile.loop_divergence import stop_when_diverged
+from flexros.compile.loop_driver import ADVANCE, MEASURE, LoopDriver
+from flexros.compile.loop_functions import loop_sizes
+from flexros.compile.machine_code_loop import add_functions
+from flexros.compile.module_builder import ModuleBuilder, check_lanes
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.compile.command_delay import CommandDelay
+    from flexros.compile.loop_functions import LoopFunctions, LoopSizes
+
+PREDICT = "loop.predict"
+JOB_FIELDS = (
+    "samples", "plant", "line", "parameters", "gain", "torque", "torque_shared", "position", "valid",
+    "innovation", "tool_pose", "states", "diverged",
+)  # fmt: skip
+"""Entries of the job of `loop.predict`, 64 bits each: numbers, addresses (0: not wanted), flags."""
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a predictor found; rows of samples behind a divergence are NaN.
+
+    Attributes:
+        innovation: Prediction errors e [rad or m], shape (n, M, lanes).
+        tool_pose: Predicted pose [m and quaternion xyzw], shape (n, 7, lanes); None when not asked for.
+        states: States after the correction, shape (n, n_states, lanes); None when not asked for.
+        final: State before the sample behind the last, shape (n_states, lanes).
+        diverged: First sample whose state is not finite, -1 where there is none, shape (lanes,).
+    """
+
+    innovation: FloatArray
+    tool_pose: FloatArray | None
+    states: FloatArray | None
+    final: FloatArray
+    diverged: IntArray
+
+
+class PredictionLoop:
+    """A predictor ready to run; stateless and thread-safe, runs release the GIL.
+
+    Args:
+        functions: The plant; its controller is not used.
+        sample_time: Time T between two samples [s].
+        delay: From the computing of a command to its acting [s], zero or more.
+        substeps: Runge-Kutta steps per sample (per part of it where the delay splits it).
+        lanes: Predictors side by side: 1, 2, 4, 8, 16.
+    """
+
+    def __init__(
+        self, functions: LoopFunctions, *, sample_time: float, delay: float = 0.0, substeps: int = 1, lanes: int = 1
+    ) -> None:
+        check_lanes(lanes)
+        self.sizes: LoopSizes = loop_sizes(functions)
+        self.lanes = lanes
+        timing: CommandDelay = split_delay(delay, sample_time)
+        self.line_length = timing.line_length
+        builder = ModuleBuilder()
+        driver = LoopDriver(add_functions(builder, functions, lanes), self.sizes, timing, substeps, lanes)
+        builder.add_text(driver.text())
+        builder.add_text(_predict_text(self.sizes, lanes))
+        self._code = builder.build()
+        self._predict = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p)(self._code.address(PREDICT))
+
+    def run(
+        self,
+        start: FloatArray,
+        parameters: FloatArray,
+        gain: FloatArray,
+        torque: FloatArray,
+        position: FloatArray,
+        valid: FloatArray,
+        *,
+        record_pose: bool = False,
+        record_states: bool = False,
+    ) -> Prediction:
+        """Predict all samples.
+
+        Args:
+            start: State before the first sample, shape (n_states,) or (n_states, lanes).
+            parameters: Parameters of the plant, shape (n_parameters, lanes).
+            gain: Gain K, shape (n_states, M).
+            torque: Torques, shape (n, M), or (n, M, lanes) for one record per lane.
+            position: Measured positions [rad or m], shape (n, M).
+            valid: 1 where a sample was measured, 0 where not, shape (n,).
+            record_pose: Whether to record the tool pose.
+            record_states: Whether to record the states.
+
+        Returns:
+            Prediction errors and what else was asked for.
+        """
+        sizes, lanes, n = self.sizes, self.lanes, len(position)
+        plant = np.asarray(start, dtype=float)
+        plant = np.array(np.repeat(plant[:, None], lanes, axis=1) if plant.ndim == 1 else plant, order="C")
+        signal = np.ascontiguousarray(torque, dtype=float)
+        first = signal[0][..., None] if signal.ndim == 2 else signal[0]
+        line = np.array(np.broadcast_to(first, (self.line_length, sizes.motors, lanes)), order="C")
+        job = {
+            "plant": plant,
+            "line": line,
+            "parameters": np.array(parameters, dtype=float, order="C").reshape(sizes.parameters, lanes),
+            "gain": np.array(gain, dtype=float, order="C").reshape(sizes.state, sizes.motors),
+            "torque": signal,
+            "position": np.ascontiguousarray(position, dtype=float),
+            "valid": np.ascontiguousarray(valid, dtype=float),
+            "innovation": np.full((n, sizes.motors, lanes), np.nan),
+            "tool_pose": np.full((n, sizes.pose, lanes), np.nan) if record_pose else None,
+            "states": np.full((n, sizes.state, lanes), np.nan) if record_states else None,
+            "diverged": np.full(lanes, -1, dtype=np.int64),
+        }
+        numbers = {"samples": n, "torque_shared": int(signal.ndim == 2)}
+        entries = [numbers[name] if name in numbers else _address(job[name]) for name in JOB_FIELDS]
+        self._predict(np.array(entries, dtype=np.int64).ctypes.data)
+        return Prediction(job["innovation"], job["tool_pose"], job["states"], plant, job["diverged"])
+
+
+def _address(array: FloatArray | None) -> int:
+    return 0 if array is None else int(array.ctypes.data)
+
+
+def _predict_text(sizes: LoopSizes, lanes: int) -> str:
+    """Write i64 predict(job): returns the number of samples; it ends early when every lane has diverged."""
+    block = IrBlock(lanes)
+    one = block.of_lanes(1)
+    m = sizes.motors
+    job = {name: _entry(block, place) for place, name in enumerate(JOB_FIELDS)}
+    zeros = {name: _zeros(block, count * lanes) for name, count in (("noise", m), ("disturbance", sizes.disturbance))}
+    y, u = (block.value(f"alloca double, i64 {m * lanes}, align 64") for _ in range(2))
+    x, p, line = job["plant"], job["parameters"], job["line"]
+    shared = block.value(f"icmp ne i64 {job['torque_shared']}, 0")
+    width = block.value(f"select i1 {shared}, i64 {m}, i64 {m * lanes}")
+    with block.loop(0, job["samples"]) as k:
+        torque = block.pointer(job["torque"], block.value(f"mul nsw i64 {k.index}, {width}"), "double")
+        with block.when(shared):
+            for motor in range(m):
+                block.store(block.splat(one.load(torque, motor)), u, motor)
+        torque = block.value(f"select i1 {shared}, ptr {u}, ptr {torque}")
+        pose = _wanted_row(block, job["tool_pose"], k.index, sizes.pose * lanes)
+        block.emit(f"call void @{MEASURE}(ptr {x}, ptr {zeros['noise']}, ptr {p}, ptr {y}, ptr {pose})")
+        errors = _correct(block, job, k.index, y, sizes)
+        for motor, error in enumerate(errors):
+            block.store(error, _row(block, job["innovation"], k.index, m * lanes), motor)
+        states = _row(block, job["states"], k.index, sizes.state * lanes)
+        with block.when(block.value(f"icmp ne ptr {job['states']}, null")):
+            size = 8 * sizes.state * lanes
+            block.emit(f"call void @llvm.memcpy.p0.p0.i64(ptr {states}, ptr {x}, i64 {size}, i1 false)")
+        block.emit(
+            f"call void @{ADVANCE}(ptr {x}, ptr {line}, ptr {torque}, ptr {zeros['disturbance']}, ptr {p})"
+        )
+        stop_when_diverged(block, sizes.state, x, job["diverged"], k.index)
+    return f"define i64 @{PREDICT}(ptr %job) nounwind {{\nentry:\n{block.text()}\n  ret i64 {job['samples']}\n}}"
+
+
+def _correct(block: IrBlock, job: dict[str, str], k: str, y: str, sizes: LoopSizes) -> list[str]:
+    """Write the prediction errors of sample k and the correction of the state."""
+    one = block.of_lanes(1)
+    valid = block.splat(one.load(job["valid"], k))
+    measured = block.pointer(job["position"], block.value(f"mul nsw i64 {k}, {sizes.motors}"), "double")
+    errors = [
+        block.mul(valid, block.sub(block.splat(one.load(measured, motor)), block.load(y, motor)))
+        for motor in range(sizes.motors)
+    ]
+    for state in range(sizes.state):
+        value = block.load(job["plant"], state)
+        for motor, error in enumerate(errors):
+            gain = block.splat(one.load(job["gain"], state * sizes.motors + motor))
+            value = block.add(value, block.mul(gain, error))
+        block.store(value, job["plant"], state)
+    return errors
+
+
+def _entry(block: IrBlock, place: int) -> str:
+    number = JOB_FIELDS[place] in ("samples", "torque_shared")
+    return block.value(f"load {'i64' if number else 'ptr'}, ptr {block.pointer('%job', place, 'i64')}, align 8")
+
+
+def _zeros(block: IrBlock, count: int) -> str:
+    address = block.value(f"alloca double, i64 {count}, align 64")
+    block.emit(f"call void @llvm.memset.p0.i64(ptr {address}, i8 0, i64 {8 * count}, i1 false)")
+    return address
+
+
+def _row(block: IrBlock, base: str, k: str, width: int) -> str:
+    return block.pointer(base, block.value(f"mul nsw i64 {k}, {width}"), "double")
+
+
+def _wanted_row(block: IrBlock, base: str, k: str, width: int) -> str:
+    wanted = block.value(f"icmp ne ptr {base}, null")
+    return block.value(f"select i1 {wanted}, ptr {_row(block, base, k, width)}, ptr null")
