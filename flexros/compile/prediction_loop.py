@@ -166,9 +166,7 @@ def _predict_text(sizes: LoopSizes, lanes: int) -> str:
         with block.when(block.value(f"icmp ne ptr {job['states']}, null")):
             size = 8 * sizes.state * lanes
             block.emit(f"call void @llvm.memcpy.p0.p0.i64(ptr {states}, ptr {x}, i64 {size}, i1 false)")
-        block.emit(
-            f"call void @{ADVANCE}(ptr {x}, ptr {line}, ptr {torque}, ptr {zeros['disturbance']}, ptr {p})"
-        )
+        block.emit(f"call void @{ADVANCE}(ptr {x}, ptr {line}, ptr {torque}, ptr {zeros['disturbance']}, ptr {p})")
         stop_when_diverged(block, sizes.state, x, job["diverged"], k.index)
     return f"define i64 @{PREDICT}(ptr %job) nounwind {{\nentry:\n{block.text()}\n  ret i64 {job['samples']}\n}}"
 

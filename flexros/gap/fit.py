@@ -1,0 +1,171 @@
+"""Fitting the numbers of a hypothesis to a log by its prediction errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import islice, product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.gap.predictor import LANES
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros.gap.fit_data import FitData
+    from flexros.gap.predictor import Predictor
+
+STEP = 1e-3
+"""Step of the differences that make the derivatives, in the numbers that the fit moves [1] (chosen)."""
+LONGEST = 1.5
+"""Longest step of one number in one iteration: a factor of 4.5 where it is a logarithm [1] (chosen)."""
+ENOUGH = 0.1
+"""The fit ends when the sum of squares falls by less than this [1] (chosen; the null needs it so fine)."""
+DAMPINGS = 10.0 ** np.arange(-4.0, 4.0)
+MOST_STARTS = 96
+"""Largest number of starts of one hypothesis (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted hypothesis.
+
+    Attributes:
+        predictor: The hypothesis.
+        theta: Numbers at the minimum, shape (n_fitted,).
+        chi2: Sum of the squared weighted prediction errors and of the tolerated deviations in standard deviations.
+        information: J'J + prior at the minimum, shape (n_fitted, n_fitted); empty where not computed.
+        iterations: Iterations taken.
+        converged: Whether the sum of squares fell no more.
+    """
+
+    predictor: Predictor
+    theta: FloatArray
+    chi2: float
+    information: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    iterations: int = 0
+    converged: bool = False
+
+
+def chi2_of(predictor: Predictor, data: FitData, thetas: FloatArray) -> FloatArray:
+    """Evaluate the sum of squares for many sets of numbers.
+
+    Args:
+        predictor: The hypothesis.
+        data: Log and weights.
+        thetas: Numbers, shape (n_fitted, sets).
+
+    Returns:
+        Sums of squares, infinite where the prediction diverges, shape (sets,).
+    """
+    sums = [
+        _sums(predictor, data.residuals(predictor, thetas[:, first : first + LANES]), thetas[:, first : first + LANES])
+        for first in range(0, thetas.shape[1], LANES)
+    ]
+    result: FloatArray = np.concatenate(sums)
+    return result
+
+
+def starts_of(predictor: Predictor, known: FloatArray | None = None) -> FloatArray:
+    """List the starts of a hypothesis: all combinations of those of its numbers.
+
+    Args:
+        predictor: The hypothesis.
+        known: Numbers of its first suspects that are held, and nothing for the others, shape (n_known,).
+
+    Returns:
+        Numbers, shape (n_fitted, starts); tolerated deviations are zero.
+    """
+    held = np.zeros(0) if known is None else known
+    numbers = [[one.encode(value) for value in one.starts] for suspect in predictor.hypothesis for one in suspect.free]
+    grid = np.array(list(islice(product(*numbers[len(held) :]), MOST_STARTS)), dtype=float)
+    grid = grid.reshape(-1, predictor.n_effect - len(held)).T
+    first = np.repeat(held[:, None], grid.shape[1], axis=1)
+    return np.vstack([first, grid, np.zeros((len(predictor.tolerance.names), grid.shape[1]))])
+
+
+def fit(predictor: Predictor, data: FitData, start: FloatArray, iterations: int = 12) -> Fit:
+    """Find the numbers of least squares near a start (Levenberg 1944, Marquardt 1963).
+
+    Derivatives are differences, side by side in the lanes of the predictor; eight dampings are tried at once.
+
+    Args:
+        predictor: The hypothesis.
+        data: Log and weights.
+        start: Numbers to start from, shape (n_fitted,).
+        iterations: Most iterations.
+    """
+    theta, low, high = np.array(start, dtype=float), *predictor.bounds
+    theta = np.clip(theta, low, high)
+    chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
+    for done in range(1, iterations + 1):
+        chi2, gradient, information = linearise(predictor, data, theta)
+        if not np.isfinite(chi2):
+            break
+        trials = np.stack([_trial(theta, gradient, information, damping, low, high) for damping in DAMPINGS], axis=-1)
+        values = chi2_of(predictor, data, trials)
+        best = int(np.argmin(values))
+        fall = chi2 - values[best]
+        if fall > 0:
+            theta, chi2 = trials[:, best], float(values[best])
+        if fall < ENOUGH:
+            converged = True
+            break
+    return Fit(predictor, theta, float(chi2), information, done, converged)
+
+
+def linearise(predictor: Predictor, data: FitData, theta: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    """Evaluate sum of squares, gradient (half) and Gauss-Newton matrix at one set of numbers.
+
+    Args:
+        predictor: The hypothesis.
+        data: Log and weights.
+        theta: Numbers, shape (n_fitted,).
+
+    Returns:
+        Sum of squares, J'r + prior, J'J + prior.
+    """
+    P = len(theta)
+    _, high = predictor.bounds
+    signs = np.where(theta + STEP > high, -1.0, 1.0)
+    base: FloatArray | None = None
+    slopes: list[FloatArray] = []
+    for first in range(0, max(P, 1), LANES - 1):
+        group = range(first, min(first + LANES - 1, P))
+        sets = np.repeat(theta[:, None], len(group) + 1, axis=1)
+        for lane, number in enumerate(group):
+            sets[number, lane + 1] += signs[number] * STEP
+        residual = data.residuals(predictor, sets)
+        base = residual[:, 0] if base is None else base
+        slopes += [signs[number] / STEP * (residual[:, lane + 1] - base) for lane, number in enumerate(group)]
+    assert base is not None
+    J = np.stack(slopes, axis=-1) if slopes else np.zeros((len(base), 0))
+    prior = np.zeros(P)
+    prior[predictor.n_effect :] = 1.0
+    J = np.where(np.isfinite(J), J, 0.0)
+    chi2 = float(_sums(predictor, base[:, None], theta[:, None])[0])
+    return chi2, J.T @ base + prior * theta, J.T @ J + np.diag(prior)
+
+
+def _trial(
+    theta: FloatArray, gradient: FloatArray, information: FloatArray, damping: float, low: FloatArray, high: FloatArray
+) -> FloatArray:
+    """Take one damped step, no number farther than allowed."""
+    scale = np.diag(information) + 1e-12 * max(float(np.max(np.diag(information), initial=0.0)), 1e-300)
+    step = -np.linalg.lstsq(information + damping * np.diag(scale), gradient, rcond=None)[0]
+    longest = float(np.max(np.abs(step), initial=0.0))
+    result: FloatArray = np.clip(theta + step * min(1.0, LONGEST / max(longest, 1e-300)), low, high)
+    return result
+
+
+def _sums(predictor: Predictor, residuals: FloatArray, thetas: FloatArray) -> FloatArray:
+    sums = np.einsum("ij,ij->j", residuals, residuals)[: thetas.shape[1]]
+    sums = sums + np.sum(thetas[predictor.n_effect :] ** 2, axis=0)
+    return np.where(np.isfinite(sums), sums, np.inf)
+
+
+def best_of(fits: Sequence[Fit]) -> Fit:
+    """Return the fit of the smallest sum of squares."""
+    return min(fits, key=lambda one: one.chi2)

@@ -1,0 +1,136 @@
+"""What may be the cause: effects at places, and the numbers of them that are fitted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects import PlacedEffect, effects
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.arrays import FloatArray
+    from flexros.effects import AbstractEffect
+    from flexros.effects.ranges import Range
+    from flexros.gap.yardsticks import Yardsticks
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True)
+class FreeParameter:
+    """A number of an effect that is fitted; positive ones by their logarithm.
+
+    Attributes:
+        name: Name within the effect.
+        low: Smallest size [its unit].
+        high: Largest size [its unit].
+        signed: Whether it may be negative; then it is fitted as it is, in multiples of `high`.
+        starts: Values from which the fit starts [its unit].
+    """
+
+    name: str
+    low: float
+    high: float
+    signed: bool
+    starts: tuple[float, ...]
+
+    def encode(self, value: float) -> float:
+        """Turn a value into the number that the fit moves."""
+        return value / self.high if self.signed else float(np.log(max(value, self.low)))
+
+    def decode(self, number: FloatArray) -> FloatArray:
+        """Turn numbers of the fit into values."""
+        return number * self.high if self.signed else np.exp(number)
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Bounds of the number that the fit moves."""
+        return (-1.0, 1.0) if self.signed else (float(np.log(self.low)), float(np.log(self.high)))
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """An effect at a place whose numbers are unknown.
+
+    Attributes:
+        effect: Class of the effect.
+        location: Its place.
+        free: The numbers that are fitted.
+        fixed: Other numbers of it that are not at their defaults.
+    """
+
+    effect: type[AbstractEffect]
+    location: str
+    free: tuple[FreeParameter, ...]
+    fixed: tuple[tuple[str, float | bool], ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Effect and place, e.g. "coulomb_friction@motor_1"."""
+        return f"{self.effect.name}@{self.location}"
+
+    def placed(self, values: Mapping[str, float]) -> PlacedEffect:
+        """Make the effect with numbers.
+
+        Args:
+            values: Values of the free parameters by name [their units].
+        """
+        return PlacedEffect(self.effect(**{**dict(self.fixed), **values}), self.location)
+
+    def typical(self) -> PlacedEffect:
+        """Make the effect with one of its starts, none of them neutral."""
+        return self.placed({one.name: one.starts[len(one.starts) // 2] for one in self.free})
+
+
+Hypothesis = tuple[Suspect, ...]
+"""Effects that are there together; the empty one is "nothing"."""
+
+
+def name_of(hypothesis: Hypothesis) -> str:
+    """Name a hypothesis by its effects and places."""
+    return " + ".join(suspect.name for suspect in hypothesis) or "nothing"
+
+
+def free_parameter(name: str, allowed: Range, yardstick: float) -> FreeParameter:
+    """Put the range of a parameter into the units of a log.
+
+    Args:
+        name: Name within the effect.
+        allowed: Its range.
+        yardstick: What the bounds of the range multiply.
+    """
+    low, high = allowed.low * yardstick, allowed.high * yardstick
+    if allowed.signed:
+        half = np.geomspace(low, high, max(1, (allowed.starts + 1) // 2) + 1)[:-1]
+        starts = tuple(float(sign * size) for size in half for sign in (1.0, -1.0))
+    else:
+        # the middle of equal parts of the logarithmic range
+        parts = (np.arange(allowed.starts) + 0.5) / allowed.starts
+        starts = tuple(float(x) for x in low * (high / low) ** parts)
+    return FreeParameter(name, low, high, allowed.signed, starts)
+
+
+def suspects(robot: Robot, yardsticks: Yardsticks) -> tuple[Suspect, ...]:
+    """List every effect at every place that a fit can look for.
+
+    Args:
+        robot: The nominal robot.
+        yardsticks: Largest torques, speeds and deflections of the log.
+
+    Returns:
+        Suspects; effects without ranges are left out, as are those found by other means.
+    """
+    found: list[Suspect] = []
+    for effect in effects().values():
+        if not effect.ranges:
+            continue
+        for location in effect().locations(robot):
+            free = tuple(
+                free_parameter(name, allowed, yardsticks.of(allowed.yardstick, location))
+                for name, allowed in effect.ranges.items()
+            )
+            found.append(Suspect(effect, location, free))
+    return tuple(found)
