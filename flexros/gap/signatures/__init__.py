@@ -1,0 +1,1 @@
+"""Evidence for and against effects as curves: one kind of picture per file, found by itself."""

@@ -1,0 +1,152 @@
+"""What a picture of evidence is, which ones belong to an effect, and the curves that they consist of."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+
+import flexros.gap.signatures
+from flexros.discovery import members
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.arrays import FloatArray
+    from flexros.gap.signatures.evidence import Evidence
+
+MOST_POINTS = 2000
+"""Points that a curve has at most [1]; more are not seen on a page (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One curve of a picture.
+
+    Attributes:
+        x: Abscissa [unit of the picture's x_label], shape (k,), at most `MOST_POINTS`.
+        y: Ordinate [unit of the picture's y_label], shape (k,); NaN interrupts the curve.
+        style: How it is drawn.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    style: Literal["line", "points", "bars"] = "line"
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A picture of evidence, as numbers.
+
+    Attributes:
+        title: Its title, with the place.
+        x_label: What is on the abscissa, with unit.
+        y_label: What is on the ordinate, with unit.
+        series: Curves by their names.
+        reading: A sentence that says how to read it.
+        log_x: Whether the abscissa is logarithmic.
+        log_y: Whether the ordinate is logarithmic.
+    """
+
+    title: str
+    x_label: str
+    y_label: str
+    series: Mapping[str, Curve]
+    reading: str
+    log_x: bool = False
+    log_y: bool = False
+
+
+class AbstractSignature(ABC):
+    """A kind of picture in which some effects leave their signature.
+
+    A new one is a class in a file of its own that
+    1. sets `name`, a word, and `effects`, the names of the effects that show in it, the clearest picture of an effect
+       first by `rank`;
+    2. implements `picture`, a pure function of the evidence that returns None where the log cannot show it.
+    """
+
+    name: ClassVar[str]
+    effects: ClassVar[tuple[str, ...]]
+    rank: ClassVar[int] = 1
+    """Pictures of an effect are shown in the order of their ranks, 1 first."""
+
+    @abstractmethod
+    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+        """Compute the picture.
+
+        Args:
+            evidence: Logs, models and their predictions.
+            location: Place of the effect: a joint, spring, body, "tool", "base" or "all".
+
+        Returns:
+            The picture; None where the log does not hold what it needs.
+        """
+
+
+@cache
+def signatures() -> Mapping[str, type[AbstractSignature]]:
+    """Find all kinds of pictures in this package, by name."""
+    return members(flexros.gap.signatures, AbstractSignature)  # type: ignore[type-abstract]
+
+
+def pictures_for(effect: str) -> tuple[type[AbstractSignature], ...]:
+    """List the pictures that tell of an effect, the clearest first.
+
+    Args:
+        effect: Name of the effect, e.g. "coulomb_friction".
+
+    Returns:
+        Kinds of pictures; those that tell of every effect (prediction errors over time) come last.
+    """
+    found = [kind for kind in signatures().values() if effect in kind.effects or not kind.effects]
+    return tuple(sorted(found, key=lambda kind: (not kind.effects, kind.rank, kind.name)))
+
+
+def thinned(x: FloatArray, y: FloatArray, most: int = MOST_POINTS) -> tuple[FloatArray, FloatArray]:
+    """Keep the smallest and largest value of each of many equal parts, in order, so that peaks survive.
+
+    Args:
+        x: Abscissa, shape (n,).
+        y: Ordinate, shape (n,).
+        most: Points to keep at most.
+
+    Returns:
+        Abscissa and ordinate, shape (k,) with k <= most.
+    """
+    n, parts = len(y), most // 2
+    if n <= most:
+        return x, y
+    length = n // parts + (n % parts > 0)
+    whole = n // length * length
+    blocks = np.where(np.isfinite(y[:whole]), y[:whole], 0.0).reshape(-1, length)
+    first = np.arange(len(blocks)) * length
+    rows = np.unique(np.concatenate([first + blocks.argmin(axis=1), first + blocks.argmax(axis=1)]))
+    return x[rows], y[rows]
+
+
+def binned(x: FloatArray, y: FloatArray, n_bins: int, *, least: int = 10) -> tuple[FloatArray, FloatArray]:
+    """Average the ordinate over equal parts of the abscissa.
+
+    Args:
+        x: Abscissa, shape (n,); samples that are not finite are left out.
+        y: Ordinate, shape (n,).
+        n_bins: Number of parts.
+        least: Samples that a part needs to be shown.
+
+    Returns:
+        Mean abscissa and ordinate of the parts that have enough samples, shape (k,).
+    """
+    good = np.isfinite(x) & np.isfinite(y)
+    x, y = x[good], y[good]
+    if len(x) == 0:
+        return x, y
+    span = float(np.ptp(x))
+    place = np.minimum((n_bins * (x - x.min()) / (span or 1.0)).astype(int), n_bins - 1)
+    count = np.bincount(place, minlength=n_bins)
+    enough = count >= least
+    mean = [np.bincount(place, weights=values, minlength=n_bins)[enough] / count[enough] for values in (x, y)]
+    return mean[0], mean[1]

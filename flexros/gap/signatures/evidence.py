@@ -1,0 +1,77 @@
+"""All that pictures of evidence are computed from, with what several of them need computed once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from flexros.gap.signatures.missing_torque import missing_torque
+from flexros.gap.where.motion import Motion, motion_of
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.gap.gain import ObserverGain
+    from flexros.gap.record import GapRecord
+    from flexros.gap.result import Prediction
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """A log and what the models make of it.
+
+    Attributes:
+        robot: The nominal robot.
+        record: The log.
+        observer: Gain of the predictor of the nominal robot.
+        before: Prediction of the nominal robot.
+        after: Prediction of the repaired one; None where nothing was repaired.
+        repaired: The repaired robot, without the laws of its effects; None where nothing was repaired.
+        tool_error: Measured minus predicted tool positions [m], shape (n_t, 3), at the times of the record's tool;
+            None where the tool was not measured.
+    """
+
+    robot: Robot
+    record: GapRecord
+    observer: ObserverGain
+    before: Prediction
+    after: Prediction | None = None
+    repaired: Robot | None = None
+    tool_error: FloatArray | None = None
+
+    @cached_property
+    def motion(self) -> Motion:
+        """Speeds, accelerations, rotor angles and gear torques of the log."""
+        return motion_of(self.record, self.robot, self.before.states)
+
+    @cached_property
+    def missing(self) -> FloatArray:
+        """Torques at the motors that the nominal model lacks [Nm or N], shape (n, M)."""
+        return missing_torque(self.before.innovations, self.record, self.robot, self.observer)
+
+    @cached_property
+    def missing_after(self) -> FloatArray | None:
+        """The same of the repaired model; None where nothing was repaired."""
+        if self.after is None:
+            return None
+        return missing_torque(self.after.innovations, self.record, self.robot, self.observer)
+
+    def motor_of(self, location: str) -> int:
+        """Find the motor that a place belongs to.
+
+        Args:
+            location: A joint, spring, body, "tool", "base" or "all".
+
+        Returns:
+            Number of the motor (0-based); of a place beside the joints that whose prediction errors are largest.
+        """
+        names = self.robot.joint_names
+        if location in names:
+            return names.index(location)
+        if location in self.robot.arm_names:
+            arm = self.robot.arm_names.index(location)
+            before = [number for number, place in enumerate(self.robot.chain.geared) if place <= arm]
+            return before[-1] if before else 0
+        excess = (self.before.innovations / self.before.sd)[self.record.valid]
+        return int((excess**2).mean(axis=0).argmax())
