@@ -63,7 +63,8 @@ class Candidate:
         closed_fraction: Share of the gap that it closes on held-out data [1]; None where not computed.
         remainder: Share of the excess over the noise floor that it leaves in the fit log [1]; None where not computed.
         beside: Effects that were in the model together with it, found before.
-        words: Evidence in words, a sentence each: what speaks for it and against it.
+        speaks_for: What speaks for it beside these numbers, a sentence each.
+        speaks_against: What speaks against it beside these numbers, a sentence each.
     """
 
     effect: str
@@ -76,7 +77,8 @@ class Candidate:
     closed_fraction: float | None = None
     remainder: float | None = None
     beside: tuple[Place, ...] = ()
-    words: tuple[str, ...] = ()
+    speaks_for: tuple[str, ...] = ()
+    speaks_against: tuple[str, ...] = ()
 
     @property
     def score(self) -> float:

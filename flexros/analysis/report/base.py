@@ -24,6 +24,26 @@ class Paragraph:
 
 
 @dataclass(frozen=True)
+class Heading:
+    """A heading within a section."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Text of a file or a command, set as it is, with a button that copies it.
+
+    Attributes:
+        text: The text.
+        caption: One sentence that says what it is.
+    """
+
+    text: str
+    caption: str
+
+
+@dataclass(frozen=True)
 class Tiles:
     """The few figures that matter most, each as name, value, unit and one line below."""
 
@@ -79,7 +99,7 @@ class Picture:
     factor: int = 1
 
 
-Block: TypeAlias = "Paragraph | Tiles | TextTable | Picture"
+Block: TypeAlias = "Paragraph | Heading | Listing | Tiles | TextTable | Picture"
 
 
 class AbstractSection(ABC):

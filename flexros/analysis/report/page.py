@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from plotly.offline import get_plotlyjs
 
-from flexros.analysis.report.base import Paragraph, Picture, TextTable, Tiles
+from flexros.analysis.report.base import Heading, Listing, Paragraph, Picture, TextTable, Tiles
 from flexros.analysis.report.path import FACTORS
 from flexros.analysis.report.style import SCRIPT, STYLE
 
@@ -66,6 +66,10 @@ class Page:
         if isinstance(block, Paragraph):
             style = f' class="{block.style}"' if block.style else ""
             return f"<p{style}>{escape(block.text)}</p>"
+        if isinstance(block, Heading):
+            return f"<h3>{escape(block.text)}</h3>"
+        if isinstance(block, Listing):
+            return _listing(block)
         if isinstance(block, Tiles):
             return f'<div class="tiles">{"".join(_tile(*item) for item in block.items)}</div>'
         if isinstance(block, TextTable):
@@ -134,6 +138,18 @@ def _tile(name: str, value: str, unit: str, below: str) -> str:
         f'<div class="tile"><div class="name">{escape(name)}</div>'
         f'<div class="value">{escape(value)}<small>{escape(unit)}</small></div>'
         f'<div class="below">{escape(below)}</div></div>'
+    )
+
+
+def _listing(listing: Listing) -> str:
+    """Set a text with a button that copies it; without a clipboard the text is selected instead."""
+    copy = (
+        "const p=this.nextElementSibling,s=getSelection();s.selectAllChildren(p);"
+        "if(navigator.clipboard)navigator.clipboard.writeText(p.textContent).then(()=>{this.textContent='copied'})"
+    )
+    return (
+        f'<figure class="listing"><button type="button" onclick="{copy}">copy</button>'
+        f"<pre>{escape(listing.text)}</pre><figcaption>{escape(listing.caption)}</figcaption></figure>"
     )
 
 

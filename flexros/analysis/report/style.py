@@ -12,9 +12,18 @@ main {{ max-width: 1080px; margin: 0 auto; padding: 40px 32px 72px; }}
 header p {{ margin: 0; color: {MUTED}; font-size: 14px; }}
 h1 {{ font-size: 32px; line-height: 1.2; font-weight: 650; margin: 4px 0 6px; letter-spacing: -0.01em; }}
 h2 {{ font-size: 21px; font-weight: 650; margin: 52px 0 12px; padding-top: 20px; border-top: 1px solid #d5dae0; }}
+h3 {{ font-size: 17px; font-weight: 650; margin: 34px 0 8px; }}
 p {{ max-width: 78ch; margin: 10px 0; }}
 p.lead {{ font-size: 20px; line-height: 1.45; max-width: 68ch; margin: 20px 0 24px; }}
 p.note {{ color: {MUTED}; font-size: 14px; }}
+p.for::before {{ content: "+"; color: #0072b2; font-weight: 700; margin-right: 8px; }}
+p.against::before {{ content: "\\2212"; color: #b35900; font-weight: 700; margin-right: 8px; }}
+p.for, p.against {{ margin: 4px 0; }}
+.listing {{ position: relative; }}
+.listing pre {{ background: #f6f8fa; border-radius: 6px; padding: 14px 16px; overflow-x: auto; font-size: 13.5px;
+  line-height: 1.5; margin: 0; }}
+.listing button {{ position: absolute; right: 8px; top: 8px; font: inherit; font-size: 13px; background: #fff;
+  border: 1px solid #d5dae0; border-radius: 4px; padding: 2px 10px; cursor: pointer; }}
 p.warning {{ border-left: 3px solid #b35900; padding: 2px 0 2px 12px; }}
 .tiles {{ display: grid; grid-template-columns: repeat(auto-fit, minmax(210px, 1fr)); gap: 12px; margin: 24px 0 28px; }}
 .tile {{ border: 1px solid #d5dae0; border-radius: 6px; padding: 14px 16px 12px; }}
@@ -41,10 +50,11 @@ noscript p {{ border: 1px solid #b35900; padding: 10px 14px; }}
   @page {{ size: A4; margin: 14mm; }}
   body {{ font-size: 10.5pt; }}
   main {{ max-width: none; padding: 0; }}
-  h2 {{ break-after: avoid; margin-top: 28px; }}
+  h2, h3 {{ break-after: avoid; }}
+  h2 {{ margin-top: 28px; }}
   figure, .tile, tr {{ break-inside: avoid; }}
   .tiles {{ grid-template-columns: repeat(4, 1fr); }}
-  .magnifier, .modebar {{ display: none !important; }}
+  .magnifier, .modebar, .listing button {{ display: none !important; }}
 }}
 """
 

@@ -1,0 +1,115 @@
+"""Section: what speaks for and against each of the first effects, with pictures of what they leave in the log."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.analysis.figures_table import number
+from flexros.analysis.report.base import Block, Heading, Paragraph
+from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.gap.report.ranking import NOTHING
+from flexros.gap.report.signature_pictures import signature_pictures
+from flexros.gap.report.words import capital, cause_words, listed, named, parameter_words, share_words
+
+if TYPE_CHECKING:
+    from flexros.gap.diagnosis_file import Place
+    from flexros.gap.result import Candidate, DiagnosisResult
+
+_SHOWN = 3
+"""Effects whose evidence is shown."""
+_LEAVES_LITTLE, _LEAVES_MUCH = 0.02, 0.1
+"""Shares of the excess that count as nearly nothing, and as too much (chosen; the verdict uses the second)."""
+_CLEAR = 3.0
+"""Standard deviations from zero that make a number certain (chosen)."""
+_DECISIVE = 10.0
+"""Difference of twice the log-likelihood that is decisive (Kass and Raftery 1995: "very strong")."""
+
+
+class EvidenceSection(AbstractDiagnosisSection):
+    """For the first three effects: numbers, for, against, and the pictures of their signature."""
+
+    title: ClassVar[str] = "The evidence"
+
+    def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
+        """Return the evidence of each of the first effects."""
+        if result.diagnosis.verdict == "no_gap":
+            return ()
+        blocks: list[Block] = []
+        drawn: set[str] = set()
+        for place, one in enumerate(result.ranking[:_SHOWN], start=1):
+            heading = f"{place}. {capital(cause_words(one))}: {share_words(one.probability)}"
+            blocks.append(Heading(heading))
+            blocks += [Paragraph(text, "for") for text in speaks_for(one, result)]
+            blocks += [Paragraph(text, "against") for text in speaks_against(one, result)]
+            for picture in signature_pictures(one, result):
+                if picture.caption not in drawn:  # effects at one joint share pictures
+                    drawn.add(picture.caption)
+                    blocks.append(picture)
+        return tuple(blocks)
+
+
+def speaks_for(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
+    """List what speaks for an effect, a sentence each.
+
+    Args:
+        one: The effect.
+        result: What was found.
+    """
+    told = []
+    if one.score > 0:
+        beside = f" beside {listed([named(place) for place in one.beside])}" if one.beside else ""
+        told.append(
+            f"It raises twice the log-likelihood{beside} by {number(one.gain, 4)}, its parameters cost "
+            f"{number(one.penalty, 3)}."
+        )
+    if one.holdout_gain is not None and one.holdout_gain > 0:
+        told.append(f"It also predicts the data that it has not seen better: gain {number(one.holdout_gain, 4)} there.")
+    if one.remainder is not None and one.remainder < _LEAVES_LITTLE:
+        told.append(f"It leaves {share_words(max(one.remainder, 0.0))} of the excess over the noise floor.")
+    sizes = [(name, value) for name, value in one.parameters.items() if value.std > 0 and value.value]
+    clear = [entry for entry in sizes if abs(entry[1].value) > _CLEAR * entry[1].std]
+    if sizes and len(clear) == len(sizes):
+        told.append(f"Its numbers are well determined: {listed([_number(name, one) for name, _ in clear])}.")
+    return (*told, *one.speaks_for)
+
+
+def speaks_against(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
+    """List what speaks against an effect, a sentence each.
+
+    Args:
+        one: The effect.
+        result: What was found.
+    """
+    told = []
+    first = result.ranking[0]
+    if one.score <= 0:
+        told.append(f"Its gain of {number(one.gain, 3)} does not pay for its parameters ({number(one.penalty, 3)}).")
+    behind = first.score - one.score
+    if one is not first and one.beside == first.beside and behind > _DECISIVE:
+        told.append(f"{capital(named(first))} gains {number(behind, 4)} more.")
+    if one.holdout_gain is not None and one.holdout_gain <= 0:
+        told.append("It does not predict the data that it has not seen any better than the nominal model does.")
+    if one.remainder is not None and one.remainder > _LEAVES_MUCH:
+        told.append(f"It leaves {share_words(one.remainder)} of the excess over the noise floor unexplained.")
+    vague = [
+        name for name, value in one.parameters.items() if not math.isfinite(value.std) or value.std > abs(value.value)
+    ]
+    if vague:
+        told.append(f"Not determined by this log: {listed([name.replace('_', ' ') for name in vague])}.")
+    told += [
+        f"This log cannot tell it from {listed([named(place) for place in group if not _same(one, place)], 'or')}."
+        for group in result.diagnosis.ambiguity_groups
+        if any(_same(one, place) for place in group)
+    ]
+    if one.probability < result.nothing:
+        told.append(f"That there is {NOTHING} is more probable ({share_words(result.nothing)}).")
+    return (*told, *one.speaks_against)
+
+
+def _number(name: str, one: Candidate) -> str:
+    return f"{name.replace('_', ' ')} {parameter_words(name, one.parameters[name])}"
+
+
+def _same(one: Candidate, place: Place) -> bool:
+    return (one.effect, one.location) == (place.effect, place.location)

@@ -1,0 +1,115 @@
+"""Section: how far apart robot and model are, before and after the repair, on data that was not fitted."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.analysis.figures_table import number
+from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
+from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.gap.report.innovations import innovation_picture
+from flexros.gap.report.words import capital, closed_words
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+    from flexros.gap.diagnosis_file import GapNumbers
+    from flexros.gap.result import DiagnosisResult, SignalGap
+
+BEFORE, AFTER, RIVAL, FLOOR = "#d55e00", "#0072b2", "#e69f00", "#a9b4bf"
+"""Colours of the nominal model, the repaired one, the best rival and the noise floor."""
+
+
+class HowFarSection(AbstractDiagnosisSection):
+    """Bars of the gap numbers, gap by signal, and what the models miss over time."""
+
+    title: ClassVar[str] = "How far apart, before and after"
+
+    def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
+        """Return sentence, bars, table and curves."""
+        gap = result.diagnosis.gap
+        blocks: list[Block] = [Paragraph(_sentence(gap)), Picture(_bars(gap), _caption(gap))]
+        if result.signals:
+            blocks.append(_table(result.signals))
+        picture = innovation_picture(result)
+        return (*blocks, *([picture] if picture is not None else []))
+
+
+def _sentence(gap: GapNumbers) -> str:
+    text = f"The gap number is {gap.metric}; 'floor' is what it would be without any gap."
+    if gap.closed_fraction is None:
+        return text
+    within = (
+        f", 95 % interval {closed_words(gap.interval[0])} to {closed_words(gap.interval[1])}" if gap.interval else ""
+    )
+    return f"{text} The repaired model closes {closed_words(gap.closed_fraction)} of it{within}."
+
+
+def _caption(gap: GapNumbers) -> str:
+    rival = " The best rival is the best explanation that was not chosen." if gap.best_rival is not None else ""
+    return f"Gap on held-out data, logarithmic.{rival}"
+
+
+def _bars(gap: GapNumbers) -> go.Figure:
+    import plotly.graph_objects as go
+
+    from flexros.analysis.report.theme import stacked
+
+    told = [
+        ("nominal model", gap.before, BEFORE),
+        ("best rival", gap.best_rival, RIVAL),
+        ("repaired model", gap.after, AFTER),
+        ("floor", gap.noise_floor, FLOOR),
+    ]
+    shown = [(name, value, colour) for name, value, colour in told if value is not None]
+    figure = stacked([""], height=34 * len(shown) + 30)
+    figure.add_trace(
+        go.Bar(
+            x=[value for _, value, _ in shown],
+            y=[name for name, _, _ in shown],
+            orientation="h",
+            marker={"color": [colour for _, _, colour in shown]},
+            text=[number(value, 3) for _, value, _ in shown],
+            textposition="outside",
+            cliponaxis=False,
+            error_x=_whisker(gap, [name for name, _, _ in shown]),
+            hovertemplate="%{y}: %{x:.4g}<extra></extra>",
+        )
+    )
+    smallest = min(value for _, value, _ in shown if value > 0)
+    largest = max(value for _, value, _ in shown)
+    figure.update_yaxes(autorange="reversed", showgrid=False)
+    unit = "" if gap.unit == "1" else f" [{gap.unit}]"
+    figure.update_xaxes(
+        title_text=f"gap{unit}", type="log", range=[math.log10(0.5 * smallest), math.log10(2.2 * largest)]
+    )
+    figure.update_layout(margin={"l": 130, "t": 16}, showlegend=False, bargap=0.35)
+    return figure
+
+
+def _whisker(gap: GapNumbers, names: list[str]) -> dict[str, object]:
+    """Return the interval of the gap that remains, from that of the closed fraction."""
+    if gap.interval is None or gap.after is None:
+        return {"visible": False}
+    span = gap.before - gap.noise_floor
+    low, high = (max(gap.before - share * span, 1e-12) for share in (gap.interval[1], gap.interval[0]))
+    above = [max(high - gap.after, 0.0) if name == "repaired model" else 0.0 for name in names]
+    below = [max(gap.after - low, 0.0) if name == "repaired model" else 0.0 for name in names]
+    return {"type": "data", "symmetric": False, "array": above, "arrayminus": below, "thickness": 1.4, "width": 6}
+
+
+def _table(signals: tuple[SignalGap, ...]) -> TextTable:
+    rows = tuple(
+        (
+            capital(one.signal),
+            one.unit,
+            number(one.before, 3),
+            number(one.after, 3),
+            number(one.rival, 3),
+            number(one.floor, 3),
+        )
+        for one in signals
+    )
+    header = ("Signal", "unit", "nominal model", "repaired model", "best rival", "floor")
+    return TextTable(header, rows, "The gap in each signal, root mean square on held-out data.", left=2)

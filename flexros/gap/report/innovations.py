@@ -1,0 +1,103 @@
+"""What the models miss of the motor positions, over time and over frequency."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.signal import welch
+
+from flexros.analysis.report.base import Picture
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+    from flexros.arrays import FloatArray
+    from flexros.gap.record import GapRecord
+    from flexros.gap.result import DiagnosisResult, Explanation, Prediction
+
+_COLOURS = {"before": "#d55e00", "after": "#0072b2"}
+_NAMES = {"before": "nominal model", "after": "repaired model"}
+_MOST_MOTORS = 3
+"""Motors that are drawn, those with the largest gap (chosen)."""
+_SEGMENT = 4096
+"""Longest piece of the spectra [samples] (chosen)."""
+_BAND = 1.96
+"""Normal numbers lie within this many standard deviations in 95 % of all cases."""
+
+
+def innovation_picture(result: DiagnosisResult) -> Picture | None:
+    """Draw the prediction errors of the nominal and the repaired model, over time and as spectra.
+
+    Args:
+        result: What was found.
+
+    Returns:
+        The picture, a row of two panels per motor, in standard deviations of a model without gap; None for no log.
+    """
+    record, before = _told(result, result.before)
+    models = {"before": before}
+    if result.after is not None:
+        models["after"] = _told(result, result.after)[1]
+    sizes = np.mean(np.square(_relative(before)), axis=0)
+    motors = np.sort(np.argsort(-sizes)[:_MOST_MOTORS])
+    figure = _empty(result, motors)
+    for row, motor in enumerate(motors.tolist(), start=1):
+        for key, prediction in models.items():
+            _draw(figure, row, key, _relative(prediction)[:, motor], record, legend=row == 1)
+    seen = "the held-out log" if result.holdout is not None else "the fitted log"
+    return Picture(
+        figure,
+        f"What the models miss of the motor position in the next sample, in {seen}: over time, in standard deviations "
+        f"of a model without gap (95 % would lie within ±{_BAND:.0f}), and as a spectrum (1 without gap).",
+    )
+
+
+def _told(result: DiagnosisResult, model: Explanation) -> tuple[GapRecord, Prediction]:
+    """Return held-out data where there are any, else the fitted ones."""
+    if result.holdout is not None and model.holdout is not None and result.before.holdout is not None:
+        return result.holdout, model.holdout
+    return result.record, model.fit
+
+
+def _relative(prediction: Prediction) -> FloatArray:
+    relative: FloatArray = np.nan_to_num(prediction.innovations / prediction.sd)
+    return relative
+
+
+def _empty(result: DiagnosisResult, motors: np.ndarray[tuple[int, ...], np.dtype[np.intp]]) -> go.Figure:
+    from flexros.analysis.report.theme import stacked
+
+    names = [result.robot.joint_names[motor] for motor in motors.tolist()]
+    titles = [title for name in names for title in (f"{name}, over time", f"{name}, spectrum")]
+    figure = stacked(titles, columns=2, height=210, shared_x=False)
+    for row in range(1, len(names) + 1):
+        figure.update_xaxes(title_text="time [s]", row=row, col=1)
+        figure.update_yaxes(title_text="error / σ", row=row, col=1)
+        figure.update_xaxes(title_text="frequency [Hz]", type="log", row=row, col=2)
+        figure.update_yaxes(title_text="power / floor", type="log", row=row, col=2)
+    return figure
+
+
+def _draw(figure: go.Figure, row: int, key: str, relative: FloatArray, record: GapRecord, *, legend: bool) -> None:
+    from flexros.analysis.report.theme import curve
+
+    time = record.sample_time * np.arange(len(relative))
+    name, colour = _NAMES[key], _COLOURS[key]
+    over_time = curve(time, relative, name, colour, hover="%{x:.3f} s: %{y:.3g} σ", legend=legend, group=key, width=1.0)
+    figure.add_trace(over_time, row=row, col=1)
+    length = min(_SEGMENT, len(relative))
+    frequency, power = (
+        np.asarray(each, dtype=float) for each in welch(relative, 1 / record.sample_time, nperseg=length)
+    )
+    floor = 2 * record.sample_time  # one-sided density of white noise of variance 1
+    spectrum = curve(
+        frequency[1:],
+        np.asarray(np.maximum(power[1:] / floor, 1e-3), dtype=float),
+        name,
+        colour,
+        hover="%{x:.3g} Hz: %{y:.3g}",
+        legend=False,
+        group=key,
+    )
+    figure.add_trace(spectrum, row=row, col=2)

@@ -1,0 +1,59 @@
+"""Section: what could not be told, and the experiment that tells it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.analysis.figures_table import number
+from flexros.analysis.report.base import Block, Listing, Paragraph, TextTable
+from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.gap.report.words import listed, named
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.gap.diagnosis_file import NextExperiment
+    from flexros.gap.result import DiagnosisResult
+
+_MOVED = 1.0
+"""Standard deviations of its tolerance from which a moved parameter is told (chosen)."""
+
+
+class OpenQuestionsSection(AbstractDiagnosisSection):
+    """Limits of this log, the next experiment, and what was put down to the tolerance of the model."""
+
+    title: ClassVar[str] = "What this log cannot tell, and what to run next"
+
+    def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
+        """Return the limits, the experiment and the tolerances that were used."""
+        limits = tuple(Paragraph(text, "against") for text in result.cannot_tell)
+        experiment = result.diagnosis.next_experiment
+        if experiment is None:
+            following: tuple[Block, ...] = (Paragraph("No further experiment is needed to tell rivals apart."),)
+        else:
+            following = _following(experiment)
+        return (*limits, *following, *_tolerance(result.tolerance))
+
+
+def _following(experiment: NextExperiment) -> tuple[Block, ...]:
+    rivals = listed([named(place) for place in experiment.separates], "from")
+    told = f", which tells {rivals}" if rivals else ""
+    gain = number(experiment.expected_gain, 3)
+    text = (
+        f"Run '{experiment.name}' next{told}: {experiment.description.rstrip('.')}. Simulated with both explanations, "
+        f"it separates the two closest by {gain} nats of log-likelihood (3 nats mean odds of 20 to 1)."
+    )
+    command = (Listing(experiment.command, "Command of the experiment."),) if experiment.command else ()
+    return (Paragraph(text), *command)
+
+
+def _tolerance(tolerance: Mapping[str, float]) -> tuple[Block, ...]:
+    moved = {name: size for name, size in tolerance.items() if abs(size) >= _MOVED}
+    if not moved:
+        return ()
+    rows = tuple((name, f"{size:+.1f}") for name, size in sorted(moved.items(), key=lambda entry: -abs(entry[1])))
+    caption = (
+        "Numbers of the nominal model that were moved within its tolerance, in standard deviations of it: they are "
+        "not told as effects."
+    )
+    return (TextTable(("Number", "moved by"), rows, caption),)

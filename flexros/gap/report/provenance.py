@@ -1,0 +1,64 @@
+"""Section: all warnings, where the data came from, and how the answer was made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.analysis.figures_table import number
+from flexros.analysis.report.base import Block, Paragraph, TextTable
+from flexros.gap.report.base import AbstractDiagnosisSection
+
+if TYPE_CHECKING:
+    from flexros.gap.record import GapRecord
+    from flexros.gap.result import DiagnosisResult
+
+_LONGEST = 160
+"""Longer texts are cut in the table (chosen)."""
+
+
+class ProvenanceSection(AbstractDiagnosisSection):
+    """Warnings; logs; versions, settings and times."""
+
+    title: ClassVar[str] = "Provenance and limits"
+
+    def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
+        """Return warnings and tables."""
+        warnings = dict.fromkeys((*result.diagnosis.warnings, *result.record.warnings))
+        blocks: list[Block] = [Paragraph(text, "warning") for text in warnings]
+        blocks.append(_logs(result))
+        origin = {**result.diagnosis.provenance, "settings": result.settings, "time [s]": result.timings}
+        rows = tuple(_flat(origin))
+        if rows:
+            blocks.append(TextTable(("Entry", "Value"), rows, "How the answer was made.", left=2))
+        return tuple(blocks)
+
+
+def _logs(result: DiagnosisResult) -> TextTable:
+    rows = [_log("fitted to", result.record)]
+    if result.holdout is not None:
+        rows.append(_log("held out", result.holdout))
+    header = ("Use", "log", "length [s]", "rate [Hz]", "missing samples", "torque", "tool")
+    return TextTable(header, tuple(rows), "The logs.", left=2)
+
+
+def _log(use: str, record: GapRecord) -> tuple[str, ...]:
+    return (
+        use,
+        record.name,
+        number(record.duration, 4),
+        number(1 / record.sample_time, 4),
+        str(int((~record.valid).sum())),
+        "measured" if record.measured_torque else "commanded",
+        "tracked" if record.tool is not None else "not tracked",
+    )
+
+
+def _flat(value: object, name: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the entries of a nested mapping as name.key and text; what is empty is left out."""
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _flat(inner, f"{name}.{key}" if name else str(key))
+    elif value not in (None, "", [], ()):
+        text = f"{value:.4g}" if isinstance(value, float) else str(value)
+        yield name, text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."

@@ -1,0 +1,121 @@
+"""Section: all effects that competed, by probability, together with 'nothing'."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.analysis.figures_table import number
+from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
+from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.gap.report.words import capital, listed, named, parameters_words, share_words
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import plotly.graph_objects as go
+
+    from flexros.gap.diagnosis_file import Diagnosis, Place
+    from flexros.gap.result import Candidate, DiagnosisResult
+
+NOTHING = "nothing"
+_MOST_BARS, _MOST_ROWS = 10, 15
+"""Effects in the picture and in the table (chosen)."""
+_CAUSE, _RIVAL, _REST, _NONE = "#0072b2", "#e69f00", "#a9b4bf", "#009e73"
+"""Colours of causes, of effects in a group that cannot be told apart, of the others, and of 'nothing'."""
+
+
+class RankingSection(AbstractDiagnosisSection):
+    """Bars of probabilities, groups that cannot be told apart, table of the evidence."""
+
+    title: ClassVar[str] = "Which effect"
+
+    def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
+        """Return sentence, bars, groups and table."""
+        if not result.ranking:
+            return (Paragraph("No effect competed, as nothing exceeds noise and tolerance."),)
+        groups = [
+            Paragraph(f"This log cannot tell {listed([named(place) for place in group], 'from')} apart.", "warning")
+            for group in result.diagnosis.ambiguity_groups
+        ]
+        return (Paragraph(_sentence(result)), _picture(result), *groups, _table(result.ranking))
+
+
+def _sentence(result: DiagnosisResult) -> str:
+    count = len(result.ranking)
+    return (
+        f"{count} effect{'s' * (count > 1)} at their places, and 'nothing', were fitted to the log and compared by "
+        "what they gain beyond what their number of parameters gains by chance. A probability says how likely it is "
+        "that this effect is part of the truth; where several causes act together, several are high."
+    )
+
+
+def _picture(result: DiagnosisResult) -> Picture:
+    ranked = result.ranking[:_MOST_BARS]
+    names = [*(capital(named(one)) for one in ranked), capital(NOTHING)]
+    values = [*(one.probability for one in ranked), result.nothing]
+    colours = [*(_colour(one, result.diagnosis) for one in ranked), _NONE]
+    figure = _bars(names, values, colours)
+    more = len(result.ranking) - len(ranked)
+    rest = f" {more} less probable ones are left out." if more > 0 else ""
+    return Picture(
+        figure,
+        "Probability of each effect. Blue: told as a cause. Orange: in a group that this log cannot tell apart. "
+        f"Green: that there is no effect at all.{rest}",
+    )
+
+
+def _bars(names: Sequence[str], values: Sequence[float], colours: Sequence[str]) -> go.Figure:
+    import plotly.graph_objects as go
+
+    from flexros.analysis.report.theme import stacked
+
+    figure = stacked([""], height=30 * len(names) + 30)
+    figure.add_trace(
+        go.Bar(
+            x=[100 * value for value in values],
+            y=list(names),
+            orientation="h",
+            marker={"color": list(colours)},
+            text=[share_words(value) for value in values],
+            textposition="outside",
+            cliponaxis=False,
+            hovertemplate="%{y}: %{x:.3g} %<extra></extra>",
+        )
+    )
+    figure.update_yaxes(autorange="reversed", showgrid=False)
+    figure.update_xaxes(title_text="probability [%]", range=[0, 109], tickvals=[0, 25, 50, 75, 100])
+    figure.update_layout(margin={"l": 290, "t": 16}, showlegend=False, bargap=0.35)
+    return figure
+
+
+def _colour(one: Candidate, diagnosis: Diagnosis) -> str:
+    if any(_same(one, place) for group in diagnosis.ambiguity_groups for place in group):
+        return _RIVAL
+    told = diagnosis.verdict != "no_gap" and any(_same(one, cause) for cause in diagnosis.causes)
+    return _CAUSE if told and one.probability >= 0.5 else _REST
+
+
+def _same(one: Candidate, place: Place) -> bool:
+    return (one.effect, one.location) == (place.effect, place.location)
+
+
+def _table(ranking: Sequence[Candidate]) -> TextTable:
+    rows = tuple(
+        (
+            capital(named(one)) + (f" (beside {listed([named(place) for place in one.beside])})" if one.beside else ""),
+            parameters_words(one.parameters),
+            share_words(one.probability),
+            number(one.gain, 4),
+            number(one.penalty, 3),
+            number(one.holdout_gain, 4),
+            "-" if one.remainder is None else share_words(one.remainder),
+        )
+        for one in ranking[:_MOST_ROWS]
+    )
+    header = ("Effect", "fitted", "probability", "gain", "penalty", "gain, unseen", "leaves")
+    caption = (
+        "Gain: twice the gain in log-likelihood over the nominal model in the log that was fitted; penalty: what its "
+        "parameters cost; gain, unseen: the same gain in the data that it has not seen; leaves: share of the excess "
+        "over noise that remains in the fitted log."
+    )
+    return TextTable(header, rows, caption, left=2)

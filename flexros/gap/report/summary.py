@@ -1,0 +1,76 @@
+"""Section: the verdict in a sentence, and the figures that matter most."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.analysis.figures_table import number
+from flexros.analysis.report.base import Block, Paragraph, Tiles
+from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.gap.report.verdict import told_causes, verdict_sentence
+from flexros.gap.report.words import capital, closed_words, named, p_value_words, share_words, where_words
+
+if TYPE_CHECKING:
+    from flexros.gap.diagnosis_file import Diagnosis
+    from flexros.gap.result import DiagnosisResult, SignalGap
+
+_MANY_WARNINGS = 3
+"""More warnings than this are told in the section on provenance only (chosen)."""
+
+
+class SummarySection(AbstractDiagnosisSection):
+    """Verdict, tiles, warnings."""
+
+    title: ClassVar[str] = ""
+
+    def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
+        """Return the verdict and the main figures."""
+        told = result.diagnosis.warnings
+        warnings = [Paragraph(text, "warning") for text in told[:_MANY_WARNINGS]]
+        more = len(told) - _MANY_WARNINGS
+        if more > 0:
+            warnings.append(Paragraph(f"{more} more warning{'s' * (more > 1)} at the end.", "warning"))
+        lead = verdict_sentence(result.diagnosis).replace(" %", "\u00a0%")
+        return (Paragraph(lead, "lead"), Tiles(tuple(_tiles(result))), *warnings)
+
+
+def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
+    diagnosis, gap = result.diagnosis, result.diagnosis.gap
+    tiles = [_cause_tile(diagnosis)]
+    if gap.closed_fraction is not None:
+        within = f"95 %: {closed_words(gap.interval[0])} to {closed_words(gap.interval[1])}" if gap.interval else ""
+        tiles.append(("Gap closed, held-out data", closed_words(gap.closed_fraction).removesuffix(" %"), "%", within))
+    unit = "" if gap.unit == "1" else gap.unit
+    after = "" if gap.after is None else f", {number(gap.after, 3)} after"
+    tiles.append(("Gap before", number(gap.before, 3), unit, f"floor {number(gap.noise_floor, 3)}{after}"))
+    felt = next((signal for signal in result.signals if "closed loop" in signal.signal), None)
+    if felt is not None:
+        tiles.append(_felt_tile(felt))
+    if diagnosis.where:
+        first = diagnosis.where[0]
+        tiles.append(("Where it shows most", first.joint, "", f"{_rest(where_words(first))}, {_p(first.p_value)}"))
+    return tiles
+
+
+def _cause_tile(diagnosis: Diagnosis) -> tuple[str, str, str, str]:
+    """Return the probability of the first cause, or of there being none."""
+    causes = told_causes(diagnosis)
+    if diagnosis.verdict == "no_gap" or not causes:
+        return "Verdict", diagnosis.verdict.replace("_", " "), "", "within noise and tolerance"
+    more = f" and {len(causes) - 1} more" if len(causes) > 1 else ""
+    probability = share_words(causes[0].probability).removesuffix(" %")
+    return "Probability of the first cause", probability, "%", f"{capital(named(causes[0]))}{more}"
+
+
+def _felt_tile(felt: SignalGap) -> tuple[str, str, str, str]:
+    after = "" if felt.after is None else f"{number(felt.after, 3)} {felt.unit} after repair"
+    return capital(felt.signal), number(felt.before, 3), felt.unit, after
+
+
+def _rest(text: str) -> str:
+    """Return what follows the name of the joint."""
+    return text.partition(" ")[2] or text
+
+
+def _p(p_value: float) -> str:
+    return p_value_words(p_value)

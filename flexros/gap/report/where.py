@@ -1,0 +1,139 @@
+"""Section: where the gap shows, found without any hypothesis."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
+from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.gap.report.words import band_words, p_value_words, share_words
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    import plotly.graph_objects as go
+
+    from flexros.arrays import FloatArray
+    from flexros.gap.diagnosis_file import GapPlace
+    from flexros.gap.result import DiagnosisResult
+
+SIGNIFICANT = 0.05
+"""p-value below which a place counts as one of the gap."""
+_MOST_ROWS = 8
+"""Rows of the table (chosen)."""
+_SCALE = [[0, "#ffffff"], [0.15, "#cfe2f0"], [1, "#0072b2"]]
+
+
+class WhereSection(AbstractDiagnosisSection):
+    """Heat maps of the excess by joint and band, and by joint and regime; the places as a table."""
+
+    title: ClassVar[str] = "Where it shows"
+
+    def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
+        """Return sentence, maps and table."""
+        looked = result.excess or result.diagnosis.where
+        if not looked:
+            return ()
+        bands = [place for place in looked if place.regime == "all"]
+        regimes = [place for place in looked if place.regime != "all"]
+        maps: list[Block] = []
+        for places, label, words in (
+            (bands, "frequency band", lambda place: band_words(place.band_hz)),
+            (regimes, "part of the motion", lambda place: place.regime.replace("_", " ")),
+        ):
+            if len(places) > 1:
+                maps.append(Picture(_map(places, label, words), _caption(label)))
+        return (Paragraph(_sentence(looked)), *maps, _table(looked))
+
+
+def _sentence(looked: Sequence[GapPlace]) -> str:
+    found = [place for place in looked if place.p_value < SIGNIFICANT]
+    text = (
+        "Before any effect is assumed, the part of the prediction error that exceeds noise is split by joint, "
+        f"frequency band and part of the motion. Of {len(looked)} places {len(found)} exceed what chance allows at "
+        f"{100 * SIGNIFICANT:.0f} %; the p-values already account for so many looks."
+    )
+    return text if found else f"{text} Nothing here is a gap."
+
+
+def _caption(label: str) -> str:
+    return (
+        f"Share of the excess by joint and {label}. A dot marks what chance does not explain (p < {SIGNIFICANT:g} over "
+        "all places looked at)."
+    )
+
+
+def _map(places: Sequence[GapPlace], label: str, words: Callable[[GapPlace], str]) -> go.Figure:
+    import plotly.graph_objects as go
+
+    from flexros.analysis.report.theme import stacked
+
+    rows = list(dict.fromkeys(_row(place) for place in places))
+    ordered = sorted(places, key=lambda place: place.band_hz) if label == "frequency band" else places
+    columns = list(dict.fromkeys(words(place) for place in ordered))
+    share, p_value = np.full((2, len(rows), len(columns)), np.nan)
+    for place in places:
+        cell = rows.index(_row(place)), columns.index(words(place))
+        share[cell], p_value[cell] = 100 * place.share, place.p_value
+    figure = stacked([""], height=44 * len(rows) + 40)
+    figure.add_trace(
+        go.Heatmap(
+            z=share,
+            customdata=p_value,
+            x=columns,
+            y=rows,
+            zmin=0,
+            zmax=max(float(np.nanmax(share)), 1.0),
+            colorscale=_SCALE,
+            colorbar={"title": {"text": "%"}, "thickness": 12},
+            xgap=2,
+            ygap=2,
+            hovertemplate="%{y}, %{x}: %{z:.3g} % of the excess, p = %{customdata:.2g}<extra></extra>",
+        )
+    )
+    _write_cells(figure, rows, columns, share, p_value)
+    figure.update_yaxes(autorange="reversed", showgrid=False)
+    figure.update_xaxes(title_text=label, showgrid=False, type="category")
+    figure.update_layout(margin={"l": 150, "t": 20})
+    return figure
+
+
+def _write_cells(
+    figure: go.Figure, rows: Sequence[str], columns: Sequence[str], share: FloatArray, p_value: FloatArray
+) -> None:
+    """Write share and significance into the cells."""
+    largest = float(np.nanmax(share))
+    for r, row in enumerate(rows):
+        for c, column in enumerate(columns):
+            if np.isfinite(share[r, c]):
+                dot = " ●" if p_value[r, c] < SIGNIFICANT else ""
+                dark = share[r, c] > 0.55 * max(largest, 1.0)
+                figure.add_annotation(
+                    x=column,
+                    y=row,
+                    text=f"{share[r, c]:.0f}{dot}",
+                    showarrow=False,
+                    font={"size": 12, "color": "#ffffff" if dark else "#1b1f24"},
+                )
+
+
+def _row(place: GapPlace) -> str:
+    return place.joint if place.joint == "tool" else f"{place.joint} {place.signal}"
+
+
+def _table(looked: Sequence[GapPlace]) -> TextTable:
+    ordered = sorted(looked, key=lambda place: (place.p_value >= SIGNIFICANT, -place.share))
+    rows = tuple(
+        (
+            _row(place),
+            band_words(place.band_hz),
+            place.regime.replace("_", " "),
+            share_words(place.share),
+            p_value_words(place.p_value).removeprefix("p ").removeprefix("= "),
+        )
+        for place in ordered[:_MOST_ROWS]
+    )
+    header = ("Signal", "band", "part of the motion", "share of the excess", "p-value")
+    return TextTable(header, rows, "The largest places, those that chance does not explain first.", left=3)

@@ -1,0 +1,189 @@
+"""How effects, places and fitted numbers are named in sentences."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from flexros.analysis.figures_table import number
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flexros.gap.diagnosis_file import Cause, CauseParameter, GapPlace, Place
+    from flexros.gap.result import Candidate
+
+_PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck"}
+_PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"))
+_SCALED = ("rad", "m", "s", "Nm", "N")
+"""Units that take a prefix where the number is small."""
+_SMALL = 0.1
+"""Numbers below this share of their unit take the next smaller prefix (chosen)."""
+_MOST_PLACES, _LARGE = 6, 1e6
+"""Numbers with more decimals, or as large as this, are written with an exponent (chosen)."""
+_CLEAR = 2.0
+"""A number beside the first is told in a sentence where it is this many standard deviations from zero (chosen)."""
+_NEARLY_ALL = 0.95
+"""Closed shares from here on are told with a decimal (chosen)."""
+_HIGHEST = 1e9
+"""Frequencies above this [Hz] stand for no limit."""
+
+
+def effect_words(effect: str) -> str:
+    """Write the name of an effect as words, e.g. "Coulomb friction", "torque gain error".
+
+    Args:
+        effect: Name of the effect, e.g. "coulomb_friction".
+    """
+    return " ".join(_PROPER.get(word, word) for word in effect.split("_"))
+
+
+def place_words(location: str) -> str:
+    """Write a place as words, e.g. "at motor_1", "in spring body_1.rz", "at the tool", "at all motors".
+
+    Args:
+        location: Joint, spring, body, "tool", "base" or "all".
+    """
+    if location in ("tool", "base"):
+        return f"at the {location}"
+    if location == "all":
+        return "at all motors"
+    return f"in spring {location}" if "." in location else f"at {location}"
+
+
+def named(place: Place | Candidate) -> str:
+    """Write an effect with its place, e.g. "Coulomb friction at motor_1".
+
+    Args:
+        place: Effect and place.
+    """
+    return f"{effect_words(place.effect)} {place_words(place.location)}"
+
+
+def capital(text: str) -> str:
+    """Write a text with its first letter as a capital."""
+    return text[:1].upper() + text[1:]
+
+
+def listed(texts: Sequence[str], last: str = "and") -> str:
+    """Join texts as in a sentence: "a", "a and b", "a, b and c".
+
+    Args:
+        texts: The texts.
+        last: Word before the last of them.
+    """
+    if len(texts) < 2:
+        return "".join(texts)
+    return f"{', '.join(texts[:-1])} {last} {texts[-1]}"
+
+
+def parameter_words(name: str, parameter: CauseParameter) -> str:
+    """Write a fitted number with its standard deviation and without its name, e.g. "0.21 Nm (±0.01)", "+5.2 % (±0.3)".
+
+    Args:
+        name: Name of the parameter; one called "relative" is written in per cent.
+        parameter: The number.
+    """
+    value, std, unit = parameter.value, parameter.std, parameter.unit
+    if unit == "1" and name == "relative":
+        return f"{'+' if value > 0 else ''}{_with_std(100 * value, 100 * std, '%')}"
+    if unit in _SCALED:
+        scale, prefix = next(
+            ((scale, prefix) for scale, prefix in _PREFIXES if abs(value) >= _SMALL * scale), _PREFIXES[-1]
+        )
+        return _with_std(value / scale, std / scale, prefix + unit) if value else f"0 {unit}"
+    return _with_std(value, std, "" if unit == "1" else unit)
+
+
+def parameters_words(parameters: Mapping[str, CauseParameter]) -> str:
+    """Write fitted numbers: a single one alone, several with their names.
+
+    Args:
+        parameters: The numbers by name.
+
+    Returns:
+        E.g. "0.21 Nm (±0.01)" or "amplitude 0.2 Nm (±0.01), order 6.001 (±0.002)"; empty for none.
+    """
+    if len(parameters) == 1:
+        return "".join(parameter_words(name, one) for name, one in parameters.items())
+    return ", ".join(f"{name.replace('_', ' ')} {parameter_words(name, one)}" for name, one in parameters.items())
+
+
+def cause_words(cause: Cause | Candidate) -> str:
+    """Write an effect with place and fitted numbers, e.g. "Coulomb friction at motor_1, 0.213 Nm (±0.011)".
+
+    Args:
+        cause: The effect as fitted; numbers beside the first are left out where they are not different from zero.
+    """
+    clear = {
+        name: one
+        for place, (name, one) in enumerate(cause.parameters.items())
+        if place == 0 or abs(one.value) > _CLEAR * one.std
+    }
+    numbers = parameters_words(clear)
+    return f"{named(cause)}{', ' if numbers else ''}{numbers}"
+
+
+def band_words(band: tuple[float, float]) -> str:
+    """Write a frequency band, e.g. "8 to 20 Hz", "below 2 Hz", "all frequencies".
+
+    Args:
+        band: Its ends [Hz].
+    """
+    low, high = band
+    if low <= 0:
+        return "all frequencies" if high >= _HIGHEST else f"below {number(high, 3)} Hz"
+    return f"above {number(low, 3)} Hz" if high >= _HIGHEST else f"{number(low, 3)} to {number(high, 3)} Hz"
+
+
+def where_words(place: GapPlace) -> str:
+    """Write a place of the gap, e.g. "motor_1 at reversal, 8 to 20 Hz".
+
+    Args:
+        place: Where the gap shows.
+    """
+    regime = "" if place.regime == "all" else f" in the regime '{place.regime.replace('_', ' ')}'"
+    signal = "" if place.joint == "tool" else f" {place.signal}"
+    return f"{place.joint}{signal}{regime}, {band_words(place.band_hz)}"
+
+
+def share_words(share: float) -> str:
+    """Write a share in whole per cent, as "under 1 %" or "over 99 %" where it is nearly none or all.
+
+    Args:
+        share: The share [1].
+    """
+    if share <= 0:
+        return "0 %"
+    if share < 0.01:
+        return "under 1 %"
+    return f"{100 * share:.0f} %" if share <= 0.99 or share >= 1 else "over 99 %"
+
+
+def closed_words(share: float) -> str:
+    """Write a share of the gap that is closed, with a decimal where it is nearly all, e.g. "83 %", "99.7 %".
+
+    Args:
+        share: The share [1]; below zero where the repair makes it worse.
+    """
+    return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < 1 else f"{100 * share:.0f} %"
+
+
+def p_value_words(p_value: float) -> str:
+    """Write a p-value, e.g. "p = 0.03", "p < 0.001".
+
+    Args:
+        p_value: Probability of such an excess by chance [1].
+    """
+    return "p < 0.001" if p_value < 1e-3 else f"p = {number(p_value, 2)}"
+
+
+def _with_std(value: float, std: float, unit: str) -> str:
+    """Write a number to two digits of its standard deviation."""
+    gap = " " if unit else ""
+    if not (math.isfinite(std) and std > 0):
+        return f"{number(value, 4)}{gap}{unit}"
+    places = 1 - math.floor(math.log10(std))
+    if not 0 <= places <= _MOST_PLACES or abs(value) >= _LARGE:
+        return f"{number(value, 4)}{gap}{unit} (±{number(std, 2)})"
+    return f"{value:.{places}f}{gap}{unit} (±{std:.{places}f})"

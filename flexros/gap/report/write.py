@@ -1,0 +1,79 @@
+"""Write the report of a diagnosis: one HTML file that opens offline."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.analysis.figures_table import number
+from flexros.analysis.report.page import Chapter, page_html
+from flexros.gap.report.evidence import EvidenceSection
+from flexros.gap.report.how_far import HowFarSection
+from flexros.gap.report.open_questions import OpenQuestionsSection
+from flexros.gap.report.patch import PatchSection
+from flexros.gap.report.provenance import ProvenanceSection
+from flexros.gap.report.ranking import RankingSection
+from flexros.gap.report.summary import SummarySection
+from flexros.gap.report.where import WhereSection
+from flexros.whole_file import write_result
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from flexros.gap.report.base import AbstractDiagnosisSection
+    from flexros.gap.result import DiagnosisResult
+
+
+def sections(patch: str = "") -> tuple[AbstractDiagnosisSection, ...]:
+    """List the sections in order of appearance.
+
+    Args:
+        patch: Text of patch.yaml; empty where nothing was found.
+    """
+    return (
+        SummarySection(),
+        WhereSection(),
+        RankingSection(),
+        EvidenceSection(),
+        HowFarSection(),
+        OpenQuestionsSection(),
+        PatchSection(patch),
+        ProvenanceSection(),
+    )
+
+
+def diagnosis_report(result: DiagnosisResult, *, patch: str = "", title: str | None = None) -> str:
+    """Make the report of a diagnosis.
+
+    Args:
+        result: What was found.
+        patch: Text of patch.yaml; empty where nothing was found.
+        title: Heading; None for robot and log.
+
+    Returns:
+        The HTML page.
+    """
+    chapters = [Chapter(section.title, section.blocks(result)) for section in sections(patch)]
+    return page_html(title or f"Diagnosis of {result.robot.name}", _subtitle(result), chapters)
+
+
+def write_diagnosis_report(result: DiagnosisResult, file: Path, *, patch: str = "", title: str | None = None) -> None:
+    """Write the report of a diagnosis.
+
+    Args:
+        result: What was found.
+        file: The HTML file; one that exists is replaced once the new one is complete.
+        patch: Text of patch.yaml; empty where nothing was found.
+        title: Heading; None for robot and log.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    write_result(file, diagnosis_report(result, patch=patch, title=title), "report")
+
+
+def _subtitle(result: DiagnosisResult) -> str:
+    record = result.record
+    seen = f"log {record.name}, {number(record.duration, 3)} s at {number(1 / record.sample_time, 4)} Hz"
+    held = "" if result.holdout is None else f", checked on {result.holdout.name}"
+    motors = record.position.shape[1]
+    return f"{seen}, {motors} motor{'s' * (motors > 1)}{held}"
