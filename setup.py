@@ -40,7 +40,7 @@ setup(
         "scipy>=1.11",
         "casadi>=3.6.7",
         "llvmlite>=0.45",
-        "pydantic>=2.6",
+        "pydantic>=2.10",
         "ruamel.yaml>=0.18",
         "typer>=0.12",
         "rich>=13.8",

@@ -16,6 +16,7 @@ from flexros.control.base import AbstractControlLaw, control_law
 from flexros.effects import parse_effect
 from flexros.errors import InputError, unknown_name
 from flexros.feedforward.specification import FeedforwardSpecification
+from flexros.identify.gap_experiment.specification import DiagnosisSpecification
 from flexros.identify.specification import IdentificationSpecification
 from flexros.simulate.disturbance import Disturbance
 from flexros.trajectory import TrajectorySpecification
@@ -27,8 +28,24 @@ if TYPE_CHECKING:
 _FOLDER = Path(__file__).parent / "scenarios"
 
 
+def _designed_controller(given: dict[str, Any]) -> Any:
+    """Design the controller of a diagnosis experiment that has none; what is returned otherwise is refused later."""
+    if given.get("diagnosis") is None:
+        return None
+    from flexros.identify.gap_experiment.controller import designed_controller
+
+    try:
+        return designed_controller(given["robot"], given["model"].values, given["sample_time"], given["start"])
+    except InputError as error:
+        return error
+
+
 def _control_law(given: Any) -> Any:
     """Let the registry of controllers choose the class; its error becomes part of the scenario's."""
+    if given is None:
+        raise ValueError("is missing; add it")
+    if isinstance(given, InputError):
+        raise ValueError(str(given))
     if isinstance(given, AbstractControlLaw):
         return given
     if not isinstance(given, dict):
@@ -124,6 +141,9 @@ class Scenario(Settings):
         default=None,
         description="positions, excitation and periods of an identification experiment, instead of a trajectory",
     )
+    diagnosis: DiagnosisSpecification | None = Field(
+        default=None, description="length, parts and sizes of a diagnosis experiment, instead of a trajectory"
+    )
     feedforward: FeedforwardSpecification = Field(
         default_factory=FeedforwardSpecification, description="method that computes motor references and torques"
     )
@@ -131,7 +151,10 @@ class Scenario(Settings):
         default=True,
         description="whether the torque of the feedforward acts; false: only its motor positions are followed",
     )
-    controller: ControlLaw = Field(description="kind and settings of the feedback controller")
+    controller: ControlLaw = Field(
+        default_factory=_designed_controller,
+        description="kind and settings of the feedback controller; a diagnosis has one of its own",
+    )
     disturbances: tuple[Disturbance, ...] = Field(
         default=(), description="torques that the plant adds at motors and tool"
     )
@@ -143,11 +166,12 @@ class Scenario(Settings):
 
     @model_validator(mode="after")
     def _has_an_end(self) -> Scenario:
-        if self.identification is not None:
-            for key in ("trajectory", "duration"):
-                if getattr(self, key) is not None:
+        leader = next((key for key in ("identification", "diagnosis") if getattr(self, key) is not None), "")
+        if leader:
+            for key in ("trajectory", "duration", "diagnosis"):
+                if key != leader and getattr(self, key) is not None:
                     raise ValueError(
-                        f"the scenario has identification and {key}, allowed is one of them, because identification "
+                        f"the scenario has {leader} and {key}, allowed is one of them, because {leader} "
                         f"says itself how the robot moves and how long; remove {key}"
                     )
         elif self.trajectory is None and self.duration is None:
@@ -185,6 +209,8 @@ class Scenario(Settings):
             del settings["plant"]["effects"]
         if self.identification is None:
             del settings["identification"]
+        if self.diagnosis is None:
+            del settings["diagnosis"]
         return hashlib.sha256(json.dumps(settings, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 
 

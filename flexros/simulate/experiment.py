@@ -13,6 +13,7 @@ from flexros.control.controller import Controller
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.errors import InputError, source_named
 from flexros.feedforward.reference import compute_reference
+from flexros.identify.gap_experiment.course import diagnosis_course
 from flexros.identify.limits import check_limits
 from flexros.identify.plan import ExperimentPlan, plan_of_scenario
 from flexros.identify.reference import identification_reference, moves_of
@@ -77,7 +78,7 @@ class Experiment:
         changed = _plant(scenario, nominal, source)
         sample_time = nominal.sample_time if scenario.sample_time is None else scenario.sample_time
         plan = None if scenario.identification is None else plan_of_scenario(scenario)
-        trajectory = _trajectory(scenario, nominal, source) if plan is None else moves_of(plan)
+        trajectory = _trajectory(scenario, nominal, source, sample_time) if plan is None else moves_of(plan)
         duration = trajectory.duration if scenario.duration is None else scenario.duration
         n_samples = int(np.floor(duration / sample_time + 1e-6)) + 1 if plan is None else plan.n_samples
         needed = n_samples * bytes_per_sample(nominal, trajectory.n_out, planned=plan is not None)
@@ -243,12 +244,17 @@ def _plant(scenario: Scenario, nominal: Robot, source: str) -> RobotWithEffects:
         return place_effects(plant, placed)
 
 
-def _trajectory(scenario: Scenario, robot: Robot, source: str) -> Trajectory:
+def _trajectory(scenario: Scenario, robot: Robot, source: str, sample_time: float) -> Trajectory:
     """Plan the scenario's motion from its start pose."""
     near = robot.home
     if scenario.start is not None:
         with source_named(f"{source}, key start"):
             near = robot.check_arm(scenario.start)
+    if scenario.diagnosis is not None:
+        with source_named(source):
+            return diagnosis_course(
+                scenario.diagnosis, robot, scenario.controller, sample_time, scenario.seed, near
+            ).trajectory
     gears = near[list(robot.chain.geared)]
     if scenario.trajectory is None:
         return Trajectory.at_rest(gears)

@@ -1,0 +1,1 @@
+"""The diagnosis experiment: one reference sequence, made for any robot, that shows its deviations from the model."""

@@ -1,0 +1,34 @@
+"""The controller of a diagnosis experiment whose scenario names none."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.identify.design.default_controller import default_controller
+from flexros.robot import load_robot
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flexros.control.pid import Pid
+
+
+def designed_controller(
+    robot: str, values: Mapping[str, float], sample_time: float | None, start: Sequence[float] | None
+) -> Pid:
+    """Design a PID for the robot of a scenario.
+
+    Args:
+        robot: Name or file of the robot.
+        values: Numbers of the robot that the scenario replaces.
+        sample_time: Time between two samples [s]; None for the robot's.
+        start: Arm coordinates at the start [rad or m], shape (N,); None for the robot's home.
+
+    Returns:
+        The controller.
+
+    Raises:
+        InputError: Robot or values are not possible, or no PID holds the robot.
+    """
+    loaded = load_robot(robot).with_values(values, "model.values")
+    return default_controller(loaded, loaded.sample_time if sample_time is None else sample_time)
