@@ -108,7 +108,8 @@ class PlantSettings(ModelSettings):
 class Scenario(Settings):
     """Everything that determines one run.
 
-    The nominal robot is what the feedforward knows; the plant is the nominal robot with its own deviations on top.
+    The nominal robot, with the effects of a patch if `robot` names one, is what the feedforward knows unless
+    `feedforward_model` names another one; the plant is the nominal robot with its own deviations on top.
     """
 
     name: str = Field(
@@ -120,7 +121,9 @@ class Scenario(Settings):
     description: str = Field(
         default="", description="what the scenario shows, and which numbers are published or chosen"
     )
-    robot: str = Field(description="shipped robot, or path of a robot file, relative to the scenario's folder")
+    robot: str = Field(
+        description="shipped robot, or path of a robot file or of a patch, relative to the scenario's folder"
+    )
     model: ModelSettings = Field(
         default_factory=ModelSettings, description="deviations of the nominal robot from its file, also in the plant"
     )
@@ -146,6 +149,11 @@ class Scenario(Settings):
     )
     feedforward: FeedforwardSpecification = Field(
         default_factory=FeedforwardSpecification, description="method that computes motor references and torques"
+    )
+    feedforward_model: str | None = Field(
+        default=None,
+        description="robot file or patch that the feedforward believes in instead of the nominal robot, e.g. the patch "
+        "of a diagnosis; relative to the scenario's folder; the plant stays as it is",
     )
     feedforward_torque: bool = Field(
         default=True,
@@ -207,10 +215,9 @@ class Scenario(Settings):
         settings = self.model_dump(mode="json", exclude={"name", "description"})
         if not self.plant.effects:  # none determine nothing: scenarios keep the hash they had without the key
             del settings["plant"]["effects"]
-        if self.identification is None:
-            del settings["identification"]
-        if self.diagnosis is None:
-            del settings["diagnosis"]
+        for key in ("identification", "diagnosis", "feedforward_model"):
+            if settings[key] is None:
+                del settings[key]
         return hashlib.sha256(json.dumps(settings, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 
 
@@ -226,16 +233,17 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
         name_or_path: A shipped name, or the path of a YAML file.
 
     Returns:
-        The scenario; a relative path of its robot is taken from the scenario's folder.
+        The scenario; relative paths of robot and feedforward model are taken from the scenario's folder.
 
     Raises:
         InputError: No such scenario, broken YAML, unknown key or value not allowed; names file and key.
     """
     path = _path(name_or_path)
     settings = {"name": path.stem, **read_yaml(path)}
-    robot = settings.get("robot")
-    if isinstance(robot, str) and robot.endswith((".yaml", ".yml")) and (path.parent / robot).is_file():
-        settings["robot"] = str(path.parent / robot)
+    for key in ("robot", "feedforward_model"):
+        robot = settings.get(key)
+        if isinstance(robot, str) and robot.endswith((".yaml", ".yml")) and (path.parent / robot).is_file():
+            settings[key] = str(path.parent / robot)
     return validate(Scenario, settings, str(path))
 
 

@@ -14,9 +14,10 @@ from flexros.feedforward.motion import Reference
 from flexros.feedforward.problem import FeedforwardProblem
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from flexros.arrays import FloatArray
+    from flexros.effects import PlacedLaw
     from flexros.feedforward.motion import Motion
     from flexros.feedforward.specification import FeedforwardSpecification
     from flexros.robot import Robot
@@ -30,6 +31,7 @@ def compute_reference(
     sample_time: float,
     duration: float,
     near: FloatArray | None = None,
+    laws: Sequence[PlacedLaw] = (),
 ) -> Reference:
     """Compute references and feedforward torques of all samples.
 
@@ -40,6 +42,7 @@ def compute_reference(
         sample_time: Sample time T of the feedback [s].
         duration: Time to cover [s]; the samples are 0, T, 2 T, ... up to and including `duration`.
         near: Arm coordinates near which the start pose is sought [rad or m], shape (N,); default: the home pose.
+        laws: Laws of effects that the reference makes up for, see `flexros.feedforward.compensation`.
 
     Returns:
         The reference, floor(duration / T) + 1 samples.
@@ -48,7 +51,7 @@ def compute_reference(
         InputError: Settings, trajectory and robot do not go together.
         RunError: The method broke down on the way.
     """
-    chunks = reference_chunks(robot, trajectory, specification, sample_time, duration, near=near)
+    chunks = reference_chunks(robot, trajectory, specification, sample_time, duration, near=near, laws=laws)
     return Reference.concatenate(list(chunks))
 
 
@@ -60,6 +63,7 @@ def reference_chunks(
     duration: float,
     chunk: int = 4096,
     near: FloatArray | None = None,
+    laws: Sequence[PlacedLaw] = (),
 ) -> Iterator[Reference]:
     """Compute references chunk by chunk, for streaming; joined they equal `compute_reference` bit for bit.
 
@@ -71,6 +75,7 @@ def reference_chunks(
         duration: Time to cover [s].
         chunk: Largest number of samples per chunk.
         near: Arm coordinates near which the start pose is sought [rad or m], shape (N,); default: the home pose.
+        laws: Laws of effects that the reference makes up for, see `flexros.feedforward.compensation`.
 
     Yields:
         Successive parts of the reference.

@@ -15,7 +15,10 @@ from flexros.trajectory import JOINTS, JointMove, Move, Rest, Trajectory
 from flexros.trajectory.time_law import rest
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import FloatArray, IntArray
+    from flexros.effects import PlacedLaw
     from flexros.feedforward.specification import FeedforwardSpecification
     from flexros.identify.plan import ExperimentPlan
     from flexros.identify.timetable import Visit
@@ -47,7 +50,11 @@ def moves_of(plan: ExperimentPlan) -> Trajectory:
 
 
 def identification_reference(
-    plan: ExperimentPlan, robot: Robot, feedforward: FeedforwardSpecification, near: FloatArray | None = None
+    plan: ExperimentPlan,
+    robot: Robot,
+    feedforward: FeedforwardSpecification,
+    near: FloatArray | None = None,
+    laws: Sequence[PlacedLaw] = (),
 ) -> Reference:
     """Compute the reference of the whole experiment.
 
@@ -60,6 +67,7 @@ def identification_reference(
         robot: The robot as the feedforward knows it.
         feedforward: Method and settings of the feedforward.
         near: Arm coordinates near which the start pose is sought [rad or m], shape (N,); default: the home pose.
+        laws: Laws of effects that the feedforward makes up for.
 
     Returns:
         The reference, plan.n_samples rows.
@@ -69,7 +77,13 @@ def identification_reference(
     """
     rows = _rows(plan, robot)
     moves = compute_reference(
-        robot, moves_of(plan), feedforward, plan.sample_time, int(np.max(rows)) * plan.sample_time, near
+        robot,
+        moves_of(plan),
+        feedforward,
+        plan.sample_time,
+        int(np.max(rows)) * plan.sample_time,
+        near,
+        laws,
     )
     position, velocity = moves.motor_position[rows], moves.motor_velocity[rows]
     for visit in plan.visits:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.control.controller import Controller
-from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.errors import InputError, source_named
 from flexros.feedforward.reference import compute_reference
 from flexros.identify.gap_experiment.course import diagnosis_course
@@ -18,7 +16,7 @@ from flexros.identify.limits import check_limits
 from flexros.identify.plan import ExperimentPlan, plan_of_scenario
 from flexros.identify.reference import identification_reference, moves_of
 from flexros.provenance import versions
-from flexros.robot import load_robot
+from flexros.simulate.models import ScenarioModels
 from flexros.simulate.plant import Plant
 from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.signals import plant_signals
@@ -42,22 +40,18 @@ class Experiment:
 
     Attributes:
         scenario: What was asked for.
-        nominal: The robot as the feedforward knows it.
-        plant: The robot that is simulated, without the laws of its effects.
+        models: The robot as the scenario names it, as the feedforward knows it, and as it is simulated.
         sample_time: Time between two samples [s].
         trajectory: Desired motion; a rest where the scenario has none, the moves alone where it is an identification.
         n_samples: Number of samples, the first at 0 and the last at or just before the end.
-        laws: Laws of effects at the motors of the plant.
         plan: Plan of the identification experiment; None where the scenario is none.
     """
 
     scenario: Scenario
-    nominal: Robot
-    plant: Robot
+    models: ScenarioModels
     sample_time: float
     trajectory: Trajectory
     n_samples: int
-    laws: tuple[PlacedLaw, ...] = ()
     plan: ExperimentPlan | None = None
 
     @classmethod
@@ -74,8 +68,8 @@ class Experiment:
             InputError: Robot, values, start or trajectory are not possible; the sentence names scenario and key.
         """
         source = f"scenario {scenario.name}"
-        nominal = load_robot(scenario.robot).with_values(scenario.model.values, f"{source}, key model.values")
-        changed = _plant(scenario, nominal, source)
+        models = ScenarioModels.of(scenario)
+        nominal = models.nominal.robot
         sample_time = nominal.sample_time if scenario.sample_time is None else scenario.sample_time
         plan = None if scenario.identification is None else plan_of_scenario(scenario)
         trajectory = _trajectory(scenario, nominal, source, sample_time) if plan is None else moves_of(plan)
@@ -88,10 +82,25 @@ class Experiment:
                 f"samples, which need some {needed / 1e9:.2g} GB of memory with robot {nominal.name}, allowed are "
                 f"{MOST_BYTES / 1e9:g} GB; shorten the duration or raise the sample time"
             )
-        experiment = cls(scenario, nominal, changed.robot, sample_time, trajectory, n_samples, changed.laws, plan)
+        experiment = cls(scenario, models, sample_time, trajectory, n_samples, plan)
         with source_named(source):  # what is cheap to check is refused before anything costly is made
             _ = experiment.gains, experiment.signals(scenario.seed)
         return experiment
+
+    @property
+    def nominal(self) -> Robot:
+        """The robot that the scenario names, without the laws of a patch."""
+        return self.models.nominal.robot
+
+    @property
+    def plant(self) -> Robot:
+        """The robot that is simulated, without the laws of its effects."""
+        return self.models.plant.robot
+
+    @property
+    def laws(self) -> tuple[PlacedLaw, ...]:
+        """Laws of effects on the plant."""
+        return self.models.plant.laws
 
     @property
     def duration(self) -> float:
@@ -114,7 +123,10 @@ class Experiment:
             if self.plan is None:
                 _check_reachable(self.trajectory, self.nominal, self.start)
                 return self._reference(self.duration)
-            reference = identification_reference(self.plan, self.nominal, self.scenario.feedforward, self.start)
+            known = self.models.known
+            reference = identification_reference(
+                self.plan, known.robot, self.scenario.feedforward, self.start, known.laws
+            )
             check_limits(self.plan, self.nominal, self.scenario.controller, reference)
             return self._with_torque(reference)
 
@@ -185,16 +197,22 @@ class Experiment:
             "seed": self.scenario.seed,
             "sample_time": self.sample_time,
             "n_samples": self.n_samples,
-            "model_hash": self.nominal.model_hash,
-            "plant_hash": _plant_hash(self.plant, self.laws),
+            **self.models.fingerprints(),
             "versions": versions(),
         }
 
     def _reference(self, duration: float) -> Reference:
         scenario = self.scenario
         with source_named(f"scenario {scenario.name}"):
+            known = self.models.known
             reference = compute_reference(
-                self.nominal, self.trajectory, scenario.feedforward, self.sample_time, duration, self.start
+                known.robot,
+                self.trajectory,
+                scenario.feedforward,
+                self.sample_time,
+                duration,
+                self.start,
+                known.laws,
             )
         return self._with_torque(reference)
 
@@ -220,28 +238,6 @@ def bytes_per_sample(robot: Robot, n_out: int, *, planned: bool = False) -> int:
     m = robot.n_motors
     reference, signal, derivatives, log = 8 + 3 * m + n_out, 3 * m, 5 * (m + n_out), 7 + 2 * m
     return 8 * (reference + signal + log + (1 if planned else reference + derivatives))
-
-
-def _plant_hash(robot: Robot, laws: tuple[PlacedLaw, ...]) -> str:
-    """Fingerprint robot and laws; 16 hexadecimal digits, those of the robot where there is no law."""
-    if not laws:
-        return robot.model_hash
-    text = "\n".join([robot.model_hash, *(f"{law.name}:{law.effect!r}" for law in laws)])
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def _plant(scenario: Scenario, nominal: Robot, source: str) -> RobotWithEffects:
-    """Change the nominal robot by the plant's values, then by its effects."""
-    key = f"{source}, key plant"
-    if "sample_time" in scenario.plant.values:
-        raise InputError(
-            f"{key}.values: sample_time is given, but plant and controller share one sample time; set the scenario's "
-            "key sample_time instead"
-        )
-    plant = nominal.with_values(scenario.plant.values, f"{key}.values")
-    with source_named(f"{key}.effects"):
-        placed = [parse_effect(text, "effect") for text in scenario.plant.effects]
-        return place_effects(plant, placed)
 
 
 def _trajectory(scenario: Scenario, robot: Robot, source: str, sample_time: float) -> Trajectory:
