@@ -1,0 +1,1 @@
+"""What would lead a diagnosis astray: one check per file, found by itself."""
