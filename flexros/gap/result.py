@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from flexros.arrays import FloatArray
     from flexros.effects.base import PlacedEffect
     from flexros.gap.diagnosis_file import CauseParameter, Diagnosis, GapPlace, Place
     from flexros.gap.record import GapRecord
+    from flexros.gap.signatures.evidence import Evidence
     from flexros.robot import Robot
+
+Progress: TypeAlias = "Callable[[str, float], None]"
+"""Told of the progress of a diagnosis: what is being done, and the share of the whole work that is done [1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +131,8 @@ class DiagnosisResult:
         excess: All places that were looked at for a gap, significant or not: per joint and band over the regime "all",
             and per joint and regime over the whole band.
         signals: The gap by signal, on held-out data, and in closed loop where reference and controller are known.
+        evidence: What the pictures of the effects' signatures are computed from: the fitted log with the predictions
+            of the nominal and the repaired model, states included; None leaves these pictures out.
         tolerance: Parameters that were moved within their tolerance, in standard deviations of it [1].
         cannot_tell: What this log could not tell, a sentence each.
         settings: Settings of the diagnosis, for the provenance.
@@ -147,6 +153,7 @@ class DiagnosisResult:
     covariance: FloatArray | None = None
     excess: tuple[GapPlace, ...] = ()
     signals: tuple[SignalGap, ...] = ()
+    evidence: Evidence | None = None
     tolerance: Mapping[str, float] = field(default_factory=dict)
     cannot_tell: tuple[str, ...] = ()
     settings: Mapping[str, Any] = field(default_factory=dict)

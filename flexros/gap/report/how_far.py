@@ -9,7 +9,7 @@ from flexros.analysis.figures_table import number
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.gap.report.base import AbstractDiagnosisSection
 from flexros.gap.report.innovations import innovation_picture
-from flexros.gap.report.words import capital, closed_words
+from flexros.gap.report.words import closed_words
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -67,12 +67,9 @@ def _bars(gap: GapNumbers) -> go.Figure:
     figure.add_trace(
         go.Bar(
             x=[value for _, value, _ in shown],
-            y=[name for name, _, _ in shown],
+            y=[f"{name}: {number(value, 3)}" for name, value, _ in shown],
             orientation="h",
             marker={"color": [colour for _, _, colour in shown]},
-            text=[number(value, 3) for _, value, _ in shown],
-            textposition="outside",
-            cliponaxis=False,
             error_x=_whisker(gap, [name for name, _, _ in shown]),
             hovertemplate="%{y}: %{x:.4g}<extra></extra>",
         )
@@ -84,7 +81,7 @@ def _bars(gap: GapNumbers) -> go.Figure:
     figure.update_xaxes(
         title_text=f"gap{unit}", type="log", range=[math.log10(0.5 * smallest), math.log10(2.2 * largest)]
     )
-    figure.update_layout(margin={"l": 130, "t": 16}, showlegend=False, bargap=0.35)
+    figure.update_layout(margin={"l": 160, "t": 16}, showlegend=False, bargap=0.35)
     return figure
 
 
@@ -94,15 +91,15 @@ def _whisker(gap: GapNumbers, names: list[str]) -> dict[str, object]:
         return {"visible": False}
     span = gap.before - gap.noise_floor
     low, high = (max(gap.before - share * span, 1e-12) for share in (gap.interval[1], gap.interval[0]))
-    above = [max(high - gap.after, 0.0) if name == "repaired model" else 0.0 for name in names]
-    below = [max(gap.after - low, 0.0) if name == "repaired model" else 0.0 for name in names]
+    above = [max(high - gap.after, 0.0) if name == "repaired model" else math.nan for name in names]
+    below = [max(gap.after - low, 0.0) if name == "repaired model" else math.nan for name in names]
     return {"type": "data", "symmetric": False, "array": above, "arrayminus": below, "thickness": 1.4, "width": 6}
 
 
 def _table(signals: tuple[SignalGap, ...]) -> TextTable:
     rows = tuple(
         (
-            capital(one.signal),
+            one.signal,
             one.unit,
             number(one.before, 3),
             number(one.after, 3),

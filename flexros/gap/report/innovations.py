@@ -82,18 +82,15 @@ def _empty(result: DiagnosisResult, motors: np.ndarray[tuple[int, ...], np.dtype
 def _draw(figure: go.Figure, row: int, key: str, relative: FloatArray, record: GapRecord, *, legend: bool) -> None:
     from flexros.analysis.report.theme import curve
 
-    time = record.sample_time * np.arange(len(relative))
+    time = record.sample_time * np.arange(len(relative), dtype=float)
     name, colour = _NAMES[key], _COLOURS[key]
     over_time = curve(time, relative, name, colour, hover="%{x:.3f} s: %{y:.3g} σ", legend=legend, group=key, width=1.0)
     figure.add_trace(over_time, row=row, col=1)
-    length = min(_SEGMENT, len(relative))
-    frequency, power = (
-        np.asarray(each, dtype=float) for each in welch(relative, 1 / record.sample_time, nperseg=length)
-    )
+    frequency, power = _spectrum(relative, record.sample_time)
     floor = 2 * record.sample_time  # one-sided density of white noise of variance 1
     spectrum = curve(
         frequency[1:],
-        np.asarray(np.maximum(power[1:] / floor, 1e-3), dtype=float),
+        np.maximum(power[1:] / floor, 1e-3),
         name,
         colour,
         hover="%{x:.3g} Hz: %{y:.3g}",
@@ -101,3 +98,9 @@ def _draw(figure: go.Figure, row: int, key: str, relative: FloatArray, record: G
         group=key,
     )
     figure.add_trace(spectrum, row=row, col=2)
+
+
+def _spectrum(values: FloatArray, sample_time: float) -> tuple[FloatArray, FloatArray]:
+    """Return frequencies [Hz] and one-sided power density [1/Hz]."""
+    frequency, power = welch(values, 1 / sample_time, nperseg=min(_SEGMENT, len(values)))
+    return frequency.astype(np.float64), power.astype(np.float64)

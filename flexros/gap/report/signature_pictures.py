@@ -1,12 +1,24 @@
-"""Pictures of the signature of an effect."""
+"""Pictures of what an effect leaves in the log."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.analysis.report.base import Picture
+from flexros.gap.signatures.base import pictures_for
+
 if TYPE_CHECKING:
-    from flexros.analysis.report.base import Picture
+    import plotly.graph_objects as go
+
     from flexros.gap.result import Candidate, DiagnosisResult
+    from flexros.gap.signatures.base import Curve
+    from flexros.gap.signatures.base import Picture as Signature
+
+MOST = 2
+"""Pictures of one effect at most, the clearest first (chosen)."""
+_COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+"""Colours of curves in their order: first what the nominal model misses, then what the repaired one does."""
+_HEIGHT = 260
 
 
 def signature_pictures(one: Candidate, result: DiagnosisResult) -> tuple[Picture, ...]:
@@ -17,7 +29,38 @@ def signature_pictures(one: Candidate, result: DiagnosisResult) -> tuple[Picture
         result: What was found.
 
     Returns:
-        Its pictures.
+        Its pictures, the clearest first; none where the log cannot show it.
     """
-    del one, result
-    return ()
+    evidence = result.evidence
+    if evidence is None:
+        return ()
+    told = (kind().picture(evidence, one.location) for kind in pictures_for(one.effect) if kind.effects)
+    drawn = [signature for signature in told if signature is not None and signature.series]
+    return tuple(Picture(_figure(signature), f"{signature.title}. {signature.reading}") for signature in drawn[:MOST])
+
+
+def _figure(signature: Signature) -> go.Figure:
+    from flexros.analysis.report.theme import stacked
+
+    figure = stacked([""], height=_HEIGHT)
+    for place, (name, curve) in enumerate(signature.series.items()):
+        figure.add_trace(_trace(name, curve, _COLOURS[place % len(_COLOURS)]))
+    figure.update_xaxes(title_text=signature.x_label, type="log" if signature.log_x else "linear")
+    figure.update_yaxes(title_text=signature.y_label, type="log" if signature.log_y else "linear")
+    figure.update_layout(showlegend=len(signature.series) > 1)
+    return figure
+
+
+def _trace(name: str, curve: Curve, colour: str) -> go.Scatter | go.Bar:
+    import plotly.graph_objects as go
+
+    from flexros.analysis.report.theme import compact
+
+    x, y = compact(curve.x), compact(curve.y)
+    hover = f"%{{x:.4g}}: %{{y:.4g}}<extra>{name}</extra>"
+    if curve.style == "bars":
+        return go.Bar(x=x, y=y, name=name, marker={"color": colour}, hovertemplate=hover)
+    if curve.style == "points":
+        marker = {"color": colour, "size": 3, "opacity": 0.45}
+        return go.Scatter(x=x, y=y, name=name, mode="markers", marker=marker, hovertemplate=hover)
+    return go.Scatter(x=x, y=y, name=name, mode="lines", line={"color": colour, "width": 1.8}, hovertemplate=hover)

@@ -37,18 +37,21 @@ class SummarySection(AbstractDiagnosisSection):
 def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
     diagnosis, gap = result.diagnosis, result.diagnosis.gap
     tiles = [_cause_tile(diagnosis)]
-    if gap.closed_fraction is not None:
-        within = f"95 %: {closed_words(gap.interval[0])} to {closed_words(gap.interval[1])}" if gap.interval else ""
-        tiles.append(("Gap closed, held-out data", closed_words(gap.closed_fraction).removesuffix(" %"), "%", within))
     unit = "" if gap.unit == "1" else gap.unit
-    after = "" if gap.after is None else f", {number(gap.after, 3)} after"
-    tiles.append(("Gap before", number(gap.before, 3), unit, f"floor {number(gap.noise_floor, 3)}{after}"))
+    floor = f"floor {number(gap.noise_floor, 3)}"
+    if gap.closed_fraction is None or gap.after is None:
+        tiles.append(("Gap", number(gap.before, 3), unit, floor))
+    else:
+        shrunk = f"{number(gap.before, 3)} before, {number(gap.after, 3)} after, {floor}"
+        tiles.append(("Gap closed, held-out data", closed_words(gap.closed_fraction).removesuffix(" %"), "%", shrunk))
     felt = next((signal for signal in result.signals if "closed loop" in signal.signal), None)
     if felt is not None:
         tiles.append(_felt_tile(felt))
     if diagnosis.where:
         first = diagnosis.where[0]
-        tiles.append(("Where it shows most", first.joint, "", f"{_rest(where_words(first))}, {_p(first.p_value)}"))
+        tiles.append(
+            ("Where it shows most", first.joint, "", f"{_rest(where_words(first))}, {p_value_words(first.p_value)}")
+        )
     return tiles
 
 
@@ -63,14 +66,10 @@ def _cause_tile(diagnosis: Diagnosis) -> tuple[str, str, str, str]:
 
 
 def _felt_tile(felt: SignalGap) -> tuple[str, str, str, str]:
-    after = "" if felt.after is None else f"{number(felt.after, 3)} {felt.unit} after repair"
-    return capital(felt.signal), number(felt.before, 3), felt.unit, after
+    after = "" if felt.after is None else f"{number(felt.after, 2)} {felt.unit} after repair"
+    return capital(felt.signal), number(felt.before, 2), felt.unit, after
 
 
 def _rest(text: str) -> str:
     """Return what follows the name of the joint."""
     return text.partition(" ")[2] or text
-
-
-def _p(p_value: float) -> str:
-    return p_value_words(p_value)

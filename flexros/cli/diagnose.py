@@ -1,0 +1,118 @@
+"""Command that diagnoses the gap between a recorded robot and its model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from flexros.gap.result import DiagnosisResult
+
+TOLERATED = ("stiffness", "inertia", "damping")
+"""Kinds of numbers of a robot whose tolerance can be given."""
+GAP_FOUND = 1
+"""Exit code when a gap was found."""
+
+
+def diagnose(
+    bag: Path = typer.Argument(help="Log folder (rosbag2) or .mcap file to fit effects to."),
+    model: str = typer.Option(..., "--model", help="Robot as it is thought to be: shipped name, YAML or patch.yaml."),
+    out: Path = typer.Option(..., "--out", help="Folder for diagnosis.json, patch.yaml and report.html."),
+    holdout: Path = typer.Option(None, "--holdout", help="Second log to check on; default: the last third of BAG."),
+    tolerance: str = typer.Option(
+        "", "--tolerance", help="Relative tolerances of the model, e.g. stiffness=0.03,inertia=0.03,damping=0.3."
+    ),
+    namespace: str = typer.Option("", "--namespace", help="Namespace of the topics, when a log holds several."),
+    as_json: bool = typer.Option(False, "--json", help="Print diagnosis.json."),
+) -> int:
+    """Say where robot and model differ, which effect causes it, and how far the gap shrinks with it."""
+    from flexros.effects.patched_robot import load_model
+    from flexros.gap.diagnose import diagnose as diagnosed
+    from flexros.gap.read_record import read_record
+    from flexros.gap.report.files import check_folder, write_diagnosis
+    from flexros.logs.reader import read_log
+
+    check_folder(out)
+    tolerances = parse_tolerance(tolerance)
+    robot = load_model(model).robot
+    record, held = (
+        None if path is None else read_record(read_log(path, namespace=namespace or None), robot, name=str(path))
+        for path in (bag, holdout)
+    )
+    assert record is not None
+    with progress_bar() as bar:
+        task = bar.add_task("reading", total=1.0)
+        result = diagnosed(
+            record,
+            robot,
+            holdout=held,
+            tolerance=tolerances,
+            progress=lambda stage, share: bar.update(task, description=stage, completed=share),
+        )
+        bar.update(task, description="writing")
+        files = write_diagnosis(result, model, out)
+    if as_json:
+        print_json(result.diagnosis.model_dump(mode="json", by_alias=True))
+    else:
+        _print(result, [out / name for name in files])
+    return 0 if result.diagnosis.verdict == "no_gap" else GAP_FOUND
+
+
+def parse_tolerance(text: str) -> dict[str, float]:
+    """Read relative tolerances as written on the command line.
+
+    Args:
+        text: KIND=SHARE,..., e.g. "stiffness=0.03,damping=0.3"; empty for those of the robot file.
+
+    Returns:
+        One standard deviation by kind, relative to the value [1].
+
+    Raises:
+        InputError: Wrong form, unknown kind, or a share that is not from 0 to below 1.
+    """
+    tolerances: dict[str, float] = {}
+    for part in (part.strip() for part in text.split(",") if part.strip()):
+        kind, is_pair, value = part.partition("=")
+        if not is_pair:
+            raise InputError(f"--tolerance is '{text}', but must be KIND=SHARE,..., for instance stiffness=0.03")
+        if kind not in TOLERATED:
+            raise unknown_name("kind", kind, TOLERATED, "--tolerance")
+        if kind in tolerances:
+            raise InputError(f"--tolerance gives {kind} twice; remove one of them")
+        try:
+            tolerances[kind] = float(value)
+        except ValueError:
+            raise InputError(
+                f"--tolerance gives {kind} as '{value}', but a relative deviation such as 0.03 is asked"
+            ) from None
+        if not 0 <= tolerances[kind] < 1:
+            raise InputError(f"--tolerance gives {kind} as {value}, allowed are relative deviations from 0 to below 1")
+    return tolerances
+
+
+def _print(result: DiagnosisResult, files: list[Path]) -> None:
+    """Print the answer for people."""
+    from flexros.gap.report import terminal
+
+    diagnosis = result.diagnosis
+    console.print(terminal.verdict_line(diagnosis))
+    if result.ranking and diagnosis.verdict != "no_gap":
+        console.print()
+        console.print(terminal.ranking_table(result))
+    for heading, lines in (
+        ("Where it shows:", terminal.where_lines(diagnosis)),
+        ("", (terminal.gap_line(diagnosis.gap), *terminal.group_lines(diagnosis), *terminal.next_lines(diagnosis))),
+        ("", tuple(f"warning: {text}" for text in diagnosis.warnings)),
+        ("", tuple(f"written: {path}" for path in files)),
+    ):
+        if lines:
+            console.print()
+        if heading and lines:
+            console.print(heading)
+        for line in lines:
+            say(f"  {line}" if heading else line)

@@ -1,0 +1,94 @@
+"""Files of a diagnosis, in a folder that is there as a whole or not at all."""
+
+from __future__ import annotations
+
+import shutil
+from typing import TYPE_CHECKING
+
+from flexros.errors import InputError
+from flexros.gap.repair import patch_of
+from flexros.gap.report.write import diagnosis_report
+from flexros.json_text import json_text
+from flexros.whole_file import write_result
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from flexros.gap.result import DiagnosisResult
+
+DIAGNOSIS, PATCH, REPORT = "diagnosis.json", "patch.yaml", "report.html"
+"""Names of the files in the folder of a diagnosis; the patch is there only where something was found."""
+_KINDS = {DIAGNOSIS: "diagnosis", PATCH: "patch", REPORT: "report"}
+
+
+def check_folder(folder: Path) -> None:
+    """Refuse a folder that a diagnosis must not replace.
+
+    Args:
+        folder: Where the files shall lie; one that is empty or holds an earlier diagnosis may be replaced.
+
+    Raises:
+        InputError: It is a file, holds anything else, or its parent cannot be made or written to.
+    """
+    if not folder.name:
+        raise InputError(f"--out is '{folder}', which cannot be replaced as a whole; give a folder of its own")
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"--out is '{folder}', which is a file; give a folder")
+    held = {entry.name for entry in folder.iterdir()} if folder.is_dir() else set()
+    foreign = sorted(held - set(_KINDS))
+    if foreign or (held and DIAGNOSIS not in held):
+        raise InputError(
+            f"--out is '{folder}', which holds {', '.join(foreign[:3]) or 'no diagnosis.json'}: only an empty folder "
+            "or one of an earlier diagnosis is replaced; give another one"
+        )
+    try:
+        folder.absolute().parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _cannot_write(folder, error) from error
+
+
+def write_diagnosis(result: DiagnosisResult, model: str | Path, folder: Path) -> tuple[str, ...]:
+    """Write diagnosis.json, report.html and, where something was found, patch.yaml.
+
+    They are made in a folder beside, which then takes the place of one that is there.
+
+    Args:
+        result: What was found.
+        model: The model that was diagnosed, as the user named it.
+        folder: The folder.
+
+    Returns:
+        Names of the files.
+
+    Raises:
+        InputError: The folder may not be replaced, or cannot be written.
+    """
+    check_folder(folder)
+    patch = patch_of(result, model, folder.absolute()).text() if result.patch else ""
+    texts = {
+        DIAGNOSIS: json_text(result.diagnosis.model_dump(mode="json", by_alias=True)),
+        **({PATCH: patch} if patch else {}),
+        REPORT: diagnosis_report(result, patch=patch),
+    }
+    part, old = (folder.absolute().with_name(f".{folder.name}.{kind}") for kind in ("part", "old"))
+    try:
+        for left in (part, old):  # of a diagnosis that was broken off
+            shutil.rmtree(left, ignore_errors=True)
+        part.mkdir()
+        for name, text in texts.items():
+            write_result(part / name, text, _KINDS[name])
+        if folder.exists():
+            folder.replace(old)
+        part.replace(folder)
+    except OSError as error:
+        raise _cannot_write(folder, error) from error
+    finally:
+        for left in (part, old):
+            shutil.rmtree(left, ignore_errors=True)
+    return tuple(texts)
+
+
+def _cannot_write(folder: Path, error: OSError) -> InputError:
+    return InputError(
+        f"the diagnosis cannot be written to '{folder}' ({error.strerror or error}); give another folder with --out"
+    )

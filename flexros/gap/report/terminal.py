@@ -1,0 +1,108 @@
+"""The answer of a diagnosis for a terminal: the same words and figures as in the report."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.analysis.figures_table import number
+from flexros.gap.report.verdict import verdict_sentence
+from flexros.gap.report.words import (
+    capital,
+    closed_words,
+    listed,
+    named,
+    p_value_words,
+    parameters_words,
+    share_words,
+    where_words,
+)
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from flexros.gap.diagnosis_file import Diagnosis, GapNumbers
+    from flexros.gap.result import DiagnosisResult
+
+_RANKED, _PLACES = 6, 3
+"""Effects and places that are printed (chosen)."""
+
+
+def verdict_line(diagnosis: Diagnosis) -> str:
+    """Write the verdict: its word and its sentence.
+
+    Args:
+        diagnosis: The answer.
+    """
+    return f"{diagnosis.verdict}: {verdict_sentence(diagnosis)}"
+
+
+def ranking_table(result: DiagnosisResult) -> Table:
+    """Lay out the first effects by probability, and 'nothing'.
+
+    Args:
+        result: What was found.
+    """
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for place, heading in enumerate(("effect", "probability", "gain", "penalty", "leaves", "fitted")):
+        table.add_column(heading, justify="right" if 0 < place < 5 else "left", no_wrap=place < 5)
+    for one in result.ranking[:_RANKED]:
+        left = "-" if one.remainder is None else share_words(one.remainder)
+        cells = (capital(named(one)), share_words(one.probability), number(one.gain, 4), number(one.penalty, 3), left)
+        table.add_row(*map(Text, (*cells, parameters_words(one.parameters))))
+    table.add_row("Nothing", share_words(result.nothing), "0", "0", "100 %", "")
+    return table
+
+
+def where_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Write the first places where the gap shows.
+
+    Args:
+        diagnosis: The answer.
+    """
+    return tuple(
+        f"{where_words(place)}: {share_words(place.share)} of the excess, {p_value_words(place.p_value)}"
+        for place in diagnosis.where[:_PLACES]
+    )
+
+
+def gap_line(gap: GapNumbers) -> str:
+    """Write the gap numbers in a line.
+
+    Args:
+        gap: The numbers.
+    """
+    unit = "" if gap.unit in ("", "1") else f" {gap.unit}"
+    told = [f"{number(gap.before, 4)}{unit} before", f"floor {number(gap.noise_floor, 4)}"]
+    if gap.after is not None:
+        told.insert(1, f"{number(gap.after, 4)} after")
+    if gap.best_rival is not None:
+        told.append(f"best rival {number(gap.best_rival, 4)}")
+    if gap.closed_fraction is not None:
+        within = f" ({closed_words(gap.interval[0])} to {closed_words(gap.interval[1])})" if gap.interval else ""
+        told.append(f"{closed_words(gap.closed_fraction)} closed{within}")
+    return f"Gap ({gap.metric}): {', '.join(told)}"
+
+
+def group_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Write the groups of effects that the log cannot tell apart.
+
+    Args:
+        diagnosis: The answer.
+    """
+    return tuple(f"Not told apart: {listed([named(place) for place in group])}" for group in diagnosis.ambiguity_groups)
+
+
+def next_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Write the experiment to run next, and its command.
+
+    Args:
+        diagnosis: The answer.
+    """
+    following = diagnosis.next_experiment
+    if following is None:
+        return ()
+    line = f"Next experiment: {following.name}, {following.description.rstrip('.')}"
+    return (line, f"  {following.command}") if following.command else (line,)
