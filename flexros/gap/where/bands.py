@@ -88,8 +88,8 @@ class OctaveBands:
             spectrum: Fourier transform of a real signal (numpy.fft.rfft), shape (n // 2 + 1,).
 
         Returns:
-            For each band |band-limited part|^2 times the samples that a value stands for, so that its sum over all bands
-            is the sum of the squared signal; shape (length of the band,).
+            For each band |band-limited part|^2 times the samples that a value stands for, so that its sum over all
+            bands is the sum of the squared signal; shape (length of the band,).
         """
         found = []
         for first, end in zip(self.edges[:-1], self.edges[1:]):

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.where.bands import OctaveBands
 from flexros.gap.where.orders import OrderGrid, prominence
 from flexros.gap.where.sudden import level, sudden_part
 
@@ -15,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.arrays import BoolArray, FloatArray
+    from flexros.gap.where.bands import OctaveBands
 
 LEAST_FREEDOM = 8.0
 """Degrees of freedom that a place needs (chosen)."""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.diagnosis_file import GapPlace
 from flexros.gap.where.channels import motor_channels, tool_channels
 from flexros.gap.where.floor import white
 from flexros.gap.where.places import Seen, places_of
@@ -18,6 +17,7 @@ from flexros.random_streams import generator
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
+    from flexros.gap.diagnosis_file import GapPlace
     from flexros.gap.record import GapRecord
     from flexros.gap.result import Prediction
     from flexros.gap.where.channel import Channel
@@ -70,8 +70,8 @@ def where(
             taken off; None where there are none.
         projected: Prediction errors from which all that the tolerance of the model can explain was taken off [rad or
             m], shape (n, M); they are looked at instead of those of the prediction.
-        spectrum: Spectrum of the prediction errors without gap, from `flexros.gap.where.floor`, shape (any, M); default:
-            white.
+        spectrum: Spectrum of the prediction errors without gap, from `flexros.gap.where.floor`, shape (any, M);
+            default: white.
         settings: Numbers of the search.
 
     Returns:

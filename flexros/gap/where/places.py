@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flexros.gap.where.channel import Channel, Look
 
 POSITION, SUDDEN, TOOL = "position", "sudden position change", "tool"
-"""Names of the signals: prediction errors of motors, the part of them that earlier ones do not foretell, and the tool's."""
+"""Names of the signals: prediction errors of motors, what earlier ones of them do not foretell, and the tool's."""
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.gap.diagnosis_file import GapPlace
-from flexros.gap.where.places import TOOL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,7 +77,7 @@ def _of_all_axes(places: Sequence[FoundPlace]) -> list[FoundPlace]:
 
 def _plain(place: FoundPlace) -> GapPlace:
     return GapPlace(
-        signal=place.signal if place.signal == TOOL else place.signal,
+        signal=place.signal,
         joint=place.joint,
         band_hz=(round(place.band_hz[0], 3), round(place.band_hz[1], 3)),
         regime=place.regime,
