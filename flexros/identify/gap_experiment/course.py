@@ -25,14 +25,18 @@ if TYPE_CHECKING:
 
 PARTS_STREAM = 2
 """Number of the random stream of the experiment among those of excitations."""
-FIRST_REST = 1.0
+FIRST_REST = 1.2
 """Rest at the start [s] (chosen)."""
 DWELL = 0.3
 """Rest after a move [s] (chosen)."""
 LAST_REST = 0.5
 """Rest at the end [s] (chosen)."""
+WAY_BACK = 1.0
+"""Time set aside for the way back to the start [s] (chosen)."""
 JERK_TIMES = (0.08, 0.2)
 """Time in which a fast move reaches its acceleration, from and to [s] (chosen)."""
+MOVE_SHARE = (0.6, 0.9)
+"""Acceleration of a fast move as a share of the largest, from and to [1] (chosen)."""
 STEP_TIMES = (0.03, 0.06, 0.12)
 """Times of the steps [s] (chosen)."""
 STEP_SHARE = 0.5
@@ -122,7 +126,7 @@ class _Builder:
             self.specification.parts[k] for k in self.random.permutation(len(self.specification.parts))
         ]
         total = sum(WEIGHTS[name] for name in order)
-        left = max(self.specification.length - FIRST_REST - LAST_REST, 0.5 * self.specification.length)
+        left = max(self.specification.length - FIRST_REST - LAST_REST - WAY_BACK, 0.5 * self.specification.length)
         self._rest(FIRST_REST)
         for number, name in enumerate(order):
             start = self.time
@@ -167,7 +171,7 @@ class _Builder:
         """Move fast to a goal, near the largest accelerations, and rest."""
         if np.allclose(goal, self.here, atol=1e-12):
             return
-        share = self.specification.intensity * self.random.uniform(0.6, 0.9)
+        share = self.specification.intensity * self.random.uniform(*MOVE_SHARE)
         acceleration = share * self.scales.acceleration
         jerk = acceleration / self.random.uniform(*JERK_TIMES)
         limits = joint_limits(
@@ -185,19 +189,18 @@ class _Builder:
         leg_times = 0.5 * time * legs / np.sum(legs)
         centre = self.here
         for speed, leg in zip(speeds / speeds[0], leg_times, strict=True):
-            way = self.scales.creep * min(1.0, speed * leg / leg_times[0])
+            ramp = 0.15 * leg
+            rate = 1.0 / (leg - ramp)
+            room = 0.5 * self.scales.acceleration / (1.5 * rate / ramp)
+            way = np.minimum(self.scales.creep * min(1.0, speed * leg / leg_times[0]), room)
             way = way * self.random.choice([-1.0, 1.0], len(way))
+            limits = Limits(rate, 1.5 * rate / ramp, 6.0 * rate / ramp**2, 60.0 * rate / ramp**3)
             for goal in (centre + way, centre):
-                ramp = 0.1 * leg
-                rate = 1.0 / (leg - ramp)
-                limits = Limits(rate, 1.5 * rate / ramp, 6.0 * rate / ramp**2, 60.0 * rate / ramp**3)
                 self._move(goal, bang_bang_snap(1.0, limits))
 
     def _presliding(self, time: float, poses: list[FloatArray]) -> None:
         """Reverse slowly with three small amplitudes."""
-        largest = np.maximum(
-            np.minimum(0.1 * self.scales.creep, 0.002 * self.scales.acceleration), self.scales.smallest
-        )
+        largest = np.maximum(0.1 * self.scales.creep, self.scales.smallest)
         for size in np.geomspace(self.scales.smallest, largest, 3):
             self._vibrate(self.vibrations.slow(self.here, self._whole(time / 3.0), size, self.random))
 

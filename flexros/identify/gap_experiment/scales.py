@@ -29,7 +29,7 @@ TURNS = 2.5
 """Turns of the rotor on the creep way, where the reach permits [1] (chosen: over two, so that orders repeat)."""
 CREEP = {True: 0.1, False: 0.03}
 """Creep way of a robot whose gear ratio is not known [rad or m on the arm's side] (chosen)."""
-TORQUE_SHARE = 0.8
+TORQUE_SHARE = 0.75
 """Share of the torque limits that the experiment uses, loads at rest included [1] (chosen)."""
 NOISE_MULTIPLE = 30.0
 """Smallest slow reversal as a multiple of the encoder noise [1] (chosen)."""

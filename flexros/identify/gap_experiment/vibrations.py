@@ -20,15 +20,17 @@ if TYPE_CHECKING:
 FADE = 0.25
 """Time in which a vibration is faded in, and out [s] (chosen)."""
 SLOW_FADE = 0.6
-"""The same for slow reversals and swings, which would jerk otherwise [s] (chosen)."""
+"""The same for slow reversals, which would jerk otherwise [s] (chosen)."""
 SLOW = 1.0
 """Frequency of the small slow reversals [Hz] (chosen)."""
+SLOW_SHARE = 0.08
+"""Largest acceleration of the slow reversals as a share of that of a move [1] (chosen)."""
 APART = 0.17
 """How much faster every further motor reverses, so that motors meet in all directions [Hz] (chosen)."""
 DETECTION_GROUP = 4
 """Of so many neighbouring odd lines one stays empty [1] (chosen)."""
-SPEED_SHARE = 0.6
-"""Largest rms speed of a multisine as a share of the speed limit [1] (chosen)."""
+PEAK_SHARE = 0.8
+"""Largest torque of a vibration between its fades as a share of the torque scale [1] (chosen)."""
 BAND = 0.06
 """Highest line as a share of the sampling rate [1] (chosen: 120 Hz at 2 kHz)."""
 
@@ -57,7 +59,7 @@ class Vibrations:
         Args:
             centre: Gear angles about which it moves [rad or m], shape (M,).
             duration: Time [s].
-            size: Amplitudes [rad or m], shape (M,).
+            size: Amplitudes, less where they would cost more than a small torque [rad or m], shape (M,).
             random: Source of the phases.
 
         Returns:
@@ -65,6 +67,7 @@ class Vibrations:
         """
         m = len(centre)
         frequency: FloatArray = (SLOW + APART * np.arange(m, dtype=np.float64)) * max(1.0, 2.0 / duration)
+        size = np.minimum(size, SLOW_SHARE * self.scales.acceleration / (2.0 * np.pi * frequency) ** 2)
         phase = np.diag(random.uniform(0.0, 2.0 * np.pi, m))
         return Vibration(centre, frequency, np.diag(size), phase, duration, min(SLOW_FADE, 0.4 * duration))
 
@@ -93,8 +96,9 @@ class Vibrations:
         Returns:
             The vibration.
         """
-        fade = SLOW_FADE if bias else FADE
-        period = round((duration - 2.0 * fade) / 2.0 / self.sample_time) * self.sample_time
+        period = duration / 3.0 if bias else 0.5 * duration - FADE
+        period = round(period / self.sample_time) * self.sample_time
+        fade = 0.5 * period if bias else FADE  # a faster fade of the swing would cost more torque than the swing
         top = BAND / self.sample_time if highest is None else min(highest, 0.45 / self.sample_time)
         lines = with_detection(candidate_lines(3.0, top * period, True, "diagnosis"), DETECTION_GROUP, random)
         lines = np.concatenate([[1], lines])
@@ -105,11 +109,11 @@ class Vibrations:
         own = np.abs(np.diagonal(response, axis1=1, axis2=2)).T  # (M, F)
         amplitude = self.scales.torque[:, None] * shape / own
         phase = random.uniform(0.0, 2.0 * np.pi, amplitude.shape)
-        factor = self._room(response, amplitude, phase, frequency, level)
+        factor = self._room(response, amplitude, phase, frequency)
         return Vibration(centre, frequency, factor[:, None] * amplitude, phase, 2.0 * period + 2.0 * fade, fade)
 
     def _room(
-        self, response: ComplexArray, amplitude: FloatArray, phase: FloatArray, frequency: FloatArray, level: float
+        self, response: ComplexArray, amplitude: FloatArray, phase: FloatArray, frequency: FloatArray
     ) -> FloatArray:
         """Factors by which the amplitudes shrink to keep torque, speed and reach, shape (M,)."""
         wave = amplitude * np.exp(1j * phase)
@@ -121,6 +125,6 @@ class Vibrations:
         speed = np.max(np.abs(((1j * w * wave) @ turned).real), axis=1)
         way = np.max(np.abs((wave @ turned).real), axis=1)
         room = np.minimum(self.scales.speed / speed, 0.5 * self.scales.reach / way)
-        room = np.minimum(room, np.min(self.scales.torque / peak))
+        room = np.minimum(room, np.min(PEAK_SHARE * self.scales.torque / peak))
         result: FloatArray = np.minimum(room, 1.0)
         return result
