@@ -68,6 +68,7 @@ def _caption(label: str) -> str:
 def _map(places: Sequence[GapPlace], label: str, words: Callable[[GapPlace], str]) -> go.Figure:
     import plotly.graph_objects as go
 
+    from flexros.analysis.report.grid import digits
     from flexros.analysis.report.theme import stacked
 
     rows = list(dict.fromkeys(_row(place) for place in places))
@@ -80,8 +81,8 @@ def _map(places: Sequence[GapPlace], label: str, words: Callable[[GapPlace], str
     figure = stacked([""], height=44 * len(rows) + 40)
     figure.add_trace(
         go.Heatmap(
-            z=share,
-            customdata=p_value,
+            z=[digits(row) for row in share],
+            customdata=[digits(row) for row in p_value],
             x=columns,
             y=rows,
             zmin=0,

@@ -1,0 +1,59 @@
+"""What speaks for an effect and against it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from flexros.gap.report.evidence import EvidenceSection, speaks_against, speaks_for
+from flexros.gap.result import DiagnosisResult
+
+Diagnosed = Callable[[str], DiagnosisResult]
+
+
+def test_the_first_effect_has_its_gain_on_both_logs(diagnosed: Diagnosed) -> None:
+    result = diagnosed("explained")
+    told = " ".join(speaks_for(result.ranking[0], result))
+    assert "by 5400, its parameters cost 22" in told
+    assert "not seen better: gain 2160 there" in told
+    assert "leaves under 1 % of the excess" in told
+
+
+def test_a_number_that_the_log_does_not_determine_speaks_against(diagnosed: Diagnosed) -> None:
+    result = diagnosed("explained")
+    assert "Not determined by this log: asymmetry." in speaks_against(result.ranking[0], result)
+
+
+def test_a_rival_is_told_how_far_it_is_behind_and_what_it_leaves(diagnosed: Diagnosed) -> None:
+    result = diagnosed("explained")
+    told = speaks_against(result.ranking[2], result)
+    assert "Coulomb friction at motor_1 gains 3489 more." in told
+    assert "It leaves 60 % of the excess over the noise floor unexplained." in told
+
+
+def test_an_effect_that_gains_too_little_is_told_so(diagnosed: Diagnosed) -> None:
+    result = diagnosed("explained")
+    assert "Its gain of -4 does not pay for its parameters (11)." in speaks_against(result.ranking[3], result)
+
+
+def test_effects_of_a_group_name_each_other(diagnosed: Diagnosed) -> None:
+    result = diagnosed("ambiguous")
+    assert "This log cannot tell it from backlash at motor_1." in speaks_against(result.ranking[0], result)
+    assert "This log cannot tell it from hysteresis at motor_1." in speaks_against(result.ranking[1], result)
+
+
+def test_an_effect_that_does_not_predict_is_told_so(diagnosed: Diagnosed) -> None:
+    result = diagnosed("explained")
+    useless = replace(result.ranking[0], holdout_gain=-3.0)
+    assert any("does not predict the data" in text for text in speaks_against(useless, result))
+
+
+def test_further_sentences_of_the_search_are_passed_on(diagnosed: Diagnosed) -> None:
+    result = diagnosed("explained")
+    one = replace(result.ranking[0], speaks_for=("Orders 2 and 4 stand out.",), speaks_against=("No reversal.",))
+    assert speaks_for(one, result)[-1] == "Orders 2 and 4 stand out."
+    assert speaks_against(one, result)[-1] == "No reversal."
+
+
+def test_without_a_gap_there_is_no_evidence(diagnosed: Diagnosed) -> None:
+    assert EvidenceSection().blocks(diagnosed("no_gap")) == ()

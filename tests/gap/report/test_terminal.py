@@ -1,0 +1,45 @@
+"""What is printed of a diagnosis."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+
+from rich.console import Console
+
+from flexros.gap.report.terminal import gap_line, group_lines, next_lines, ranking_table, verdict_line, where_lines
+from flexros.gap.result import DiagnosisResult
+
+Diagnosed = Callable[[str], DiagnosisResult]
+
+
+def test_verdict_comes_with_its_word(diagnosed: Diagnosed) -> None:
+    assert verdict_line(diagnosed("explained").diagnosis).startswith("explained: The gap comes from Coulomb friction")
+
+
+def test_ranking_ends_with_nothing(diagnosed: Diagnosed) -> None:
+    text = io.StringIO()
+    Console(file=text, width=140).print(ranking_table(diagnosed("explained")))
+    lines = text.getvalue().splitlines()
+    assert lines[1].split()[:6] == ["Coulomb", "friction", "at", "motor_1", "97", "%"]
+    assert lines[-1].split() == ["Nothing", "0", "%", "0", "0", "100", "%"]
+
+
+def test_gap_is_told_in_a_line(diagnosed: Diagnosed) -> None:
+    assert gap_line(diagnosed("explained").diagnosis.gap).endswith(
+        ": 38.20 before, 1.120 after, floor 1, best rival 2.900, 99.7 % closed (98.7 % to 99.9 %)"
+    )
+    assert gap_line(diagnosed("no_gap").diagnosis.gap).endswith(": 1.030 before, floor 1")
+
+
+def test_the_first_three_places_are_told(diagnosed: Diagnosed) -> None:
+    lines = where_lines(diagnosed("explained").diagnosis)
+    assert lines[0] == "motor_1 position, below 2 Hz: 61 % of the excess, p < 0.001"
+    assert len(lines) == 3
+
+
+def test_groups_and_next_experiment_are_told(diagnosed: Diagnosed) -> None:
+    diagnosis = diagnosed("ambiguous").diagnosis
+    assert group_lines(diagnosis) == ("Not told apart: hysteresis at motor_1 and backlash at motor_1",)
+    assert next_lines(diagnosis)[1] == "  flexros run bias_steps --model four_mass_linear --out bags/bias_steps"
+    assert next_lines(diagnosed("explained").diagnosis) == ()

@@ -1,0 +1,47 @@
+"""The sentence at the top of a report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from flexros.gap.report.verdict import told_causes, verdict_sentence
+from flexros.gap.result import DiagnosisResult
+
+Diagnosed = Callable[[str], DiagnosisResult]
+
+
+def test_a_gap_that_is_explained_names_cause_size_and_what_it_closes(diagnosed: Diagnosed) -> None:
+    assert verdict_sentence(diagnosed("explained").diagnosis) == (
+        "The gap comes from Coulomb friction at motor_1, 0.213 Nm (±0.011), with a probability of 97 %. On held-out "
+        "data the repaired model closes 99.7 % of the gap (98.7 % to 99.9 %): 38.2 before, 1.12 after, "
+        "1 without any gap."
+    )
+
+
+def test_no_gap_names_the_floor(diagnosed: Diagnosed) -> None:
+    text = verdict_sentence(diagnosed("no_gap").diagnosis)
+    assert text.startswith("No gap: model and log agree")
+    assert "1.03 against a floor of 1" in text
+
+
+def test_rivals_are_both_named_with_the_experiment_that_tells_them(diagnosed: Diagnosed) -> None:
+    text = verdict_sentence(diagnosed("ambiguous").diagnosis)
+    assert "cannot tell hysteresis at motor_1 (56 %) from backlash at motor_1 (43 %) apart" in text
+    assert text.endswith("To tell them, run bias_steps next.")
+
+
+def test_an_unknown_effect_is_told_with_what_is_left_and_where(diagnosed: Diagnosed) -> None:
+    text = verdict_sentence(diagnosed("unknown_effect").diagnosis)
+    assert "no known effect explains" in text
+    assert "leaves 42 % of it on held-out data" in text
+    assert "motor_1 position, below 2 Hz" in text
+
+
+def test_both_causes_of_a_pair_are_told(diagnosed: Diagnosed) -> None:
+    diagnosis = diagnosed("explained").diagnosis
+    first, second, *rest = diagnosis.causes
+    pair = diagnosis.model_copy(update={"causes": (first, second.model_copy(update={"probability": 0.9}), *rest)})
+    assert [cause.effect for cause in told_causes(pair)] == ["coulomb_friction", "hysteresis"]
+    text = verdict_sentence(pair)
+    assert "Coulomb friction at motor_1, 0.213 Nm (±0.011) and hysteresis at motor_1" in text
+    assert "each with a probability of 90 % or more" in text

@@ -1,0 +1,93 @@
+"""Words for effects, places and numbers."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexros.gap.diagnosis_file import Cause, CauseParameter, GapPlace
+from flexros.gap.report.words import (
+    band_words,
+    cause_words,
+    closed_words,
+    effect_words,
+    listed,
+    p_value_words,
+    parameter_words,
+    place_words,
+    share_words,
+    where_words,
+)
+
+
+def parameter(value: float, std: float, unit: str) -> CauseParameter:
+    return CauseParameter(value=value, std=std, unit=unit)
+
+
+def test_effects_are_named_in_words() -> None:
+    assert effect_words("coulomb_friction") == "Coulomb friction"
+    assert effect_words("torque_gain_error") == "torque gain error"
+
+
+def test_places_are_named_in_words() -> None:
+    assert place_words("motor_1") == "at motor_1"
+    assert place_words("body_1.rz") == "in spring body_1.rz"
+    assert place_words("tool") == "at the tool"
+    assert place_words("all") == "at all motors"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "text"),
+    [
+        ("level", parameter(0.2134, 0.0113, "Nm"), "0.213 Nm (±0.011)"),
+        ("gap", parameter(2.1e-4, 3e-6, "rad"), "0.2100 mrad (±0.0030)"),
+        ("time", parameter(4.7e-4, 1e-5, "s"), "0.470 ms (±0.010)"),
+        ("relative", parameter(-0.052, 0.003, "1"), "-5.20 % (±0.30)"),
+        ("relative", parameter(0.052, 0.003, "1"), "+5.20 % (±0.30)"),
+        ("frequency", parameter(11.3, 0.2, "Hz"), "11.30 Hz (±0.20)"),
+        ("coefficient", parameter(203.0, 1.2, "N s/m"), "203.0 N s/m (±1.2)"),
+        ("order", parameter(6.0, 0.0, "1"), "6"),
+        ("asymmetry", parameter(0.05, 0.12, "1"), "0.05 (±0.12)"),
+        ("level", parameter(0.0, 0.0, "Nm"), "0 Nm"),
+        ("stiffness", parameter(2.5e6, 3e3, "Nm/rad"), "2500000 Nm/rad (±3000)"),
+    ],
+)
+def test_a_number_has_the_digits_that_its_deviation_leaves(name: str, value: CauseParameter, text: str) -> None:
+    assert parameter_words(name, value) == text
+
+
+def test_a_number_that_may_be_zero_is_left_out_of_the_cause() -> None:
+    numbers = {"level": parameter(0.2134, 0.0113, "Nm"), "asymmetry": parameter(0.05, 0.12, "1")}
+    cause = Cause(
+        effect="coulomb_friction", location="motor_1", probability=1.0, parameters=numbers, closed_fraction=None
+    )
+    assert cause_words(cause) == "Coulomb friction at motor_1, 0.213 Nm (±0.011)"
+
+
+def test_bands_without_an_end() -> None:
+    assert band_words((0.0, 2.0)) == "below 2 Hz"
+    assert band_words((8.0, 20.0)) == "8 to 20 Hz"
+    assert band_words((200.0, 1e9)) == "above 200 Hz"
+    assert band_words((0.0, 1e9)) == "all frequencies"
+
+
+def test_places_of_the_gap() -> None:
+    place = GapPlace(
+        signal="position", joint="motor_1", band_hz=(0.0, 8.0), regime="low speed", share=0.5, p_value=0.01
+    )
+    assert where_words(place) == "motor_1 position in the regime 'low speed', below 8 Hz"
+
+
+def test_shares_are_never_told_as_all_or_nothing_when_they_are_not() -> None:
+    assert [share_words(share) for share in (0.0, 1e-6, 0.42, 0.9999, 1.0)] == [
+        "0 %",
+        "under 1 %",
+        "42 %",
+        "over 99 %",
+        "100 %",
+    ]
+    assert [closed_words(share) for share in (-0.5, 0.83, 0.9968)] == ["-50 %", "83 %", "99.7 %"]
+    assert p_value_words(1e-5) == "p < 0.001"
+
+
+def test_lists_read_as_sentences() -> None:
+    assert [listed(texts) for texts in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]

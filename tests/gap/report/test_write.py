@@ -1,0 +1,109 @@
+"""The page as a whole: one verdict after the other, every figure from the result."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from flexros.gap.report import diagnosis_report, write_diagnosis_report
+from flexros.gap.result import DiagnosisResult
+
+Diagnosed = Callable[[str], DiagnosisResult]
+PATCH = "robot: four_mass_linear\neffects:\n  - effect: coulomb_friction <at> motor_1\n"
+ALWAYS = ("Where it shows", "Which effect", "How far apart, before and after", "What this log cannot tell")
+VERDICTS = {
+    "no_gap": (ALWAYS, ("The evidence", "The patch")),
+    "explained": ((*ALWAYS, "The evidence", "The patch"), ()),
+    "ambiguous": ((*ALWAYS, "The evidence", "The patch"), ()),
+    "unknown_effect": ((*ALWAYS, "The evidence", "The patch"), ()),
+}
+
+
+def page(result: DiagnosisResult, patch: str = "") -> str:
+    """The page without the plotting library."""
+    return re.sub(r"<script>.*?</script>", "", diagnosis_report(result, patch=patch), flags=re.DOTALL)
+
+
+def pictures(html: str) -> list[dict[str, object]]:
+    return json.loads(re.search(r'id="pictures">(.*?)</script>', html, re.DOTALL)[1])  # type: ignore[index, no-any-return]
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_sections_follow_the_verdict(diagnosed: Diagnosed, verdict: str) -> None:
+    there, absent = VERDICTS[verdict]
+    html = page(diagnosed(verdict), "" if verdict == "no_gap" else PATCH)
+    headings = re.findall(r"<h2>(.*?)</h2>", html)
+    assert all(any(heading.startswith(title) for heading in headings) for title in there)
+    assert not set(absent) & set(headings)
+
+
+def test_page_needs_nothing_from_outside(diagnosed: Diagnosed) -> None:
+    html = page(diagnosed("explained"))
+    assert not re.search(r'(src|href)="(?!data:)', html)
+
+
+def test_the_patch_can_be_copied_as_it_is(diagnosed: Diagnosed) -> None:
+    html = page(diagnosed("explained"), PATCH)
+    assert "<pre>robot: four_mass_linear\neffects:\n  - effect: coulomb_friction &lt;at&gt; motor_1\n</pre>" in html
+    assert html.count(">copy</button>") == 2
+
+
+def test_the_map_holds_every_place_that_was_looked_at(diagnosed: Diagnosed) -> None:
+    by_band, by_regime, *_ = (entry["figure"]["data"][0] for entry in pictures(page(diagnosed("explained"))))  # type: ignore[index]
+    assert by_band["x"][0] == "below 2 Hz"
+    assert by_band["z"][0][:2] == [61.0, 25.0]
+    assert by_regime["x"] == ["reversal", "low speed", "standstill", "high torque", "high speed"]
+    assert by_regime["customdata"][0][0] == 0.0004
+
+
+def test_bars_of_probability_hold_nothing_too(diagnosed: Diagnosed) -> None:
+    bars = pictures(page(diagnosed("no_gap")))[2]["figure"]["data"][0]  # type: ignore[index]
+    assert bars["y"][-1] == "Nothing"
+    assert bars["x"][-1] == pytest.approx(99.4)
+
+
+def test_rivals_of_a_group_have_a_colour_of_their_own(diagnosed: Diagnosed) -> None:
+    bars = pictures(page(diagnosed("ambiguous")))[2]["figure"]["data"][0]  # type: ignore[index]
+    colours = bars["marker"]["color"]
+    assert colours[0] == colours[1] != colours[2]
+
+
+def test_gap_numbers_are_drawn_with_rival_and_floor(diagnosed: Diagnosed) -> None:
+    bars = pictures(page(diagnosed("explained")))[3]["figure"]["data"][0]  # type: ignore[index]
+    assert bars["x"] == [38.2, 2.9, 1.12, 1.0]
+    assert bars["y"][0] == "nominal model: 38.2"
+
+
+def test_without_a_repair_the_curves_show_the_nominal_model_alone(diagnosed: Diagnosed) -> None:
+    told = pictures(page(diagnosed("no_gap")))[-1]["figure"]["data"]  # type: ignore[index]
+    assert {trace["name"] for trace in told} == {"nominal model"}
+
+
+def test_next_experiment_has_its_command(diagnosed: Diagnosed) -> None:
+    html = page(diagnosed("ambiguous"))
+    assert "<pre>flexros run bias_steps --model four_mass_linear --out bags/bias_steps</pre>" in html
+    assert "41 nats" in html
+
+
+def test_what_moved_within_tolerance_is_told(diagnosed: Diagnosed) -> None:
+    html = page(diagnosed("explained"))
+    assert "+1.7" in html
+    assert "body_2.rz.stiffness" not in html
+
+
+def test_a_result_with_little_is_rendered_all_the_same(changed: Callable[..., DiagnosisResult]) -> None:
+    bare = changed("no_gap", ranking=(), excess=(), signals=(), holdout=None, tolerance={}, cannot_tell=(), timings={})
+    html = page(replace(bare, before=replace(bare.before, holdout=None)))
+    assert "No effect competed" in html
+    assert "Where it shows</h2>" not in html
+
+
+def test_report_is_written_as_a_file(diagnosed: Diagnosed, tmp_path: Path) -> None:
+    file = tmp_path / "report.html"
+    write_diagnosis_report(diagnosed("explained"), file, title="My robot")
+    assert "<title>My robot</title>" in file.read_text(encoding="utf-8")
