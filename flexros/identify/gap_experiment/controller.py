@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.effects.patched_robot import load_patched
 from flexros.identify.design.default_controller import default_controller
-from flexros.robot import load_robot
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ def designed_controller(
     """Design a PID for the robot of a scenario.
 
     Args:
-        robot: Name or file of the robot.
+        robot: Name or file of the robot, or of a patch, whose base robot is taken for the design.
         values: Numbers of the robot that the scenario replaces.
         sample_time: Time between two samples [s]; None for the robot's.
         start: Arm coordinates at the start [rad or m], shape (N,); None for the robot's home.
@@ -30,5 +30,5 @@ def designed_controller(
     Raises:
         InputError: Robot or values are not possible, or no PID holds the robot.
     """
-    loaded = load_robot(robot).with_values(values, "model.values")
+    loaded = load_patched(robot).with_values(values, "model.values").base
     return default_controller(loaded, loaded.sample_time if sample_time is None else sample_time)

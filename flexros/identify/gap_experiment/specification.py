@@ -33,7 +33,7 @@ class DiagnosisSpecification(Settings):
     Sizes that are left out follow from the robot's own numbers, see `flexros.identify.gap_experiment.scales`.
     """
 
-    length: float = Field(default=40.0, ge=4.0, le=3600.0, description="length of the experiment, about [s]")
+    length: float = Field(default=40.0, ge=10.0, le=3600.0, description="length of the experiment, about [s]")
     parts: tuple[PartName, ...] = Field(
         default=tuple(WEIGHTS),
         description="parts, each once: creep both ways, presliding (small slow reversals), multisine, biased "
