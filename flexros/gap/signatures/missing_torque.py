@@ -55,7 +55,7 @@ def missing_torque(
     """
     n = len(innovations)
     dynamics = error_dynamics(robot, observer.gain, observer.transition)
-    frequency = np.fft.rfftfreq(n, record.sample_time)
+    frequency: FloatArray = np.asarray(np.fft.rfftfreq(n, record.sample_time), dtype=float)
     # behind four times the bandwidth the estimate is zero but for a few per cent
     within = np.flatnonzero(frequency <= min(4 * bandwidth, 0.45 / record.sample_time))
     z = np.exp(2j * np.pi * frequency[within] * record.sample_time)

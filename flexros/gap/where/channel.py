@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.where.orders import OrderGrid, prominence
-from flexros.gap.where.sudden import level, sudden_part
+from flexros.gap.where.sudden import sudden_part
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -73,6 +73,7 @@ class Channel:
         self.masks = np.array([mask & valid for mask in masks.values()], dtype=float)
         self._weights = bands.weights(self.masks)
         lines = np.interp(np.linspace(0, 1, bands.n_samples // 2 + 1), _middles(len(spectrum)), spectrum)
+        self._spectrum = spectrum
         self._white = bool(np.ptp(spectrum) < 1e-9 * np.mean(spectrum))
         self._root = np.sqrt(lines)
         self._shape = np.array([lines[first:end].mean() for first, end in zip(bands.edges[:-1], bands.edges[1:])])
@@ -103,7 +104,8 @@ class Channel:
             values: The signal in units of its noise, shape (n,).
         """
         shown = np.where(self.valid, values, 0.0)
-        return self._look(shown, sudden_part(shown), None)
+        sudden = sudden_part(shown)
+        return self._look(shown, sudden.values, sudden.noise_gain(self._spectrum), None)
 
     def noise(self, random: np.random.Generator) -> Look:
         """Draw a signal without gap and look at it.
@@ -116,14 +118,13 @@ class Channel:
         if not self._white:
             values = np.fft.irfft(np.fft.rfft(fresh) * self._root, self.bands.n_samples)
         # of noise with a known spectrum the sudden part is what it was made from
-        return self._look(np.where(self.valid, values, 0.0), fresh, random)
+        return self._look(np.where(self.valid, values, 0.0), fresh, 1.0, random)
 
-    def _look(self, values: FloatArray, fresh: FloatArray, random: np.random.Generator | None) -> Look:
+    def _look(self, values: FloatArray, fresh: FloatArray, gain: float, random: np.random.Generator | None) -> Look:
         power = self.bands.power(np.fft.rfft(values))
         floor = self.bands.level(power, self._shape) if self.estimate_level else 1.0
         per_band = np.array([weights.T @ one for weights, one in zip(self._weights, power)])
-        sudden_floor = level(fresh[self.valid])
-        sudden = self.masks @ fresh**2 / max(sudden_floor, 1e-300)
+        sudden = self.masks @ fresh**2 / max(floor * gain, 1e-300)
         orders = np.zeros((0, 0))
         if self.orders is not None and len(self.orders.orders):
             orders = self.orders.power(values) / max(floor, 1e-300) if random is None else self.orders.noise(random)

@@ -82,7 +82,22 @@ class OrderGrid:
         for rows, place in zip(self.groups, self.places):
             inside = values[rows]
             sums.append(np.bincount(place, weights=inside - inside.mean(), minlength=self.n_bins))
-        return self._of_sums(np.array(sums).reshape(len(self.groups), self.n_bins))
+        return self._of_sums(np.array(sums, dtype=float).reshape(len(self.groups), self.n_bins))
+
+    def between(self, place: int, power: FloatArray) -> float:
+        """Place the top of a peak between orders, by a parabola through the logarithms of power.
+
+        Args:
+            place: Number of the largest order of the peak.
+            power: Power of the order before, itself and the order behind, shape (3,).
+
+        Returns:
+            The order of the top [periods per turn].
+        """
+        low, middle, high = np.log(np.maximum(power, 1e-300))
+        bend = low - 2 * middle + high
+        shift = 0.5 * (low - high) / bend if bend < 0 else 0.0
+        return float(self.orders[place] + np.clip(shift, -0.5, 0.5) * (self.orders[1] - self.orders[0]))
 
     def noise(self, random: np.random.Generator) -> FloatArray:
         """Draw the order spectrum of white noise of variance one, as `power` gives it.
@@ -91,7 +106,7 @@ class OrderGrid:
             random: Generator of random numbers.
         """
         count = np.array([np.bincount(place, minlength=self.n_bins) for place in self.places])
-        return self._of_sums(np.sqrt(count) * random.standard_normal(count.shape))
+        return self._of_sums(np.sqrt(count.astype(float)) * random.standard_normal(count.shape))
 
     def _of_sums(self, sums: FloatArray) -> FloatArray:
         spectrum = rfft(sums, axis=1)[:, self.first : self.first + len(self.orders)]

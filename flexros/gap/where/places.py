@@ -135,6 +135,11 @@ def _share(excess: float, whole: float) -> float:
     return float(np.clip(excess / whole, 0.0, 1.0)) if whole > 1e-300 else 0.0
 
 
+def _expected(excess: float, whole: float, time: float, regime: int, even: float) -> float:
+    """Return what an even spread puts into a place: over joints and octaves, or in a regime over the time."""
+    return float(even) if regime == 0 else _share(excess, whole) * float(time)
+
+
 def _in_bands(one: Seen, signal: str, whole: float, signals: int) -> Iterator[FoundPlace]:
     bands = one.channel.bands
     time = one.channel.time_share
@@ -150,7 +155,7 @@ def _in_bands(one: Seen, signal: str, whole: float, signals: int) -> Iterator[Fo
                     family=FAMILIES[regime],
                     bands=0 if last - first == count else int(last - first),
                     share=_share(one.excess[run, place], whole),
-                    expected=float((last - first) / count * time[place] / signals),
+                    expected=_expected(one.excess[run, 0], whole, time[place], place, (last - first) / count / signals),
                     p_value=float(one.p[run, place]),
                 )
 
@@ -182,7 +187,7 @@ def _at_orders(one: Seen, whole: float, signals: int) -> Iterator[FoundPlace]:
                 signal=POSITION,
                 joint=one.channel.joint,
                 band_hz=_all(one),
-                regime=f"motor angle order {grid.orders[place]:.2f}",
+                regime=f"motor angle order {grid.between(place, beside):.2f}",
                 family="motor angle",
                 bands=0,
                 share=_share(float(beside.sum()), whole),
