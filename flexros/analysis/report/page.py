@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
 import json
 from dataclasses import dataclass
 from html import escape
@@ -12,7 +14,7 @@ from plotly.offline import get_plotlyjs
 
 from flexros.analysis.report.base import Heading, Listing, Paragraph, Picture, TextTable, Tiles
 from flexros.analysis.report.path import FACTORS
-from flexros.analysis.report.style import SCRIPT, STYLE
+from flexros.analysis.report.style import SCRIPT, STYLE, UNPACK
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -46,12 +48,15 @@ class Page:
         heading = f"<h2>{escape(chapter.title)}</h2>" if chapter.title else ""
         self._body.append(f"<section>{heading}{''.join(map(self._block, chapter.blocks))}</section>")
 
-    def html(self) -> str:
-        """Return the whole page."""
+    def html(self, packed: bool = False) -> str:
+        """Return the whole page.
+
+        Args:
+            packed: Whether the plotting library is compressed, for a page of 2 MB less that needs a browser of 2023.
+        """
         # A "</script" or "<!--" inside the data would change where the script element ends.
         data = json.dumps(self._pictures, separators=(",", ":")).replace("<", "\\u003c")
-        library = f"<script>{get_plotlyjs()}</script>" if self._pictures else ""
-        script = f'<script type="application/json" id="pictures">{data}</script><script>{SCRIPT}</script>'
+        drawing = f'<script type="application/json" id="pictures">{data}</script>{_scripts(packed)}'
         return (
             '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
             '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -59,7 +64,7 @@ class Page:
             f"<style>{STYLE}</style></head>\n<body><main>"
             f"<header><p>FlexROS</p><h1>{escape(self._title)}</h1><p>{escape(self._subtitle)}</p></header>"
             "<noscript><p>The pictures of this report need JavaScript; the tables do not.</p></noscript>\n"
-            f"{chr(10).join(self._body)}\n</main>\n{library}{script if self._pictures else ''}</body></html>\n"
+            f"{chr(10).join(self._body)}\n</main>\n{drawing if self._pictures else ''}</body></html>\n"
         )
 
     def _block(self, block: Block) -> str:
@@ -116,13 +121,14 @@ class Page:
         )
 
 
-def page_html(title: str, subtitle: str, chapters: Sequence[Chapter]) -> str:
+def page_html(title: str, subtitle: str, chapters: Sequence[Chapter], *, packed: bool = False) -> str:
     """Return a page with the given chapters.
 
     Args:
         title: Heading of the page.
         subtitle: One line below it.
         chapters: The chapters in order.
+        packed: Whether the plotting library is compressed, as for `Page.html`.
 
     Returns:
         The HTML text, complete in itself.
@@ -130,7 +136,15 @@ def page_html(title: str, subtitle: str, chapters: Sequence[Chapter]) -> str:
     page = Page(title, subtitle)
     for chapter in chapters:
         page.add(chapter)
-    return page.html()
+    return page.html(packed)
+
+
+def _scripts(packed: bool) -> str:
+    """Return the plotting library and the script that draws."""
+    if not packed:
+        return f"<script>{get_plotlyjs()}</script><script>{SCRIPT}</script>"
+    library = base64.b64encode(gzip.compress(get_plotlyjs().encode(), mtime=0)).decode()
+    return f'<script type="text/plain" id="library">{library}</script><script>{UNPACK}</script>'
 
 
 def _tile(name: str, value: str, unit: str, below: str) -> str:

@@ -53,7 +53,7 @@ def diagnosis_report(result: DiagnosisResult, *, patch: str = "", title: str | N
         The HTML page.
     """
     chapters = [Chapter(section.title, section.blocks(result)) for section in sections(patch)]
-    return page_html(title or f"Diagnosis of {result.robot.name}", _subtitle(result), chapters)
+    return page_html(title or f"Diagnosis of {result.robot.name}", _subtitle(result), chapters, packed=True)
 
 
 def write_diagnosis_report(result: DiagnosisResult, file: Path, *, patch: str = "", title: str | None = None) -> None:
