@@ -14,6 +14,8 @@ class Stream(IntEnum):
     TOOL = 1
     DISTURBANCE = 2
     EXCITATION = 3
+    BLIND_DEVELOPMENT = 4
+    BLIND_EVALUATION = 5
 
 
 def generator(seed: int, *stream: int) -> np.random.Generator:
