@@ -67,13 +67,15 @@ def _bars(gap: GapNumbers) -> go.Figure:
     figure.add_trace(
         go.Bar(
             x=[value for _, value, _ in shown],
-            y=[f"{name}: {number(value, 3)}" for name, value, _ in shown],
+            y=[_label(name, value) for name, value, _ in shown],
             orientation="h",
             marker={"color": [colour for _, _, colour in shown]},
-            error_x=_whisker(gap, [name for name, _, _ in shown]),
             hovertemplate="%{y}: %{x:.4g}<extra></extra>",
         )
     )
+    whisker = _whisker(gap)
+    if whisker is not None:
+        figure.add_trace(whisker)
     smallest = min(value for _, value, _ in shown if value > 0)
     largest = max(value for _, value, _ in shown)
     figure.update_yaxes(autorange="reversed", showgrid=False)
@@ -85,15 +87,33 @@ def _bars(gap: GapNumbers) -> go.Figure:
     return figure
 
 
-def _whisker(gap: GapNumbers, names: list[str]) -> dict[str, object]:
+def _whisker(gap: GapNumbers) -> go.Scatter | None:
     """Return the interval of the gap that remains, from that of the closed fraction."""
+    import plotly.graph_objects as go
+
     if gap.interval is None or gap.after is None:
-        return {"visible": False}
+        return None
     span = gap.before - gap.noise_floor
     low, high = (max(gap.before - share * span, 1e-12) for share in (gap.interval[1], gap.interval[0]))
-    above = [max(high - gap.after, 0.0) if name == "repaired model" else math.nan for name in names]
-    below = [max(gap.after - low, 0.0) if name == "repaired model" else math.nan for name in names]
-    return {"type": "data", "symmetric": False, "array": above, "arrayminus": below, "thickness": 1.4, "width": 6}
+    return go.Scatter(
+        x=[gap.after],
+        y=[_label("repaired model", gap.after)],
+        mode="markers",
+        marker={"color": "#1b1f24", "size": 5},
+        error_x={
+            "type": "data",
+            "symmetric": False,
+            "array": [max(high - gap.after, 0.0)],
+            "arrayminus": [max(gap.after - low, 0.0)],
+            "thickness": 1.4,
+            "width": 6,
+        },
+        hovertemplate=f"95 %: {low:.4g} to {high:.4g}<extra></extra>",
+    )
+
+
+def _label(name: str, value: float) -> str:
+    return f"{name}: {number(value, 3)}"
 
 
 def _table(signals: tuple[SignalGap, ...]) -> TextTable:

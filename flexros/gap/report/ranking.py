@@ -91,7 +91,7 @@ def _bars(names: Sequence[str], values: Sequence[float], colours: Sequence[str])
 def _colour(one: Candidate, diagnosis: Diagnosis) -> str:
     if any(_same(one, place) for group in diagnosis.ambiguity_groups for place in group):
         return _RIVAL
-    told = diagnosis.verdict != "no_gap" and any(_same(one, cause) for cause in diagnosis.causes)
+    told = diagnosis.verdict in ("explained", "ambiguous") and any(_same(one, cause) for cause in diagnosis.causes)
     return _CAUSE if told and one.probability >= 0.5 else _REST
 
 
