@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.fft import ifft, next_fast_len
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray, IntArray
@@ -42,7 +43,7 @@ class OctaveBands:
         edges = [last]
         least = max(LEAST_LINES, lowest * n_samples * sample_time)
         while edges[-1] / 2 >= least:
-            edges.append(edges[-1] // 2)
+            edges.append(edges[-1] - fast_length(edges[-1] - edges[-1] // 2))
         return cls(n_samples, sample_time, np.array([0, *edges[::-1]]))
 
     @property
@@ -85,7 +86,7 @@ class OctaveBands:
         """Compute the power of each band over time.
 
         Args:
-            spectrum: Fourier transform of a real signal (numpy.fft.rfft), shape (n // 2 + 1,).
+            spectrum: Fourier transform of a real signal (scipy.fft.rfft), shape (n // 2 + 1,).
 
         Returns:
             For each band |band-limited part|^2 times the samples that a value stands for, so that its sum over all
@@ -93,7 +94,7 @@ class OctaveBands:
         """
         found = []
         for first, end in zip(self.edges[:-1], self.edges[1:]):
-            envelope = np.fft.ifft(spectrum[first:end])
+            envelope = ifft(spectrum[first:end])
             found.append((envelope.real**2 + envelope.imag**2) * (2 * (end - first) / self.n_samples))
         return found
 
@@ -108,3 +109,14 @@ class OctaveBands:
             Variance of the noise per sample [square of the signal's unit].
         """
         return float(np.median(power[-1]) / (2 * np.log(2) * shape[-1]))
+
+
+def fast_length(length: int) -> int:
+    """Find the largest length, at most the given one, whose Fourier transform is fast.
+
+    Args:
+        length: Length wanted, 1 or more.
+    """
+    while next_fast_len(length, real=True) != length:
+        length -= 1
+    return length

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.fft import irfft, rfft
 
 from flexros.gap.where.orders import OrderGrid, prominence
 from flexros.gap.where.sudden import sudden_part
@@ -13,7 +14,7 @@ from flexros.gap.where.sudden import sudden_part
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.arrays import BoolArray, FloatArray
+    from flexros.arrays import BoolArray, ComplexArray, FloatArray
     from flexros.gap.where.bands import OctaveBands
 
 LEAST_FREEDOM = 8.0
@@ -97,6 +98,14 @@ class Channel:
             ]
         )
 
+    def shown(self, values: FloatArray) -> FloatArray:
+        """Leave out the first samples of a signal, which are not looked at.
+
+        Args:
+            values: The signal, shape (any number above n,).
+        """
+        return values[-self.bands.n_samples :]
+
     def look(self, values: FloatArray) -> Look:
         """Look at a measured signal.
 
@@ -105,7 +114,8 @@ class Channel:
         """
         shown = np.where(self.valid, values, 0.0)
         sudden = sudden_part(shown)
-        return self._look(shown, sudden.values, sudden.noise_gain(self._spectrum), None)
+        orders = np.zeros((0, 0)) if self.orders is None else self.orders.power(shown)
+        return self._look(rfft(shown), sudden.values, sudden.noise_gain(self._spectrum), orders)
 
     def noise(self, random: np.random.Generator) -> Look:
         """Draw a signal without gap and look at it.
@@ -114,24 +124,21 @@ class Channel:
             random: Generator of random numbers.
         """
         fresh = random.standard_normal(self.bands.n_samples)
-        values = fresh
-        if not self._white:
-            values = np.fft.irfft(np.fft.rfft(fresh) * self._root, self.bands.n_samples)
+        spectrum = rfft(fresh) if self._white else rfft(fresh) * self._root
+        if not self.valid.all():
+            spectrum = rfft(np.where(self.valid, irfft(spectrum, self.bands.n_samples), 0.0))
+        orders = np.zeros((0, 0)) if self.orders is None else self.orders.noise(random)
         # of noise with a known spectrum the sudden part is what it was made from
-        return self._look(np.where(self.valid, values, 0.0), fresh, 1.0, random)
+        return self._look(spectrum, fresh, 1.0, orders)
 
-    def _look(self, values: FloatArray, fresh: FloatArray, gain: float, random: np.random.Generator | None) -> Look:
-        power = self.bands.power(np.fft.rfft(values))
-        floor = self.bands.level(power, self._shape) if self.estimate_level else 1.0
+    def _look(self, spectrum: ComplexArray, fresh: FloatArray, gain: float, orders: FloatArray) -> Look:
+        power = self.bands.power(spectrum)
+        floor = max(self.bands.level(power, self._shape), 1e-300) if self.estimate_level else 1.0
         per_band = np.array([weights.T @ one for weights, one in zip(self._weights, power)])
-        sudden = self.masks @ fresh**2 / max(floor * gain, 1e-300)
-        orders = np.zeros((0, 0))
-        if self.orders is not None and len(self.orders.orders):
-            orders = self.orders.power(values) / max(floor, 1e-300) if random is None else self.orders.noise(random)
         return Look(
-            bands=self._runs(per_band / max(floor, 1e-300)),
-            sudden=sudden,
-            orders=orders.sum(axis=0),
+            bands=self._runs(per_band / floor),
+            sudden=self.masks @ fresh**2 / (floor * gain),
+            orders=orders.sum(axis=0) / floor,
             prominence=prominence(orders) if orders.size else np.zeros(orders.shape[1]),
         )
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.where.bands import OctaveBands
+from flexros.gap.where.bands import OctaveBands, fast_length
 from flexros.gap.where.channel import Channel
 from flexros.gap.where.motion import motion_of
 from flexros.gap.where.orders import OrderGrid
@@ -36,14 +36,16 @@ def motor_channels(
         settings: Numbers of the search.
     """
     motion = motion_of(record, robot, prediction.states)
-    bands = OctaveBands.of(record.n_samples, record.sample_time, settings.lowest_hz)
+    n = fast_length(record.n_samples)  # the first samples are left out, so that every transform is fast
+    bands = OctaveBands.of(n, record.sample_time, settings.lowest_hz)
+    valid = record.valid[-n:]
     found = []
     for number, joint in enumerate(robot.joint_names):
-        masks = regimes(motion, number, record.sample_time)
-        angle, speed = motion.rotor_angle[:, number], motion.speed[:, number]
-        orders = OrderGrid.of(angle, speed, record.valid, settings.orders)
+        masks = {name: mask[-n:] for name, mask in regimes(motion, number, record.sample_time).items()}
+        angle, speed = motion.rotor_angle[-n:, number], motion.speed[-n:, number]
+        orders = OrderGrid.of(angle, speed, valid, settings.orders)
         estimated = settings.floor == "estimated"
-        found.append(Channel(joint, bands, masks, record.valid, spectrum[:, number], orders, estimated))
+        found.append(Channel(joint, bands, masks, valid, spectrum[:, number], orders, estimated))
     return found
 
 
@@ -64,8 +66,10 @@ def tool_channels(
     assert record.tool is not None
     time = record.tool.time
     sample_time = float(time[-1] - time[0]) / max(len(time) - 1, 1)
-    bands = OctaveBands.of(len(time), sample_time, settings.lowest_hz)
-    rows = np.clip(np.round(time / record.sample_time).astype(int), 0, record.n_samples - 1)
+    bands = OctaveBands.of(fast_length(len(time)), sample_time, settings.lowest_hz)
+    time, tool_error = time[-bands.n_samples :], tool_error[-bands.n_samples :]
+    n = motors[0].bands.n_samples
+    rows = np.clip(np.round(time / record.sample_time).astype(int) - (record.n_samples - n), 0, n - 1)
     masks = {}
     for name in TOOL_REGIMES:
         every = [channel.masks[channel.regimes.index(name)][rows] > 0 for channel in motors]

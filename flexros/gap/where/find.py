@@ -82,7 +82,7 @@ def where(
     scaled = errors / np.maximum(prediction.sd, 1e-300)
     noise = white(robot.n_motors) if spectrum is None else spectrum
     motors = motor_channels(prediction, record, robot, noise, chosen)
-    signals = [(channel, scaled[:, number]) for number, channel in enumerate(motors)]
+    signals = [(channel, channel.shown(scaled[:, number])) for number, channel in enumerate(motors)]
     if tool_error is not None and record.tool is not None and len(tool_error):
         signals += tool_channels(tool_error, record, motors, chosen)
     seen = _seen(signals, seed, chosen)

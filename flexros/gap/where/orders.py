@@ -78,6 +78,8 @@ class OrderGrid:
         Returns:
             Sum of squares that a sinusoid of each order explains [square of the signal's unit], shape (groups, K).
         """
+        if not self.groups:
+            return np.zeros((0, len(self.orders)))
         sums = []
         for rows, place in zip(self.groups, self.places):
             inside = values[rows]
@@ -105,6 +107,8 @@ class OrderGrid:
         Args:
             random: Generator of random numbers.
         """
+        if not self.groups:
+            return np.zeros((0, len(self.orders)))
         count = np.array([np.bincount(place, minlength=self.n_bins) for place in self.places])
         return self._of_sums(np.sqrt(count.astype(float)) * random.standard_normal(count.shape))
 
