@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from flexros.compile.command_delay import split_delay
+from flexros.compile.command_delay import split_delays
 from flexros.compile.loop_arrays import LoopInputs, LoopState, loop_result, make_job
 from flexros.compile.loop_functions import loop_sizes
 from flexros.compile.machine_code import can_compile
@@ -31,7 +31,7 @@ from flexros.compile.virtual_machine import VirtualMachineLoop
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.compile.loop_arrays import LoopResult
@@ -170,7 +170,7 @@ def compile_loop(
     *,
     sample_time: float,
     substeps: int = 1,
-    delay: float = 0.0,
+    delay: float | Sequence[float] = 0.0,
     lanes: int = 1,
     engine: Literal["auto", "machine_code", "virtual_machine"] = "auto",
 ) -> LoopKernel:
@@ -180,7 +180,7 @@ def compile_loop(
         functions: Plant and controller.
         sample_time: Time T between two samples [s].
         substeps: Runge-Kutta steps per sample (per part of it where the delay splits it).
-        delay: From the computing of a command to its acting [s], any value from zero on.
+        delay: From the computing of a command to its acting [s], any value from zero on; of all motors, or of each.
         lanes: Simulations side by side: 1, 2, 4, 8, 16.
         engine: "machine_code", "virtual_machine", or "auto": machine code where llvmlite is installed.
 
@@ -189,7 +189,7 @@ def compile_loop(
     """
     if substeps < 1:
         raise InputError(f"substeps = {substeps} is not possible: at least 1 integration step per sample is needed")
-    sizes, timing = loop_sizes(functions), split_delay(delay, sample_time)
+    sizes, timing = loop_sizes(functions), split_delays(delay, sample_time)
     compiled = engine == "machine_code" or (engine == "auto" and can_compile())
     make = MachineCodeLoop if compiled else VirtualMachineLoop
     return LoopKernel(sizes, sample_time, timing.line_length, lanes, make(functions, sizes, timing, substeps, lanes))

@@ -17,7 +17,7 @@ from flexros.compile.runge_kutta import step_weights
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from flexros.compile.command_delay import CommandDelay
+    from flexros.compile.command_delay import CommandDelay, MotorDelays, TorquePiece
     from flexros.compile.loop_functions import LoopSizes
 
 _STEP_PARAMETERS = ", ".join(f"ptr noalias %{name}" for name in ("x", "u", "w", "p", "weights"))
@@ -48,6 +48,8 @@ class LoopSymbols:
     controller: str
     sensor: str | None
     exact_update: str | None
+    before_step: str | None = None
+    after_step: str | None = None
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ class LoopDriver:
 
     symbols: LoopSymbols
     sizes: LoopSizes
-    delay: CommandDelay
+    delay: CommandDelay | MotorDelays
     substeps: int
     lanes: int
 
@@ -148,30 +150,46 @@ class LoopDriver:
         motors = self.sizes.motors
         torque, weights, after = (self._scratch(block, n) for n in (motors, 3, self.sizes.state))
         wrench = block.pointer("%d", motors)
-        for piece in self.delay.pieces:
-            source = "%u" if piece.age == 0 else block.pointer("%line", (piece.age - 1) * motors)
-
-            def add_disturbance(part: IrBlock, i: str, source: str = source) -> None:
-                set_element(part, part.add(element(part, source, i), element(part, "%d", i)), torque, i)
-
-            element_wise(block, motors * self.lanes, add_disturbance)
+        for piece in self.delay.torque_pieces(motors):
+            self._acting_torque(block, piece, torque)
             h = piece.duration / self.substeps
             for k, weight in enumerate(step_weights(h)):
                 block.store(block.number(weight), weights, k)
             half = block.pointer(weights, 1)
             with block.loop(0, self.substeps):
-                self._exact_update(block, torque, wrench, half, after)
+                self._update(block, self.symbols.before_step, torque, wrench, weights, after)
+                self._update(block, self.symbols.exact_update, torque, wrench, half, after)
                 block.emit(f"call void @loop.step(ptr %x, ptr {torque}, ptr {wrench}, ptr %p, ptr {weights})")
-                self._exact_update(block, torque, wrench, half, after)
+                self._update(block, self.symbols.exact_update, torque, wrench, half, after)
+                self._update(block, self.symbols.after_step, torque, wrench, weights, after)
         self._remember(block)
         parameters = ", ".join(f"ptr noalias %{name}" for name in ("x", "line", "u", "d", "p"))
         return _definition(f"void @{ADVANCE}({parameters})", block)
 
-    def _exact_update(self, block: IrBlock, torque: str, wrench: str, duration: str, after: str) -> None:
-        if self.symbols.exact_update is None:
+    def _acting_torque(self, block: IrBlock, piece: TorquePiece, torque: str) -> None:
+        """Write command of each motor, as old as it is in this part of the sample, plus disturbance into `torque`."""
+        motors = self.sizes.motors
+
+        def of_age(age: int) -> str:
+            return "%u" if age == 0 else block.pointer("%line", (age - 1) * motors)
+
+        if len(set(piece.ages)) > 1:
+            for motor, age in enumerate(piece.ages):
+                acting = block.add(block.load(of_age(age), motor), block.load("%d", motor))
+                block.store(acting, torque, motor)
             return
-        arguments = f"ptr %x, ptr {torque}, ptr {wrench}, ptr %p, ptr {duration}, ptr {after}"
-        block.emit(f"call void @{self.symbols.exact_update}({arguments})")
+        source = of_age(piece.ages[0])
+
+        def add_disturbance(part: IrBlock, i: str) -> None:
+            set_element(part, part.add(element(part, source, i), element(part, "%d", i)), torque, i)
+
+        element_wise(block, motors * self.lanes, add_disturbance)
+
+    def _update(self, block: IrBlock, symbol: str | None, torque: str, wrench: str, duration: str, after: str) -> None:
+        """Replace x by what a function makes of it; nothing where there is no such function."""
+        if symbol is None:
+            return
+        block.emit(f"call void @{symbol}(ptr %x, ptr {torque}, ptr {wrench}, ptr %p, ptr {duration}, ptr {after})")
         self._copy(block, "%x", after, self.sizes.state)
 
     def _remember(self, block: IrBlock) -> None:

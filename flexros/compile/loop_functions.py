@@ -18,7 +18,7 @@ class LoopFunctions:
     """Plant and controller as CasADi functions.
 
     An effect with continuous states of its own (actuator lag, filters, time) adds them behind the state x and their
-    equations to `derivative`. The two optional functions are the stages for what an explicit integrator cannot do.
+    equations to `derivative`. The optional functions are the stages for what an explicit integrator cannot do.
 
     Attributes:
         derivative: (x, u, w, p) -> dx/dt; u (M,) motor torque [Nm], w (6,) wrench at the tool [N, Nm].
@@ -29,6 +29,10 @@ class LoopFunctions:
         exact_update: (x, u, w, p, h) -> x after time h [s] by the parts that `derivative` leaves out, solved exactly:
             stiff bristles, stick and slip. Applied for h/2 before and after every Runge-Kutta step (Strang 1968,
             second order). None: nothing is left out.
+        before_step: (x, u, w, p, h) -> x, called once before every Runge-Kutta step of length h [s]: what is held
+            through it, such as a mean friction torque. None: nothing.
+        after_step: The same after every step: what remembers where the step ended, such as the slip of an element of
+            a hysteresis. None: nothing.
     """
 
     derivative: ca.Function
@@ -37,6 +41,8 @@ class LoopFunctions:
     controller: ca.Function
     sensor: ca.Function | None = None
     exact_update: ca.Function | None = None
+    before_step: ca.Function | None = None
+    after_step: ca.Function | None = None
 
 
 @dataclass(frozen=True)
@@ -95,9 +101,11 @@ def loop_sizes(functions: LoopFunctions) -> LoopSizes:
     if functions.sensor is not None:
         _check_counts("sensor", functions.sensor, 3, 1)
         _check_sizes("sensor", functions.sensor, (m, x, p), (m,))
-    if functions.exact_update is not None:
-        _check_counts("exact_update", functions.exact_update, 5, 1)
-        _check_sizes("exact_update", functions.exact_update, (x, m, WRENCH_SIZE, p, 1), (x,))
+    for name in ("exact_update", "before_step", "after_step"):
+        update: ca.Function | None = getattr(functions, name)
+        if update is not None:
+            _check_counts(name, update, 5, 1)
+            _check_sizes(name, update, (x, m, WRENCH_SIZE, p, 1), (x,))
     return sizes
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.arrays import FloatArray
-    from flexros.compile.command_delay import CommandDelay
+    from flexros.compile.command_delay import CommandDelay, MotorDelays
     from flexros.compile.loop_arrays import LoopJob
     from flexros.compile.loop_functions import LoopFunctions, LoopSizes
 
@@ -26,7 +26,7 @@ class MachineCodeLoop:
     """Engine of a closed loop in machine code; runs release the GIL, half samples hold it."""
 
     def __init__(
-        self, functions: LoopFunctions, sizes: LoopSizes, delay: CommandDelay, substeps: int, lanes: int
+        self, functions: LoopFunctions, sizes: LoopSizes, delay: CommandDelay | MotorDelays, substeps: int, lanes: int
     ) -> None:
         """Compile the loop.
 
@@ -73,6 +73,8 @@ class MachineCodeLoop:
 
 
 def add_functions(builder: ModuleBuilder, functions: LoopFunctions, lanes: int) -> LoopSymbols:
+    """Put the functions of a loop into a module, and tell their names there."""
+
     def add(name: str, function: ca.Function) -> str:
         return builder.add_function(function, name=name, lanes=lanes)
 
@@ -86,6 +88,8 @@ def add_functions(builder: ModuleBuilder, functions: LoopFunctions, lanes: int) 
         controller=add("controller", functions.controller),
         sensor=None if sensor is None else add("sensor", sensor),
         exact_update=None if exact_update is None else add("exact_update", exact_update),
+        before_step=None if functions.before_step is None else add("before_step", functions.before_step),
+        after_step=None if functions.after_step is None else add("after_step", functions.after_step),
     )
 
 

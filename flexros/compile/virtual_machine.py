@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.compile.command_delay import CommandDelay
+    from flexros.compile.command_delay import CommandDelay, MotorDelays
     from flexros.compile.loop_arrays import LoopJob
     from flexros.compile.loop_functions import LoopFunctions, LoopSizes
 
@@ -27,7 +27,7 @@ class VirtualMachineLoop:
     """Engine of a closed loop that evaluates the functions with CasADi, lane after lane."""
 
     def __init__(
-        self, functions: LoopFunctions, sizes: LoopSizes, delay: CommandDelay, substeps: int, lanes: int
+        self, functions: LoopFunctions, sizes: LoopSizes, delay: CommandDelay | MotorDelays, substeps: int, lanes: int
     ) -> None:
         """Build the functions of one sample.
 
@@ -139,22 +139,26 @@ def _measure_function(functions: LoopFunctions, sizes: LoopSizes) -> ca.Function
 
 
 def _step_function(functions: LoopFunctions, sizes: LoopSizes, h: float) -> ca.Function:
-    """One Runge-Kutta step between two halves of the exact update: (x, u, w, p) -> x."""
+    """One Runge-Kutta step between the updates before and after it: (x, u, w, p) -> x."""
     x, u, w, p = _symbols(sizes.state, sizes.motors, WRENCH_SIZE, sizes.parameters)
 
-    def exact(state: ca.MX) -> ca.MX:
-        return state if functions.exact_update is None else functions.exact_update(state, u, w, p, 0.5 * h)
+    def updated(function: ca.Function | None, state: ca.MX, duration: float) -> ca.MX:
+        return state if function is None else function(state, u, w, p, duration)
 
     step = runge_kutta_step(functions, ca.SX) if is_merged(functions) else runge_kutta_step(functions, ca.MX)
-    return ca.Function("step", [x, u, w, p], [exact(step(exact(x), u, w, p, ca.DM(step_weights(h))))])
+    begin = updated(functions.exact_update, updated(functions.before_step, x, h), 0.5 * h)
+    end = updated(functions.exact_update, step(begin, u, w, p, ca.DM(step_weights(h))), 0.5 * h)
+    return ca.Function("step", [x, u, w, p], [updated(functions.after_step, end, h)])
 
 
-def _advance_function(functions: LoopFunctions, sizes: LoopSizes, delay: CommandDelay, substeps: int) -> ca.Function:
+def _advance_function(
+    functions: LoopFunctions, sizes: LoopSizes, delay: CommandDelay | MotorDelays, substeps: int
+) -> ca.Function:
     m = sizes.motors
     x, line, u, d, p = arguments = _symbols(sizes.state, m * delay.line_length, m, sizes.disturbance, sizes.parameters)
     commands = ca.vertcat(u, line)
-    for piece in delay.pieces:
-        torque = commands[piece.age * m : (piece.age + 1) * m] + d[:m]
+    for piece in delay.torque_pieces(m):
+        torque = commands[[age * m + motor for motor, age in enumerate(piece.ages)]] + d[:m]
         step = _step_function(functions, sizes, piece.duration / substeps)
         for _ in range(substeps):
             x = step(x, torque, d[m:], p)

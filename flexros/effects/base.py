@@ -34,14 +34,20 @@ class AbstractEffect(Settings, ABC):
     2. Its parameters as fields, each with a description that states unit and meaning; the default is the neutral
        value, which switches the effect off.
     3. `locations`, the places of a robot where it can sit.
-    4. What its kind asks for: `AbstractModelChange` a changed robot, `AbstractChangedValues` (one of them) changed
-       numbers, `AbstractMotorTorque` a smooth torque at a motor, `AbstractDryFriction` a friction that can stick.
+    4. `ranges` of the parameters that a diagnosis fits, and `fingerprint`, one sentence on what one sees of it where.
+    5. What its kind asks for: `AbstractModelChange` a changed robot, `AbstractChangedValues` (one of them) changed
+       numbers; `AbstractCommandLaw` a torque changed on its way to the motor, `AbstractMotorTorque` a smooth torque at
+       a motor, `AbstractDryFriction` a friction that can stick, `AbstractBristleFriction` one with presliding,
+       `AbstractGearLaw` torques of a spring, `AbstractArmLaw` forces on the arm, `AbstractSensor` a changed reading,
+       `AbstractToolError` a tool that is elsewhere.
 
     Any number of effects combine at any places.
     """
 
     name: ClassVar[str]
     stage: ClassVar[Stage]
+    fingerprint: ClassVar[str] = ""
+    """What one sees of the effect, and where: one sentence for report and guide."""
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({})
     """Where the parameters that a diagnosis fits may lie; those without a range keep their defaults."""
 

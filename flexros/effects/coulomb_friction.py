@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects.base import Stage
+    from flexros.effects.motor_law import MotorState
     from flexros.robot.kinematics import Value
 
 
@@ -30,9 +31,9 @@ class CoulombFriction(AbstractDryFriction):
     level: float = Field(0.0, ge=0.0, description="mean of both directions [Nm or N]")
     asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="(forward - backward) / mean [1]")
 
-    def levels(self, speed: ca.SX, values: Mapping[str, Value]) -> FrictionLevels:
+    def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
         """Return the two levels, whatever the speed."""
-        del speed
+        del motor
         return FrictionLevels(
             ca.SX(values["level"] * (1 + values["asymmetry"] / 2)),
             ca.SX(values["level"] * (1 - values["asymmetry"] / 2)),

@@ -2,29 +2,53 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
+from flexros.effects.law import AbstractLaw
 from flexros.effects.model_change import AbstractChangedValues
+from flexros.effects.ranges import Range
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.effects.base import Stage
     from flexros.robot import Robot
 
 
-class Delay(AbstractChangedValues):
-    """Time that all commands take to act, beyond the nominal delay; any real number of samples."""
+class Delay(AbstractChangedValues, AbstractLaw):
+    """Time that commands take to act, beyond the nominal delay; any real number of samples.
+
+    At "all" it lengthens the delay of the robot; at a motor it delays the commands of that motor alone.
+    """
 
     name: ClassVar[str] = "delay"
     stage: ClassVar[Stage] = "timing"
+    size: ClassVar[str] = "time"
+    fingerprint: ClassVar[str] = (
+        "all onsets come later by the same time: prediction errors follow changes of the torque, the phase falls in "
+        "proportion to the frequency and the magnitude stays"
+    )
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {"time": Range("time", 1e-6, 0.02, starts=8, source="a control stack of 1 to 10 ms")}
+    )
 
     time: float = Field(0.0, ge=0.0, le=0.1, description="additional delay of the command [s]")
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """Return "all": the command line of all motors is one."""
-        del robot
-        return ("all",)
+        """Return "all", and each motor where there are several."""
+        return ("all", *robot.joint_names) if robot.n_motors > 1 else ("all", "motor_1")
+
+    def changes_model(self, location: str) -> bool:
+        """Tell that the delay of all motors is a number of the robot."""
+        return location == "all"
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Return none: the delay cuts the samples and cannot be a symbol."""
+        return {}
 
     def values(self, robot: Robot, location: str) -> dict[str, float]:
         """Lengthen the delay."""

@@ -20,11 +20,11 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
 
-from flexros.effects.motor_law import AbstractMotorLaw
+from flexros.effects.motor_law import AbstractMotorLaw, MotorState
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -60,20 +60,23 @@ class AbstractDryFriction(AbstractMotorLaw):
     A member provides `name`, `stage`, `size`, its parameters and `levels`.
     """
 
+    eases: ClassVar[bool] = False
+    """Whether its levels may be negative, which eases the other frictions of the motor, down to none."""
+
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the motors."""
         return robot.joint_names
 
     @abstractmethod
-    def levels(self, speed: ca.SX, values: Mapping[str, Value]) -> FrictionLevels:
+    def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
         """Evaluate the levels.
 
         Args:
-            speed: Rate of the motor coordinate [rad/s or m/s], SX.
+            motor: State of the motor in the middle of a step.
             values: Number or symbol of every parameter of the effect by name.
 
         Returns:
-            The levels at this speed; they hold through a step.
+            The levels in this state; they hold through the step.
         """
 
 

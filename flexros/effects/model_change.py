@@ -19,6 +19,11 @@ class AbstractModelChange(AbstractEffect):
     A member provides `name`, `stage`, its parameters, `locations` and `changed`.
     """
 
+    def changes_model(self, location: str) -> bool:
+        """Tell whether the effect is another robot file at a place; where not, it is a law there as well."""
+        del location
+        return True
+
     @abstractmethod
     def changed(self, robot: Robot, location: str) -> Robot:
         """Change the robot; with neutral parameters it stays what it is.

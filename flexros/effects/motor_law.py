@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from flexros.effects.base import AbstractEffect
+import casadi as ca
+
+from flexros.effects.law import AbstractLaw
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    import casadi as ca
 
     from flexros.robot import Robot
     from flexros.robot.kinematics import Value
@@ -26,42 +26,38 @@ class MotorState:
         angle: The same on the rotor's side: gear ratio times the position where the file states the arm's side
             [rad or m], SX.
         speed: Rate of the motor coordinate [rad/s or m/s], SX.
-        torque: Commanded torque that acts now, disturbances included [Nm or N], SX.
+        torque: Torque that the motor gives now, behind saturation, gain and lag, disturbances included [Nm or N], SX.
+        own: States of the law itself, SX (n_states, 1).
     """
 
     position: ca.SX
     angle: ca.SX
     speed: ca.SX
     torque: ca.SX
+    own: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
 
 
-class AbstractMotorLaw(AbstractEffect):
-    """An effect with a law of its own at a motor.
+class AbstractMotorLaw(AbstractLaw):
+    """An effect with a law of its own at a motor."""
 
-    Its parameters enter the plant as numbers or, where a batch varies them, as symbols.
-    """
+    def rates(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
+        """Evaluate the derivatives of the smooth own states.
 
-    size: ClassVar[str]
-    """The parameter that switches the effect off when it is zero."""
+        Args:
+            motor: State of the motor.
+            values: Number or symbol of every parameter of the effect by name.
 
-    @property
-    def neutral(self) -> bool:
-        """Whether the effect is switched off, so that it is left out of the plant."""
-        return bool(getattr(self, self.size) == 0)
-
-    @property
-    def numbers(self) -> dict[str, float]:
-        """Parameters of the law that are plain numbers, by name."""
-        dumped = self.model_dump()
-        return {
-            name: float(dumped[name]) for name, field in type(self).model_fields.items() if field.annotation is float
-        }
+        Returns:
+            Derivatives, SX (smooth_states, 1); zero where a member has none.
+        """
+        del motor, values
+        return ca.SX.zeros(self.smooth_states)
 
 
 class AbstractMotorTorque(AbstractMotorLaw):
     """A torque at a motor without jumps: it is part of the derivative of the state.
 
-    A member provides `name`, `stage`, `size`, its parameters and `added`.
+    A member provides `name`, `stage`, `size`, its parameters and `added`, and `rates` where it has states of its own.
     """
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
@@ -77,5 +73,5 @@ class AbstractMotorTorque(AbstractMotorLaw):
             values: Number or symbol of every parameter of the effect by name.
 
         Returns:
-            Torque that is added at the motor [Nm or N], SX (1, 1).
+            Torque that is added at the motor [Nm or N], SX (1, 1); linear in `motor.torque`.
         """

@@ -1,4 +1,4 @@
-"""Effects put onto a robot: what of them is another robot, and what remains as laws at its motors."""
+"""Effects put onto a robot: what of them is another robot, and what remains as laws at its places."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexros.config.validation import validate
+from flexros.effects.law import AbstractLaw
 from flexros.effects.model_change import AbstractModelChange
-from flexros.effects.motor_law import AbstractMotorLaw
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -19,17 +19,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PlacedLaw:
-    """A law at a motor.
+    """A law at a place.
 
     Attributes:
         name: Effect and place, e.g. "coulomb_friction@motor_1"; the second one alike ends in "#2".
         effect: The effect.
-        motor: Number of the motor (0-based).
+        location: The place: a motor, a spring, a body, "tool" or "base".
     """
 
     name: str
-    effect: AbstractMotorLaw
-    motor: int
+    effect: AbstractLaw
+    location: str
+
+    @property
+    def motor(self) -> int:
+        """Number of the motor at which the law sits (0-based); a law elsewhere has none."""
+        assert self.location.startswith("motor_"), self.name
+        return int(self.location.removeprefix("motor_")) - 1
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -56,7 +62,7 @@ class RobotWithEffects:
 
     Attributes:
         robot: The robot with all that changes its model.
-        laws: Laws at its motors, in the order in which they were given.
+        laws: Laws at its places, in the order in which they were given.
     """
 
     robot: Robot
@@ -80,12 +86,12 @@ def place_effects(robot: Robot, placed: Iterable[PlacedEffect]) -> RobotWithEffe
     alike: Counter[str] = Counter()
     for one in placed:
         one.check_location(robot)
-        if isinstance(one.effect, AbstractModelChange):
+        if isinstance(one.effect, AbstractModelChange) and one.effect.changes_model(one.location):
             robot = one.effect.changed(robot, one.location)
             continue
-        assert isinstance(one.effect, AbstractMotorLaw)
+        assert isinstance(one.effect, AbstractLaw)
         name = f"{one.effect.name}@{one.location}"
         alike[name] += 1
         name = name if alike[name] == 1 else f"{name}#{alike[name]}"
-        laws.append(PlacedLaw(name, one.effect, robot.joint_names.index(one.location)))
+        laws.append(PlacedLaw(name, one.effect, one.location))
     return RobotWithEffects(robot, tuple(laws))

@@ -119,14 +119,18 @@ class SymbolicModel:
 
     @cached_property
     def _acceleration(self) -> ca.SX:
+        return self._accelerated_by(ca.SX.zeros(self.n_coordinates))
+
+    def _accelerated_by(self, added: ca.SX) -> ca.SX:
+        """Accelerations under forces that are added on the coordinates."""
         if self.specification.inertial_coupling:
-            return inertial_coupling.solve_symmetric(self._mass_matrix, self._force)
-        tau = self._transmission.arm + self._transmission.drive @ self._u
+            return inertial_coupling.solve_symmetric(self._mass_matrix, self._force + added)
+        tau = self._transmission.arm + self._transmission.drive @ self._u + added[: self.n_arm]
         arm = dynamics.forward_dynamics(
             self.chain, self._geometry, self._gravity, self._transmission.armature, self._qa, self._va, tau, self._w
         )
         motor = (
-            (self._transmission.motor + self._flexible_torque) / self._motor_inertia
+            (self._transmission.motor + self._flexible_torque + added[self.n_arm :]) / self._motor_inertia
             if self.chain.flexible_motors
             else ca.SX(0, 1)
         )
@@ -137,6 +141,15 @@ class SymbolicModel:
         """Accelerations of q from (q, v, u, w, p)."""
         arguments = [self._q, self._v, self._u, self._w, self._p]
         return self._function("acceleration", arguments, [self._acceleration], ["q", "v", "u", "w", "p"])
+
+    @cached_property
+    def forced_acceleration(self) -> ca.Function:
+        """Accelerations of q from (q, v, u, w, f, p), with forces f that are added on all coordinates."""
+        f = ca.SX.sym("f", self.n_coordinates)
+        arguments = [self._q, self._v, self._u, self._w, f, self._p]
+        return self._function(
+            "forced_acceleration", arguments, [self._accelerated_by(f)], ["q", "v", "u", "w", "f", "p"]
+        )
 
     @cached_property
     def derivative(self) -> ca.Function:

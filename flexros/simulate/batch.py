@@ -12,7 +12,7 @@ import numpy as np
 from flexros.compile.loop import LoopKernel, compile_loop
 from flexros.compile.loop_arrays import LoopInputs
 from flexros.errors import InputError, unknown_name
-from flexros.robot.rest import Rest, RestFinder
+from flexros.robot.rest import Rest
 from flexros.simulate.plant import delayed_start
 from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.sample_blocks import Zeros
@@ -113,7 +113,7 @@ def batch(
         model.functions(law.function(plant.n_motors, experiment.sample_time)),
         sample_time=experiment.sample_time,
         substeps=experiment.scenario.substeps,
-        delay=plant.delay,
+        delay=model.delay,
         lanes=lanes,
     )
     _ = experiment.reference_signal  # made once, before the threads ask for it
@@ -179,10 +179,9 @@ def _rests(experiment: Experiment, model: PlantModel, parameters: FloatArray) ->
             experiment.plant.with_values(value if name in of_robot else {}, source)
             for law in model.laws:
                 law.check_values(value, source)
-    finder, near = RestFinder(model.model), start.state[: experiment.plant.n_coordinates]
     rests = []
     for values in parameters:
-        rest = finder.find(near, values[model.robot_columns])
+        rest = model.rest(start.state, values)
         rests.append(Rest(rest.state, model.command_at_rest(rest.state, rest.torque, values)))
     return tuple(rests)
 
@@ -203,7 +202,7 @@ def _run_group(
     signals = [of_seed[sets.seeds[run]] for run in members]
     result = kernel.run(
         delayed_start(
-            _lanes([model.start(rest.state) for rest in rests]),
+            _lanes([model.start(rest.state, rest.torque, sets.parameters[run]) for run, rest in zip(members, rests)]),
             law.initial_state(plant.n_motors),
             _lanes([rest.torque for rest in rests]),
             kernel.line_length,

@@ -56,10 +56,10 @@ def closed_loop(experiment: Experiment, progress: Callable[[int], None] | None =
         experiment.plant_model.functions(law.function(plant.n_motors, experiment.sample_time)),
         sample_time=experiment.sample_time,
         substeps=scenario.substeps,
-        delay=plant.delay,
+        delay=experiment.plant_model.delay,
     )
     state = delayed_start(
-        experiment.plant_model.start(experiment.start_state),
+        experiment.plant_model.start(experiment.start_state, experiment.start_torque),
         law.initial_state(plant.n_motors),
         experiment.start_torque,
         kernel.line_length,

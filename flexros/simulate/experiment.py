@@ -145,13 +145,15 @@ class Experiment:
     @cached_property
     def start_state(self) -> FloatArray:
         """State of the plant before the first sample: at rest with the motors on their first reference."""
-        return self.plant.equilibrium(self.start, motor_position=self.start_motor_position)
+        state = self.plant.equilibrium(self.start, motor_position=self.start_motor_position)
+        return self.plant_model.rest(state).state if self.plant_model.moves_rest else state
 
     @cached_property
     def start_torque(self) -> FloatArray:
         """Command that holds the plant at its start [Nm or N], shape (M,); what a delayed command stands for."""
-        torque = self.plant.holding_torque(self.start_state)
-        return self.plant_model.command_at_rest(self.start_state, torque, np.zeros(0))
+        model, state = self.plant_model, self.start_state
+        torque = model.rest(state).torque if model.moves_rest else self.plant.holding_torque(state)
+        return model.command_at_rest(state, torque, np.zeros(0))
 
     @cached_property
     def plant_model(self) -> PlantModel:

@@ -39,7 +39,7 @@ class Plant:
         disturbances: Torques and forces added at motors and tool.
         substeps: Integration steps in a sample.
         torque: Command that acts until the first one arrives through the delay [Nm or N], shape (M,); default: zero.
-        laws: Laws of effects at the motors.
+        laws: Laws of effects.
 
     Raises:
         InputError: A disturbance has a place or frequency that does not exist here, or a number is out of range.
@@ -67,10 +67,10 @@ class Plant:
             model.functions(feed_through(robot.n_motors)),
             sample_time=sample_time,
             substeps=substeps,
-            delay=robot.delay,
+            delay=model.delay,
         )
         start = delayed_start(
-            model.start(state),
+            model.start(state, torque),
             np.zeros(0),
             np.zeros(robot.n_motors) if torque is None else torque,
             kernel.line_length,

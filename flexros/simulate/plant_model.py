@@ -8,31 +8,34 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from flexros.compile.loop_functions import WRENCH_SIZE, LoopFunctions
-from flexros.effects.dry_friction import AHEAD, AbstractDryFriction, FrictionLevels, mean_friction
-from flexros.effects.motor_law import AbstractMotorTorque, MotorState
+from flexros.compile.loop_functions import LoopFunctions
+from flexros.effects.arm_law import AbstractArmLaw
+from flexros.effects.delay import Delay
+from flexros.effects.gear_law import AbstractGearLaw
+from flexros.effects.motor_law import AbstractMotorLaw
 from flexros.errors import unknown_name
+from flexros.robot.rest import Rest, RestFinder
+from flexros.simulate.plant_rest import PlantRestFinder, own_at_rest, torque_beyond_command
+from flexros.simulate.plant_symbols import PlantSymbols
+from flexros.simulate.plant_updates import motor_accelerations, smooth_torque, step_updates
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
     from flexros.effects.placement import PlacedLaw
     from flexros.robot import Robot
     from flexros.robot.kinematics import Value
 
-SWEEPS = 4
-"""Passes over the motors whose frictions act on each other, per step twice that; each starts from the last (chosen)."""
-
 
 class PlantModel:
-    """The simulated plant; its state is that of the robot, [q, v], then the friction torques of motors that can stick.
+    """The simulated plant; its state is that of the robot, [q, v], then the states of effects.
 
-    Without laws its functions are those of the robot's own model. Laws whose size is zero are left out.
+    Without laws its functions are those of the robot's own model. Laws that are neutral are left out.
 
     Args:
         robot: The robot.
-        laws: Laws of effects at its motors.
+        laws: Laws of effects at its places.
         parameters: Names of the free parameters, of the robot or of laws, e.g. "coulomb_friction@motor_1.level".
 
     Raises:
@@ -47,27 +50,80 @@ class PlantModel:
         for name in of_robot:
             if name not in robot.parameters:
                 raise unknown_name(f"parameter of robot {robot.name}", name, [*robot.parameters, *sorted(known)])
-        self.laws = tuple(law for law in laws if not law.effect.neutral or set(law.parameters) & set(parameters))
+        acting = [law for law in laws if not law.effect.neutral or set(law.parameters) & set(parameters)]
+        self._delays = [law for law in acting if isinstance(law.effect, Delay)]
+        self.laws = tuple(law for law in acting if not isinstance(law.effect, Delay))
         self.model = robot.symbolic(of_robot) if of_robot else robot.model
-        self.robot_columns = [self.parameter_names.index(name) for name in of_robot]
-        self._places = robot.chain.motor_places
-        self._rubbing = tuple(sorted({law.motor for law in self.laws if isinstance(law.effect, AbstractDryFriction)}))
-        nq, m = self.model.n_coordinates, robot.n_motors
-        self._x = ca.SX.sym("x", 2 * nq + len(self._rubbing))
-        self._u, self._w = ca.SX.sym("u", m), ca.SX.sym("w", WRENCH_SIZE)
-        self._p = ca.SX.sym("p", len(self.parameter_names))
-        self._symbols = {name: self._p[index] for index, name in enumerate(self.parameter_names)}
+        self._plant = PlantSymbols(robot, self.model, self.laws, self.parameter_names)
+        self.robot_columns = self._plant.robot_columns
 
-    def start(self, state: FloatArray) -> FloatArray:
-        """Put the states of the effects behind a state of the robot.
+    @property
+    def n_states(self) -> int:
+        """Number of states, those of effects included."""
+        return int(self._plant.x.numel())
+
+    @property
+    def delay(self) -> float | tuple[float, ...]:
+        """Delay of the commands [s]: one number, or one for each motor where effects delay single motors."""
+        if not self._delays:
+            return self.robot.delay
+        delays = [self.robot.delay] * self.robot.n_motors
+        for law in self._delays:
+            assert isinstance(law.effect, Delay)
+            delays[law.motor] += law.effect.time
+        return tuple(delays)
+
+    @property
+    def moves_rest(self) -> bool:
+        """Whether laws of effects change where the robot is at rest."""
+        return bool(self._plant.laws.gears or self._plant.laws.arms)
+
+    @cached_property
+    def _rest_finder(self) -> RestFinder:
+        return PlantRestFinder(self._plant, self.parameter_names) if self.moves_rest else RestFinder(self.model)
+
+    def rest(self, near: FloatArray, parameters: FloatArray | None = None) -> Rest:
+        """Find the rest of the plant with its motors held.
+
+        Args:
+            near: State of the robot [q, v], or its coordinates q alone, to start from, the motors where they are held.
+            parameters: Values of the free parameters (SI), shape (n_parameters,); default: there are none.
+
+        Returns:
+            State of the robot, shape (2 nq,), and the torque that the motors need [Nm or N], shape (M,).
+
+        Raises:
+            InputError: The springs do not balance gravity.
+        """
+        values = np.zeros(0) if parameters is None else np.asarray(parameters, dtype=float)
+        wanted = values if self.moves_rest else values[self.robot_columns]
+        return self._rest_finder.find(np.array(near[: self.model.n_coordinates], dtype=float), wanted)
+
+    def start(
+        self, state: FloatArray, torque: FloatArray | None = None, parameters: FloatArray | None = None
+    ) -> FloatArray:
+        """Put the states of the effects behind a state of the robot, as they are when it has been at rest there.
 
         Args:
             state: State of the robot [q, v], shape (2 nq,).
+            torque: Commands that have been acting [Nm or N], shape (M,); default: those that hold the robot there.
+            parameters: Values of the free parameters (SI), shape (n_parameters,); default: there are none.
 
         Returns:
             State of the plant, shape (n_states,).
         """
-        return np.concatenate([state, np.zeros(len(self._rubbing))])
+        plain = np.concatenate([state, np.zeros(self.n_states - len(state))])
+        if not self._plant.own_states.numel():
+            return plain
+        values = np.zeros(len(self.parameter_names)) if parameters is None else np.asarray(parameters, dtype=float)
+        if torque is None:
+            torque = np.zeros(self.robot.n_motors)
+            if self._plant.laws.commands:
+                wanted = values if self.moves_rest else values[self.robot_columns]
+                held = self._rest_finder.holding_torque(np.asarray(state[: self.model.n_coordinates]), wanted)
+                torque = self.command_at_rest(state, held, values)
+        plain[self._plant.friction_end :] = self._own_at_rest(plain, torque, values).full().ravel()
+        return plain
 
     def command_at_rest(self, state: FloatArray, torque: FloatArray, parameters: FloatArray) -> FloatArray:
         """Find the command under which the motors get a torque, at rest.
@@ -78,13 +134,15 @@ class PlantModel:
             parameters: Values of the free parameters (SI), shape (n_parameters,).
 
         Returns:
-            Command [Nm or N], shape (M,).
+            Command [Nm or N], shape (M,); beyond a saturation there is none, and the torque itself is given.
         """
-        if not self._smooth_laws:
+        if not self._plant.laws.torques and not self._plant.laws.commands:
             return torque
-        added, slope = (value.full() for value in self._torque_and_slope(self.start(state), torque, parameters))
+        plain = np.concatenate([state, np.zeros(self.n_states - len(state))])
+        beyond, slope = (value.full() for value in self._torque_beyond_command(plain, torque, parameters))
         # the laws are linear in the torque, so that one Newton step is exact
-        command: FloatArray = torque - np.linalg.solve(np.eye(len(torque)) + slope, added.ravel())
+        step = np.linalg.lstsq(np.eye(len(torque)) + slope, beyond.ravel(), rcond=None)[0]
+        command: FloatArray = torque - step
         return command
 
     def functions(self, controller: ca.Function) -> LoopFunctions:
@@ -96,12 +154,15 @@ class PlantModel:
         Returns:
             The functions from which the loop is compiled.
         """
+        before, after = self._updates
         return LoopFunctions(
             derivative=self.derivative,
             encoder=self.model.encoder,
             tool_pose=self._tool_pose,
             controller=controller,
-            exact_update=self._exact_update,
+            sensor=self._sensor,
+            before_step=before,
+            after_step=after,
         )
 
     @cached_property
@@ -109,86 +170,83 @@ class PlantModel:
         """State derivative from (x, u, w, p)."""
         if not self.laws:
             return self.model.derivative
-        torque = self._u + self._smooth_torque
-        n = 2 * self.model.n_coordinates
-        for place, motor in enumerate(self._rubbing):
-            torque[motor] -= self._x[n + place]
-        robot = self.model.derivative(self._x[:n], torque, self._w, self._robot_parameters)
-        return self._function("derivative", [ca.vertcat(robot, ca.SX.zeros(len(self._rubbing)))])
+        plant = self._plant
+        passed = plant.torques(plant.u)
+        torque = passed + smooth_torque(plant, passed)
+        for place, motor in enumerate(plant.rubbing):
+            torque[motor] -= plant.friction[place]
+        for law, _ in plant.laws.bristles:
+            torque[law.motor] -= plant.own(law)[-1]
+        if plant.added_force() is None:
+            n = 2 * self.model.n_coordinates
+            robot = self.model.derivative(plant.x[:n], torque, plant.w, plant.robot_parameters)
+        else:
+            robot = ca.vertcat(plant.v, motor_accelerations(plant, torque))
+        rates = ca.vertcat(robot, ca.SX.zeros(len(plant.rubbing)), self._own_rates(passed))
+        arguments = [plant.x, plant.u, plant.w, plant.p]
+        return ca.Function("derivative", arguments, [ca.densify(rates)], {"cse": True})
 
-    @property
-    def _robot_parameters(self) -> ca.SX:
-        return ca.vertcat(ca.SX(0, 1), *[self._p[column] for column in self.robot_columns])
+    def _own_rates(self, torque: ca.SX) -> ca.SX:
+        """Derivatives of the own states of all laws; zero for those that are updated between the steps."""
+        plant, rates = self._plant, ca.SX.zeros(self.n_states)
+        for law in self.laws:
+            effect, values = law.effect, plant.values(law)
+            smooth = slice(plant.place(law).start, plant.place(law).start + effect.smooth_states)
+            if not effect.smooth_states:
+                continue
+            if isinstance(effect, AbstractMotorLaw):
+                rates[smooth] = effect.rates(plant.motor(law, torque), values)
+            elif isinstance(effect, AbstractGearLaw):
+                rates[smooth] = effect.rates(plant.gear(law), values)
+            elif isinstance(effect, AbstractArmLaw):
+                rates[smooth] = effect.rates(plant.arm(law), values)
+        return rates[plant.friction_end :]
+
+    @cached_property
+    def _updates(self) -> tuple[ca.Function | None, ca.Function | None]:
+        return step_updates(self._plant)
 
     @cached_property
     def _tool_pose(self) -> ca.Function:
-        if len(self.robot_columns) == len(self.parameter_names):
+        plant, errors = self._plant, self._plant.laws.tool_errors
+        if not errors and len(self.robot_columns) == len(self.parameter_names):
             return self.model.tool_pose
         qa = ca.SX.sym("q_a", self.model.n_arm)
-        pose = self.model.tool_pose(qa, self._robot_parameters)
-        return ca.Function("tool_pose", [qa, self._p], [pose])
-
-    def _values(self, law: PlacedLaw) -> Mapping[str, Value]:
-        own = law.parameters.items()
-        return {name.rpartition(".")[2]: self._symbols.get(name, value) for name, value in own}
-
-    @property
-    def _smooth_laws(self) -> list[tuple[PlacedLaw, AbstractMotorTorque]]:
-        return [(law, law.effect) for law in self.laws if isinstance(law.effect, AbstractMotorTorque)]
-
-    @cached_property
-    def _smooth_torque(self) -> ca.SX:
-        torque = ca.SX.zeros(self.robot.n_motors)
-        for law, effect in self._smooth_laws:
-            torque[law.motor] += effect.added(self._motor(law.motor), self._values(law))
-        return torque
-
-    def _motor(self, number: int) -> MotorState:
-        place = self._places[number]
-        turns = self.robot.chain.motor(number).gear_ratio.value if self.robot.spec.coordinates == "arm" else 1.0
-        position = self._x[place]
-        speed = self._x[self.model.n_coordinates + place]
-        return MotorState(position, turns * position, speed, self._u[number])
+        moved = ca.SX(qa)
+        numbers: dict[str, Value] = {}
+        for law, effect in errors:
+            for name, value in effect.offsets(self.robot, law.location, plant.values(law)).items():
+                moved[self.robot.arm_names.index(name)] += value
+            for name, value in effect.geometry(self.robot, law.location, plant.values(law)).items():
+                before = numbers[name] if name in numbers else plant.robot_value(name)
+                numbers[name] = before + value
+        if not numbers:
+            pose = self.model.tool_pose(moved, plant.robot_parameters)
+        else:
+            others = [name for name in self.model.parameter_names if name not in numbers]
+            given = ca.vertcat(*numbers.values(), *[plant.robot_value(name) for name in others])
+            pose = self.robot.symbolic([*numbers, *others]).tool_pose(moved, given)
+        return ca.Function("tool_pose", [qa, plant.p], [ca.densify(pose)])
 
     @cached_property
-    def _torque_and_slope(self) -> ca.Function:
-        torque = ca.densify(self._smooth_torque)
-        return ca.Function("torque", [self._x, self._u, self._p], [torque, ca.densify(ca.jacobian(torque, self._u))])
-
-    @cached_property
-    def _exact_update(self) -> ca.Function | None:
-        """Friction torques for a step of 2 h from (x, u, w, p, h), see `flexros.effects.dry_friction`; None for none.
-
-        The loop calls it before a step, where it counts, and again after it, where it is without consequence: the
-        friction torque has no part in what is measured and is computed anew before the next step.
-        """
-        if not self._rubbing:
+    def _sensor(self) -> ca.Function | None:
+        plant, sensors = self._plant, self._plant.laws.sensors
+        if not sensors:
             return None
-        nq = self.model.n_coordinates
-        half = ca.SX.sym("h")
-        torque = ca.SX.sym("torque", self.robot.n_motors)
-        q, v, friction = ca.vertsplit(self._x, [0, nq, 2 * nq, self._x.numel()])
-        places = [self._places[motor] for motor in self._rubbing]
-        free = self.model.acceleration(q, v, torque, self._w, self._robot_parameters)[places]
-        mobility = ca.jacobian(free, torque)[:, list(self._rubbing)]
-        free = ca.substitute(free, torque, self._u + self._smooth_torque)
-        free = free + AHEAD * 2 * half * ca.jtimes(free, q, v)
-        for _ in range(1 if mobility.sparsity().is_diag() else SWEEPS):
-            for place, motor in enumerate(self._rubbing):
-                own = mobility[place, place]
-                acceleration = free[place] - mobility[place, :] @ friction + own * friction[place]
-                speed = v[places[place]]
-                friction[place] = mean_friction(speed, acceleration, own, self._levels(motor, speed), 2 * half)
-        arguments = [self._x, self._u, self._w, self._p, half]
-        return ca.Function("exact_update", arguments, [ca.densify(ca.vertcat(q, v, friction))], {"cse": True})
+        y = ca.SX.sym("y", self.robot.n_motors)
+        read = ca.SX(y)
+        for law, effect in sensors:
+            motor = law.motor
+            angle = plant.motor(law, plant.u).angle
+            read[motor] = effect.read(read[motor], angle, plant.values(law))
+        return ca.Function("sensor", [y, plant.x, plant.p], [ca.densify(read)])
 
-    def _levels(self, motor: int, speed: ca.SX) -> FrictionLevels:
-        total = FrictionLevels(ca.SX(0), ca.SX(0))
-        for law in self.laws:
-            if law.motor == motor and isinstance(law.effect, AbstractDryFriction):
-                total = total + law.effect.levels(speed, self._values(law))
-        return total
+    @cached_property
+    def _torque_beyond_command(self) -> ca.Function:
+        return torque_beyond_command(self._plant)
 
-    def _function(self, name: str, outputs: list[ca.SX]) -> ca.Function:
-        arguments = [self._x, self._u, self._w, self._p]
-        return ca.Function(name, arguments, [ca.densify(output) for output in outputs], {"cse": True})
+    @cached_property
+    def _own_at_rest(self) -> ca.Function:
+        plant = self._plant
+        own = ca.densify(own_at_rest(plant, plant.u))
+        return ca.Function("own_at_rest", [plant.x, plant.u, plant.p], [own])

@@ -23,7 +23,9 @@ def test_wrong_number_of_arguments_is_named(chain: LoopFunctions) -> None:
         loop_sizes(wrong)
 
 
-@pytest.mark.parametrize("name", ["derivative", "encoder", "tool_pose", "controller", "sensor", "exact_update"])
+@pytest.mark.parametrize(
+    "name", ["derivative", "encoder", "tool_pose", "controller", "sensor", "exact_update", "before_step", "after_step"]
+)
 def test_function_that_does_not_fit_the_others_is_named(chain: LoopFunctions, name: str) -> None:
     shapes = {
         "derivative": ((10, 2, 5, 2), (10,)),
@@ -31,7 +33,7 @@ def test_function_that_does_not_fit_the_others_is_named(chain: LoopFunctions, na
         "tool_pose": ((3, 1), (7,)),
         "controller": ((5, 6, 3, 3), (2, 5)),
         "sensor": ((3, 10, 2), (3,)),
-        "exact_update": ((10, 2, 6, 2, 1), (9,)),
+        **dict.fromkeys(("exact_update", "before_step", "after_step"), ((10, 2, 6, 2, 1), (9,))),
     }
     inputs, outputs = shapes[name]
     symbols = [ca.SX.sym(f"s{k}", size) for k, size in enumerate(inputs)]

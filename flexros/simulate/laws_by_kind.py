@@ -1,0 +1,72 @@
+"""Laws of a plant sorted by their kinds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from flexros.effects.arm_law import AbstractArmLaw
+from flexros.effects.bristle_friction import AbstractBristleFriction
+from flexros.effects.command_law import AbstractCommandLaw
+from flexros.effects.dry_friction import AbstractDryFriction
+from flexros.effects.gear_law import AbstractGearLaw
+from flexros.effects.motor_law import AbstractMotorTorque
+from flexros.effects.sensor import AbstractSensor
+from flexros.effects.tool_error import AbstractToolError
+
+if TYPE_CHECKING:
+    from flexros.effects.placement import PlacedLaw
+
+
+@dataclass(frozen=True, eq=False)
+class LawsByKind:
+    """Laws with their effects, in the order in which they were given; an effect may be of several kinds.
+
+    Attributes:
+        all: All laws.
+    """
+
+    all: tuple[PlacedLaw, ...]
+
+    @cached_property
+    def commands(self) -> list[tuple[PlacedLaw, AbstractCommandLaw]]:
+        """Laws between command and motor, in the order in which a torque passes them."""
+        found = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractCommandLaw)]
+        return sorted(found, key=lambda pair: pair[1].rank)
+
+    @cached_property
+    def torques(self) -> list[tuple[PlacedLaw, AbstractMotorTorque]]:
+        """Torques at motors without jumps."""
+        return [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractMotorTorque)]
+
+    @cached_property
+    def frictions(self) -> list[tuple[PlacedLaw, AbstractDryFriction]]:
+        """Frictions that can stick."""
+        return [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractDryFriction)]
+
+    @cached_property
+    def bristles(self) -> list[tuple[PlacedLaw, AbstractBristleFriction]]:
+        """Frictions with presliding."""
+        return [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractBristleFriction)]
+
+    @cached_property
+    def gears(self) -> list[tuple[PlacedLaw, AbstractGearLaw]]:
+        """Laws of springs."""
+        return [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractGearLaw)]
+
+    @cached_property
+    def arms(self) -> list[tuple[PlacedLaw, AbstractArmLaw]]:
+        """Laws of the arm."""
+        return [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractArmLaw)]
+
+    @cached_property
+    def sensors(self) -> list[tuple[PlacedLaw, AbstractSensor]]:
+        """Errors of encoders, in the order in which a reading passes them."""
+        found = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractSensor)]
+        return sorted(found, key=lambda pair: pair[1].rank)
+
+    @cached_property
+    def tool_errors(self) -> list[tuple[PlacedLaw, AbstractToolError]]:
+        """Errors of the tool pose."""
+        return [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractToolError)]

@@ -1,0 +1,76 @@
+"""States of rest of a plant whose springs or arm have laws of effects."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.robot.rest import RestFinder
+from flexros.simulate.plant_updates import smooth_torque
+
+if TYPE_CHECKING:
+    from flexros.simulate.plant_symbols import PlantSymbols
+
+
+class PlantRestFinder(RestFinder):
+    """Finds where gravity, springs and the laws of effects balance while the motors are held.
+
+    Args:
+        plant: Symbols of the plant; its free parameters may differ from search to search.
+        names: Names of the free parameters.
+    """
+
+    def __init__(self, plant: PlantSymbols, names: tuple[str, ...]) -> None:
+        super().__init__(plant.model)
+        self._parameter_names = names
+        nq, model = plant.model.n_coordinates, plant.model
+        still = np.zeros(model.n_motors)
+        force = model.force(plant.q, np.zeros(nq), still, np.zeros(6), plant.robot_parameters)
+        added = plant.added_force()
+        if added is not None:
+            own = own_at_rest(plant, ca.SX.zeros(model.n_motors))
+            force = force + ca.substitute(
+                added, ca.vertcat(plant.v, plant.own_states), ca.vertcat(ca.SX.zeros(nq), own)
+            )
+        q = ca.SX.sym("q", nq)
+        force = ca.substitute(force, plant.q, q)
+        slope = ca.densify(ca.jacobian(force[self._balanced], q)[:, self._free])
+        self._force = ca.Function("rest", [q, plant.p], [ca.densify(force), slope])
+
+
+def own_at_rest(plant: PlantSymbols, command: ca.SX) -> ca.SX:
+    """Give the own states of all laws of a plant at rest.
+
+    Args:
+        plant: Symbols of the plant.
+        command: Commands that have been acting for ever [Nm or N], SX (M, 1).
+
+    Returns:
+        Own states, SX, a function of q, p and the commands.
+    """
+    x, torque = ca.SX.zeros(plant.x.numel()), ca.SX(command)
+    for law, effect in plant.laws.commands:
+        motor, values = law.motor, plant.values(law)
+        own = effect.rest(torque[motor], values)
+        x[plant.place(law)] = own
+        torque[motor] = effect.passed(torque[motor], own, values)
+    for law, gear_effect in plant.laws.gears:
+        x[plant.place(law)] = gear_effect.rest(plant.gear(law), plant.values(law))
+    for law, arm_effect in plant.laws.arms:
+        x[plant.place(law)] = arm_effect.rest(plant.arm(law), plant.values(law))
+    return ca.substitute(x[plant.friction_end :], plant.v, ca.SX.zeros(plant.v.numel()))
+
+
+def torque_beyond_command(plant: PlantSymbols) -> ca.Function:
+    """Make the function (x, u, p) -> what the motors get at rest beyond the commands, and its slope over the commands.
+
+    The laws are linear in the torque, but for a saturation, which counts as if it were not reached where it is not.
+    """
+    passed = plant.torques(plant.u)
+    beyond = (passed - plant.u) + smooth_torque(plant, passed)
+    if plant.own_states.numel():
+        beyond = ca.substitute(beyond, plant.own_states, own_at_rest(plant, plant.u))
+    slope = ca.densify(ca.jacobian(beyond, plant.u))
+    return ca.Function("beyond", [plant.x, plant.u, plant.p], [ca.densify(beyond), slope], {"allow_free": False})

@@ -1,0 +1,179 @@
+"""State of a plant with effects, as symbols, and what each kind of law sees of it."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from flexros.compile.loop_functions import WRENCH_SIZE
+from flexros.effects.arm_law import ArmState
+from flexros.effects.gear_law import GearState
+from flexros.effects.motor_law import MotorState
+from flexros.robot.spring import Spring
+from flexros.simulate.laws_by_kind import LawsByKind
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flexros.effects.placement import PlacedLaw
+    from flexros.robot import Robot
+    from flexros.robot.chain import Joint
+    from flexros.robot.kinematics import Value
+    from flexros.robot.model import SymbolicModel
+
+
+class PlantSymbols:
+    """Symbols of a plant: its state is [q, v], then friction torques of motors that can stick, then the laws' own.
+
+    Args:
+        robot: The robot.
+        model: Its symbolic model.
+        laws: Laws of effects.
+        names: Names of all free parameters, of the robot and of the laws.
+
+    Attributes:
+        laws: Laws by kind.
+        x: State of the plant.
+        u: Motor torques, shape (M,).
+        w: Wrench at the tool.
+        p: Free parameters.
+        rubbing: Numbers of the motors that can stick.
+        robot_columns: Places of the robot's free parameters in `p`.
+    """
+
+    def __init__(self, robot: Robot, model: SymbolicModel, laws: Sequence[PlacedLaw], names: Sequence[str]) -> None:
+        self.robot, self.model, self.laws = robot, model, LawsByKind(tuple(laws))
+        self.robot_columns = [names.index(name) for name in model.parameter_names]
+        self.rubbing = tuple(sorted({law.motor for law, _ in self.laws.frictions}))
+        end = self.friction_end = 2 * model.n_coordinates + len(self.rubbing)
+        self._places: dict[str, slice] = {}
+        for law in self.laws.all:
+            self._places[law.name] = slice(end, end + law.effect.n_states)
+            end += law.effect.n_states
+        self.x = ca.SX.sym("x", end)
+        self.u, self.w = ca.SX.sym("u", robot.n_motors), ca.SX.sym("w", WRENCH_SIZE)
+        self.p = ca.SX.sym("p", len(names))
+        self._free = {name: self.p[index] for index, name in enumerate(names)}
+
+    @property
+    def q(self) -> ca.SX:
+        """Coordinates."""
+        return self.x[: self.model.n_coordinates]
+
+    @property
+    def v(self) -> ca.SX:
+        """Rates of the coordinates."""
+        return self.x[self.model.n_coordinates : 2 * self.model.n_coordinates]
+
+    @property
+    def friction(self) -> ca.SX:
+        """Friction torques of the motors that can stick."""
+        return self.x[2 * self.model.n_coordinates : self.friction_end]
+
+    @property
+    def own_states(self) -> ca.SX:
+        """States of all laws."""
+        return self.x[self.friction_end :]
+
+    @property
+    def robot_parameters(self) -> ca.SX:
+        """Argument p of the functions of the robot's model."""
+        return ca.vertcat(ca.SX(0, 1), *[self.p[column] for column in self.robot_columns])
+
+    def place(self, law: PlacedLaw) -> slice:
+        """Return where the own states of a law stand in the state of the plant."""
+        return self._places[law.name]
+
+    def own(self, law: PlacedLaw) -> ca.SX:
+        """Return the own states of a law."""
+        return self.x[self._places[law.name]]
+
+    def values(self, law: PlacedLaw) -> Mapping[str, Value]:
+        """Return number or symbol of every parameter of a law."""
+        own = law.parameters.items()
+        return {name.rpartition(".")[2]: self._free.get(name, value) for name, value in own}
+
+    def robot_value(self, name: str) -> Value:
+        """Return number or symbol of a parameter of the robot."""
+        value: Value = self._free[name] if name in self._free else self.robot.parameters[name].value
+        return value
+
+    def torques(self, commands: ca.SX) -> ca.SX:
+        """Return the torques of the motors for commands: behind saturation, gain and lag."""
+        torque = ca.SX(commands)
+        for law, effect in self.laws.commands:
+            motor = law.motor
+            torque[motor] = effect.passed(torque[motor], self.own(law), self.values(law))
+        return torque
+
+    def turns(self, motor: int) -> float:
+        """Return the rotor angle per motor coordinate: the gear ratio where the robot file states the arm's side."""
+        return self.robot.chain.motor(motor).gear_ratio.value if self.robot.spec.coordinates == "arm" else 1.0
+
+    def motor(self, law: PlacedLaw, torque: ca.SX) -> MotorState:
+        """Return what a law at a motor sees; `torque` is that of all motors."""
+        number = law.motor
+        place = self.robot.chain.motor_places[number]
+        position, speed = self.q[place], self.v[place]
+        return MotorState(position, self.turns(number) * position, speed, torque[number], self.own(law))
+
+    def joint(self, law: PlacedLaw) -> tuple[int, Joint]:
+        """Return the arm coordinate at which a law of a spring sits, by its motor's or by its own name."""
+        joints = self.robot.chain.joints
+        names = self.robot.joint_names
+        index = (
+            self.robot.chain.geared[names.index(law.location)]
+            if law.location in names
+            else [joint.name for joint in joints].index(law.location)
+        )
+        return index, joints[index]
+
+    def gear(self, law: PlacedLaw) -> GearState:
+        """Return what a law of a spring sees."""
+        index, joint = self.joint(law)
+        spring, scale = joint.direction.spring, self.robot_value(f"{joint.name}.stiffness")
+        assert isinstance(spring, Spring)
+        damping = self.robot_value(f"{joint.name}.damping")
+        if joint.motor_coordinate is None:
+            motor, speed, turns = ca.SX(0), ca.SX(0), 0.0
+        else:
+            place = self.model.n_arm + joint.motor_coordinate
+            assert joint.motor is not None
+            motor, speed, turns = self.q[place], self.v[place], self.turns(joint.motor)
+        deflection, rate = motor - self.q[index], speed - self.v[index]
+        return GearState(
+            deflection=deflection,
+            rate=rate,
+            angle=turns * motor,
+            motor_speed=speed,
+            turns=turns,
+            torque=spring.force(deflection, scale) + damping * rate,
+            damping=damping,
+            spring=partial(spring.force, scale=scale),
+            own=self.own(law),
+        )
+
+    def arm(self, law: PlacedLaw) -> ArmState:
+        """Return what a law of the arm sees."""
+        n = self.model.n_arm
+        return ArmState(
+            self.q[:n], self.v[:n], self.model, self.robot_parameters, self.robot, law.location, self.own(law)
+        )
+
+    def added_force(self) -> ca.SX | None:
+        """Return the forces of all laws of springs and arm on the coordinates; None where there is no such law."""
+        gears, arms = self.laws.gears, self.laws.arms
+        if not gears and not arms:
+            return None
+        force = ca.SX.zeros(self.model.n_coordinates)
+        for law, effect in gears:
+            torques = effect.added(self.gear(law), self.values(law))
+            index, joint = self.joint(law)
+            force[index] += torques.arm
+            if joint.motor_coordinate is not None:
+                force[self.model.n_arm + joint.motor_coordinate] += torques.motor
+        for law, arm_effect in arms:
+            force[: self.model.n_arm] += arm_effect.force(self.arm(law), self.values(law))
+        return force
