@@ -86,7 +86,8 @@ def scales_of(specification: DiagnosisSpecification, robot: Robot, arm: FloatArr
     }
     reach = _given("reach", specification.reach, usual["reach"])
     turns = TURNS * 2.0 * np.pi * (np.ones_like(ratio) if on_motor_side else 1.0 / ratio)
-    creep = np.where(ratio == 1.0, usual["creep"], turns)
+    creep = np.minimum(np.where(ratio == 1.0, usual["creep"], turns), reach)
+    creep = _given("creep", specification.creep, creep)
     inertia = _rigid_inertia(robot, arm)
     acceleration = _acceleration(robot, arm, inertia, usual["acceleration"])
     acceleration = np.minimum(acceleration, side * np.array([FASTEST[kind] for kind in rotary]))
@@ -97,8 +98,8 @@ def scales_of(specification: DiagnosisSpecification, robot: Robot, arm: FloatArr
         acceleration=acceleration,
         torque=np.abs(inertia) @ acceleration,
         inertia=inertia,
-        creep=np.minimum(creep, reach),
-        smallest=np.minimum(NOISE_MULTIPLE * robot.encoder_noise, 0.1 * np.minimum(creep, reach)),
+        creep=creep,
+        smallest=np.minimum(NOISE_MULTIPLE * robot.encoder_noise, 0.1 * creep),
     )
 
 

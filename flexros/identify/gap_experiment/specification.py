@@ -36,12 +36,15 @@ class DiagnosisSpecification(Settings):
     length: float = Field(default=40.0, ge=10.0, le=3600.0, description="length of the experiment, about [s]")
     parts: tuple[PartName, ...] = Field(
         default=tuple(WEIGHTS),
-        description="parts, each once: creep both ways, presliding (small slow reversals), multisine, biased "
-        "(multisine on a slow swing), moves (fast), steps",
+        min_length=1,
+        max_length=100,
+        description="parts, each as often as it stands here: creep both ways, presliding (small slow reversals), "
+        "multisine, biased (multisine on a slow swing), moves (fast), steps",
     )
     poses: int = Field(
-        default=3, ge=1, le=12, description="poses at which the parts take place, the start included [1]"
+        default=3, ge=1, le=12, description="poses in which the parts take place in turn, the start included [1]"
     )
+    dwell: float = Field(default=0.3, ge=0.05, le=60.0, description="rest after a fast move [s]")
     intensity: float = Field(
         default=1.0, gt=0.0, le=1.2, description="size of multisines, moves and steps relative to the usual one [1]"
     )
@@ -61,6 +64,13 @@ class DiagnosisSpecification(Settings):
         min_length=1,
         description="speeds of the creep there and back, relative to the creep way over 0.3 of the part's time [1]",
     )
+    creep: PositivePerMotor | None = Field(
+        default=None,
+        description="way of the creep, one or one per motor [rad or m]; 2.5 turns of the rotor when left out",
+    )
+    reversal: float = Field(
+        default=1.0, gt=0.0, le=10.0, description="size of the small slow reversals relative to the usual one [1]"
+    )
     reach: PositivePerMotor | None = Field(
         default=None, description="how far a joint may leave its start, one or one per motor [rad or m]"
     )
@@ -78,12 +88,7 @@ class DiagnosisSpecification(Settings):
     )
 
     @model_validator(mode="after")
-    def _parts_are_given_once(self) -> DiagnosisSpecification:
-        if not self.parts or len(set(self.parts)) != len(self.parts):
-            raise ValueError(
-                f"the parts are [{', '.join(self.parts)}], allowed is each of {', '.join(WEIGHTS)} at most once and at "
-                "least one; correct the list"
-            )
+    def _sizes_are_above_zero(self) -> DiagnosisSpecification:
         for key in ("levels", "creep_speeds"):
             if any(value <= 0.0 for value in getattr(self, key)):
                 raise ValueError(f"{key} is {list(getattr(self, key))}, allowed are numbers above 0; correct them")
