@@ -1,0 +1,81 @@
+"""Pictures of signatures, from numbers to the page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from flexros.gap.gain import observer_gain
+from flexros.gap.report import signature_pictures as module
+from flexros.gap.report.evidence import EvidenceSection
+from flexros.gap.report.signature_pictures import signature_pictures
+from flexros.gap.result import DiagnosisResult
+from flexros.gap.signatures.base import AbstractSignature, Curve, Picture
+from flexros.gap.signatures.evidence import Evidence
+
+Changed = Callable[..., DiagnosisResult]
+
+
+class Speed(AbstractSignature):
+    """Torque against speed, with its title telling the place."""
+
+    name: ClassVar[str] = "speed"
+    effects: ClassVar[tuple[str, ...]] = ("coulomb_friction", "hysteresis")
+
+    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+        assert evidence.robot.name == "four_mass_linear"
+        curve = Curve(np.array([-1.0, 0.0, 1.0]), np.array([-0.2, np.nan, 0.2]))
+        told = {
+            "nominal": curve,
+            "repaired": Curve(curve.x, 0 * curve.y, "points"),
+            "level": Curve(curve.x, curve.y, "bars"),
+        }
+        return Picture(
+            f"Torque against speed, {location}", "speed [rad/s]", "torque [Nm]", told, "Steps at zero.", log_y=True
+        )
+
+
+class Absent(Speed):
+    """A picture that this log cannot show."""
+
+    name: ClassVar[str] = "absent"
+
+    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+        return None
+
+
+class Time(Speed):
+    """A picture of every effect."""
+
+    name: ClassVar[str] = "time"
+    effects: ClassVar[tuple[str, ...]] = ()
+
+
+@pytest.fixture
+def result(changed: Changed, monkeypatch: pytest.MonkeyPatch) -> DiagnosisResult:
+    monkeypatch.setattr(module, "pictures_for", lambda effect: (Absent, Speed, Time))
+    known = changed("explained")
+    observer = observer_gain(known.robot, 5e-4, 1e-3, known.robot.encoder_noise)
+    return changed("explained", evidence=Evidence(known.robot, known.record, observer, known.before.fit))
+
+
+def test_curves_are_drawn_as_they_ask(result: DiagnosisResult) -> None:
+    (picture,) = signature_pictures(result.ranking[0], result)
+    assert picture.caption == "Torque against speed, motor_1. Steps at zero."
+    line, points, bars = picture.figure.data
+    assert (line.mode, points.mode, bars.type) == ("lines", "markers", "bar")
+    assert picture.figure.layout.yaxis.type == "log"
+    assert picture.figure.layout.xaxis.title.text == "speed [rad/s]"
+
+
+def test_effects_at_one_joint_share_a_picture(result: DiagnosisResult) -> None:
+    captions = [block.caption for block in EvidenceSection().blocks(result) if hasattr(block, "figure")]
+    assert captions == ["Torque against speed, motor_1. Steps at zero."]
+
+
+def test_without_predictions_there_are_no_pictures(changed: Changed) -> None:
+    known = changed("explained")
+    assert signature_pictures(known.ranking[0], known) == ()
