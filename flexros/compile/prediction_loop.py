@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.compile.command_delay import split_delay
+from flexros.compile.command_delay import split_delays
 from flexros.compile.ir_text import IrBlock
 from flexros.compile.loop_divergence import stop_when_diverged
 from flexros.compile.loop_driver import ADVANCE, MEASURE, LoopDriver
@@ -27,14 +27,15 @@ from flexros.compile.machine_code_loop import add_functions
 from flexros.compile.module_builder import ModuleBuilder, check_lanes
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import FloatArray, IntArray
-    from flexros.compile.command_delay import CommandDelay
     from flexros.compile.loop_functions import LoopFunctions, LoopSizes
 
 PREDICT = "loop.predict"
 JOB_FIELDS = (
-    "samples", "plant", "line", "parameters", "gain", "torque", "torque_shared", "position", "valid",
-    "innovation", "tool_pose", "states", "diverged",
+    "samples", "plant", "line", "parameters", "gain", "torque", "position", "valid",
+    "innovation", "tool_pose", "states", "diverged", "torque_shared",
 )  # fmt: skip
 """Entries of the job of `loop.predict`, 64 bits each: numbers, addresses (0: not wanted), flags."""
 
@@ -64,18 +65,18 @@ class PredictionLoop:
     Args:
         functions: The plant; its controller is not used.
         sample_time: Time T between two samples [s].
-        delay: From the computing of a command to its acting [s], zero or more.
+        delay: From the computing of a command to its acting [s], zero or more; of all motors, or of each.
         substeps: Runge-Kutta steps per sample (per part of it where the delay splits it).
         lanes: Predictors side by side: 1, 2, 4, 8, 16.
     """
 
     def __init__(
-        self, functions: LoopFunctions, *, sample_time: float, delay: float = 0.0, substeps: int = 1, lanes: int = 1
+        self, functions: LoopFunctions, *, sample_time: float, delay: float | Sequence[float] = 0.0, substeps: int = 1, lanes: int = 1
     ) -> None:
         check_lanes(lanes)
         self.sizes: LoopSizes = loop_sizes(functions)
         self.lanes = lanes
-        timing: CommandDelay = split_delay(delay, sample_time)
+        timing = split_delays(delay, sample_time)
         self.line_length = timing.line_length
         builder = ModuleBuilder()
         driver = LoopDriver(add_functions(builder, functions, lanes), self.sizes, timing, substeps, lanes)
@@ -93,6 +94,7 @@ class PredictionLoop:
         position: FloatArray,
         valid: FloatArray,
         *,
+        past: FloatArray | None = None,
         record_pose: bool = False,
         record_states: bool = False,
     ) -> Prediction:
@@ -105,6 +107,8 @@ class PredictionLoop:
             torque: Torques, shape (n, M), or (n, M, lanes) for one record per lane.
             position: Measured positions [rad or m], shape (n, M).
             valid: 1 where a sample was measured, 0 where not, shape (n,).
+            past: Torques before the first sample, newest first, shape (line_length, M) or (line_length, M, lanes);
+                default: the first one.
             record_pose: Whether to record the tool pose.
             record_states: Whether to record the states.
 
@@ -112,32 +116,33 @@ class PredictionLoop:
             Prediction errors and what else was asked for.
         """
         sizes, lanes, n = self.sizes, self.lanes, len(position)
-        plant = np.asarray(start, dtype=float)
-        plant = np.array(np.repeat(plant[:, None], lanes, axis=1) if plant.ndim == 1 else plant, order="C")
         signal = np.ascontiguousarray(torque, dtype=float)
-        first = signal[0][..., None] if signal.ndim == 2 else signal[0]
-        line = np.array(np.broadcast_to(first, (self.line_length, sizes.motors, lanes)), order="C")
-        job = {
-            "plant": plant,
-            "line": line,
-            "parameters": np.array(parameters, dtype=float, order="C").reshape(sizes.parameters, lanes),
-            "gain": np.array(gain, dtype=float, order="C").reshape(sizes.state, sizes.motors),
-            "torque": signal,
-            "position": np.ascontiguousarray(position, dtype=float),
-            "valid": np.ascontiguousarray(valid, dtype=float),
-            "innovation": np.full((n, sizes.motors, lanes), np.nan),
-            "tool_pose": np.full((n, sizes.pose, lanes), np.nan) if record_pose else None,
-            "states": np.full((n, sizes.state, lanes), np.nan) if record_states else None,
-            "diverged": np.full(lanes, -1, dtype=np.int64),
-        }
-        numbers = {"samples": n, "torque_shared": int(signal.ndim == 2)}
-        entries = [numbers[name] if name in numbers else _address(job[name]) for name in JOB_FIELDS]
-        self._predict(np.array(entries, dtype=np.int64).ctypes.data)
-        return Prediction(job["innovation"], job["tool_pose"], job["states"], plant, job["diverged"])
-
-
-def _address(array: FloatArray | None) -> int:
-    return 0 if array is None else int(array.ctypes.data)
+        before = signal[:1] if past is None else np.asarray(past, dtype=float)
+        before = before[..., None] if before.ndim == 2 else before
+        plant = np.asarray(start, dtype=float)
+        plant = np.array(np.broadcast_to(plant[:, None] if plant.ndim == 1 else plant, (sizes.state, lanes)), order="C")
+        line = np.array(np.broadcast_to(before, (self.line_length, sizes.motors, lanes)), order="C")
+        innovation = np.full((n, sizes.motors, lanes), np.nan)
+        pose = np.full((n, sizes.pose, lanes), np.nan) if record_pose else None
+        states = np.full((n, sizes.state, lanes), np.nan) if record_states else None
+        diverged = np.full(lanes, -1, dtype=np.int64)
+        arrays: list[FloatArray | IntArray | None] = [
+            plant,
+            line,
+            np.array(parameters, dtype=float, order="C").reshape(sizes.parameters, lanes),
+            np.array(gain, dtype=float, order="C").reshape(sizes.state, sizes.motors),
+            signal,
+            np.ascontiguousarray(position, dtype=float),
+            np.ascontiguousarray(valid, dtype=float),
+            innovation,
+            pose,
+            states,
+            diverged,
+        ]
+        addresses = [0 if array is None else int(array.ctypes.data) for array in arrays]
+        entries = np.array([n, *addresses, int(signal.ndim == 2)], dtype=np.int64)
+        self._predict(entries.ctypes.data)
+        return Prediction(innovation, pose, states, plant, diverged)
 
 
 def _predict_text(sizes: LoopSizes, lanes: int) -> str:

@@ -101,10 +101,11 @@ def fit(predictor: Predictor, data: FitData, start: FloatArray, iterations: int 
     theta = np.clip(theta, low, high)
     chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
     for done in range(1, iterations + 1):
-        chi2, gradient, information = linearise(predictor, data, theta)
-        if not np.isfinite(chi2):
+        line = linearise(predictor, data, theta)
+        chi2, information = line.chi2, line.information
+        if not np.isfinite(chi2) or not len(theta):
             break
-        trials = np.stack([_trial(theta, gradient, information, damping, low, high) for damping in DAMPINGS], axis=-1)
+        trials = np.stack([_trial(theta, line, damping, low, high) for damping in DAMPINGS], axis=-1)
         values = chi2_of(predictor, data, trials)
         best = int(np.argmin(values))
         fall = chi2 - values[best]
@@ -116,16 +117,32 @@ def fit(predictor: Predictor, data: FitData, start: FloatArray, iterations: int 
     return Fit(predictor, theta, float(chi2), information, done, converged)
 
 
-def linearise(predictor: Predictor, data: FitData, theta: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-    """Evaluate sum of squares, gradient (half) and Gauss-Newton matrix at one set of numbers.
+@dataclass(frozen=True, eq=False)
+class Linearised:
+    """A hypothesis near one set of numbers.
+
+    Attributes:
+        chi2: Sum of squares.
+        residual: Weighted prediction errors r, shape (M n,).
+        slopes: Their derivatives J, shape (M n, n_fitted).
+        gradient: J'r and the prior's part, shape (n_fitted,).
+        information: J'J and the prior's part, shape (n_fitted, n_fitted).
+    """
+
+    chi2: float
+    residual: FloatArray
+    slopes: FloatArray
+    gradient: FloatArray
+    information: FloatArray
+
+
+def linearise(predictor: Predictor, data: FitData, theta: FloatArray) -> Linearised:
+    """Linearise the prediction errors by differences.
 
     Args:
         predictor: The hypothesis.
         data: Log and weights.
         theta: Numbers, shape (n_fitted,).
-
-    Returns:
-        Sum of squares, J'r + prior, J'J + prior.
     """
     P = len(theta)
     _, high = predictor.bounds
@@ -146,13 +163,12 @@ def linearise(predictor: Predictor, data: FitData, theta: FloatArray) -> tuple[f
     prior[predictor.n_effect :] = 1.0
     J = np.where(np.isfinite(J), J, 0.0)
     chi2 = float(_sums(predictor, base[:, None], theta[:, None])[0])
-    return chi2, J.T @ base + prior * theta, J.T @ J + np.diag(prior)
+    return Linearised(chi2, base, J, J.T @ base + prior * theta, J.T @ J + np.diag(prior))
 
 
-def _trial(
-    theta: FloatArray, gradient: FloatArray, information: FloatArray, damping: float, low: FloatArray, high: FloatArray
-) -> FloatArray:
+def _trial(theta: FloatArray, line: Linearised, damping: float, low: FloatArray, high: FloatArray) -> FloatArray:
     """Take one damped step, no number farther than allowed."""
+    gradient, information = line.gradient, line.information
     scale = np.diag(information) + 1e-12 * max(float(np.max(np.diag(information), initial=0.0)), 1e-300)
     step = -np.linalg.lstsq(information + damping * np.diag(scale), gradient, rcond=None)[0]
     longest = float(np.max(np.abs(step), initial=0.0))

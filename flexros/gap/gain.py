@@ -28,13 +28,34 @@ class ObserverGain:
         gain: K, shape (2 n, M) for the state [q, v] of n coordinates.
         spread: Standard deviation of the prediction errors when there is measurement noise alone [rad or m], (M,).
         transition: Matrix of the error dynamics, e_x <- F (e_x) per sample, shape (2 n, 2 n).
+        motion: Matrix of the motion over a sample without correction, shape (2 n, 2 n).
+        error: Covariance of the corrected states when there is measurement noise alone, shape (2 n, 2 n).
+        readout: Matrix from states to motor positions, shape (M, 2 n).
+        noise: Standard deviation of the measurement noise [rad or m], shape (M,).
         settling: Samples until an error of the start has decayed to a thousandth.
     """
 
     gain: FloatArray
     spread: FloatArray
     transition: FloatArray
+    motion: FloatArray
+    error: FloatArray
+    readout: FloatArray
+    noise: FloatArray
     settling: int
+
+    def ahead(self, samples: int) -> FloatArray:
+        """Return the standard deviation of the error of a prediction without gap, noise of the sample included.
+
+        Args:
+            samples: How far ahead it is made [samples].
+
+        Returns:
+            Standard deviations [rad or m], shape (M,).
+        """
+        C = self.readout @ np.linalg.matrix_power(self.motion, samples)
+        result: FloatArray = np.sqrt(np.diag(C @ self.error @ C.T) + self.noise**2)
+        return result
 
 
 def observer_gain(
@@ -69,8 +90,19 @@ def observer_gain(
     R = np.diag((np.asarray(noise, dtype=float) / unit) ** 2)
     P = solve_discrete_are(F.T, C.T, G @ G.T, R)
     K = P @ C.T @ np.linalg.inv(C @ P @ C.T + R)
-    transition = F @ (np.eye(2 * n) - K @ C)
-    error = solve_discrete_lyapunov(transition, F @ K @ R @ K.T @ F.T)
-    spread = unit * np.sqrt(np.diag(C @ error @ C.T + R))
+    keep = np.eye(2 * n) - K @ C
+    transition = F @ keep
+    predicted = solve_discrete_lyapunov(transition, F @ K @ R @ K.T @ F.T)
+    corrected = keep @ predicted @ keep.T + K @ R @ K.T
+    spread = unit * np.sqrt(np.diag(C @ predicted @ C.T + R))
     slowest = float(np.abs(np.linalg.eigvals(transition)).max())
-    return ObserverGain(K, spread, transition, int(np.ceil(np.log(1e-3) / np.log(min(slowest, 1 - 1e-6)))))
+    return ObserverGain(
+        gain=K,
+        spread=spread,
+        transition=transition,
+        motion=F,
+        error=unit**2 * corrected,
+        readout=C,
+        noise=np.asarray(noise, dtype=float),
+        settling=int(np.ceil(np.log(1e-3) / np.log(min(slowest, 1 - 1e-6)))),
+    )

@@ -121,16 +121,29 @@ def suspects(robot: Robot, yardsticks: Yardsticks) -> tuple[Suspect, ...]:
         yardsticks: Largest torques, speeds and deflections of the log.
 
     Returns:
-        Suspects; effects without ranges are left out, as are those found by other means.
+        Suspects; effects without ranges are left out, and those that repeat with the rotor, whose orders are sought apart.
     """
     found: list[Suspect] = []
     for effect in effects().values():
-        if not effect.ranges:
+        if not effect.ranges or "order" in effect.ranges:
             continue
-        for location in effect().locations(robot):
+        for location in places(effect, robot):
             free = tuple(
                 free_parameter(name, allowed, yardsticks.of(allowed.yardstick, location))
                 for name, allowed in effect.ranges.items()
             )
             found.append(Suspect(effect, location, free))
     return tuple(found)
+
+
+def places(effect: type[AbstractEffect], robot: Robot) -> tuple[str, ...]:
+    """List the places of an effect that differ: on a robot with one motor, "all" is that motor.
+
+    Args:
+        effect: Class of the effect.
+        robot: The robot.
+    """
+    found = effect().locations(robot)
+    if "all" in found and robot.n_motors == 1:
+        found = tuple(place for place in found if place not in robot.joint_names)
+    return found

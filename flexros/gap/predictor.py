@@ -2,45 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexros.compile.prediction_loop import Prediction, PredictionLoop
-from flexros.effects import place_effects
+from flexros.effects import PlacedLaw
 from flexros.effects.delay import Delay
+from flexros.effects.law import AbstractLaw
 from flexros.effects.model_change import AbstractChangedValues
-from flexros.effects.motor_law import AbstractMotorLaw
 from flexros.simulate.loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flexros.arrays import FloatArray
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.effects import RobotWithEffects
     from flexros.gap.gain import ObserverGain
     from flexros.gap.hypothesis import Hypothesis, Suspect
     from flexros.gap.record import GapRecord
+    from flexros.gap.tolerance import Tolerance
     from flexros.robot import Robot
 
 LANES = 8
 """Parameter sets that are predicted side by side [1]."""
 LONGEST_STEP = 5e-4
 """Longest integration step [s]; logs of lower rates take several steps per sample."""
-
-
-@dataclass(frozen=True)
-class Tolerance:
-    """Numbers of the nominal model that are known with a tolerance only.
-
-    Attributes:
-        names: Parameters of the robot.
-        deviations: One standard deviation each, relative to the value, shape (n,).
-    """
-
-    names: tuple[str, ...] = ()
-    deviations: tuple[float, ...] = ()
 
 
 class Predictor:
@@ -50,7 +38,7 @@ class Predictor:
     numbers of the robot in standard deviations.
 
     Args:
-        robot: The nominal robot.
+        model: The nominal model: robot and laws of effects that are known already.
         hypothesis: Effects that are there.
         tolerance: Numbers of the robot that may deviate.
         sample_time: Time between two samples [s].
@@ -59,26 +47,27 @@ class Predictor:
 
     def __init__(
         self,
-        robot: Robot,
+        model: RobotWithEffects,
         hypothesis: Hypothesis,
         tolerance: Tolerance,
         sample_time: float,
         *,
         measured_torque: bool = False,
     ) -> None:
-        self.robot, self.hypothesis, self.tolerance = robot, hypothesis, tolerance
+        self.robot = robot = model.robot
+        self.hypothesis, self.tolerance = hypothesis, tolerance
         self.sample_time = sample_time
         self._parameters = [(suspect, one) for suspect in hypothesis for one in suspect.free]
-        self._laws = place_effects(robot, [one.typical() for one in hypothesis if _is_law(one)]).laws
-        self._law_names = [name for law in self._laws for name in law.parameters]
+        laws = [_law(place, one) for place, one in enumerate(hypothesis) if _is_law(one)]
+        self._law_names = [name for law in laws for name in law.parameters]
         self._values = [one for one in hypothesis if issubclass(one.effect, AbstractChangedValues) and not _delays(one)]
         changed = [name for one in self._values for name in _changed(robot, one)]
         self._robot_names = sorted({*changed, *tolerance.names})
-        self.model = PlantModel(robot, self._laws, [*self._robot_names, *self._law_names])
+        self.model = PlantModel(robot, (*model.laws, *laws), [*self._robot_names, *self._law_names])
         self.loop = PredictionLoop(
             self.model.functions(feed_through(robot.n_motors)),
             sample_time=sample_time,
-            delay=0.0 if measured_torque else robot.delay,
+            delay=0.0 if measured_torque else self.model.delay,
             substeps=max(1, round(sample_time / LONGEST_STEP)),
             lanes=LANES,
         )
@@ -112,6 +101,15 @@ class Predictor:
             result[places[id(suspect)]][one.name] = float(one.decode(np.asarray(number)))
         return result
 
+    def slopes(self, theta: FloatArray) -> FloatArray:
+        """Return the derivatives of the values of all free parameters to the numbers of the fit, shape (n_effect,).
+
+        Args:
+            theta: Numbers of the fit, shape (n_fitted,).
+        """
+        pairs = zip(theta, self._parameters)
+        return np.array([one.high if one.signed else float(np.exp(number)) for number, (_, one) in pairs])
+
     def predict(
         self,
         thetas: FloatArray,
@@ -137,19 +135,53 @@ class Predictor:
         """
         sets = [np.asarray(thetas)[:, min(lane, np.shape(thetas)[1] - 1)] for lane in range(LANES)]
         columns = np.stack([self._column(theta) for theta in sets], axis=-1)
-        plant = self.model.start(start)
-        K = np.zeros((len(plant), self.robot.n_motors))
-        K[: len(gain.gain)] = gain.gain
+        plant = self.model.start(start, record.torque[0], columns[:, 0])
         return self.loop.run(
             plant,
             columns,
-            K,
+            self._gain(gain),
             self._torque(record.torque, sets),
             record.position,
             record.valid.astype(float),
             record_pose=record_pose,
             record_states=record_states,
         )
+
+    def ahead(
+        self, theta: FloatArray, record: GapRecord, states: FloatArray, starts: IntArray, horizon: int
+    ) -> FloatArray:
+        """Predict from corrected states on, without correction.
+
+        Args:
+            theta: Numbers of the fit, shape (n_fitted,).
+            record: The log.
+            states: Corrected states of all samples, shape (n, n_states).
+            starts: Samples from which to predict, each at least the delay from the first, shape (n_starts,).
+            horizon: How far ahead [samples].
+
+        Returns:
+            Motor positions at the horizon, without noise [rad or m], shape (n_starts, M).
+        """
+        column = np.repeat(self._column(theta)[:, None], LANES, axis=1)
+        torque = self._torque(record.torque, [theta])
+        torque = torque if torque.ndim == 2 else torque[:, :, 0]
+        nothing = np.zeros((horizon + 1, self.robot.n_motors))
+        gain = np.zeros((self.loop.sizes.state, self.robot.n_motors))
+        past = np.arange(1, self.loop.line_length + 1)
+        found = []
+        for first in range(0, len(starts), LANES):
+            group = starts[first : first + LANES]
+            lanes = np.concatenate([group, np.repeat(group[-1:], LANES - len(group))])
+            windows = np.stack([torque[start : start + horizon + 1] for start in lanes], axis=-1)
+            before = np.stack([torque[start - past] for start in lanes], axis=-1)
+            one = self.loop.run(states[lanes].T, column, gain, windows, nothing, np.ones(horizon + 1), past=before)
+            found.append(-one.innovation[horizon].T[: len(group)])
+        return np.concatenate(found)
+
+    def _gain(self, gain: ObserverGain) -> FloatArray:
+        K = np.zeros((self.loop.sizes.state, self.robot.n_motors))
+        K[: len(gain.gain)] = gain.gain
+        return K
 
     def _column(self, theta: FloatArray) -> FloatArray:
         """Return the parameters of the plant for one set of numbers."""
@@ -167,7 +199,7 @@ class Predictor:
                 for name, value in placed.effect.values(self.robot, placed.location).items():
                     robot[name] += value - nominal[name]
             elif _is_law(suspect):
-                assert isinstance(placed.effect, AbstractMotorLaw)
+                assert isinstance(placed.effect, AbstractLaw)
                 laws += placed.effect.numbers.values()
         return np.array([*robot.values(), *laws])
 
@@ -210,7 +242,14 @@ def delayed(torque: FloatArray, samples: float, motors: Sequence[int]) -> FloatA
 
 
 def _is_law(suspect: Suspect) -> bool:
-    return issubclass(suspect.effect, AbstractMotorLaw)
+    return issubclass(suspect.effect, AbstractLaw) and not _delays(suspect)
+
+
+def _law(place: int, suspect: Suspect) -> PlacedLaw:
+    """Make the law of a suspect under a name that no law of the nominal model has."""
+    placed = suspect.typical()
+    assert isinstance(placed.effect, AbstractLaw)
+    return PlacedLaw(f"suspect {place}", placed.effect, placed.location)
 
 
 def _delays(suspect: Suspect) -> bool:

@@ -1,0 +1,308 @@
+"""From fits to the answer: verdict, causes, groups, ranking and the numbers of the gap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.gap.cannot_tell import cannot_tell
+from flexros.gap.diagnosis_file import Cause, CauseParameter, Diagnosis, GapNumbers, Place
+from flexros.gap.explain import RIVAL, UNEXPLAINED
+from flexros.gap.how_far import closed_fraction, errors_ahead
+from flexros.gap.hypothesis import name_of
+from flexros.gap.result import Candidate, DiagnosisResult, Explanation, Prediction
+from flexros.gap.units import unit_of_parameter
+from flexros.provenance import versions
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.arrays import FloatArray
+    from flexros.effects import PlacedEffect, RobotWithEffects
+    from flexros.gap.diagnosis_file import Verdict
+    from flexros.gap.explain import Explanations
+    from flexros.gap.fit import Fit
+    from flexros.gap.fit_data import FitData
+    from flexros.gap.how_far import AheadErrors
+    from flexros.gap.where.find import Where
+
+METRIC = "mean squared prediction error 0.1 s ahead over its floor variance"
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """What was found in a log, with the log that was set aside.
+
+    Attributes:
+        model: The nominal model.
+        data: The log that was fitted to.
+        held: The log that was set aside.
+        explanations: All fits.
+    """
+
+    model: RobotWithEffects
+    data: FitData
+    held: FitData
+    explanations: Explanations
+
+    def explanation(self, one: Fit) -> Explanation:
+        """Predict both logs with a fitted model."""
+        return Explanation(
+            name_of(one.predictor.hypothesis), _prediction(one, self.data), _prediction(one, self.held), placed(one)
+        )
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """The answer in a word."""
+        found = self.explanations
+        if not found.detected:
+            return "unknown_effect" if found.evidence.significant(found.chosen) else "no_gap"
+        if found.left > UNEXPLAINED:
+            return "unknown_effect"
+        return "ambiguous" if len(self._rivals) else "explained"
+
+    @cached_property
+    def _rivals(self) -> tuple[Fit, ...]:
+        """Explanations within a factor of the chosen one, with other effects."""
+        found = self.explanations
+        if not found.detected:
+            return ()
+        of_chosen = dict(zip(map(id, found.rivals), found.probabilities))[id(found.chosen)]
+        return tuple(
+            one
+            for one, probability in zip(found.rivals, found.probabilities)
+            if one is not found.chosen and probability * RIVAL >= of_chosen
+        )
+
+    @cached_property
+    def best_rival(self) -> Fit | None:
+        """The best explanation with other effects than the chosen one."""
+        found = self.explanations
+        if not found.detected:
+            return None
+        return next((one for one in found.rivals if one is not found.chosen), None)
+
+    def groups(self) -> tuple[tuple[Place, ...], ...]:
+        """Collect effects that stand for one another in rival explanations."""
+        mine = {suspect.name: suspect for suspect in self.explanations.chosen.predictor.hypothesis}
+        groups: dict[str, list[Place]] = {}
+        for rival in self._rivals:
+            theirs = {suspect.name: suspect for suspect in rival.predictor.hypothesis}
+            for name in mine.keys() - theirs.keys():
+                group = groups.setdefault(name, [_place(mine[name].name)])
+                group += [_place(other) for other in sorted(theirs.keys() - mine.keys()) if _place(other) not in group]
+        return tuple(tuple(group) for group in groups.values() if len(group) > 1)
+
+    def probability(self, name: str) -> float:
+        """Add up the probabilities of all explanations that contain an effect at a place."""
+        pairs = zip(self.explanations.rivals, self.explanations.probabilities)
+        return float(
+            min(1.0, sum(p for one, p in pairs if name in {suspect.name for suspect in one.predictor.hypothesis}))
+        )
+
+    @cached_property
+    def errors_before(self) -> AheadErrors:
+        """Errors of the nominal model on held-out data."""
+        return errors_ahead(self.explanations.evidence.nothing, self.held)
+
+    def closed(self, one: Fit) -> float:
+        """Compute the share of the gap that a model closes on held-out data."""
+        share, _ = closed_fraction(self.errors_before, errors_ahead(one, self.held), self.held.record.sample_time)
+        return share
+
+    @cached_property
+    def gap(self) -> GapNumbers:
+        """How far the gap shrinks on held-out data."""
+        before = self.errors_before
+        if not self.explanations.detected:
+            return GapNumbers(metric=METRIC, unit="1", before=before.mean, noise_floor=1.0)
+        after = errors_ahead(self.explanations.chosen, self.held)
+        share, interval = closed_fraction(before, after, self.held.record.sample_time)
+        rival = None if self.best_rival is None else errors_ahead(self.best_rival, self.held).mean
+        return GapNumbers(
+            metric=METRIC,
+            unit="1",
+            before=before.mean,
+            after=after.mean,
+            noise_floor=1.0,
+            best_rival=rival,
+            closed_fraction=share,
+            interval=interval,
+        )
+
+
+def placed(one: Fit) -> tuple[PlacedEffect, ...]:
+    """Return the effects of a fit with their numbers."""
+    values = one.predictor.values(one.theta)
+    return tuple(suspect.placed(numbers) for suspect, numbers in zip(one.predictor.hypothesis, values))
+
+
+def covariance_of(one: Fit, level: float) -> tuple[tuple[str, ...], FloatArray]:
+    """Compute the covariance of the fitted numbers of the effects, in their units.
+
+    Args:
+        one: The fit.
+        level: Mean squared weighted prediction error V of it; above 1 the covariance is widened by it [1].
+
+    Returns:
+        Names, e.g. "coulomb_friction@motor_1.level", and covariance, shape (p, p).
+    """
+    number = one.predictor.n_effect
+    covariance = np.linalg.pinv(one.information)[:number, :number] * max(level, 1.0)
+    slopes = one.predictor.slopes(one.theta)
+    names = tuple(f"{suspect.name}.{free.name}" for suspect in one.predictor.hypothesis for free in suspect.free)
+    return names, covariance * np.outer(slopes, slopes)
+
+
+def parameters_of(one: Fit, level: float) -> list[dict[str, CauseParameter]]:
+    """Return the numbers of every effect of a fit with their standard deviations."""
+    _, covariance = covariance_of(one, level)
+    spread = iter(np.sqrt(np.maximum(np.diag(covariance), 0.0)))
+    values = one.predictor.values(one.theta)
+    return [
+        {
+            name: CauseParameter(
+                value=value, std=float(next(spread)), unit=unit_of_parameter(suspect, name, one.predictor.robot)
+            )
+            for name, value in numbers.items()
+        }
+        for suspect, numbers in zip(one.predictor.hypothesis, values)
+    ]
+
+
+def result_of(
+    found: Findings,
+    before: Explanation,
+    places: Where | None,
+    settings: Mapping[str, Any],
+    timings: Mapping[str, float],
+) -> DiagnosisResult:
+    """Put the answer together.
+
+    Args:
+        found: What was found.
+        before: The nominal model and what it predicts.
+        places: Where the gap shows; None where it was not looked for.
+        settings: Settings of the diagnosis.
+        timings: Time of every stage [s].
+    """
+    explanations, evidence = found.explanations, found.explanations.evidence
+    chosen = explanations.chosen
+    rival = found.best_rival
+    names, covariance = covariance_of(chosen, evidence.level(chosen))
+    told = cannot_tell(found)
+    diagnosis = Diagnosis(
+        schema=1,
+        verdict=found.verdict,
+        causes=_causes(found),
+        ambiguity_groups=found.groups(),
+        where=() if places is None else places.places,
+        gap=found.gap,
+        next_experiment=None,
+        warnings=(*found.data.record.warnings, *_warnings(found)),
+        provenance={"log": found.data.record.name, "robot": found.model.robot.name, **versions(), **dict(settings)},
+    )
+    tolerated = chosen.theta[chosen.predictor.n_effect :]
+    return DiagnosisResult(
+        diagnosis=diagnosis,
+        robot=found.model.robot,
+        record=found.data.record,
+        holdout=found.held.record,
+        before=before,
+        ranking=_ranking(found),
+        nothing=next(
+            float(p) for one, p in zip(explanations.rivals, explanations.probabilities) if one is evidence.nothing
+        ),
+        after=found.explanation(chosen) if explanations.detected else None,
+        rival=None if rival is None else found.explanation(rival),
+        patch=placed(chosen),
+        covariance_of=names,
+        covariance=covariance if len(names) else None,
+        excess=() if places is None else places.looked,
+        tolerance={name: float(value) for name, value in zip(chosen.predictor.tolerance.names, tolerated)},
+        cannot_tell=told,
+        settings=settings,
+        timings=timings,
+    )
+
+
+def _causes(found: Findings) -> tuple[Cause, ...]:
+    """List the effects of the chosen explanation and of its rivals, by probability."""
+    explanations = found.explanations
+    if not explanations.detected:
+        return ()
+    causes: dict[str, Cause] = {}
+    for one in (explanations.chosen, *found._rivals):
+        numbers = parameters_of(one, explanations.evidence.level(one))
+        for suspect, parameters in zip(one.predictor.hypothesis, numbers):
+            if suspect.name not in causes:
+                alone = next(
+                    (
+                        single
+                        for single in explanations.rivals
+                        if [s.name for s in single.predictor.hypothesis] == [suspect.name]
+                    ),
+                    None,
+                )
+                causes[suspect.name] = Cause(
+                    effect=suspect.effect.name,
+                    location=suspect.location,
+                    probability=found.probability(suspect.name),
+                    parameters=parameters,
+                    closed_fraction=None if alone is None else found.closed(alone),
+                )
+    return tuple(sorted(causes.values(), key=lambda cause: -cause.probability))
+
+
+def _ranking(found: Findings) -> tuple[Candidate, ...]:
+    """List every effect in its best explanation."""
+    explanations, evidence = found.explanations, found.explanations.evidence
+    best: dict[str, Candidate] = {}
+    for one in explanations.rivals:
+        numbers = parameters_of(one, evidence.level(one)) if one.predictor.hypothesis else []
+        for suspect, parameters in zip(one.predictor.hypothesis, numbers):
+            if suspect.name in best:
+                continue
+            others = tuple(_place(other.name) for other in one.predictor.hypothesis if other is not suspect)
+            best[suspect.name] = Candidate(
+                effect=suspect.effect.name,
+                location=suspect.location,
+                parameters=parameters,
+                gain=evidence.gain(one),
+                penalty=evidence.penalty(one),
+                probability=found.probability(suspect.name),
+                remainder=evidence.left(one),
+                beside=others,
+            )
+    return tuple(sorted(best.values(), key=lambda one: (-one.probability, -one.score)))
+
+
+def _warnings(found: Findings) -> list[str]:
+    """Say what limits the answer."""
+    explanations = found.explanations
+    left = explanations.left
+    warnings = []
+    if explanations.detected and 0 < left <= UNEXPLAINED:
+        warnings.append(f"the explanation leaves {100 * left:.2g} % of the gap in the fitted log, more than noise does")
+    gap = found.gap
+    if gap.closed_fraction is not None and gap.closed_fraction < 0.5 and gap.before > 2:
+        warnings.append(
+            f"on held-out data the explanation closes only {100 * gap.closed_fraction:.0f} % of the gap: it may not "
+            "hold beyond the fitted log"
+        )
+    return warnings
+
+
+def _prediction(one: Fit, data: FitData) -> Prediction:
+    found = one.predictor.predict(one.theta[:, None], data.record, data.gain, data.start, record_states=True)
+    assert found.states is not None
+    robot = one.predictor.robot
+    return Prediction(found.innovation[:, :, 0], data.gain.spread, found.states[:, : 2 * robot.n_coordinates, 0])
+
+
+def _place(name: str) -> Place:
+    effect, _, location = name.partition("@")
+    return Place(effect=effect, location=location)

@@ -1,0 +1,140 @@
+"""The diagnosis of a log, from beginning to end."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects import RobotWithEffects
+from flexros.gap.answer import Findings, result_of
+from flexros.gap.explain import explain
+from flexros.gap.fit_data import FitData, constant_spread
+from flexros.gap.gain import observer_gain
+from flexros.gap.search import Search
+from flexros.gap.tolerance import tolerance_of
+from flexros.gap.where.find import where
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from flexros.gap.record import GapRecord
+    from flexros.gap.result import DiagnosisResult
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True)
+class DiagnosisSettings:
+    """Settings of a diagnosis.
+
+    Attributes:
+        level: Torque noise that the predictor allows for, see `observer_gain` [1].
+        fitted_share: Share of the log that is fitted to where there is no second one [1].
+        threads: Fits at the same time; 0: as many as there are cores.
+        seed: Seed of the simulated logs without gap.
+        where: Whether the places of the gap are looked for.
+    """
+
+    level: float = 1e-3
+    fitted_share: float = 2 / 3
+    threads: int = 0
+    seed: int = 1
+    where: bool = True
+
+
+def diagnose(
+    record: GapRecord,
+    robot: Robot | RobotWithEffects,
+    *,
+    holdout: GapRecord | None = None,
+    tolerance: Mapping[str, float] | None = None,
+    settings: DiagnosisSettings | None = None,
+    progress: Callable[[str, float], None] | None = None,
+) -> DiagnosisResult:
+    """Diagnose the gap between a recorded robot and its model.
+
+    Args:
+        record: The log that effects are fitted to.
+        robot: The nominal model: a robot, or one with effects that are known already.
+        holdout: Second log, read once at the end; default: the last third of the first.
+        tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
+        settings: Numbers of the diagnosis.
+        progress: Called with the name of the stage and the share of all that is done.
+
+    Returns:
+        What was found, with the evidence.
+    """
+    numbers = settings or DiagnosisSettings()
+    model = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
+    stages = Stages(progress)
+    fitted, held = (record, holdout) if holdout is not None else split(record, numbers.fitted_share)
+    data = fit_data(fitted, model, numbers)
+    search = Search(model, data, tolerance_of(model.robot, tolerance or {}), stages.inner)
+    search.threads = numbers.threads or search.threads
+    stages.begin("causes", 0.85)
+    explanations = explain(search)
+    stages.begin("held-out data", 0.95)
+    found = Findings(model, data, fit_data(held, model, numbers), explanations)
+    stages.begin("places", 1.0)
+    before = found.explanation(explanations.evidence.nothing)
+    places = where(before.fit, fitted, model.robot, numbers.seed) if numbers.where else None
+    stages.end()
+    return result_of(found, before, places, {**asdict(numbers), **dict(tolerance or {})}, stages.timings)
+
+
+def split(record: GapRecord, share: float) -> tuple[GapRecord, GapRecord]:
+    """Set the last part of a log aside.
+
+    Args:
+        record: The log.
+        share: Share of it that is fitted to [1].
+    """
+    border = int(share * record.n_samples)
+    return record.part(0, border), record.part(border, record.n_samples)
+
+
+def fit_data(record: GapRecord, model: RobotWithEffects, settings: DiagnosisSettings) -> FitData:
+    """Give a log gain, start and weights.
+
+    Args:
+        record: The log.
+        model: The nominal model.
+        settings: Numbers of the diagnosis.
+    """
+    robot = model.robot
+    pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
+    gain = observer_gain(robot, record.sample_time, settings.level, robot.encoder_noise, pose)
+    start = robot.equilibrium(motor_position=record.position[0])
+    return FitData(record, gain, start, constant_spread(record, gain), np.ones((robot.n_motors, 1)))
+
+
+class Stages:
+    """Tells how far the work is, and keeps the time of every stage.
+
+    Args:
+        progress: Called with the name of the stage and the share of all that is done.
+    """
+
+    def __init__(self, progress: Callable[[str, float], None] | None) -> None:
+        self.timings: dict[str, float] = {}
+        self._progress = progress
+        self._name, self._from, self._to, self._begin = "", 0.0, 0.0, time.monotonic()
+
+    def begin(self, name: str, share: float) -> None:
+        """Begin a stage that ends when `share` of all is done."""
+        self.end()
+        self._name, self._from, self._to, self._begin = name, self._to, share, time.monotonic()
+        self.inner(name, 0.0)
+
+    def inner(self, name: str, share: float) -> None:
+        """Tell the share of the present stage that is done."""
+        if self._progress is not None:
+            self._progress(name, self._from + share * (self._to - self._from))
+
+    def end(self) -> None:
+        """End the present stage."""
+        if self._name:
+            self.timings[self._name] = time.monotonic() - self._begin
+            self._name = ""

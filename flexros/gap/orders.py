@@ -1,0 +1,214 @@
+"""Orders of the rotor: which periods per turn of a motor the prediction errors repeat with, and from where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.signal import lfilter
+
+from flexros.robot.linearise import linear_model
+
+if TYPE_CHECKING:
+    from flexros.arrays import ComplexArray, FloatArray
+    from flexros.gap.fit_data import FitData
+    from flexros.robot import Robot
+
+Entry = Literal["torque", "proportional torque", "gear", "encoder"]
+"""Where a periodic disturbance enters: torque at the motor, that relative to the torque, torsion of the gear, encoder."""
+
+HIGHEST = 130.0
+"""Highest order that is looked for [periods per turn] (chosen)."""
+MOST_SPEED = 0.4
+"""Highest frequency of an order at the largest speed, relative to the sampling frequency [1] (chosen)."""
+MOST_ORDERS = 3000
+"""Most orders of one search [1] (chosen)."""
+
+
+@dataclass(frozen=True)
+class PeriodicFit:
+    """The best wave of one order.
+
+    Attributes:
+        order: Periods per turn of the rotor [1].
+        amplitude: Amplitude [Nm, 1 or rad].
+        phase: Phase at motor position zero [rad].
+        gain: Twice the expected gain in log-likelihood.
+    """
+
+    order: float
+    amplitude: float
+    phase: float
+    gain: float
+
+
+class OrderSearch:
+    """Finds waves in the rotor angle of a motor in the prediction errors of a log, by linear theory about its pose.
+
+    A disturbance d at an entry makes prediction errors e = H d with the error dynamics x <- F x + G d, e = C x + D d.
+    The gain of a wave is that of a least-squares fit of H sin(n a) and H cos(n a) to the errors. Which orders are worth
+    it is seen from one backward pass: the sum of (H* e) exp(i n a) over all samples.
+
+    Args:
+        robot: The nominal robot.
+        data: Log, gain and weights.
+        residual: Weighted prediction errors that are to be explained, shape (M n,).
+        states: Predicted states [q, v], shape (n, n_states).
+        q_a: Arm coordinates of the pose of the gain [rad or m], shape (N,).
+    """
+
+    def __init__(
+        self, robot: Robot, data: FitData, residual: FloatArray, states: FloatArray, q_a: FloatArray | None = None
+    ) -> None:
+        self.robot, self.data = robot, data
+        self._residual = residual.reshape(robot.n_motors, -1).T
+        self._states = states
+        self._linear = linear_model(robot, q_a)
+        self._eigenvalues, self._modes = np.linalg.eig(data.gain.transition)
+
+    def search(self, motor: int, entry: Entry, number: int = 2) -> tuple[PeriodicFit, ...]:
+        """Find the best orders.
+
+        Args:
+            motor: Number of the motor (0-based).
+            entry: Where the disturbance enters.
+            number: How many.
+
+        Returns:
+            Waves by gain, the largest first.
+        """
+        angle = self._angle(motor)
+        orders = self._orders(motor, angle)
+        if not len(orders):
+            return ()
+        source = self._source(motor, entry)
+        backward = self._backward(source) * self._factor(motor, entry)
+        score = _spectrum(backward, angle, orders)
+        level = np.array([np.median(score[max(0, k - 25) : k + 26]) for k in range(len(score))])
+        ranked = np.argsort(score / np.maximum(level, 1e-300))[::-1]
+        chosen: list[float] = []
+        spacing = 2 * np.pi / max(float(np.ptp(angle)), 1e-9)
+        for place in [*ranked[: 3 * number], *np.argsort(score)[::-1][: 3 * number]]:
+            if all(abs(orders[place] - other) > 0.8 * spacing for other in chosen):
+                chosen.append(float(orders[place]))
+        fits = [self._refined(motor, entry, order, spacing) for order in chosen]
+        return tuple(sorted(fits, key=lambda one: -one.gain)[:number])
+
+    def _refined(self, motor: int, entry: Entry, order: float, spacing: float) -> PeriodicFit:
+        """Move an order to its best place within its resolution."""
+        best = self.fit(motor, entry, order)
+        width = spacing / 4
+        for _ in range(4):
+            others = [self.fit(motor, entry, max(best.order + sign * width, 1e-3)) for sign in (-1, 1)]
+            best = max([best, *others], key=lambda one: one.gain)
+            width /= 2
+        return best
+
+    def fit(self, motor: int, entry: Entry, order: float) -> PeriodicFit:
+        """Fit a wave of one order.
+
+        Args:
+            motor: Number of the motor (0-based).
+            entry: Where the disturbance enters.
+            order: Periods per turn of the rotor [1].
+        """
+        angle, factor = self._angle(motor), self._factor(motor, entry)
+        columns = [self._forward(self._source(motor, entry), wave(order * angle) * factor) for wave in (np.sin, np.cos)]
+        X = np.stack([self._weighted(column) for column in columns], axis=-1)
+        r = self._residual.T.ravel()
+        solution, *_ = np.linalg.lstsq(X.T @ X, X.T @ r, rcond=None)
+        gain = float(solution @ (X.T @ r))
+        return PeriodicFit(order, float(np.hypot(*solution)), float(np.arctan2(solution[1], solution[0])), gain)
+
+    def _angle(self, motor: int) -> FloatArray:
+        turns = self.robot.chain.motor(motor).gear_ratio.value if self.robot.spec.coordinates == "arm" else 1.0
+        angle: FloatArray = turns * self._states[:, self.robot.chain.motor_places[motor]]
+        return angle
+
+    def _orders(self, motor: int, angle: FloatArray) -> FloatArray:
+        """List orders a third of the resolution apart, from one period in the whole range on."""
+        reach = float(np.ptp(angle))
+        if reach <= 0:
+            return np.zeros(0)
+        fastest = float(np.quantile(np.abs(np.diff(angle)), 0.95))
+        highest = min(HIGHEST, 2 * np.pi * MOST_SPEED / max(fastest, 1e-12))
+        lowest = 2 * np.pi / reach
+        number = int(np.clip(3 * (highest - lowest) * reach / (2 * np.pi), 0, MOST_ORDERS))
+        return np.linspace(lowest, highest, number) if highest > lowest else np.zeros(0)
+
+    def _factor(self, motor: int, entry: Entry) -> FloatArray | float:
+        return self.data.record.torque[:, motor] if entry == "proportional torque" else 1.0
+
+    def _source(self, motor: int, entry: Entry) -> tuple[FloatArray, FloatArray]:
+        """Return the input column G of the error dynamics and the feed-through D of an entry."""
+        model, T, M = self._linear, self.data.record.sample_time, self.robot.n_motors
+        n = len(model.mass)
+        through = np.zeros(M)
+        if entry == "encoder":
+            through[motor] = 1.0
+            return -self._step(T) @ self.data.gain.gain[:, motor], through
+        force = np.zeros(n)
+        place = self.robot.chain.motor_places[motor]
+        if entry == "gear":
+            force = -model.stiffness[:, place].copy()
+        else:
+            force = model.input[:, motor].copy()
+        column = np.concatenate([np.zeros(n), np.linalg.solve(model.mass, force)])
+        half = self._step(T / 2)
+        return half @ column * T, through
+
+    def _step(self, time: float) -> FloatArray:
+        A = self._linear.matrices()[0]
+        transition: FloatArray = expm(A * time)
+        return transition
+
+    @property
+    def _upper(self) -> list[tuple[int, float]]:
+        """List the modes with weights; of a conjugate pair one, twice."""
+        return [
+            (place, 1.0 if value.imag == 0 else 2.0) for place, value in enumerate(self._eigenvalues) if value.imag >= 0
+        ]
+
+    @cached_property
+    def _readout(self) -> ComplexArray:
+        C = self._linear.matrices()[2][: self.robot.n_motors]
+        readout: ComplexArray = C @ self._modes
+        return readout
+
+    def _forward(self, source: tuple[FloatArray, FloatArray], disturbance: FloatArray) -> FloatArray:
+        """Compute the prediction errors of a disturbance, shape (n, M)."""
+        column, through = source
+        entered = np.linalg.solve(self._modes, column.astype(complex))
+        errors = np.outer(disturbance, through)
+        for place, weight in self._upper:
+            state = lfilter([0.0, 1.0], [1.0, -self._eigenvalues[place]], entered[place] * disturbance)
+            errors += weight * np.outer(state, self._readout[:, place]).real
+        return errors
+
+    def _backward(self, source: tuple[FloatArray, FloatArray]) -> FloatArray:
+        """Compute how every sample of a disturbance is correlated with the errors, shape (n,)."""
+        column, through = source
+        entered = np.linalg.solve(self._modes, column.astype(complex))
+        weighted = np.where(np.isfinite(self.data.spread), self._residual / self.data.spread, 0.0)[::-1]
+        result = weighted @ through
+        for place, weight in self._upper:
+            seen = lfilter([0.0, 1.0], [1.0, -self._eigenvalues[place]], weighted @ self._readout[:, place])
+            result = result + weight * (seen * entered[place]).real
+        return result[::-1]
+
+    def _weighted(self, errors: FloatArray) -> FloatArray:
+        return self.data.weighted(errors[:, :, None])[:, 0]
+
+
+def _spectrum(signal: FloatArray, angle: FloatArray, orders: FloatArray) -> FloatArray:
+    """Evaluate |sum of signal exp(i n angle)| for evenly spaced orders n."""
+    wave = signal * np.exp(1j * orders[0] * angle)
+    turn = np.exp(1j * (orders[1] - orders[0] if len(orders) > 1 else 0.0) * angle)
+    score = np.empty(len(orders))
+    for place in range(len(orders)):
+        score[place] = abs(wave.sum())
+        wave *= turn
+    return score

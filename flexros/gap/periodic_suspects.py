@@ -1,0 +1,61 @@
+"""Suspects that repeat with the turning of a rotor, with orders found in the prediction errors."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects import effects
+from flexros.gap.hypothesis import FreeParameter, Suspect
+from flexros.gap.orders import OrderSearch
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.gap.fit_data import FitData
+    from flexros.gap.orders import Entry, PeriodicFit
+    from flexros.robot import Robot
+
+ENTRIES: dict[str, tuple[tuple[Entry, tuple[tuple[str, bool], ...]], ...]] = {
+    "torque_ripple": (("torque", ()), ("proportional torque", (("proportional", True),))),
+    "encoder_eccentricity": (("encoder", ()),),
+    "transmission_error": (("gear", ()),),
+}
+"""Where the wave of each periodic effect enters, and what else is set with it."""
+
+
+def periodic_suspects(
+    robot: Robot, data: FitData, residual: FloatArray, states: FloatArray, number: int = 1
+) -> tuple[Suspect, ...]:
+    """List periodic effects at every motor with the orders that fit best.
+
+    Args:
+        robot: The nominal robot.
+        data: Log and weights.
+        residual: Weighted prediction errors that are to be explained, shape (M n,).
+        states: Predicted states [q, v], shape (n, n_states).
+        number: Orders per effect and motor.
+
+    Returns:
+        Suspects, each with one start: the wave of its order that fits best.
+    """
+    search = OrderSearch(robot, data, residual, states)
+    found: list[Suspect] = []
+    for name, ways in ENTRIES.items():
+        if name not in effects():
+            continue
+        effect = effects()[name]
+        for location in effect().locations(robot):
+            for entry, fixed in ways:
+                waves = search.search(robot.joint_names.index(location), entry, number)
+                found += [Suspect(effect, location, _free(wave), fixed) for wave in waves]
+    return tuple(found)
+
+
+def _free(wave: PeriodicFit) -> tuple[FreeParameter, ...]:
+    amplitude = max(wave.amplitude, 1e-15)
+    return (
+        FreeParameter("amplitude", amplitude * 1e-4, amplitude * 1e4, signed=False, starts=(amplitude,)),
+        FreeParameter("order", wave.order / 1.5, wave.order * 1.5, signed=False, starts=(wave.order,)),
+        FreeParameter("phase", 0.0, 2 * np.pi, signed=True, starts=(wave.phase,)),
+    )

@@ -1,0 +1,60 @@
+"""Numbers of the nominal model that are known with a tolerance only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flexros.errors import unknown_name
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.robot import Robot
+
+KINDS = {
+    "stiffness": (".stiffness",),
+    "damping": (".damping", ".viscous_friction"),
+    "inertia": (".inertia", ".mass", ".inertia.xx", ".inertia.yy", ".inertia.zz"),
+}
+"""Kinds of numbers of a robot by how their names end."""
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Numbers that may deviate.
+
+    Attributes:
+        names: Parameters of the robot.
+        deviations: One standard deviation each, relative to the value [1].
+    """
+
+    names: tuple[str, ...] = ()
+    deviations: tuple[float, ...] = ()
+
+
+def tolerance_of(robot: Robot, given: Mapping[str, float]) -> Tolerance:
+    """Collect the tolerances of a robot.
+
+    Args:
+        robot: The nominal robot; its file states tolerances per number.
+        given: Relative tolerances by kind (stiffness, damping, inertia) that replace those of the file [1].
+
+    Returns:
+        Numbers that are not zero and not exact.
+
+    Raises:
+        InputError: A kind is unknown.
+    """
+    for kind in given:
+        if kind not in KINDS:
+            raise unknown_name("kind of tolerance", kind, KINDS)
+    found: dict[str, float] = {}
+    for name, parameter in robot.parameters.items():
+        deviation = parameter.tolerance
+        for kind, endings in KINDS.items():
+            if kind in given and name.endswith(endings):
+                deviation = given[kind]
+        if deviation > 0 and parameter.value != 0:
+            found[name] = deviation
+    return Tolerance(tuple(found), tuple(found.values()))
