@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexros.cli import analyze, bench, campaign, demo, identify, import_log, robots, run
+from flexros.cli import analyze, bench, campaign, demo, diagnose, gap, identify, import_log, robots, run
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
 if TYPE_CHECKING:
@@ -81,6 +81,8 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "scenarios": run.scenarios,
     "run": run.run,
     "analyze": analyze.analyze,
+    "diagnose": diagnose.diagnose,
+    "gap": gap.gap,
     "demo": demo.demo,
     "bench": bench.bench,
     "campaign": campaign.campaign,

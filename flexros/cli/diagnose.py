@@ -13,8 +13,6 @@ from flexros.errors import InputError, unknown_name
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
 
-TOLERATED = ("stiffness", "inertia", "damping")
-"""Kinds of numbers of a robot whose tolerance can be given."""
 GAP_FOUND = 1
 """Exit code when a gap was found."""
 
@@ -39,9 +37,9 @@ def diagnose(
 
     check_folder(out)
     tolerances = parse_tolerance(tolerance)
-    robot = load_model(model).robot
+    known = load_model(model)
     record, held = (
-        None if path is None else read_record(read_log(path, namespace=namespace or None), robot, name=str(path))
+        None if path is None else read_record(read_log(path, namespace=namespace or None), known.robot, name=path.name)
         for path in (bag, holdout)
     )
     assert record is not None
@@ -49,7 +47,7 @@ def diagnose(
         task = bar.add_task("reading", total=1.0)
         result = diagnosed(
             record,
-            robot,
+            known,
             holdout=held,
             tolerance=tolerances,
             progress=lambda stage, share: bar.update(task, description=stage, completed=share),
@@ -75,13 +73,15 @@ def parse_tolerance(text: str) -> dict[str, float]:
     Raises:
         InputError: Wrong form, unknown kind, or a share that is not from 0 to below 1.
     """
+    from flexros.gap.tolerance import KINDS
+
     tolerances: dict[str, float] = {}
     for part in (part.strip() for part in text.split(",") if part.strip()):
         kind, is_pair, value = part.partition("=")
         if not is_pair:
             raise InputError(f"--tolerance is '{text}', but must be KIND=SHARE,..., for instance stiffness=0.03")
-        if kind not in TOLERATED:
-            raise unknown_name("kind", kind, TOLERATED, "--tolerance")
+        if kind not in KINDS:
+            raise unknown_name("kind", kind, KINDS, "--tolerance")
         if kind in tolerances:
             raise InputError(f"--tolerance gives {kind} twice; remove one of them")
         try:

@@ -1,0 +1,69 @@
+"""Command that measures how far a model is from a recorded robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from flexros.cli.diagnose import GAP_FOUND, parse_tolerance
+from flexros.cli.output import console, print_json, progress_bar, say
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from flexros.effects import RobotWithEffects
+    from flexros.gap.measure_gap import MeasuredGap
+
+
+def gap(
+    bag: Path = typer.Argument(help="Log folder (rosbag2) or .mcap file."),
+    model: str = typer.Option(..., "--model", help="Robot as it is thought to be: shipped name, YAML or patch.yaml."),
+    patch: Path = typer.Option(None, "--patch", help="Patch of that robot, for the gap that it leaves."),
+    tolerance: str = typer.Option(
+        "", "--tolerance", help="Relative tolerances of the model, e.g. stiffness=0.03,inertia=0.03,damping=0.3."
+    ),
+    namespace: str = typer.Option("", "--namespace", help="Namespace of the topics, when a log holds several."),
+    as_json: bool = typer.Option(False, "--json", help="Print the numbers as JSON, as in diagnosis.json."),
+) -> int:
+    """Tell how far a model is from a log; the exit code is 1 where it, with the patch on it, leaves a gap."""
+    from flexros.effects.patched_robot import load_model
+    from flexros.gap.measure_gap import measure_gap
+    from flexros.gap.read_record import read_record
+    from flexros.logs.reader import read_log
+
+    tolerances = parse_tolerance(tolerance)
+    nominal = load_model(model)
+    repaired = None if patch is None else _repaired(patch, model)
+    with progress_bar() as bar:
+        bar.add_task("predicting", total=None)
+        record = read_record(read_log(bag, namespace=namespace or None), nominal.robot, name=bag.name)
+        measured = measure_gap(record, nominal, repaired=repaired, tolerance=tolerances)
+    if as_json:
+        told = measured.numbers.model_dump(mode="json")
+        print_json({name: value for name, value in told.items() if patch is not None or value is not None})
+    else:
+        _print(measured)
+        for text in record.warnings:
+            say(f"warning: {text}")
+    return GAP_FOUND if measured.significant else 0
+
+
+def _repaired(patch: Path, model: str) -> RobotWithEffects:
+    """Load the patch; it must be one of this robot, else before and after would be of two robots."""
+    from flexros.effects.patched_robot import load_patched
+
+    nominal, patched = load_patched(model), load_patched(patch)
+    below = len(nominal.placed)
+    if patched.base.model_hash != nominal.base.model_hash or patched.placed[:below] != nominal.placed:
+        raise InputError(f"--patch {patch} is on top of {patched.base.name}, not of --model {model}; give that model")
+    return patched.model
+
+
+def _print(measured: MeasuredGap) -> None:
+    from flexros.gap.report.terminal import gap_line
+
+    said = "a gap" if measured.significant else "no gap"
+    of = "the repaired model" if measured.numbers.after is not None else "the model"
+    console.print(f"{said}: {of} misses {'more than' if measured.significant else 'no more than'} noise and tolerance")
+    say(gap_line(measured.numbers))

@@ -1,0 +1,82 @@
+"""The gap numbers alone: how far a model is from a log, and how far it is once it is repaired."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flexros.gap.answer import METRIC
+from flexros.gap.diagnose import DiagnosisSettings, fit_data
+from flexros.gap.diagnosis_file import GapNumbers
+from flexros.gap.evidence import Evidence
+from flexros.gap.how_far import closed_fraction, errors_ahead
+from flexros.gap.search import Search
+from flexros.gap.tolerance import tolerance_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.effects import RobotWithEffects
+    from flexros.gap.fit_data import FitData
+    from flexros.gap.how_far import AheadErrors
+    from flexros.gap.record import GapRecord
+
+
+@dataclass(frozen=True)
+class MeasuredGap:
+    """The gap of a log.
+
+    Attributes:
+        numbers: The gap numbers.
+        significant: Whether the model, the repaired one where there is one, leaves more than noise and its tolerance.
+    """
+
+    numbers: GapNumbers
+    significant: bool
+
+
+def measure_gap(
+    record: GapRecord,
+    model: RobotWithEffects,
+    *,
+    repaired: RobotWithEffects | None = None,
+    tolerance: Mapping[str, float] | None = None,
+    settings: DiagnosisSettings | None = None,
+) -> MeasuredGap:
+    """Measure how far a model is from a log.
+
+    Nothing but what is known with a tolerance only is fitted, so the whole log counts as held-out data.
+
+    Args:
+        record: The log.
+        model: The nominal model.
+        repaired: The same model with a patch on it; None for the nominal one alone.
+        tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
+        settings: Numbers of the diagnosis.
+
+    Returns:
+        The numbers: `before` and `noise_floor`, with a repaired model the others too.
+    """
+    data = fit_data(record, model, settings or DiagnosisSettings())
+    before, significant = _errors(model, data, tolerance or {})
+    if repaired is None:
+        numbers = GapNumbers(metric=METRIC, unit="1", before=before.mean, noise_floor=1.0)
+        return MeasuredGap(numbers, significant)
+    after, significant = _errors(repaired, data, tolerance or {})
+    share, interval = closed_fraction(before, after, record.sample_time)
+    numbers = GapNumbers(
+        metric=METRIC,
+        unit="1",
+        before=before.mean,
+        after=after.mean,
+        noise_floor=1.0,
+        closed_fraction=share,
+        interval=interval,
+    )
+    return MeasuredGap(numbers, significant)
+
+
+def _errors(model: RobotWithEffects, data: FitData, tolerance: Mapping[str, float]) -> tuple[AheadErrors, bool]:
+    """Predict with a model; also tells whether its prediction errors exceed noise and tolerance."""
+    found = Search(model, data, tolerance_of(model.robot, tolerance)).nothing()
+    return errors_ahead(found, data), Evidence(found, (), data.n_values).significant(found)
