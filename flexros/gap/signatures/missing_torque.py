@@ -54,13 +54,13 @@ def missing_torque(
         Torques that have to be added at the motors [Nm or N], shape (n, M).
     """
     n = len(innovations)
-    dynamics = error_dynamics(robot, observer.gain, observer.transition)
+    dynamics = error_dynamics(observer)
     frequency: FloatArray = np.asarray(np.fft.rfftfreq(n, record.sample_time), dtype=float)
     # behind four times the bandwidth the estimate is zero but for a few per cent
     within = np.flatnonzero(frequency <= min(4 * bandwidth, 0.45 / record.sample_time))
     z = np.exp(2j * np.pi * frequency[within] * record.sample_time)
     path = _torque_response(robot, dynamics, record.sample_time, z, q_a)
-    noise = _noise(dynamics, robot.encoder_noise, z)
+    noise = _noise(dynamics, observer.noise, z)
     spectrum = np.zeros((len(frequency), innovations.shape[1]), dtype=complex)
     spectrum[within] = _wiener(path, noise, z, np.fft.rfft(innovations, axis=0)[within], frequency[within], bandwidth)
     return np.asarray(np.fft.irfft(spectrum, n, axis=0))

@@ -9,7 +9,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
-    from flexros.robot import Robot
+    from flexros.gap.gain import ObserverGain
 
 GRID = 512
 """Frequencies from zero to the Nyquist frequency at which a spectrum is stored (chosen)."""
@@ -46,23 +46,16 @@ class ErrorDynamics:
         return np.asarray(np.einsum("ai,fi,ib->fab", left, modal, right, optimize=True))
 
 
-def error_dynamics(robot: Robot, gain: FloatArray, transition: FloatArray) -> ErrorDynamics:
+def error_dynamics(observer: ObserverGain) -> ErrorDynamics:
     """Put together the error dynamics of a predictor.
 
     Args:
-        robot: Its robot.
-        gain: K, shape (n_x, M).
-        transition: F (I - K C), shape (n_x, n_x).
+        observer: Its gain.
 
     Returns:
         The dynamics.
     """
-    n_x = len(transition)
-    measurement = np.zeros((robot.n_motors, n_x))
-    measurement[np.arange(robot.n_motors), list(robot.chain.motor_places)] = 1.0
-    # F = F (I - KC) (I - KC)^-1, and (I - KC)^-1 K = K (I - CK)^-1
-    inverse = np.linalg.inv(np.eye(robot.n_motors) - measurement @ gain)
-    return ErrorDynamics(transition, transition @ gain @ inverse, measurement)
+    return ErrorDynamics(observer.transition, observer.motion @ observer.gain, observer.readout)
 
 
 def white(n_motors: int) -> FloatArray:
@@ -70,21 +63,19 @@ def white(n_motors: int) -> FloatArray:
     return np.ones((GRID, n_motors))
 
 
-def of_predictor(robot: Robot, gain: FloatArray, transition: FloatArray) -> FloatArray:
+def of_predictor(observer: ObserverGain) -> FloatArray:
     """Compute the spectrum of prediction errors that come from the noise of the encoders alone.
 
     Args:
-        robot: Robot of the predictor, with the noise of its encoders.
-        gain: K, shape (n_x, M).
-        transition: F (I - K C), shape (n_x, n_x).
+        observer: Gain of the predictor, with the noise that it was made for.
 
     Returns:
         Power density from zero to the Nyquist frequency, of mean one, shape (`GRID`, M).
     """
-    dynamics = error_dynamics(robot, gain, transition)
+    dynamics = error_dynamics(observer)
     z = np.exp(1j * np.pi * (np.arange(GRID) + 0.5) / GRID)
-    H = np.eye(robot.n_motors) - dynamics.response(z, dynamics.injection)
-    power = np.einsum("fij,j->fi", np.abs(H) ** 2, np.maximum(robot.encoder_noise, 1e-12) ** 2)
+    H = np.eye(len(observer.noise)) - dynamics.response(z, dynamics.injection)
+    power = np.einsum("fij,j->fi", np.abs(H) ** 2, np.maximum(observer.noise, 1e-12) ** 2)
     return np.asarray(power / power.mean(axis=0))
 
 

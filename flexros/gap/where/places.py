@@ -190,8 +190,8 @@ def _at_orders(one: Seen, whole: float, signals: int) -> Iterator[FoundPlace]:
                 regime=f"motor angle order {grid.between(place, beside):.2f}",
                 family="motor angle",
                 bands=0,
-                share=_share(float(beside.sum()), whole),
-                expected=3 / len(p) / signals,
+                share=_share(float(one.orders[place]), whole),
+                expected=1 / len(p) / signals,
                 p_value=float(p[place]),
             )
 

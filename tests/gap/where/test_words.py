@@ -1,0 +1,29 @@
+"""Places in words."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexros.gap.diagnosis_file import GapPlace
+from flexros.gap.where.words import sentence
+
+
+@pytest.mark.parametrize(
+    ("band", "regime", "words"),
+    [
+        ((0.0, 4.0), "reversal", "motor_2, below 4 Hz, at reversals: 63 % of the excess"),
+        ((0.0, 1000.0), "all", "motor_2: 63 % of the excess"),
+        ((125.0, 1000.0), "high torque", "motor_2, above 125 Hz, under high torque: 63 % of the excess"),
+        ((4.0, 8.0), "motor angle order 6.00", "motor_2, 4 to 8 Hz, at motor angle order 6.00: 63 % of the excess"),
+    ],
+)
+def test_sentence(band: tuple[float, float], regime: str, words: str) -> None:
+    place = GapPlace(signal="position", joint="motor_2", band_hz=band, regime=regime, share=0.63, p_value=0.01)
+    assert sentence(place, 5e-4) == words
+
+
+def test_sudden_changes_are_called_so() -> None:
+    place = GapPlace(
+        signal="sudden position change", joint="motor_1", band_hz=(0, 1000), regime="reversal", share=0.5, p_value=0.01
+    )
+    assert sentence(place, 5e-4) == "motor_1, at reversals: 50 % of the sudden changes"

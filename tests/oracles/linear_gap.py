@@ -1,0 +1,80 @@
+"""Logs of a linearised robot with an effect, and errors of a nominal predictor: slow, independent of the compiler."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import expm
+
+from flexros.arrays import FloatArray
+from flexros.gap.gain import ObserverGain, observer_gain
+from flexros.gap.record import GapRecord
+from flexros.gap.result import Prediction
+from flexros.robot import Robot
+from flexros.robot.linearise import linear_model
+
+Torque = Callable[[float, FloatArray, FloatArray, FloatArray], FloatArray]
+"""Torque at the motors [Nm] that the model lacks, from time, motor positions, their rates and the torque command."""
+
+
+@dataclass(frozen=True)
+class LinearLog:
+    """A log and its prediction."""
+
+    robot: Robot
+    record: GapRecord
+    prediction: Prediction
+    observer: ObserverGain
+    missing: FloatArray
+
+
+def nothing(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
+    """Give no missing torque."""
+    del time, speed, command
+    return np.zeros_like(position)
+
+
+def linear_log(
+    robot: Robot,
+    reference: FloatArray,
+    gains: tuple[float, float],
+    missing: Torque = nothing,
+    *,
+    seed: int = 1,
+    level: float = 2e-3,
+) -> LinearLog:
+    """Let the motors of the linearised robot follow a reference, and predict what they did without the missing torque.
+
+    Args:
+        robot: The robot; it is linearised at home, where its motors are at zero.
+        reference: Motor positions wanted [rad], shape (n, M).
+        gains: Gains of position [Nm/rad] and rate [Nm s/rad].
+        missing: What the predictor does not know.
+        seed: Seed of the encoder noise.
+        level: Level of the torque noise that the predictor assumes.
+    """
+    T, m = robot.sample_time, robot.n_motors
+    A, B, _, _ = linear_model(robot).matrices()
+    n_x = len(A)
+    both = expm(np.block([[A, B], [np.zeros((m, n_x + m))]]) * T)
+    F, G = both[:n_x, :n_x], both[:n_x, n_x:]
+    observer = observer_gain(robot, T, level, robot.encoder_noise)
+    places = np.array(robot.chain.motor_places)
+    noise = np.random.default_rng(seed).standard_normal(reference.shape) * robot.encoder_noise
+    x, guess = np.zeros(n_x), np.zeros(n_x)
+    position, torque, errors, lacking = (np.zeros_like(reference) for _ in range(4))
+    states = np.zeros((len(reference), n_x))
+    for k, wanted in enumerate(reference):
+        q, v = x[places], x[n_x // 2 + places]
+        position[k] = q + noise[k]
+        errors[k] = position[k] - guess[places]
+        guess = guess + observer.gain @ errors[k]
+        states[k] = guess
+        torque[k] = gains[0] * (wanted - q) - gains[1] * v
+        lacking[k] = missing(k * T, q, v, torque[k])
+        x = F @ x + G @ (torque[k] + lacking[k])
+        guess = F @ guess + G @ torque[k]
+    record = GapRecord("test", T, position, torque, np.ones(len(reference), dtype=bool))
+    return LinearLog(robot, record, Prediction(errors, observer.spread, states), observer, lacking)
