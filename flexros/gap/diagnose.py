@@ -13,16 +13,24 @@ from flexros.gap.answer import Findings, result_of
 from flexros.gap.explain import explain
 from flexros.gap.fit_data import FitData, constant_spread
 from flexros.gap.gain import observer_gain
+from flexros.gap.predictor import Predictor
 from flexros.gap.search import Search
-from flexros.gap.tolerance import tolerance_of
+from flexros.gap.tolerance import Tolerance, tolerance_of
 from flexros.gap.where.find import where
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from flexros.gap.gain import ObserverGain
     from flexros.gap.record import GapRecord
     from flexros.gap.result import DiagnosisResult
     from flexros.robot import Robot
+
+
+STARTING_LEVEL = 0.3
+"""Torque noise that the predictor allows for while it finds the state of a log that begins in motion [1] (chosen)."""
+REST = 0.02
+"""Time at the begin of a log that tells whether the robot stands still [s] (chosen)."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +106,8 @@ def split(record: GapRecord, share: float) -> tuple[GapRecord, GapRecord]:
 def fit_data(record: GapRecord, model: RobotWithEffects, settings: DiagnosisSettings) -> FitData:
     """Give a log gain, start and weights.
 
+    A log that begins in motion loses its first part, in which a predictor of high gain finds the state.
+
     Args:
         record: The log.
         model: The nominal model.
@@ -105,8 +115,19 @@ def fit_data(record: GapRecord, model: RobotWithEffects, settings: DiagnosisSett
     """
     robot = model.robot
     pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
-    gain = observer_gain(robot, record.sample_time, settings.level, robot.encoder_noise, pose)
+
+    def gain_at(level: float) -> ObserverGain:
+        return observer_gain(robot, record.sample_time, level, robot.encoder_noise, pose)
+
     start = robot.equilibrium(motor_position=record.position[0])
+    fast = gain_at(STARTING_LEVEL)
+    first = np.ptp(record.position[: max(round(REST / record.sample_time), 2)], axis=0)
+    if np.any(first > 10 * robot.encoder_noise):
+        cut = min(2 * fast.settling, record.n_samples // 4)
+        predictor = Predictor(model, (), Tolerance(), record.sample_time, measured_torque=record.measured_torque)
+        found = predictor.predict(np.zeros((0, 1)), record.part(0, cut), fast, start)
+        start, record = found.final[: len(start), 0], record.part(cut, record.n_samples)
+    gain = gain_at(settings.level)
     return FitData(record, gain, start, constant_spread(record, gain), np.ones((robot.n_motors, 1)))
 
 
