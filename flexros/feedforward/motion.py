@@ -57,7 +57,12 @@ class Motion:
 
     def joined(self, after: Motion) -> Motion:
         """Return this motion with another one behind it."""
-        return Motion(*(np.concatenate([getattr(self, f.name), getattr(after, f.name)]) for f in fields(self)))
+        return Motion.concatenate([self, after])
+
+    @staticmethod
+    def concatenate(parts: Sequence[Motion]) -> Motion:
+        """Join successive parts, at least one."""
+        return Motion(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Motion)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,10 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.feedforward.base import feedforward_method
+from flexros.feedforward.compensation import compensated, motor_delays
 from flexros.feedforward.friction import friction_torque
 from flexros.feedforward.hold import held_torque, samples_ahead
-from flexros.feedforward.motion import Reference
+from flexros.feedforward.motion import Motion, Reference
 from flexros.feedforward.problem import FeedforwardProblem
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.effects import PlacedLaw
-    from flexros.feedforward.motion import Motion
     from flexros.feedforward.specification import FeedforwardSpecification
     from flexros.robot import Robot
     from flexros.trajectory.trajectory import Trajectory
@@ -94,33 +94,49 @@ def reference_chunks(
     method = feedforward_method(specification.method)
     hold = specification.hold_compensation
     hold = method.compensates_hold(specification) if hold is None else hold
-    ahead = samples_ahead(sample_time, robot.delay) if hold else 0
+    delays = motor_delays(robot, laws)
+    ahead = samples_ahead(sample_time, max(delays)) if hold else 0
     problem = FeedforwardProblem(robot, trajectory, specification, sample_time, n_samples + ahead, near)
+    motions = _with_friction(method.motions(problem, chunk), specification)
+    if laws and specification.method != "none":
+        motions = compensated(Motion.concatenate(list(motions)), robot, laws, sample_time).chunks(chunk)
     done = 0
-    for motion, n in _with_samples_ahead(method.motions(problem, chunk), specification, ahead):
+    for motion, n in _with_samples_ahead(motions, ahead):
         now, rows = motion.rows(0, n), slice(done, done + n)
         yield Reference(
             time=problem.time[rows],
             motor_position=now.motor_position,
             motor_velocity=now.motor_velocity,
-            torque=held_torque(motion.load, motion.momentum, sample_time, robot.delay) if hold else now.torque,
+            torque=_held(motion, n, sample_time, delays) if hold else now.torque,
             output=problem.desired[rows],
             tool_pose=problem.commanded_pose[rows],
         )
         done += n
 
 
-def _with_samples_ahead(
-    motions: Iterator[Motion], specification: FeedforwardSpecification, ahead: int
-) -> Iterator[tuple[Motion, int]]:
-    """Complete the torque; give each part of the motion with `ahead` samples beyond it, and its length without them."""
+def _held(motion: Motion, n: int, sample_time: float, delays: tuple[float, ...]) -> FloatArray:
+    """Mean torque while a command acts, with the delay of each motor, shape (n, M)."""
+    torque = np.empty((n, len(delays)))
+    for motor, delay in enumerate(delays):
+        rows, column = slice(0, n + samples_ahead(sample_time, delay)), slice(motor, motor + 1)
+        torque[:, column] = held_torque(motion.load[rows, column], motion.momentum[rows, column], sample_time, delay)
+    return torque
+
+
+def _with_friction(motions: Iterator[Motion], specification: FeedforwardSpecification) -> Iterator[Motion]:
+    """Add the friction that the settings state."""
+    for motion in motions:
+        if specification.friction is None:
+            yield motion
+        else:
+            yield motion.with_friction(friction_torque(specification.friction, motion.motor_velocity))
+
+
+def _with_samples_ahead(motions: Iterator[Motion], ahead: int) -> Iterator[tuple[Motion, int]]:
+    """Give each part of the motion with `ahead` samples beyond it, and its length without them."""
     waiting: Motion | None = None
     for part in motions:
-        motion = part
-        if specification.friction is not None:
-            motion = motion.with_friction(friction_torque(specification.friction, motion.motor_velocity))
-        if waiting is not None:
-            motion = waiting.joined(motion)
+        motion = part if waiting is None else waiting.joined(part)
         ready = max(0, len(motion) - ahead)
         if ready:
             yield motion, ready

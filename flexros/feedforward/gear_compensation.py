@@ -1,0 +1,203 @@
+"""Making up for effects in the gears: backlash, hysteresis, transmission error, nonlinear stiffness."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.effects.gear_law import AbstractGearLaw, GearState
+from flexros.robot.spring import Spring
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros.effects import PlacedLaw
+    from flexros.feedforward.motion import Motion
+    from flexros.robot import Robot
+
+SMOOTHING_TIME = 0.01
+"""Time over which the motor is led through a jump of the deflection, such as the gap of a backlash [s] (chosen): the
+torque for it grows with the inverse square of this time."""
+
+ACCURACY, LEAST_WIDTH, MOST_ITERATIONS = 1e-13, 1e-6, 200
+"""Of a deflection [rad or m]: accuracy, first step of a search where the gear is loose, and most iterations."""
+
+REST_PASSES = 5
+"""Passes to find a rest in which own states and deflection agree."""
+
+
+def with_gear_laws(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], sample_time: float) -> Motion:
+    """Move the motors such that the arm gets the same torques through gears with effects.
+
+    The arm needs a torque through each gear, whatever is in the gear. So from sample to sample the deflection is sought
+    at which spring, damper and laws together transmit it, and that of the gear without laws; the motor moves by the
+    difference of the two, led through jumps in `SMOOTHING_TIME`.
+
+    Args:
+        motion: The whole motion of the robot without the laws.
+        robot: The robot.
+        laws: Laws on it; those that are none of a motor's gear are passed over.
+        sample_time: Distance of the samples [s].
+
+    Returns:
+        The motion of the motors with the torques that it takes.
+    """
+    for number in robot.chain.flexible_motors:
+        own = [law.effect for law in laws if law.location in (robot.joint_names[number], _spring_name(robot, number))]
+        effects = [effect for effect in own if isinstance(effect, AbstractGearLaw)]
+        if effects and len(motion) > 1:
+            motion = _Gear(robot, number, effects, sample_time).moved(motion)
+    return motion
+
+
+def _spring_name(robot: Robot, number: int) -> str:
+    return robot.arm_names[robot.chain.geared[number]]
+
+
+class _Gear:
+    """A gear with laws, along a planned motion."""
+
+    def __init__(self, robot: Robot, number: int, effects: Sequence[AbstractGearLaw], sample_time: float) -> None:
+        joint = robot.chain.joints[robot.chain.geared[number]]
+        spring, numbers = joint.direction.spring, robot.parameters
+        assert isinstance(spring, Spring)
+        self._number, self._arm, self._effects, self._step = number, robot.chain.geared[number], effects, sample_time
+        self._friction = numbers[f"motor_{number + 1}.viscous_friction"].value
+        self._inertia = numbers[f"motor_{number + 1}.inertia"].value
+        self._damping = numbers[f"{joint.name}.damping"].value
+        self._spring = partial(spring.force, scale=numbers[f"{joint.name}.stiffness"].value)
+        self._turns = robot.chain.motor(number).gear_ratio.value if robot.spec.coordinates == "arm" else 1.0
+        self._jumps = any(effect.stepwise_states > 0 for effect in effects)
+        self._make_functions()
+
+    def moved(self, motion: Motion) -> Motion:
+        """Return the motion with that of this motor changed."""
+        m = self._number
+        speed, arm = motion.motor_velocity[:, m], motion.arm_position[:, self._arm]
+        needed = motion.load[:, m] - self._friction * speed
+        plain, _ = self._followed(arm, needed, laws=False)
+        deflection, beside = self._followed(arm, needed, laws=True)
+        change = deflection - plain
+        change = _smoothed(change, self._step) if self._jumps else change
+        rate = np.gradient(change, self._step)
+        load = beside + self._friction * rate
+        arrays = {name: getattr(motion, name).copy() for name in ("motor_position", "motor_velocity", "torque", "load")}
+        momentum = motion.momentum.copy()
+        arrays["motor_position"][:, m] += change
+        arrays["motor_velocity"][:, m] += rate
+        arrays["torque"][:, m] += self._inertia * np.gradient(rate, self._step) + load
+        arrays["load"][:, m] += load
+        momentum[:, m] += self._inertia * rate
+        return replace(motion, momentum=momentum, **arrays)
+
+    def _make_functions(self) -> None:
+        """Make functions of x = [deflection, the one before, arm, the one before], own states and the torque needed."""
+        deflection, before, arm, arm_before = (ca.SX.sym(name) for name in ("d", "d_before", "a", "a_before"))
+        x, needed = ca.vertcat(deflection, before, arm, arm_before), ca.SX.sym("needed")
+        own = [ca.SX.sym("own", effect.n_states) for effect in self._effects]
+        rate = (deflection - before) / self._step
+        gears = [self._gear(deflection, rate, arm, (arm - arm_before) / self._step, states) for states in own]
+        added, beside, following, at_rest = ca.SX(0), ca.SX(0), [ca.SX(0, 1)], [ca.SX(0, 1)]
+        for effect, gear in zip(self._effects, gears):
+            torques = effect.added(gear, effect.numbers)
+            added, beside = added + torques.arm, beside - torques.arm - torques.motor
+            following.append(self._next(effect, gear))
+            at_rest.append(effect.rest(gear, effect.numbers))
+        states, plain = ca.vertcat(ca.SX(0, 1), *own), self._spring(deflection) + self._damping * rate
+        errors = [plain - needed, plain + added - needed]
+        resting = [ca.substitute(error, before, deflection) for error in errors]
+        self._errors, self._resting = (
+            [
+                ca.Function(
+                    "error", [x, states, needed], [ca.densify(error), ca.densify(ca.jacobian(error, deflection))]
+                )
+                for error in row
+            ]
+            for row in (errors, resting)
+        )
+        self._beside = ca.Function("beside", [x, states], [ca.densify(beside)])
+        self._following = ca.Function("following", [x, states], [ca.densify(ca.vertcat(*following))])
+        self._rest = ca.Function("rest", [x], [ca.densify(ca.vertcat(*at_rest))])
+
+    def _gear(self, deflection: ca.SX, rate: ca.SX, arm: ca.SX, arm_speed: ca.SX, own: ca.SX) -> GearState:
+        return GearState(
+            deflection=deflection,
+            rate=rate,
+            angle=self._turns * (arm + deflection),
+            motor_speed=arm_speed + rate,
+            turns=self._turns,
+            torque=self._spring(deflection) + self._damping * rate,
+            damping=self._damping,
+            spring=self._spring,
+            own=own,
+        )
+
+    def _next(self, effect: AbstractGearLaw, gear: GearState) -> ca.SX:
+        """Own states at the next sample: after the step that ends here, then those that are held through the next."""
+        step = ca.SX(self._step)
+        if effect.stepwise_states:
+            after = effect.after_step(gear, effect.numbers, step)
+            gear = replace(gear, own=ca.vertcat(*_rows(gear.own, effect.smooth_states), after))
+        rates = _rows(effect.rates(gear, effect.numbers), effect.smooth_states)
+        ahead = [row + step * rate for row, rate in zip(_rows(gear.own, effect.smooth_states), rates)]
+        if effect.stepwise_states:
+            ahead.append(effect.before_step(gear, effect.numbers, step))
+        return ca.vertcat(ca.SX(0, 1), *ahead)
+
+    def _followed(self, arm: FloatArray, needed: FloatArray, laws: bool) -> tuple[FloatArray, FloatArray]:
+        """Find the deflection at every sample, and the torque that the laws take from the motor beside that."""
+        deflection, beside = np.zeros(len(arm)), np.zeros(len(arm))
+        own, x = np.zeros(sum(effect.n_states for effect in self._effects)), np.array([0.0, 0.0, arm[0], arm[0]])
+        for _ in range(REST_PASSES if laws and len(own) else 1):  # own states and deflection depend on each other
+            x[:2] = _root(self._resting[laws], x, own, float(needed[0]))
+            own = np.array(self._rest(x)).ravel() if laws else own
+        for k in range(len(arm)):
+            x[1], x[2], x[3] = x[0], arm[k], arm[max(k - 1, 0)]
+            x[0] = deflection[k] = _root(self._errors[laws], x, own, float(needed[k]))
+            if laws:
+                beside[k] = float(self._beside(x, own))
+                own = np.array(self._following(x, own)).ravel()
+        return deflection, beside
+
+
+def _with_slope(value: ca.SX, by: ca.SX, arguments: list[ca.SX]) -> ca.Function:
+    return ca.Function("error", arguments, [ca.densify(value), ca.densify(ca.jacobian(value, by))])
+
+
+def _rows(column: ca.SX, count: int) -> list[ca.SX]:
+    """First entries of a column, one by one."""
+    return [column[place] for place in range(count)]
+
+
+def _root(error: ca.Function, x: FloatArray, own: FloatArray, needed: float) -> float:
+    """Find the deflection, the first of x, at which an error that rises with it is zero: Newton, kept in a bracket."""
+    x, low, high = x.copy(), -np.inf, np.inf
+    for _ in range(MOST_ITERATIONS):
+        value, slope = (float(one) for one in error(x, own, needed))
+        low, high = (low, x[0]) if value > 0 else (x[0], high)
+        step = -value / slope if slope > 0 else (np.inf if value < 0 else -np.inf)
+        if abs(step) <= ACCURACY:
+            return float(x[0] + step)
+        goal = x[0] + step
+        if not low <= goal <= high or not np.isfinite(goal):
+            width = max(abs(x[0]), LEAST_WIDTH)
+            goal = 0.5 * (low + high) if np.isfinite(high - low) else x[0] + np.sign(-value) * width
+        x[0] = goal
+    return float(x[0])
+
+
+def _smoothed(values: FloatArray, sample_time: float) -> FloatArray:
+    """Lead values through their jumps: three running means in a row, together as long as `SMOOTHING_TIME`.
+
+    It looks as far ahead as back; beyond the ends the values go on as they are there.
+    """
+    half = max(1, round(SMOOTHING_TIME / sample_time / 6))
+    window = np.ones(2 * half + 1) / (2 * half + 1)
+    for _ in range(3):
+        values = np.convolve(np.pad(values, half, mode="edge"), window, mode="valid")
+    return values
