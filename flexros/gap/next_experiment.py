@@ -1,0 +1,143 @@
+"""What to run next when a log leaves several explanations: the experiment that separates them best, by simulation."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+from flexros.effects import RobotWithEffects
+from flexros.errors import RunError
+from flexros.gap.diagnosis_file import NextExperiment, Place
+from flexros.gap.experiment_catalogue import CATALOGUE
+from flexros.gap.separation import Explained, separation, trial
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from typing import Any
+
+    from flexros.effects import PlacedEffect
+    from flexros.gap.experiment_catalogue import CatalogueEntry
+    from flexros.robot import Robot
+
+SEED = 101
+"""Seed of the experiments that are simulated and proposed [1] (chosen: another one than a user takes first)."""
+MOST = 3
+"""Explanations that are looked at, the most probable ones [1] (chosen)."""
+ENOUGH = 0.5
+"""An experiment earlier in the catalogue is taken when it separates at least this share of the best [1] (chosen)."""
+
+
+@dataclass(frozen=True)
+class Separated:
+    """What an experiment of the catalogue would do.
+
+    Attributes:
+        entry: The experiment.
+        gain: Difference of the log-likelihoods of the two closest explanations [nats].
+        closest: Numbers of those two in the list of explanations.
+    """
+
+    entry: CatalogueEntry
+    gain: float
+    closest: tuple[int, int]
+
+
+def next_experiment(
+    robot: Robot | RobotWithEffects,
+    survivors: Sequence[Sequence[PlacedEffect]],
+    *,
+    name: str = "",
+    tool_measured: bool = False,
+    seed: int = SEED,
+    entries: Sequence[CatalogueEntry] = CATALOGUE,
+    progress: Callable[[float], None] | None = None,
+) -> NextExperiment | None:
+    """Choose the experiment that separates the two closest explanations best.
+
+    Args:
+        robot: The nominal model.
+        survivors: Explanations that are left with their fitted numbers, the most probable one first.
+        name: Robot as the user names it, for the command; default: where it was loaded from.
+        tool_measured: Whether the log has tool positions already, so that measuring them is no news.
+        seed: Seed of the experiments.
+        entries: Experiments to choose from.
+        progress: Called with the share that is done.
+
+    Returns:
+        The experiment; None where there are fewer than two explanations, or none of the experiments can be run.
+    """
+    model = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
+    left = tuple(tuple(one) for one in survivors)[:MOST]
+    if len(left) < 2:
+        return None
+    chosen = [entry for entry in entries if not (entry.tool and tool_measured)]
+    results = []
+    for done, entry in enumerate(chosen, 1):
+        results.append(separated(model, left, entry, seed))
+        if progress is not None:
+            progress(done / len(chosen))
+    possible = [one for one in results if one is not None]
+    if not possible:
+        return None
+    most = max(one.gain for one in possible)
+    best = next(one for one in possible if one.gain >= ENOUGH * most)
+    command = command_of(best.entry.keys(model.robot), name or model.robot.source, seed)
+    places = {(one.effect.name, one.location): None for number in best.closest for one in left[number]}
+    return NextExperiment(
+        name=best.entry.name,
+        description=best.entry.description,
+        separates=tuple(Place(effect=effect, location=location) for effect, location in places),
+        expected_gain=best.gain,
+        command=command,
+    )
+
+
+def separated(
+    model: RobotWithEffects, survivors: Sequence[Sequence[PlacedEffect]], entry: CatalogueEntry, seed: int = SEED
+) -> Separated | None:
+    """Simulate an experiment with every explanation and compare all of them.
+
+    Args:
+        model: The nominal model.
+        survivors: Explanations with their fitted numbers, two at least.
+        entry: The experiment.
+        seed: Its seed.
+
+    Returns:
+        How well it separates the two closest; None where it would break off with one of them.
+    """
+    keys = entry.keys(model.robot)
+    known = {key.removeprefix("model.values."): value for key, value in keys.items() if key.startswith("model.values.")}
+    keys = {key: value for key, value in keys.items() if not key.startswith("model.values.")}
+    explained = [Explained(model, tuple(one)).with_values(known) for one in survivors]
+    try:
+        made = [trial(one, keys, seed) for one in explained]
+    except RunError:
+        return None
+    gains = {}
+    for one, two in combinations(range(len(explained)), 2):
+        there = separation(explained[one], explained[two], made[one], tool=entry.tool)
+        back = separation(explained[two], explained[one], made[two], tool=entry.tool)
+        gains[one, two] = min(there, back)
+    closest = min(gains, key=lambda pair: gains[pair])
+    return Separated(entry, gains[closest], closest)
+
+
+def command_of(keys: Mapping[str, Any], name: str, seed: int) -> str:
+    """Write the command that runs an experiment.
+
+    Args:
+        keys: Keys of scenario `diagnosis` that differ, by dotted name.
+        name: Robot as the user names it.
+        seed: Seed of the experiment.
+
+    Returns:
+        A line for a shell.
+    """
+    words = ["flexros", "run", "diagnosis", "--model", name, "--seed", str(seed)]
+    for key, value in keys.items():
+        words += ["--set", f"{key}={json.dumps(value)}"]
+    return shlex.join(words)

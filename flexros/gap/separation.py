@@ -1,0 +1,200 @@
+"""How well an experiment would separate two explanations: simulated with the one, fitted with the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.config.scenario import load_scenario
+from flexros.effects import RobotWithEffects, place_effects
+from flexros.gap.fit import chi2_of, fit
+from flexros.gap.fit_data import FitData, constant_spread
+from flexros.gap.gain import observer_gain
+from flexros.gap.hypothesis import FreeParameter, Suspect
+from flexros.gap.predictor import Predictor
+from flexros.gap.read_record import read_record
+from flexros.gap.tolerance import Tolerance
+from flexros.identify.design.default_controller import default_controller
+from flexros.identify.gap_experiment.course import diagnosis_course
+from flexros.simulate.closed_loop import closed_loop
+from flexros.simulate.experiment import Experiment
+from flexros.simulate.models import ScenarioModels
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import Any
+
+    from flexros.arrays import FloatArray
+    from flexros.effects import PlacedEffect
+    from flexros.effects.ranges import Range
+    from flexros.gap.hypothesis import Hypothesis
+    from flexros.gap.record import GapRecord
+    from flexros.robot import Robot
+
+LEVEL = 1e-3
+"""Torque noise that the predictor allows for, see `observer_gain` [1] (that of a diagnosis)."""
+ROOM = 30.0
+"""Factor by which a fitted number may move in either direction when it is fitted again [1] (chosen)."""
+WITHOUT_LOG = ("relative", "time", "frequency", "order", "phase")
+"""Yardsticks of ranges that are the same for every log."""
+ITERATIONS = 6
+"""Most iterations of a fit from numbers that were fitted to another log [1] (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Explained:
+    """An explanation with its numbers, ready to simulate and to predict.
+
+    Attributes:
+        model: The nominal model.
+        placed: Its effects with the numbers that were fitted.
+    """
+
+    model: RobotWithEffects
+    placed: tuple[PlacedEffect, ...]
+
+    @property
+    def plant(self) -> RobotWithEffects:
+        """The robot as it would be if this were the truth."""
+        changed = place_effects(self.model.robot, self.placed)
+        return RobotWithEffects(changed.robot, (*self.model.laws, *changed.laws))
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """Its effects with their numbers free about what was fitted."""
+        return tuple(_suspect(one) for one in self.placed)
+
+    def with_values(self, values: Mapping[str, float]) -> Explained:
+        """Put known numbers into the nominal robot, e.g. a known load."""
+        if not values:
+            return self
+        robot = self.model.robot.with_values(values, "values of the experiment")
+        return Explained(RobotWithEffects(robot, self.model.laws), self.placed)
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """An experiment on one explanation taken as the truth.
+
+    Attributes:
+        record: The log that it would leave.
+        data: The same with gain, start and weights.
+    """
+
+    record: GapRecord
+    data: FitData
+
+
+def trial(truth: Explained, keys: Mapping[str, Any], seed: int) -> Trial:
+    """Simulate a variant of the diagnosis experiment.
+
+    Args:
+        truth: What the robot is.
+        keys: Keys of scenario `diagnosis` that differ, by dotted name.
+        seed: Seed of the experiment and its noise.
+
+    Returns:
+        Log and weights.
+
+    Raises:
+        DivergedRunError: The robot would not be held.
+    """
+    robot = truth.model.robot
+    law = default_controller(robot, robot.sample_time)
+    given = {"seed": seed, "controller": {"kind": law.kind, **law.model_dump(mode="json")}, **keys}
+    scenario = load_scenario("diagnosis").with_values(given)
+    assert scenario.diagnosis is not None
+    course = diagnosis_course(
+        scenario.diagnosis, robot, scenario.controller, robot.sample_time, scenario.seed, robot.home
+    )
+    experiment = Experiment(
+        scenario,
+        ScenarioModels(truth.model, truth.model, truth.plant),
+        robot.sample_time,
+        course.trajectory,
+        int(np.floor(course.trajectory.duration / robot.sample_time + 1e-6)) + 1,
+    )
+    record = read_record(closed_loop(experiment), robot, name="simulated experiment", check=False)
+    return Trial(record, fit_data(record, robot))
+
+
+def fit_data(record: GapRecord, robot: Robot) -> FitData:
+    """Give a log the gain, the start and the weights of a predictor.
+
+    Args:
+        record: The log.
+        robot: The nominal robot.
+    """
+    pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
+    gain = observer_gain(robot, record.sample_time, LEVEL, robot.encoder_noise, pose)
+    start = robot.equilibrium(motor_position=record.position[0])
+    return FitData(record, gain, start, constant_spread(record, gain), np.ones((robot.n_motors, 1)))
+
+
+def separation(truth: Explained, rival: Explained, made: Trial, *, tool: bool = False) -> float:
+    """Compute by how much the truth would explain an experiment better than its rival at its best.
+
+    Args:
+        truth: The explanation that was simulated.
+        rival: The other one; its numbers are fitted to the experiment.
+        made: The experiment on the truth.
+        tool: Whether the tool is measured as well.
+
+    Returns:
+        Difference of the log-likelihoods [nats]; zero where the rival does as well.
+    """
+    right, theta_right = predictor_of(truth, made.record.sample_time)
+    wrong, theta_wrong = predictor_of(rival, made.record.sample_time)
+    least = float(chi2_of(right, made.data, theta_right[:, None])[0])
+    best = fit(wrong, made.data, theta_wrong, ITERATIONS)
+    gain = 0.5 * max(best.chi2 - least, 0.0)
+    if not tool:
+        return gain
+    seen = _tool(right, theta_right, made), _tool(wrong, best.theta, made)
+    apart = seen[1] - seen[0]
+    apart = apart - np.mean(apart, axis=0)  # where the tracker stands is not known
+    return gain + 0.5 * float(np.sum(apart**2)) / truth.model.robot.tool_noise**2
+
+
+def predictor_of(explained: Explained, sample_time: float) -> tuple[Predictor, FloatArray]:
+    """Build the predictor of an explanation.
+
+    Args:
+        explained: The explanation.
+        sample_time: Time between two samples [s].
+
+    Returns:
+        Predictor, and the numbers of the fit at which it has the fitted values, shape (n_fitted,).
+    """
+    hypothesis = explained.hypothesis
+    numbers = [one.encode(one.starts[0]) for suspect in hypothesis for one in suspect.free]
+    return Predictor(explained.model, hypothesis, Tolerance(), sample_time), np.array(numbers, dtype=float)
+
+
+def _tool(predictor: Predictor, theta: FloatArray, made: Trial) -> FloatArray:
+    """Predict the tool positions [m], shape (n, 3)."""
+    prediction = predictor.predict(theta[:, None], made.record, made.data.gain, made.data.start, record_pose=True)
+    assert prediction.tool_pose is not None
+    position: FloatArray = prediction.tool_pose[:, :3, 0]
+    return position
+
+
+def _suspect(placed: PlacedEffect) -> Suspect:
+    """Free the numbers of an effect that have a range, about their values."""
+    values = placed.effect.model_dump()
+    free = tuple(
+        _free(name, float(values[name]), allowed) for name, allowed in placed.effect.ranges.items() if values.get(name)
+    )
+    fixed = tuple((name, value) for name, value in values.items() if name not in {one.name for one in free})
+    return Suspect(type(placed.effect), placed.location, free, fixed)
+
+
+def _free(name: str, value: float, allowed: Range) -> FreeParameter:
+    """Free a number about its value, within its range where that does not depend on a log."""
+    size = abs(value)
+    low, high = size / ROOM, size * ROOM
+    if allowed.yardstick in WITHOUT_LOG:
+        low, high = max(low, min(allowed.low, size)), min(high, max(allowed.high, size))
+    return FreeParameter(name, low, high, allowed.signed, (value,))
