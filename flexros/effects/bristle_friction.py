@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -93,31 +94,32 @@ def bristle_step(
     theta = 0.5 + 0.5 * K / (K + STIFF)
     reach = theta * step  # from the begin to the instant whose speed moves the bristle
     free = speed + reach * acceleration
-    unknown = ca.SX.sym("mean_speed")
-
-    def end_and_torque(mean: ca.SX) -> tuple[ca.SX, ca.SX]:
-        slip = stiffness * ca.fabs(mean) / level * step
-        decay, average, rise = _slip_factors(slip)
-        end = deflection * decay + mean * step * average
-        middle = deflection * average + mean * step * rise
-        spring = stiffness * ((2 - 2 * theta) * middle + (2 * theta - 1) * end)
-        return end, spring + damping * (end - deflection) / step
-
-    _, torque = end_and_torque(unknown)
-    residual = unknown - free + reach * mobility * torque
-    newton = ca.Function(
-        "newton",
-        [unknown, ca.vertcat(*ca.symvar(residual))],
-        [unknown - residual / ca.fmax(ca.jacobian(residual, unknown), 1.0)],
-    )
-    arguments = ca.vertcat(*ca.symvar(residual))
     elastic = (stiffness * (deflection + reach * free) + damping * free) / (
         1 + reach * mobility * (stiffness * reach + damping)
     )
     mean = free - reach * mobility * ca.fmin(ca.fmax(elastic, -level), level)
+    move, improve = _equation()
+    numbers = (deflection, step, stiffness, damping, level, theta)
     for _ in range(PASSES):
-        mean = newton(mean, arguments)
-    return end_and_torque(mean)
+        mean = improve(mean, *numbers, free, reach * mobility)
+    end, torque = move(mean, *numbers)
+    return end, torque
+
+
+@cache
+def _equation() -> tuple[ca.Function, ca.Function]:
+    """Make the functions of a step: mean speed -> end of the bristle and torque, and one Newton step for the former."""
+    symbols = [ca.SX.sym(name) for name in ("mean", "z", "h", "s0", "s1", "g", "theta", "free", "yielding")]
+    mean, deflection, step, stiffness, damping, level, theta, free, yielding = symbols
+    decay, average, rise = _slip_factors(stiffness * ca.fabs(mean) / level * step)
+    end = deflection * decay + mean * step * average
+    middle = deflection * average + mean * step * rise
+    torque = stiffness * ((2 - 2 * theta) * middle + (2 * theta - 1) * end) + damping * (end - deflection) / step
+    move = ca.Function("move", symbols[:7], [end, torque])
+    residual = mean - free + yielding * torque
+    # friction grows with speed where its level is held, so that the slope is not below one
+    better = mean - residual / ca.fmax(ca.jacobian(residual, mean), 1)
+    return move, ca.Function("improve", symbols, [better])
 
 
 def _slip_factors(x: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:

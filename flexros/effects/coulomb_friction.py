@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
 from pydantic import Field
 
 from flexros.effects.dry_friction import AbstractDryFriction, FrictionLevels
+from flexros.effects.ranges import Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,6 +29,16 @@ class CoulombFriction(AbstractDryFriction):
     name: ClassVar[str] = "coulomb_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "level"
+    fingerprint: ClassVar[str] = (
+        "a missing torque of constant size against the motion, which changes sign at each reversal, and a motor that "
+        "stops dead there"
+    )
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {
+            "level": Range("torque", 1e-5, 1.0, starts=8),
+            "asymmetry": Range("relative", 0.05, 2.0, starts=1, signed=True),
+        }
+    )
 
     level: float = Field(0.0, ge=0.0, description="mean of both directions [Nm or N]")
     asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="(forward - backward) / mean [1]")

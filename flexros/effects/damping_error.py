@@ -16,6 +16,9 @@ class DampingError(AbstractRelativeError):
 
     name: ClassVar[str] = "damping_error"
     stage: ClassVar[Stage] = "gear"
+    fingerprint: ClassVar[str] = (
+        "vibrations of the joint decay faster or slower, peaks of the response change height, nothing else does"
+    )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the springs, each of which has a damper."""

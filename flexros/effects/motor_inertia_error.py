@@ -16,6 +16,9 @@ class MotorInertiaError(AbstractRelativeError):
 
     name: ClassVar[str] = "motor_inertia_error"
     stage: ClassVar[Stage] = "actuator"
+    fingerprint: ClassVar[str] = (
+        "the missing torque follows the acceleration of the motor alone, also above the resonance of the joint"
+    )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the motors that have an inertia of their own."""

@@ -16,6 +16,9 @@ class PayloadError(AbstractRelativeError):
 
     name: ClassVar[str] = "payload_error"
     stage: ClassVar[Stage] = "load"
+    fingerprint: ClassVar[str] = (
+        "the missing torque follows the acceleration of the tool in all joints, and its weight where there is gravity"
+    )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the tool, the one place of the load."""

@@ -5,9 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Yardstick = Literal["torque", "speed", "angle", "deflection", "relative", "time", "frequency", "order", "phase"]
+Yardstick = Literal[
+    "torque",
+    "speed",
+    "angle",
+    "deflection",
+    "torque/speed",
+    "torque/angle",
+    "relative",
+    "time",
+    "frequency",
+    "order",
+    "phase",
+]
 """What the bounds of a range multiply: the largest torque, speed, motor angle or deflection of a gear in the log (of
-the joint in question), or 1 with the unit 1, s, Hz, periods per turn, rad."""
+the joint in question), a quotient of two of them, or 1 with the unit 1, s, Hz, periods per turn, rad."""
 
 
 @dataclass(frozen=True)

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
 from flexros.effects.model_change import AbstractChangedValues
+from flexros.effects.ranges import Range
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.robot import Robot
 
 
@@ -18,6 +22,10 @@ class AbstractRelativeError(AbstractChangedValues):
 
     A member provides `name`, `stage`, `locations` and `scaled`.
     """
+
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {"relative": Range("relative", 0.003, 0.9, starts=4, signed=True)}
+    )
 
     relative: float = Field(0.0, gt=-1.0, lt=10.0, description="deviation, relative to the nominal value [1]")
 

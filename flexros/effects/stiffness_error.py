@@ -16,6 +16,9 @@ class StiffnessError(AbstractRelativeError):
 
     name: ClassVar[str] = "stiffness_error"
     stage: ClassVar[Stage] = "gear"
+    fingerprint: ClassVar[str] = (
+        "antiresonance and resonance of the joint are both shifted, the response at low frequencies stays"
+    )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the springs."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
 from pydantic import Field, model_validator
 
 from flexros.effects.motor_law import AbstractMotorTorque, MotorState
+from flexros.effects.ranges import Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,6 +30,17 @@ class TorqueRipple(AbstractMotorTorque):
     name: ClassVar[str] = "torque_ripple"
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "amplitude"
+    fingerprint: ClassVar[str] = (
+        "a missing torque that repeats with the motor angle, of the same size at all speeds, or in proportion to the "
+        "torque where it is a ripple of the winding"
+    )
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {
+            "amplitude": Range("torque", 1e-5, 1.0, starts=3, source="0.5 to 3 % of the rated torque"),
+            "order": Range("order", 0.5, 1000.0, starts=1),
+            "phase": Range("phase", 0.5, 3.1416, starts=1, signed=True),
+        }
+    )
 
     amplitude: float = Field(0.0, ge=0.0, description="[Nm or N], or if proportional, relative to the torque [1]")
     order: float = Field(1.0, gt=0.0, description="periods per turn of the rotor [1]")

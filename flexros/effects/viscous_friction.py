@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
 from pydantic import Field
 
 from flexros.effects.motor_law import AbstractMotorTorque, MotorState
+from flexros.effects.ranges import Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,6 +28,13 @@ class ViscousFriction(AbstractMotorTorque):
     name: ClassVar[str] = "viscous_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "coefficient"
+    fingerprint: ClassVar[str] = "a missing torque against the motion in proportion to the speed of the motor"
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {
+            "coefficient": Range("torque/speed", 1e-5, 1.0, starts=5),
+            "asymmetry": Range("relative", 0.05, 2.0, starts=1, signed=True),
+        }
+    )
 
     coefficient: float = Field(0.0, ge=0.0, description="mean of both directions [Nm s/rad or N s/m]")
     asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="(forward - backward) / mean [1]")

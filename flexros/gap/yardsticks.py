@@ -32,6 +32,9 @@ class Yardsticks:
             yardstick: Which size.
             location: Where.
         """
+        if yardstick == "torque/speed" or yardstick == "torque/angle":
+            divisor: Yardstick = "speed" if yardstick == "torque/speed" else "angle"
+            return self.of("torque", location) / self.of(divisor, location)
         sizes = self.sizes.get(yardstick)
         if sizes is None:
             return 1.0

@@ -1,0 +1,50 @@
+"""Periodic error of an encoder, as of a disc that is mounted off centre."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
+
+import casadi as ca
+from pydantic import Field
+
+from flexros.effects.ranges import Range
+from flexros.effects.sensor import AbstractSensor
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.effects.base import Stage
+    from flexros.robot.kinematics import Value
+
+
+class EncoderEccentricity(AbstractSensor):
+    """One order of a Fourier series in the angle of the rotor, added to what the encoder tells.
+
+    With amplitude A, order n, phase p and rotor angle a the reading is A sin(n a + p) too large. The amplitude is one
+    of the motor coordinate; the order counts periods per turn of the rotor, as for `torque_ripple`. Several orders are
+    several effects.
+    """
+
+    name: ClassVar[str] = "encoder_eccentricity"
+    stage: ClassVar[Stage] = "sensor"
+    size: ClassVar[str] = "amplitude"
+    rank: ClassVar[int] = 0
+    fingerprint: ClassVar[str] = (
+        "an error of position, not of torque, that repeats with the motor angle, of the same size at all speeds"
+    )
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {
+            "amplitude": Range("angle", 1e-8, 1e-2, starts=3),
+            "order": Range("order", 0.5, 1000.0, starts=1),
+            "phase": Range("phase", 0.5, 3.1416, starts=1, signed=True),
+        }
+    )
+
+    amplitude: float = Field(0.0, ge=0.0, description="amplitude of the error, of the motor coordinate [rad or m]")
+    order: float = Field(1.0, gt=0.0, description="periods per turn of the rotor [1]")
+    phase: float = Field(0.0, description="phase at motor position zero [rad]")
+
+    def read(self, position: ca.SX, angle: ca.SX, values: Mapping[str, Value]) -> ca.SX:
+        """Add the wave at the angle of the rotor."""
+        return position + values["amplitude"] * ca.sin(values["order"] * angle + values["phase"])

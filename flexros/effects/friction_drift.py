@@ -1,0 +1,73 @@
+"""Friction that changes while the robot works: warm grease, running in."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
+
+import casadi as ca
+from pydantic import Field
+
+from flexros.effects.dry_friction import AbstractDryFriction, FrictionLevels
+from flexros.effects.motor_law import AbstractMotorTorque, MotorState
+from flexros.effects.ranges import Range
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.effects.base import Stage
+    from flexros.robot.kinematics import Value
+
+_SHORT = 1e-12
+
+
+class FrictionDrift(AbstractMotorTorque, AbstractDryFriction):
+    """Friction at a motor that sets in from the start of the run on (Bittencourt 2010: it follows the temperature).
+
+    At time t, with time constant T, the torque against the motion of speed v is (coulomb sign(v) + viscous v)
+    (1 - exp(-t/T)): nothing at the start, the whole change at the end, so that the effect includes its own mean. Both
+    changes may be negative; the levels of dry friction at a motor, drift included, do not fall below zero. The own
+    state is the time.
+    """
+
+    name: ClassVar[str] = "friction_drift"
+    stage: ClassVar[Stage] = "motor friction"
+    size: ClassVar[str] = "coulomb"
+    smooth_states = 1
+    eases = True
+    fingerprint: ClassVar[str] = "equal motions late in the log need another torque against the motion than early ones"
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {
+            "coulomb": Range("torque", 1e-3, 0.5, starts=1, signed=True),
+            "viscous": Range("torque/speed", 1e-3, 0.5, starts=1, signed=True),
+            "time_constant": Range("time", 1.0, 1000.0, starts=3),
+        }
+    )
+
+    coulomb: float = Field(0.0, description="change of the Coulomb level from start to end [Nm or N]")
+    viscous: float = Field(0.0, description="change of the viscous coefficient from start to end [Nm s/rad or N s/m]")
+    time_constant: float = Field(10.0, gt=0.0, description="time constant of the change [s]")
+
+    @property
+    def neutral(self) -> bool:
+        """Whether neither friction changes."""
+        return self.coulomb == 0 and self.viscous == 0
+
+    def rates(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
+        """Let the time run."""
+        del motor, values
+        return ca.SX(1)
+
+    def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
+        """Brake in proportion to the speed."""
+        return -values["viscous"] * _reached(motor, values) * motor.speed
+
+    def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
+        """Return the level that has been reached."""
+        level = values["coulomb"] * _reached(motor, values)
+        return FrictionLevels(level, level)
+
+
+def _reached(motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
+    """Return the share of the change that has been reached."""
+    return 1 - ca.exp(-motor.own[0] / ca.fmax(values["time_constant"], _SHORT))

@@ -1,0 +1,68 @@
+"""Friction of bristles, which deflect before they slide."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
+
+import casadi as ca
+from pydantic import Field, model_validator
+
+from flexros.effects.bristle_friction import AbstractBristleFriction, Bristle
+from flexros.effects.ranges import Range
+from flexros.effects.stribeck_friction import hump
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.effects.base import Stage
+    from flexros.robot.kinematics import Value
+
+
+class PreslidingFriction(AbstractBristleFriction):
+    """LuGre friction at a motor, without its viscous term (Canudas de Wit 1995; Moberg 2007, eq. 3.15).
+
+    With bristle deflection z, speed v, stiffness s0 and damping s1 the torque against the motion is s0 z + s1 dz/dt,
+    where dz/dt = v - s0 |v| z / g(v) and g(v) = level + extra exp(-(v / velocity)^2). Steady sliding has torque g(v);
+    below break-away the motor moves as on a spring of stiffness s0. How it is solved: `bristle_friction`, of order two
+    in the integration step where it resolves the motion.
+    """
+
+    name: ClassVar[str] = "presliding_friction"
+    stage: ClassVar[Stage] = "motor friction"
+    size: ClassVar[str] = "level"
+    fingerprint: ClassVar[str] = (
+        "friction torque that builds up over a small angle after each reversal, with a loop of torque over angle, and "
+        "a motor that creeps like on a spring below break-away"
+    )
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {
+            "level": Range("torque", 1e-5, 1.0, starts=4),
+            "extra": Range("torque", 1e-6, 1.0, starts=1),
+            "velocity": Range("speed", 1e-3, 1.0, starts=1),
+            "stiffness": Range("torque/angle", 1.0, 1e6, starts=4),
+            "damping": Range("torque/speed", 1e-6, 1.0, starts=1),
+        }
+    )
+
+    level: float = Field(0.0, ge=0.0, description="Coulomb level, reached at high speed [Nm or N]")
+    extra: float = Field(0.0, ge=0.0, description="level at standstill beyond that of high speed [Nm or N]")
+    velocity: float = Field(0.0, ge=0.0, description="Stribeck velocity of the motor [rad/s or m/s]")
+    stiffness: float = Field(0.0, ge=0.0, description="bristle stiffness s0 at the motor [Nm/rad or N/m]")
+    damping: float = Field(0.0, ge=0.0, description="bristle damping s1 at the motor [Nm s/rad or N s/m]")
+
+    @model_validator(mode="after")
+    def _stiff(self) -> PreslidingFriction:
+        if not self.neutral and self.stiffness <= 0:
+            raise ValueError("stiffness is 0, but bristles need one; give stiffness=... [Nm/rad or N/m]")
+        return self
+
+    @property
+    def neutral(self) -> bool:
+        """Whether there is no friction at any speed."""
+        return self.level == 0 and self.extra == 0
+
+    def bristle(self, speed: ca.SX, values: Mapping[str, Value]) -> Bristle:
+        """Evaluate the Stribeck curve."""
+        level = values["level"] + hump(speed, values["extra"], values["velocity"])
+        return Bristle(ca.SX(level), values["stiffness"], values["damping"])

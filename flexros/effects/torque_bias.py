@@ -1,0 +1,39 @@
+"""Constant torque at a motor."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
+
+import casadi as ca
+from pydantic import Field
+
+from flexros.effects.motor_law import AbstractMotorTorque, MotorState
+from flexros.effects.ranges import Range
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.effects.base import Stage
+    from flexros.robot.kinematics import Value
+
+
+class TorqueBias(AbstractMotorTorque):
+    """A torque that is always there: the offset of a current sensor, a spring that balances, a wrong static load."""
+
+    name: ClassVar[str] = "torque_bias"
+    stage: ClassVar[Stage] = "actuator"
+    size: ClassVar[str] = "level"
+    fingerprint: ClassVar[str] = (
+        "the missing torque has a mean that depends neither on direction nor on position, also at standstill"
+    )
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {"level": Range("torque", 1e-3, 1.0, starts=2, signed=True)}
+    )
+
+    level: float = Field(0.0, description="torque that is added at the motor [Nm or N]")
+
+    def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
+        """Return the constant torque."""
+        del motor
+        return ca.SX(values["level"])

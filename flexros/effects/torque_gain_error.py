@@ -1,0 +1,41 @@
+"""Error of the torque constant of a motor."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
+
+from pydantic import Field
+
+from flexros.effects.command_law import AbstractCommandLaw
+from flexros.effects.ranges import Range
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import casadi as ca
+
+    from flexros.effects.base import Stage
+    from flexros.robot.kinematics import Value
+
+
+class TorqueGainError(AbstractCommandLaw):
+    """The motor gives 1 + relative times the torque that is commanded."""
+
+    name: ClassVar[str] = "torque_gain_error"
+    stage: ClassVar[Stage] = "actuator"
+    size: ClassVar[str] = "relative"
+    rank: ClassVar[int] = 1
+    fingerprint: ClassVar[str] = (
+        "the missing torque is proportional to the commanded one at all speeds, accelerations and positions"
+    )
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {"relative": Range("relative", 0.003, 0.9, starts=2, signed=True, source="torque constants drop by 10 % hot")}
+    )
+
+    relative: float = Field(0.0, gt=-1.0, lt=10.0, description="deviation of the torque from the commanded one [1]")
+
+    def passed(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value]) -> ca.SX:
+        """Scale the torque."""
+        del own
+        return (1 + values["relative"]) * torque

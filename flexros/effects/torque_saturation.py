@@ -1,0 +1,43 @@
+"""Largest torque of a motor."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
+
+import casadi as ca
+from pydantic import Field
+
+from flexros.effects.command_law import AbstractCommandLaw
+from flexros.effects.ranges import Range
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.effects.base import Stage
+    from flexros.robot.kinematics import Value
+
+
+class TorqueSaturation(AbstractCommandLaw):
+    """The motor gives no more torque than the limit, either way, whatever is commanded.
+
+    The limits that the controller knows are others and stay as they are. A limit of zero is none: it switches the
+    effect off.
+    """
+
+    name: ClassVar[str] = "torque_saturation"
+    stage: ClassVar[Stage] = "actuator"
+    size: ClassVar[str] = "limit"
+    rank: ClassVar[int] = 0
+    fingerprint: ClassVar[str] = (
+        "nothing is missing below a level of the command, and whatever is commanded above it is missing"
+    )
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({"limit": Range("torque", 0.1, 1.0, starts=8)})
+
+    limit: float = Field(0.0, ge=0.0, description="largest torque either way [Nm or N]; 0: no limit")
+
+    def passed(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value]) -> ca.SX:
+        """Clip the torque."""
+        del own
+        limit = ca.SX(values["limit"])
+        return ca.if_else(limit > 0, ca.fmin(ca.fmax(torque, -limit), limit), torque)
