@@ -25,6 +25,8 @@ class ArmState:
     Attributes:
         position: Arm coordinates [rad or m], SX (N, 1).
         speed: Their rates, SX (N, 1).
+        motor_position: Coordinates of the motors behind flexible gears [rad or m], SX (number of them, 1).
+        motor_speed: Their rates.
         model: Functions of the robot, e.g. `model.tool_pose(position, parameters)`.
         parameters: Their argument p.
         robot: The robot, for its numbers.
@@ -34,15 +36,23 @@ class ArmState:
 
     position: ca.SX
     speed: ca.SX
+    motor_position: ca.SX
+    motor_speed: ca.SX
     model: SymbolicModel
     parameters: ca.SX
     robot: Robot
     location: str
     own: ca.SX
 
+    def number(self, name: str) -> Value:
+        """Return number or symbol of a parameter of the robot."""
+        if name in self.model.parameter_names:
+            return self.parameters[self.model.parameter_names.index(name)]
+        return self.robot.parameters[name].value
+
 
 class AbstractArmLaw(AbstractLaw):
-    """A law that adds generalised forces on the arm coordinates; its own states are smooth.
+    """A law that adds generalised forces on the arm coordinates, or on all; its own states are smooth.
 
     A member provides `name`, `stage`, `size`, its parameters, `locations` and `force`, with own states `rates`, and
     `rest` where they do not start at zero.
@@ -57,7 +67,8 @@ class AbstractArmLaw(AbstractLaw):
             values: Number or symbol of every parameter of the effect by name.
 
         Returns:
-            Generalised force that is added on the arm coordinates [Nm or N], SX (N, 1).
+            Generalised force that is added on the arm coordinates [Nm or N], SX (N, 1); or on all coordinates, the
+            motors' own ones behind them, SX (n_coordinates, 1).
         """
 
     def rates(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:

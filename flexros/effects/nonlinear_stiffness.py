@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import casadi as ca
 from pydantic import Field, model_validator
 
 from flexros.config.validation import validate
+from flexros.effects.gear_law import AbstractGearLaw, GearTorques
 from flexros.effects.model_change import AbstractModelChange
+from flexros.effects.ranges import Range
 from flexros.errors import InputError
 from flexros.robot import Robot
 from flexros.robot.specification import RobotSpecification
 from flexros.robot.spring import PiecewiseLinear, Spring
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.effects.base import Stage
+    from flexros.effects.gear_law import GearState
+    from flexros.robot.kinematics import Value
 
 
-class NonlinearStiffness(AbstractModelChange):
+class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
     """A spring of the nominal stiffness up to a knee and of another one beyond: hardening or softening.
 
     With stiffness k, deflection d, knee c and relative change r the torque of the spring is
@@ -28,10 +36,29 @@ class NonlinearStiffness(AbstractModelChange):
     A spring that is piecewise linear already has its stiffness scaled by 1 + r beyond the knee. The knee is given as a
     deflection, or as the torque k c at which it lies. It acts between motor and arm for a gear, and on the arm
     coordinate for the other springs; the damper stays as it is.
+
+    A simulated robot has the bent spring in its file, so that its rest, energy and linearisation include it; where the
+    numbers are to be free, as in a diagnosis, the same torques are a law beside the nominal spring.
+
+    Reference: Piecewise stiffness K1, K2, K3 of gear catalogues; Moberg 2007, Paper C, section 4 (nonlinear gear
+    elasticity).
     """
 
     name: ClassVar[str] = "nonlinear_stiffness"
     stage: ClassVar[Stage] = "gear"
+    size: ClassVar[str] = "relative"
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {
+            "relative": Range(
+                "relative", 1e-3, 0.95, 4, signed=True, source="catalogues: K3/K1 of 1.3 to 2; rest chosen"
+            ),
+            "knee": Range("deflection", 0.01, 1.0, 4, source="chosen: from small motion to the largest deflection"),
+        }
+    )
+    fingerprint: ClassVar[str] = (
+        "resonance and antiresonance move with amplitude and with static load, while no energy is lost; odd "
+        "harmonics, even ones too under a load"
+    )
 
     relative: float = Field(0.0, gt=-1.0, le=100.0, description="change of stiffness beyond the knee [1]; > 0 hardens")
     knee: float = Field(0.0, ge=0.0, description="deflection at the knee [rad or m]; 0: knee_torque is given instead")
@@ -70,6 +97,13 @@ class NonlinearStiffness(AbstractModelChange):
         assert isinstance(spring, Spring)
         here[last] = {"piecewise_linear": self._law(spring, location)}
         return Robot(validate(RobotSpecification, data, self.name), self.name)
+
+    def added(self, gear: GearState, values: Mapping[str, Value]) -> GearTorques:
+        """Add what the spring has more, or less, beyond the knee."""
+        at_knee = ca.SX(values["knee_torque"]) if self.knee_torque else gear.spring(ca.SX(values["knee"]))
+        torque = gear.spring(gear.deflection)
+        change = values["relative"] * (ca.fmax(torque - at_knee, 0) + ca.fmin(torque + at_knee, 0))
+        return GearTorques(change, -change)
 
     def _law(self, spring: Spring, location: str) -> dict[str, Any]:
         """Compute knots and slopes with the knee among them."""

@@ -69,12 +69,13 @@ class RobotWithEffects:
     laws: tuple[PlacedLaw, ...]
 
 
-def place_effects(robot: Robot, placed: Iterable[PlacedEffect]) -> RobotWithEffects:
+def place_effects(robot: Robot, placed: Iterable[PlacedEffect], *, as_laws: bool = False) -> RobotWithEffects:
     """Put effects onto a robot; those that change its model act on what those before them left.
 
     Args:
         robot: The robot without the effects.
         placed: Effects with their places.
+        as_laws: Whether effects that can be both are laws, whose numbers can be free, and not another robot.
 
     Returns:
         Changed robot and laws.
@@ -86,7 +87,8 @@ def place_effects(robot: Robot, placed: Iterable[PlacedEffect]) -> RobotWithEffe
     alike: Counter[str] = Counter()
     for one in placed:
         one.check_location(robot)
-        if isinstance(one.effect, AbstractModelChange) and one.effect.changes_model(one.location):
+        lawful = as_laws and isinstance(one.effect, AbstractLaw) and bool(one.effect.numbers)
+        if isinstance(one.effect, AbstractModelChange) and one.effect.changes_model(one.location) and not lawful:
             robot = one.effect.changed(robot, one.location)
             continue
         assert isinstance(one.effect, AbstractLaw)

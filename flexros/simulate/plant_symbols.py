@@ -159,7 +159,15 @@ class PlantSymbols:
         """Return what a law of the arm sees."""
         n = self.model.n_arm
         return ArmState(
-            self.q[:n], self.v[:n], self.model, self.robot_parameters, self.robot, law.location, self.own(law)
+            position=self.q[:n],
+            speed=self.v[:n],
+            motor_position=self.q[n:],
+            motor_speed=self.v[n:],
+            model=self.model,
+            parameters=self.robot_parameters,
+            robot=self.robot,
+            location=law.location,
+            own=self.own(law),
         )
 
     def added_force(self) -> ca.SX | None:
@@ -175,5 +183,6 @@ class PlantSymbols:
             if joint.motor_coordinate is not None:
                 force[self.model.n_arm + joint.motor_coordinate] += torques.motor
         for law, arm_effect in arms:
-            force[: self.model.n_arm] += arm_effect.force(self.arm(law), self.values(law))
+            added = arm_effect.force(self.arm(law), self.values(law))
+            force[: added.numel()] += added
         return force

@@ -1,0 +1,68 @@
+"""Error of the gravity that acts on a body."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
+
+import casadi as ca
+from pydantic import Field
+
+from flexros.effects.arm_law import AbstractArmLaw
+from flexros.effects.ranges import Range
+from flexros.robot.body_frame import body_frame, long_axis, moved_bodies
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.effects.arm_law import ArmState
+    from flexros.effects.base import Stage
+    from flexros.robot import Robot
+    from flexros.robot.kinematics import Value
+
+
+class GravityError(AbstractArmLaw):
+    """Weight of a body that the model does not know: a share of its weight, or a mass moment; no change of inertia.
+
+    With gravity vector g, mass m and centre of mass c(q) of the body, relative error r, unmodelled mass moment s and
+    direction e(q) of the body (along its length, or its x axis where it has none), the forces on the arm coordinates
+    are the gradient of the work of the unmodelled weight,
+
+        d/dq [ r m g . c(q) + s g . e(q) ].
+
+    Reference: Virtual work; Moberg 2007, equation 3.18: the term g(q_a).
+    """
+
+    name: ClassVar[str] = "gravity_error"
+    stage: ClassVar[Stage] = "load"
+    size: ClassVar[str] = "relative"
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({"relative": Range("relative", 1e-5, 1.0, 4, signed=True)})
+    fingerprint: ClassVar[str] = (
+        "a torque that depends on the pose alone, by sine and cosine, the same in both directions of motion and "
+        "at every speed; frequency responses do not show it"
+    )
+
+    relative: float = Field(0.0, gt=-1.0, lt=10.0, description="unmodelled share of the body's weight [1]")
+    moment: float = Field(0.0, description="unmodelled mass moment along the body [kg m]")
+
+    @property
+    def neutral(self) -> bool:
+        """Whether the effect is switched off, so that it is left out of the plant."""
+        return self.relative == 0 and self.moment == 0
+
+    def locations(self, robot: Robot) -> tuple[str, ...]:
+        """List the bodies that move, on robots under gravity."""
+        if not any(robot.spec.gravity.value):
+            return ()
+        return tuple(f"body_{body + 1}" for body in moved_bodies(robot.chain, len(robot.spec.bodies)))
+
+    def force(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
+        """Differentiate the work of the unmodelled weight."""
+        q = ca.SX.sym("q", arm.robot.n_arm)
+        body = int(arm.location.removeprefix("body_")) - 1
+        frame = body_frame(arm.robot.spec, arm.robot.chain, body, q, arm.number)
+        gravity = ca.vertcat(*[ca.SX(arm.number(f"gravity.{axis}")) for axis in "xyz"])
+        mass = arm.number(f"{arm.location}.mass")
+        along = frame.rotation @ ca.SX(ca.DM(long_axis(arm.robot.spec, body)))
+        work = values["relative"] * mass * ca.dot(gravity, frame.center) + values["moment"] * ca.dot(gravity, along)
+        return ca.substitute(ca.densify(ca.gradient(work, q)), q, arm.position)

@@ -1,0 +1,82 @@
+"""Error of the geometry that only a measurement of the tool shows."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
+
+from pydantic import Field
+
+from flexros.effects.ranges import Range
+from flexros.effects.tool_error import AbstractToolError
+from flexros.robot.body_frame import long_axis, moved_bodies
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.effects.base import Stage
+    from flexros.robot import Robot
+    from flexros.robot.kinematics import Value
+
+
+class KinematicError(AbstractToolError):
+    """A body longer than the model says, or mounted at another angle: the robot moves as ever, its tool is elsewhere.
+
+    The length vector of the body is longer by `length` (along the x axis where it has none), and the coordinate by
+    which the body turns (the one with the motor, else the first) counts from an angle that is wrong by `angle`: the
+    measured tool pose is that of the arm with l + length and q + angle.
+
+    Reference: Hollerbach, Khalil, Gautier 2016, Springer Handbook of Robotics, chapter 8: model calibration.
+    """
+
+    name: ClassVar[str] = "kinematic_error"
+    stage: ClassVar[Stage] = "sensor"
+    size: ClassVar[str] = "length"
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {
+            "length": Range("relative", 1e-6, 0.1, 4, signed=True, source="chosen [m]"),
+            "angle": Range("relative", 1e-6, 0.1, 4, signed=True, source="chosen [rad]"),
+        }
+    )
+    fingerprint: ClassVar[str] = (
+        "the tool is off by an amount that depends on the pose alone, while all motors and torques are as the "
+        "model says"
+    )
+
+    length: float = Field(0.0, description="the body is longer by this [m]")
+    angle: float = Field(0.0, description="error of the zero of its rotation [rad]")
+
+    @property
+    def neutral(self) -> bool:
+        """Whether the effect is switched off, so that it is left out of the plant."""
+        return self.length == 0 and self.angle == 0
+
+    def locations(self, robot: Robot) -> tuple[str, ...]:
+        """List the bodies that turn, on robots whose tool has a geometry."""
+        if robot.spec.tool.linear:
+            return ()
+        bodies = moved_bodies(robot.chain, len(robot.spec.bodies))
+        return tuple(f"body_{body + 1}" for body in bodies if _turning(robot, body))
+
+    def geometry(self, robot: Robot, location: str, values: Mapping[str, Value]) -> dict[str, Value]:
+        """Lengthen the body."""
+        direction = long_axis(robot.spec, _number(location))
+        return {
+            f"{location}.length.{axis}": values["length"] * float(part)
+            for axis, part in zip("xyz", direction)
+            if part != 0
+        }
+
+    def offsets(self, robot: Robot, location: str, values: Mapping[str, Value]) -> dict[str, Value]:
+        """Turn the body."""
+        return {_turning(robot, _number(location))[0]: values["angle"]}
+
+
+def _number(location: str) -> int:
+    return int(location.removeprefix("body_")) - 1
+
+
+def _turning(robot: Robot, body: int) -> tuple[str, ...]:
+    """List the coordinates by which a body turns, the one with the motor first."""
+    joints = [joint for joint in robot.chain.joints if joint.body == body and joint.rotary]
+    return tuple(joint.name for joint in sorted(joints, key=lambda joint: joint.motor is None))

@@ -1,0 +1,63 @@
+"""Periodic error of a gear's ratio."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar
+
+import casadi as ca
+from pydantic import Field
+
+from flexros.effects.gear_law import AbstractGearLaw, GearTorques
+from flexros.effects.ranges import Range
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.effects.base import Stage
+    from flexros.effects.gear_law import GearState
+    from flexros.robot.kinematics import Value
+
+
+class TransmissionError(AbstractGearLaw):
+    """Deflection of the gear that repeats with the turning of the rotor.
+
+    With amplitude A, order n, phase p and rotor angle r the gear is deflected by
+
+        d + A sin(n r + p),    and its rate by d' + A n r' cos(n r + p),
+
+    as if the motor stood that much further on. The motor gets the torque T of the gear back times
+    1 + A n cos(n r + p) dr/dq, which keeps the power: what the motor gives more, spring, damper and arm receive.
+
+    Reference: Taghirad, Belanger 1998, Modeling and parameter identification of harmonic drive systems, J. Dynamic
+    Systems, Measurement and Control 120; order 2 of the wave generator: catalogues of strain wave gears.
+    """
+
+    name: ClassVar[str] = "transmission_error"
+    stage: ClassVar[Stage] = "gear"
+    size: ClassVar[str] = "amplitude"
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {
+            "amplitude": Range(
+                "deflection", 1e-5, 1.0, 3, source="catalogues of strain wave gears: 1.5e-4 to 5.8e-4 rad"
+            ),
+            "order": Range("order", 0.5, 200.0, 8, source="chosen; found by a search over orders"),
+            "phase": Range("phase", 0.05, 3.2, 4, signed=True, source="chosen: a full turn"),
+        }
+    )
+    fingerprint: ClassVar[str] = (
+        "periodic in the angle of the rotor with an amplitude that is constant as an angle, not as a torque: "
+        "hardly seen in slow motion, large where order times rotor speed meets a resonance"
+    )
+
+    amplitude: float = Field(0.0, ge=0.0, description="of the deflection, in the coordinate of the gear [rad or m]")
+    order: float = Field(2.0, gt=0.0, description="periods per turn of the rotor [1]")
+    phase: float = Field(0.0, description="phase at motor position zero [rad]")
+
+    def added(self, gear: GearState, values: Mapping[str, Value]) -> GearTorques:
+        """Replace the nominal torque by that of the shifted deflection."""
+        wave = values["order"] * gear.angle + values["phase"]
+        shift = values["amplitude"] * ca.sin(wave)
+        slope = values["amplitude"] * values["order"] * gear.turns * ca.cos(wave)
+        torque = gear.spring(gear.deflection + shift) + gear.damping * (gear.rate + slope * gear.motor_speed)
+        return GearTorques(torque - gear.torque, gear.torque - torque * (1 + slope))
