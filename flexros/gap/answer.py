@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexros.effects import place_effects
 from flexros.gap.cannot_tell import cannot_tell
 from flexros.gap.diagnosis_file import Cause, CauseParameter, Diagnosis, GapNumbers, Place
 from flexros.gap.explain import RIVAL, UNEXPLAINED
 from flexros.gap.how_far import closed_fraction, errors_ahead
 from flexros.gap.hypothesis import name_of
 from flexros.gap.result import Candidate, DiagnosisResult, Explanation, Prediction
+from flexros.gap.signatures.evidence import Evidence as Signatures
 from flexros.gap.units import unit_of_parameter
 from flexros.provenance import versions
 
@@ -205,6 +207,7 @@ def result_of(
         warnings=(*found.data.record.warnings, *_warnings(found)),
         provenance={"log": found.data.record.name, "robot": found.model.robot.name, **versions(), **dict(settings)},
     )
+    after = found.explanation(chosen) if explanations.detected else None
     tolerated = chosen.theta[chosen.predictor.n_effect :]
     return DiagnosisResult(
         diagnosis=diagnosis,
@@ -216,12 +219,13 @@ def result_of(
         nothing=next(
             float(p) for one, p in zip(explanations.rivals, explanations.probabilities) if one is evidence.nothing
         ),
-        after=found.explanation(chosen) if explanations.detected else None,
+        after=after,
         rival=None if rival is None else found.explanation(rival),
         patch=placed(chosen),
         covariance_of=names,
         covariance=covariance if len(names) else None,
         excess=() if places is None else places.looked,
+        evidence=_signatures(found, before, after),
         tolerance={name: float(value) for name, value in zip(chosen.predictor.tolerance.names, tolerated)},
         cannot_tell=told,
         settings=settings,
@@ -299,8 +303,18 @@ def _warnings(found: Findings) -> list[str]:
 def _prediction(one: Fit, data: FitData) -> Prediction:
     found = one.predictor.predict(one.theta[:, None], data.record, data.gain, data.start, record_states=True)
     assert found.states is not None
-    robot = one.predictor.robot
-    return Prediction(found.innovation[:, :, 0], data.gain.spread, found.states[:, : 2 * robot.n_coordinates, 0])
+    states = found.states[:, : 2 * one.predictor.robot.n_coordinates, 0]
+    counted = np.all(np.isfinite(data.spread), axis=1)
+    return Prediction(found.innovation[:, :, 0], data.gain.spread, states, int(np.argmax(counted)))
+
+
+def _signatures(found: Findings, before: Explanation, after: Explanation | None) -> Signatures:
+    """Collect what the pictures of the effects are computed from."""
+    robot = found.model.robot
+    repaired = None if after is None else place_effects(robot, after.effects).robot
+    return Signatures(
+        robot, found.data.record, found.data.gain, before.fit, None if after is None else after.fit, repaired
+    )
 
 
 def _place(name: str) -> Place:

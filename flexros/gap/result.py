@@ -28,11 +28,13 @@ class Prediction:
         sd: Standard deviation of the innovations where nothing is missing in the model [rad or m], shape (M,).
         states: Filtered states of the model [SI], arm and motor coordinates, then their rates, shape (n, 2 (N + M));
             None where they were not kept.
+        first: First sample that counts; before it the unknown start decays.
     """
 
     innovations: FloatArray
     sd: FloatArray
     states: FloatArray | None = None
+    first: int = 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,12 +39,12 @@ def innovation_picture(result: DiagnosisResult) -> Picture | None:
     models = {"before": before}
     if result.after is not None:
         models["after"] = _told(result, result.after)[1]
-    sizes = np.mean(np.square(_relative(before)), axis=0)
+    sizes = np.mean(np.square(_settled(before, record)), axis=0)
     motors = np.sort(np.argsort(-sizes)[:_MOST_MOTORS])
     figure = _empty(result, motors)
     for row, motor in enumerate(motors.tolist(), start=1):
         for key, prediction in models.items():
-            _draw(figure, row, key, _relative(prediction)[:, motor], record, legend=row == 1)
+            _draw(figure, row, key, _settled(prediction, record)[:, motor], record, legend=row == 1)
     seen = "the held-out log" if result.holdout is not None else "the fitted log"
     return Picture(
         figure,
@@ -60,8 +60,11 @@ def _told(result: DiagnosisResult, model: Explanation) -> tuple[GapRecord, Predi
     return result.record, model.fit
 
 
-def _relative(prediction: Prediction) -> FloatArray:
+def _settled(prediction: Prediction, record: GapRecord) -> FloatArray:
+    """Return the errors in standard deviations, zero where they do not count, shape (n, M)."""
     relative: FloatArray = np.nan_to_num(prediction.innovations / prediction.sd)
+    relative[: prediction.first] = 0.0
+    relative[~record.valid] = 0.0
     return relative
 
 

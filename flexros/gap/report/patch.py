@@ -10,6 +10,9 @@ from flexros.gap.report.base import AbstractDiagnosisSection
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
 
+_USELESS = 0.1
+"""A patch that closes less of the gap than this share is not recommended (chosen)."""
+
 
 class PatchSection(AbstractDiagnosisSection):
     """The text of patch.yaml, and what to do with it."""
@@ -37,6 +40,11 @@ class PatchSection(AbstractDiagnosisSection):
         if result.diagnosis.verdict == "ambiguous":
             told += " It holds the most probable explanation; a rival that predicts equally well serves as long as the "
             told += "robot moves as in this log."
+        closed = result.diagnosis.gap.closed_fraction
+        if closed is not None and closed < _USELESS:
+            told = (
+                "The effects with their fitted numbers. They do not shrink the gap on held-out data: do not use them."
+            )
         commands = "flexros gap BAG --model patch.yaml      # a new log against the repaired model\n"
         commands += "flexros run SCENARIO --model patch.yaml  # simulate, with a feedforward that knows the effects\n"
         return (

@@ -100,6 +100,7 @@ def _same(one: Candidate, place: Place) -> bool:
 
 
 def _table(ranking: Sequence[Candidate]) -> TextTable:
+    unseen = any(one.holdout_gain is not None for one in ranking)
     rows = tuple(
         (
             capital(named(one)) + (f" (beside {listed([named(place) for place in one.beside])})" if one.beside else ""),
@@ -107,15 +108,15 @@ def _table(ranking: Sequence[Candidate]) -> TextTable:
             share_words(one.probability),
             number(one.gain, 4),
             number(one.penalty, 3),
-            number(one.holdout_gain, 4),
+            *([number(one.holdout_gain, 4)] if unseen else []),
             "-" if one.remainder is None else share_words(one.remainder),
         )
         for one in ranking[:_MOST_ROWS]
     )
-    header = ("Effect", "fitted", "probability", "gain", "penalty", "gain, unseen", "leaves")
+    header = ("Effect", "fitted", "probability", "gain", "penalty", *(["gain, unseen"] if unseen else []), "leaves")
     caption = (
         "Gain: twice the gain in log-likelihood over the nominal model in the log that was fitted; penalty: what its "
-        "parameters cost; gain, unseen: the same gain in the data that it has not seen; leaves: share of the excess "
-        "over noise that remains in the fitted log."
+        f"parameters cost; {'gain, unseen: the same gain in the data that it has not seen; ' if unseen else ''}leaves: "
+        "share of the excess over noise that remains in the fitted log."
     )
     return TextTable(header, rows, caption, left=2)

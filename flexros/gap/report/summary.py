@@ -56,10 +56,12 @@ def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
 
 
 def _cause_tile(diagnosis: Diagnosis) -> tuple[str, str, str, str]:
-    """Return the probability of the first cause, or of there being none."""
+    """Return the probability of the first cause, or the verdict where there is none."""
     causes = told_causes(diagnosis)
     if diagnosis.verdict == "no_gap" or not causes:
         return "Verdict", diagnosis.verdict.replace("_", " "), "", "within noise and tolerance"
+    if diagnosis.verdict == "unknown_effect":
+        return "Verdict", "unknown effect", "", f"best of the known: {named(causes[0])}"
     more = f" and {len(causes) - 1} more" if len(causes) > 1 else ""
     probability = share_words(causes[0].probability).removesuffix(" %")
     return "Probability of the first cause", probability, "%", f"{capital(named(causes[0]))}{more}"

@@ -46,8 +46,10 @@ def ranking_table(result: DiagnosisResult) -> Table:
     from rich.text import Text
 
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for place, heading in enumerate(("effect", "probability", "gain", "penalty", "leaves", "fitted")):
-        table.add_column(heading, justify="right" if 0 < place < 5 else "left", no_wrap=place < 5)
+    table.add_column("effect", min_width=20)
+    for heading in ("probability", "gain", "penalty", "leaves"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("fitted", min_width=22)
     for one in result.ranking[:_RANKED]:
         left = "-" if one.remainder is None else share_words(one.remainder)
         cells = (capital(named(one)), share_words(one.probability), number(one.gain, 4), number(one.penalty, 3), left)

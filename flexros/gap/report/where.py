@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from flexros.analysis.figures_table import number
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.gap.report.base import AbstractDiagnosisSection
 from flexros.gap.report.words import band_words, p_value_words, share_words
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     import plotly.graph_objects as go
 
@@ -39,13 +41,14 @@ class WhereSection(AbstractDiagnosisSection):
         bands = [place for place in looked if place.regime == "all"]
         regimes = [place for place in looked if place.regime != "all"]
         maps: list[Block] = []
-        for places, label, words in (
-            (bands, "frequency band", lambda place: band_words(place.band_hz)),
-            (regimes, "part of the motion", lambda place: place.regime.replace("_", " ")),
-        ):
-            if len(places) > 1:
-                maps.append(Picture(_map(places, label, words), _caption(label)))
-        return (Paragraph(_sentence(looked)), *maps, _table(looked))
+        if len(bands) > 1:
+            ordered = sorted(bands, key=lambda place: place.band_hz)
+            figure = _map(ordered, [_ends(place) for place in ordered], "frequency band [Hz]")
+            maps.append(Picture(figure, _caption("frequency band")))
+        if len(regimes) > 1:
+            figure = _map(regimes, [_wrapped(place.regime, 13) for place in regimes], "part of the motion")
+            maps.append(Picture(figure, _caption("part of the motion")))
+        return (Paragraph(_sentence(looked)), *maps, _table(looked, 0.5 / result.record.sample_time))
 
 
 def _sentence(looked: Sequence[GapPlace]) -> str:
@@ -65,20 +68,30 @@ def _caption(label: str) -> str:
     )
 
 
-def _map(places: Sequence[GapPlace], label: str, words: Callable[[GapPlace], str]) -> go.Figure:
+def _ends(place: GapPlace) -> str:
+    """Write the ends of a band in little room."""
+    low, high = (number(end, 2 if end < 100 else 3) for end in place.band_hz)
+    return f"<{high}" if place.band_hz[0] <= 0 else f"{low}-{high}"
+
+
+def _wrapped(text: str, width: int) -> str:
+    """Break a text into lines of a picture."""
+    return "<br>".join(textwrap.wrap(text.replace("_", " "), width))
+
+
+def _map(places: Sequence[GapPlace], labels: Sequence[str], title: str) -> go.Figure:
     import plotly.graph_objects as go
 
     from flexros.analysis.report.grid import digits
     from flexros.analysis.report.theme import stacked
 
-    rows = list(dict.fromkeys(_row(place) for place in places))
-    ordered = sorted(places, key=lambda place: place.band_hz) if label == "frequency band" else places
-    columns = list(dict.fromkeys(words(place) for place in ordered))
+    rows = list(dict.fromkeys(_wrapped(_row(place), 22) for place in places))
+    columns = list(dict.fromkeys(labels))
     share, p_value = np.full((2, len(rows), len(columns)), np.nan)
-    for place in places:
-        cell = rows.index(_row(place)), columns.index(words(place))
+    for place, label in zip(places, labels, strict=True):
+        cell = rows.index(_wrapped(_row(place), 22)), columns.index(label)
         share[cell], p_value[cell] = 100 * place.share, place.p_value
-    figure = stacked([""], height=44 * len(rows) + 40)
+    figure = stacked([""])
     figure.add_trace(
         go.Heatmap(
             z=[digits(row) for row in share],
@@ -96,8 +109,9 @@ def _map(places: Sequence[GapPlace], label: str, words: Callable[[GapPlace], str
     )
     _write_cells(figure, rows, columns, share, p_value)
     figure.update_yaxes(autorange="reversed", showgrid=False)
-    figure.update_xaxes(title_text=label, showgrid=False, type="category")
-    figure.update_layout(margin={"l": 150, "t": 20})
+    figure.update_xaxes(title_text=title, showgrid=False, type="category", tickangle=0, tickfont={"size": 11})
+    lines = 1 + max(label.count("<br>") for label in columns)
+    figure.update_layout(margin={"l": 170, "t": 20, "b": 44 + 14 * lines}, height=64 + 44 * len(rows) + 14 * lines)
     return figure
 
 
@@ -124,12 +138,12 @@ def _row(place: GapPlace) -> str:
     return place.joint if place.joint == "tool" else f"{place.joint} {place.signal}"
 
 
-def _table(looked: Sequence[GapPlace]) -> TextTable:
+def _table(looked: Sequence[GapPlace], highest: float) -> TextTable:
     ordered = sorted(looked, key=lambda place: (place.p_value >= SIGNIFICANT, -place.share))
     rows = tuple(
         (
             _row(place),
-            band_words(place.band_hz),
+            band_words(place.band_hz, highest),
             place.regime.replace("_", " "),
             share_words(place.share),
             p_value_words(place.p_value).removeprefix("p ").removeprefix("= "),

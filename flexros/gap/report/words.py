@@ -25,8 +25,6 @@ _CLEAR = 2.0
 """A number beside the first is told in a sentence where it is this many standard deviations from zero (chosen)."""
 _NEARLY_ALL = 0.95
 """Closed shares from here on are told with a decimal (chosen)."""
-_HIGHEST = 1e9
-"""Frequencies above this [Hz] stand for no limit."""
 
 
 def effect_words(effect: str) -> str:
@@ -124,16 +122,17 @@ def cause_words(cause: Cause | Candidate) -> str:
     return f"{named(cause)}{', ' if numbers else ''}{numbers}"
 
 
-def band_words(band: tuple[float, float]) -> str:
+def band_words(band: tuple[float, float], highest: float = 1e9) -> str:
     """Write a frequency band, e.g. "8 to 20 Hz", "below 2 Hz", "all frequencies".
 
     Args:
         band: Its ends [Hz].
+        highest: Highest frequency of the log [Hz], above which there is no limit to be told.
     """
     low, high = band
     if low <= 0:
-        return "all frequencies" if high >= _HIGHEST else f"below {number(high, 3)} Hz"
-    return f"above {number(low, 3)} Hz" if high >= _HIGHEST else f"{number(low, 3)} to {number(high, 3)} Hz"
+        return "all frequencies" if high >= 0.999 * highest else f"below {number(high, 3)} Hz"
+    return f"above {number(low, 3)} Hz" if high >= 0.999 * highest else f"{number(low, 3)} to {number(high, 3)} Hz"
 
 
 def where_words(place: GapPlace) -> str:
@@ -166,7 +165,7 @@ def closed_words(share: float) -> str:
     Args:
         share: The share [1]; below zero where the repair makes it worse.
     """
-    return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < 1 else f"{100 * share:.0f} %"
+    return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < 1 else f"{round(100 * share)} %"
 
 
 def p_value_words(p_value: float) -> str:

@@ -74,6 +74,9 @@ def write_diagnosis_report(result: DiagnosisResult, file: Path, *, patch: str = 
 def _subtitle(result: DiagnosisResult) -> str:
     record = result.record
     seen = f"log {record.name}, {number(record.duration, 3)} s at {number(1 / record.sample_time, 4)} Hz"
-    held = "" if result.holdout is None else f", checked on {result.holdout.name}"
+    held = ""
+    if result.holdout is not None:
+        rest = f"the last {number(result.holdout.duration, 3)} s of it"
+        held = f", checked on {rest if result.holdout.name == result.record.name else result.holdout.name}"
     motors = record.position.shape[1]
     return f"{seen}, {motors} motor{'s' * (motors > 1)}{held}"
