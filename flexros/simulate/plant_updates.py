@@ -115,8 +115,7 @@ def _rub(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
                 effect.bristle(speeds[k], plant.values(law)),
                 step,
             )
-    x[2 * nq : plant.friction_end] = friction[: len(plant.rubbing)]
-    for place, torque in zip(held, ca.vertsplit(friction)[len(plant.rubbing) :]):
+    for place, torque in zip([*range(2 * nq, plant.friction_end), *held], ca.vertsplit(friction)):
         x[place] = torque
 
 
