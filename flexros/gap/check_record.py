@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flexros.errors import InputError
+from flexros.gap.checked_record import CheckedRecord
 from flexros.gap.checks.base import Finding, checks
-from flexros.gap.torque_balance import CheckedRecord
 
 if TYPE_CHECKING:
     from flexros.gap.record import GapRecord

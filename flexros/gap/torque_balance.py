@@ -1,23 +1,140 @@
-"""What the checks of a record share."""
+"""Torque that motors were given against torque that the nominal robot needs for their motion, by frequency.
+
+Below a third of the lowest resonance with locked motors the need is that of the rigid arm, in whatever pose; above,
+that of the linearised elastic robot at the mean pose. No law of control enters, and no effect is fitted but friction:
+what a wrong unit, sign or order of joints does to the balance is larger than any effect (chosen).
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+
 if TYPE_CHECKING:
-    from flexros.gap.record import GapRecord
-    from flexros.robot import Robot
+    from flexros.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+
+FEWEST_BINS, FEWEST_BANDS = 12, 3
+"""Fewest clear frequencies and half octaves from which anything is told (chosen)."""
+
+STEP = 0.02
+"""Relative step of the multiples that are tried (chosen)."""
+
+LONGEST_DELAY = 0.03
+"""Longest time between torque and motion that is looked for [s] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
-class CheckedRecord:
-    """A record that is looked at.
+class Fit:
+    """How well one torque agrees with a need, beside friction.
+
+    The agreement of torque u with a multiple s of a need n in one band is 2 Re(u* s n) / (|u|^2 + |s n|^2): 1 where
+    both are equal, 0 where they have nothing to do with each other, -1 where they are opposite.
 
     Attributes:
-        record: The record.
-        robot: The nominal robot.
+        factor: Multiple of the need that agrees best; negative where the directions differ.
+        agreement: Mean agreement over the bands with that multiple, 0 ... 1.
+        as_is: Mean agreement with the need itself, -1 ... 1.
     """
 
-    record: GapRecord
-    robot: Robot
+    factor: float
+    agreement: float
+    as_is: float
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueBalance:
+    """Spectra at the frequencies that were kept.
+
+    Attributes:
+        frequency: Frequencies [Hz], shape (F,).
+        band: Number of the half octave of each, shape (F,).
+        given: Torques that acted, shape (F, M).
+        needed: Torques that the nominal robot needs for the motion, shape (F, M).
+        friction: Speed and its sign of each motor, shape (F, M, 2).
+        clear: Where the motion stands out of the noise of the encoder, shape (F, M).
+    """
+
+    frequency: FloatArray
+    band: IntArray
+    given: ComplexArray
+    needed: ComplexArray
+    friction: ComplexArray
+    clear: BoolArray
+
+    def fit(self, torque: int, motion: int, delay: float = 0.0) -> Fit | None:
+        """Compare the torque of one motor with the need of another, or its own.
+
+        Args:
+            torque: Motor whose torque it is.
+            motion: Motor whose motion it is.
+            delay: How much later the torque acts than it is stamped [s].
+
+        Returns:
+            The comparison; None where too little of the motion is clear of noise.
+        """
+        use = self.clear[:, motion]
+        bands, place = np.unique(self.band[use], return_inverse=True)
+        if use.sum() < FEWEST_BINS or len(bands) < FEWEST_BANDS:
+            return None
+        given = self.given[use, torque] * np.exp(-2j * np.pi * self.frequency[use] * delay)
+        needed = self.needed[use, motion]
+        power, need = (_sums(place, np.abs(part) ** 2) for part in (given, needed))
+        if not (power.max() > 0 and need.max() > 0):
+            return None
+        level = float(np.median(power) / max(float(np.median(need)), 1e-300))
+        weight = (1 / (power + level * need + 1e-12 * power.max()))[place]
+        rest, need_rest = (_without(self.friction[use, motion], part, weight) for part in (given, needed))
+        power, need = (_sums(place, np.abs(part) ** 2) for part in (rest, need_rest))
+        return _agreement(power, need, _sums(place, (np.conj(need_rest) * rest).real))
+
+    def delay(self) -> tuple[float, float]:
+        """Find the time by which the torques act later than they are stamped, beside the delay of the robot.
+
+        Returns:
+            The time [s], negative where they act before; and by how much the mean agreement is better than at 0.
+        """
+        motors = range(self.given.shape[1])
+        step = 0.1 / self.frequency[np.any(self.clear, axis=1)].max(initial=1.0)
+        count = int(np.ceil(LONGEST_DELAY / step))
+        tried = np.arange(-count, count + 1) * step
+        shares = np.zeros(len(tried))
+        for motor in motors:
+            fits = [self.fit(motor, motor, float(tau)) for tau in tried]
+            shares += [0.0 if fit is None else np.copysign(fit.agreement, fit.factor) for fit in fits]
+        shares /= len(motors)
+        best = int(np.argmax(np.abs(shares)))
+        return float(tried[best]), float(abs(shares[best]) - abs(shares[count]))
+
+
+def _sums(place: IntArray, values: FloatArray) -> FloatArray:
+    """Sum values of equal place."""
+    return np.asarray(np.bincount(place, values), dtype=np.float64)
+
+
+def _agreement(power: FloatArray, need: FloatArray, product: FloatArray) -> Fit:
+    """Find the multiple of the need with the best mean agreement, from powers of the bands, shape (n_bands,)."""
+
+    def mean(factor: FloatArray) -> FloatArray:
+        s = factor[:, None]
+        share = 2 * s * product / np.maximum(power + s**2 * need, 1e-300)
+        return np.asarray(np.where(power > 1e-12 * power.max(), share, 0.0).mean(axis=1))
+
+    middle = float(np.sqrt(np.median(power[need > 0] / need[need > 0])))
+    sizes = middle * np.exp(np.arange(-2.0, 2.0, STEP))
+    tried = np.concatenate([sizes, -sizes])
+    found = mean(tried)
+    best = int(np.argmax(found))
+    return Fit(float(tried[best]), float(found[best]), float(mean(np.ones(1))[0]))
+
+
+def _without(regressors: ComplexArray, values: ComplexArray, weight: FloatArray) -> ComplexArray:
+    """Take the part off that real multiples of regressors explain."""
+    root = np.sqrt(weight)
+    scale = np.maximum(np.linalg.norm(root[:, None] * regressors, axis=0), 1e-300)
+    matrix, right = root[:, None] * regressors / scale, root * values
+    stacked = np.vstack([matrix.real, matrix.imag])
+    solution, *_ = np.linalg.lstsq(stacked, np.concatenate([right.real, right.imag]), rcond=1e-6)
+    return np.asarray(values - regressors / scale @ solution)

@@ -13,7 +13,7 @@ from flexros.discovery import members
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.gap.torque_balance import CheckedRecord
+    from flexros.gap.checked_record import CheckedRecord
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexros.gap.checks.base import AbstractCheck, Finding
 
 if TYPE_CHECKING:
-    from flexros.gap.torque_balance import CheckedRecord
+    from flexros.gap.checked_record import CheckedRecord
 
 SHORTEST = 2.0
 """Shortest record [s] (chosen)."""
