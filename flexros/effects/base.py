@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import flexros.effects
 from flexros.config.validation import Settings, validate
 from flexros.discovery import members
+from flexros.effects.floors import WORD, check_has_floor, floor_of
 from flexros.effects.ranges import Range
 from flexros.errors import InputError, unknown_name
 
@@ -65,15 +66,44 @@ class AbstractEffect(Settings, ABC):
 
 @dataclass(frozen=True)
 class PlacedEffect:
-    """An effect at a place."""
+    """An effect at a place.
+
+    Attributes:
+        effect: The effect; parameters given in noise floors hold the number of floors until it meets a robot.
+        location: The place.
+        in_floors: Names of the parameters that are given in noise floors.
+    """
 
     effect: AbstractEffect
     location: str
+    in_floors: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         """Write it as in a scenario, all parameters included."""
-        parameters = ",".join(f"{name}={value}" for name, value in self.effect.model_dump().items())
+        parameters = ",".join(
+            f"{name}={value}{WORD if name in self.in_floors else ''}"
+            for name, value in self.effect.model_dump().items()
+        )
         return f"{self.effect.name}@{self.location}:{parameters}"
+
+    def on(self, robot: Robot) -> PlacedEffect:
+        """Turn noise floors into the sizes that they have on a robot.
+
+        Args:
+            robot: The robot without effects.
+
+        Returns:
+            The effect with numbers alone.
+
+        Raises:
+            InputError: A parameter has no floor at this place.
+        """
+        if not self.in_floors:
+            return self
+        kind, numbers = type(self.effect), self.effect.model_dump()
+        for name in self.in_floors:
+            numbers[name] *= floor_of(robot, kind, name, self.location)
+        return PlacedEffect(validate(kind, numbers, f"{kind.name}@{self.location}"), self.location)
 
     def check_location(self, robot: Robot) -> None:
         """Refuse a place that the robot does not have."""
@@ -92,7 +122,8 @@ def parse_effect(text: str, source: str) -> PlacedEffect:
     """Read an effect as written in a scenario or on the command line: NAME@LOCATION:parameter=value,...
 
     Args:
-        text: What was given, e.g. "payload_error@tool:relative=0.05".
+        text: What was given, e.g. "payload_error@tool:relative=0.05", or with a size as a multiple of the robot's noise
+            floor "coulomb_friction@motor_1:level=12floors", see `flexros.effects.floors`.
         source: Where it came from, for the error text.
 
     Returns:
@@ -110,7 +141,14 @@ def parse_effect(text: str, source: str) -> PlacedEffect:
         )
     if name not in effects():
         raise unknown_name("effect", name, effects(), source)
-    return PlacedEffect(validate(effects()[name], _parameters(tail, f"{source} {name}"), f"{source} {name}"), location)
+    kind, origin = effects()[name], f"{source} {name}"
+    parameters = _parameters(tail, origin)
+    in_floors = tuple(key for key, value in parameters.items() if value.endswith(WORD))
+    numbers = {key: value.removesuffix(WORD) for key, value in parameters.items()}
+    for key in in_floors:
+        if key in kind.model_fields:
+            check_has_floor(kind, key, origin)
+    return PlacedEffect(validate(kind, numbers, origin), location, in_floors)
 
 
 def _parameters(text: str, source: str) -> dict[str, str]:

@@ -85,8 +85,10 @@ def place_effects(robot: Robot, placed: Iterable[PlacedEffect], *, as_laws: bool
     """
     laws: list[PlacedLaw] = []
     alike: Counter[str] = Counter()
-    for one in placed:
-        one.check_location(robot)
+    before = robot
+    for given in placed:
+        given.check_location(robot)
+        one = given.on(before)
         lawful = as_laws and isinstance(one.effect, AbstractLaw) and bool(one.effect.numbers)
         if isinstance(one.effect, AbstractModelChange) and one.effect.changes_model(one.location) and not lawful:
             robot = one.effect.changed(robot, one.location)
