@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import casadi as ca
+import numpy as np
+
 from flexros.effects.delay import Delay
+from flexros.effects.sensor import AbstractSensor
+from flexros.effects.tool_error import AbstractToolError
 from flexros.feedforward.gear_compensation import with_gear_laws
 from flexros.feedforward.motor_compensation import with_motor_laws
+from flexros.feedforward.tool_geometry import ToolGeometry
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -14,6 +21,9 @@ if TYPE_CHECKING:
     from flexros.effects import PlacedLaw
     from flexros.feedforward.motion import Motion
     from flexros.robot import Robot
+
+PERIODIC = 0
+"""Place of periodic errors on the way from motor to log, see `AbstractSensor.rank`; quantization comes after."""
 
 
 def compensated(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], sample_time: float) -> Motion:
@@ -33,7 +43,8 @@ def compensated(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], sample_
     """
     active = [law for law in laws if not law.effect.neutral]
     motion = with_gear_laws(motion, robot, active, sample_time)
-    return with_motor_laws(motion, robot, active, sample_time)
+    motion = with_motor_laws(motion, robot, active, sample_time)
+    return _as_encoders_tell(motion, robot, active)
 
 
 def motor_delays(robot: Robot, laws: Sequence[PlacedLaw]) -> tuple[float, ...]:
@@ -51,3 +62,25 @@ def motor_delays(robot: Robot, laws: Sequence[PlacedLaw]) -> tuple[float, ...]:
         if isinstance(law.effect, Delay):
             delays[law.location] += law.effect.time
     return tuple(delays.values())
+
+
+def tool_geometry(robot: Robot, laws: Sequence[PlacedLaw]) -> ToolGeometry | None:
+    """Give the kinematics of the tool with the errors among the laws; None where there are none."""
+    errors = any(isinstance(law.effect, AbstractToolError) and not law.effect.neutral for law in laws)
+    return ToolGeometry.of(robot, laws) if errors else None
+
+
+def _as_encoders_tell(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw]) -> Motion:
+    """Turn motor positions into what encoders with periodic errors read there."""
+    position, velocity = motion.motor_position.copy(), motion.motor_velocity.copy()
+    q, v = ca.SX.sym("q"), ca.SX.sym("v")
+    for number, name in enumerate(robot.joint_names):
+        turns = robot.chain.motor(number).gear_ratio.value if robot.spec.coordinates == "arm" else 1.0
+        read = q
+        for law in laws:
+            if law.location == name and isinstance(law.effect, AbstractSensor) and law.effect.rank == PERIODIC:
+                read = law.effect.read(read, turns * q, law.effect.numbers)
+        reading = ca.Function("reading", [q, v], [read, ca.jtimes(read, q, v)])
+        rows = reading.call([ca.DM(array[np.newaxis, :, number]) for array in (position, velocity)])
+        position[:, number], velocity[:, number] = (np.array(row).ravel() for row in rows)
+    return replace(motion, motor_position=position, motor_velocity=velocity)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from flexros.feedforward.problem import FeedforwardProblem
     from flexros.feedforward.specification import FeedforwardSpecification
+    from flexros.feedforward.tool_geometry import ToolGeometry
     from flexros.robot import Robot
 
 
@@ -44,7 +45,7 @@ class DaeFeedforward(AbstractFeedforward):
         problem.require_square(problem.output)
         require_minimum_phase(problem)
         equations, gamma, march = dae_march(
-            robot, problem.output, settings.order, problem.sample_time, settings.compiled
+            robot, problem.output, settings.order, problem.sample_time, settings.compiled, problem.geometry
         )
         start = consistent_start(robot, equations, problem.desired[0], problem.rigid_start)
         tolerance = newton_tolerance(equations, gamma, start)
@@ -61,7 +62,12 @@ class DaeFeedforward(AbstractFeedforward):
 
 @lru_cache(maxsize=16)
 def dae_march(
-    robot: Robot, output: str, order: int, sample_time: float, compiled: bool
+    robot: Robot,
+    output: str,
+    order: int,
+    sample_time: float,
+    compiled: bool,
+    geometry: ToolGeometry | None = None,
 ) -> tuple[DaeEquations, float, March]:
     """Make the march of a robot, or return the one made before.
 
@@ -71,11 +77,12 @@ def dae_march(
         order: Order of the backward difference formula, 1 or 2.
         sample_time: Step size [s].
         compiled: Machine code, or the CasADi virtual machine.
+        geometry: Where the tool is; None: where the robot's file says.
 
     Returns:
         Equations of a step, leading coefficient gamma [1/s], and the march.
     """
-    equations = build_equations(robot.model, output)
+    equations = build_equations(robot.model, output, geometry=geometry)
     functions = StepFunctions.of(equations, order, sample_time)
     march: March = CompiledMarch(equations, functions) if compiled else InterpretedMarch(equations, functions)
     return equations, functions.gamma, march

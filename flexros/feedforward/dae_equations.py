@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 
 if TYPE_CHECKING:
+    from flexros.feedforward.tool_geometry import ToolGeometry
     from flexros.robot.model import SymbolicModel
 
 LARGE_MODEL = 24
@@ -93,7 +94,12 @@ def motor_torque(model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
     return model.motor_inertia(p) * a[n:] - model.motor_force(q[:n], v[:n], q[n:], v[n:], p)
 
 
-def build_equations(model: SymbolicModel, output: str | None = None, exact: bool | None = None) -> DaeEquations:
+def build_equations(
+    model: SymbolicModel,
+    output: str | None = None,
+    exact: bool | None = None,
+    geometry: ToolGeometry | None = None,
+) -> DaeEquations:
     """Build the functions of one step.
 
     Args:
@@ -101,6 +107,7 @@ def build_equations(model: SymbolicModel, output: str | None = None, exact: bool
         output: Name of the controlled output; default: the one that the robot's file names.
         exact: Exact Newton matrix, or M gamma^2 + D gamma + K with exact output rows; default: exact up to
             `LARGE_MODEL` arm coordinates.
+        geometry: Where the tool is; default: where the robot's file says.
 
     Returns:
         The functions.
@@ -116,7 +123,10 @@ def build_equations(model: SymbolicModel, output: str | None = None, exact: bool
     u = ca.SX.zeros(model.n_motors)
     for place, number in enumerate(stiff):
         u[number] = z[nq + place]
-    value = model.output(output)(q[:n], model.parameter_values)
+    if geometry is None:
+        value = model.output(output)(q[:n], model.parameter_values)
+    else:
+        value = geometry.output(output or model.specification.controlled, q[:n])
     Z = ca.SX.sym("Z", value.shape[0])
     residual = ca.vertcat(weight * arm_residual(model, q, v, a, u), value - Z)
     matrix = ca.jacobian(residual, x) if exact else _mass_based_matrix(model, x, q, gamma, weight, value)

@@ -41,13 +41,14 @@ def with_gear_laws(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], samp
     Args:
         motion: The whole motion of the robot without the laws.
         robot: The robot.
-        laws: Laws on it; those that are none of a motor's gear are passed over.
+        laws: Laws on it; those that are none of a motor's gear are passed over, and all of a robot whose motors act on
+            the arm beside their gears (inertial coupling).
         sample_time: Distance of the samples [s].
 
     Returns:
         The motion of the motors with the torques that it takes.
     """
-    for number in robot.chain.flexible_motors:
+    for number in () if robot.spec.inertial_coupling else robot.chain.flexible_motors:
         own = [law.effect for law in laws if law.location in (robot.joint_names[number], _spring_name(robot, number))]
         effects = [effect for effect in own if isinstance(effect, AbstractGearLaw)]
         if effects and len(motion) > 1:

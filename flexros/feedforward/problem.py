@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.feedforward.tool_geometry import ToolGeometry
 from flexros.trajectory.joint_derivatives import OutputDerivatives, joint_derivatives
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ class FeedforwardProblem:
         sample_time: Distance of the sampling instants [s].
         n_samples: Number of instants, the first at 0.
         near: Arm coordinates near which the start pose is sought [rad or m], shape (N,); None: the robot's home pose.
+        geometry: Where the tool is; None: where the robot's file says.
     """
 
     robot: Robot
@@ -41,6 +43,12 @@ class FeedforwardProblem:
     sample_time: float
     n_samples: int
     near: FloatArray | None = None
+    geometry: ToolGeometry | None = None
+
+    @cached_property
+    def tool(self) -> ToolGeometry:
+        """Where the tool is for given arm coordinates."""
+        return ToolGeometry.of(self.robot) if self.geometry is None else self.geometry
 
     @cached_property
     def output(self) -> str:
@@ -107,8 +115,8 @@ class FeedforwardProblem:
     @cached_property
     def commanded_pose(self) -> FloatArray:
         """Commanded tool pose, that of the rigid arm on the trajectory, whatever the method, shape (n, 7)."""
-        arm, model = self.arm_position(self.gear_motion(0)[0]), self.robot.model
-        return np.array(model.tool_pose(arm.T, model.parameter_values), dtype=float).T
+        arm = self.arm_position(self.gear_motion(0)[0])
+        return np.array(self.tool.pose()(arm.T), dtype=float).T
 
     @cached_property
     def rigid_start(self) -> FloatArray:
@@ -134,5 +142,4 @@ class FeedforwardProblem:
     def _rigid_kinematics(self, output: str) -> ca.Function:
         """Output as a function of the gear coordinates theta (M,), elastic directions at zero."""
         theta = ca.SX.sym("theta", self.robot.n_motors)
-        arm, model = self.robot.chain.arm_from_gears(theta), self.robot.model
-        return ca.Function("gamma", [theta], [model.output(output)(arm, model.parameter_values)])
+        return ca.Function("gamma", [theta], [self.tool.output(output, self.robot.chain.arm_from_gears(theta))])

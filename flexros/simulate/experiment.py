@@ -11,6 +11,7 @@ import numpy as np
 from flexros.control.controller import Controller
 from flexros.errors import InputError, source_named
 from flexros.feedforward.reference import compute_reference
+from flexros.feedforward.uncompensated import uncompensated
 from flexros.identify.gap_experiment.course import diagnosis_course
 from flexros.identify.limits import check_limits
 from flexros.identify.plan import ExperimentPlan, plan_of_scenario
@@ -191,6 +192,12 @@ class Experiment:
             laws=self.laws,
         )
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the feedforward knows of but cannot make up for, a sentence each."""
+        known = self.models.known
+        return uncompensated(known.robot, known.laws, self.scenario.feedforward)
+
     def provenance(self) -> dict[str, Any]:
         """Describe the run for the log's side-car: scenario, hashes, versions."""
         return {
@@ -199,7 +206,8 @@ class Experiment:
             "seed": self.scenario.seed,
             "sample_time": self.sample_time,
             "n_samples": self.n_samples,
-            **self.models.fingerprints(),
+            **self.models.provenance(),
+            **({"warnings": list(self.warnings)} if self.warnings else {}),
             "versions": versions(),
         }
 

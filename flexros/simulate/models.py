@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.effects.patched_robot import fingerprint, load_patched
@@ -11,6 +11,7 @@ from flexros.errors import InputError, source_named
 
 if TYPE_CHECKING:
     from flexros.config.scenario import Scenario
+    from flexros.effects import PlacedEffect
     from flexros.effects.patched_robot import PatchedRobot
     from flexros.robot import Robot
 
@@ -23,11 +24,15 @@ class ScenarioModels:
         nominal: The robot that the scenario names, with the effects of a patch, if it names one.
         known: What the feedforward believes in: the nominal one, or that of the key `feedforward_model`.
         plant: What is simulated: the nominal one with the deviations of the plant on top.
+        nominal_effects: Effects of the patch that the scenario names as its robot.
+        known_effects: Effects of the patch that the scenario names as `feedforward_model`.
     """
 
     nominal: RobotWithEffects
     known: RobotWithEffects
     plant: RobotWithEffects
+    nominal_effects: tuple[PlacedEffect, ...] = ()
+    known_effects: tuple[PlacedEffect, ...] = ()
 
     @classmethod
     def of(cls, scenario: Scenario) -> ScenarioModels:
@@ -45,17 +50,29 @@ class ScenarioModels:
         """
         source = f"scenario {scenario.name}"
         nominal = load_patched(scenario.robot).with_values(scenario.model.values, f"{source}, key model.values")
-        plant, known = _plant(scenario, nominal, source), nominal.model
-        if scenario.feedforward_model is not None:
-            known = _known(scenario, known, source)
-        return cls(nominal.model, known, plant)
+        plant = _plant(scenario, nominal, source)
+        if scenario.feedforward_model is None:
+            return cls(nominal.model, nominal.model, plant, nominal.placed)
+        known = _known(scenario, scenario.feedforward_model, nominal.base, source)
+        return cls(nominal.model, known.model, plant, nominal.placed, known.placed)
 
-    def fingerprints(self) -> dict[str, str]:
-        """Give the fingerprints of the robots for the provenance of a run; that of `known` where it is another one."""
-        names = {"model_hash": self.nominal, "plant_hash": self.plant}
+    def provenance(self) -> dict[str, Any]:
+        """Describe the robots for the provenance of a run.
+
+        Returns:
+            Fingerprints of the robots; that of the feedforward's, and effects of patches, where there are any.
+        """
+        content: dict[str, Any] = {"model_hash": self._hash(self.nominal), "plant_hash": self._hash(self.plant)}
         if self.known is not self.nominal:
-            names["feedforward_hash"] = self.known
-        return {name: fingerprint(model.robot, model.laws) for name, model in names.items()}
+            content["feedforward_hash"] = self._hash(self.known)
+        for key, placed in (("model_effects", self.nominal_effects), ("feedforward_effects", self.known_effects)):
+            if placed:
+                content[key] = [str(one) for one in placed]
+        return content
+
+    @staticmethod
+    def _hash(model: RobotWithEffects) -> str:
+        return fingerprint(model.robot, model.laws)
 
 
 def _plant(scenario: Scenario, nominal: PatchedRobot, source: str) -> RobotWithEffects:
@@ -72,20 +89,20 @@ def _plant(scenario: Scenario, nominal: PatchedRobot, source: str) -> RobotWithE
         return place_effects(plant.base, [*plant.placed, *hidden])
 
 
-def _known(scenario: Scenario, nominal: RobotWithEffects, source: str) -> RobotWithEffects:
-    """Load what the feedforward believes in, a robot of the same coordinates."""
+def _known(scenario: Scenario, name: str, nominal: Robot, source: str) -> PatchedRobot:
+    """Load what the feedforward believes in, a model of the same robot."""
     key = f"{source}, key feedforward_model"
     with source_named(key):
-        known = load_patched(scenario.feedforward_model or "")
-        known = known.with_values(scenario.model.values, f"{key}, with model.values")
-    ours, theirs = (robot.spec.coordinates + "".join(robot.joint_names) for robot in (nominal.robot, known.base))
+        known = load_patched(name).with_values(scenario.model.values, "model.values of the scenario")
+    ours, theirs = ((robot.spec.coordinates, robot.n_motors) for robot in (nominal, known.base))
     if ours != theirs:
         raise InputError(
-            f"{key}: robot {_described(known.base)}, but the scenario's robot {_described(nominal.robot)}; give a "
-            "model of the same robot"
+            f"{key}: robot {_described(known.base)}, but the scenario's robot {_described(nominal)}; give a model of "
+            "the same robot"
         )
-    return known.model
+    return known
 
 
 def _described(robot: Robot) -> str:
-    return f"{robot.name} has {robot.n_motors} motors, stated on the {robot.spec.coordinates} side of the gear"
+    count = f"{robot.n_motors} motor{'s' * (robot.n_motors != 1)}"
+    return f"{robot.name} has {count}, stated on the {robot.spec.coordinates} side of the gear"
