@@ -67,10 +67,9 @@ def speaks_for(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
         told.append(f"It also predicts the data that it has not seen better: gain {number(one.holdout_gain, 4)} there.")
     if one.remainder is not None and one.remainder < _LEAVES_LITTLE:
         told.append(f"It leaves {share_words(max(one.remainder, 0.0))} of the excess over the noise floor.")
-    sizes = [(name, value) for name, value in one.parameters.items() if value.std > 0 and value.value]
-    clear = [entry for entry in sizes if abs(entry[1].value) > _CLEAR * entry[1].std]
-    if sizes and len(clear) == len(sizes):
-        told.append(f"Its numbers are well determined: {listed([_number(name, one) for name, _ in clear])}.")
+    clear = [name for name, value in one.parameters.items() if abs(value.value) > _CLEAR * value.std > 0]
+    if clear:
+        told.append(f"Clearly different from zero: {listed([_number(name, one) for name in clear])}.")
     return (*told, *one.speaks_for)
 
 
@@ -92,11 +91,12 @@ def speaks_against(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
         told.append("It does not predict the data that it has not seen any better than the nominal model does.")
     if one.remainder is not None and one.remainder > _LEAVES_MUCH:
         told.append(f"It leaves {share_words(one.remainder)} of the excess over the noise floor unexplained.")
-    vague = [
-        name for name, value in one.parameters.items() if not math.isfinite(value.std) or value.std > abs(value.value)
-    ]
-    if vague:
-        told.append(f"Not determined by this log: {listed([name.replace('_', ' ') for name in vague])}.")
+    unknown = [name for name, value in one.parameters.items() if not math.isfinite(value.std)]
+    if unknown:
+        told.append(f"Not determined by this log: {listed([name.replace('_', ' ') for name in unknown])}.")
+    size = next(iter(one.parameters.items()), None)
+    if size is not None and size[1].std > 0.5 * abs(size[1].value):
+        told.append(f"Its size is hardly different from zero: {_number(size[0], one)}.")
     told += [
         f"This log cannot tell it from {listed([named(place) for place in group if not _same(one, place)], 'or')}."
         for group in result.diagnosis.ambiguity_groups

@@ -9,7 +9,7 @@ from flexros.analysis.figures_table import number
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.gap.report.base import AbstractDiagnosisSection
 from flexros.gap.report.innovations import innovation_picture
-from flexros.gap.report.words import closed_words
+from flexros.gap.report.words import closed_words, interval_words
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -40,9 +40,7 @@ def _sentence(gap: GapNumbers) -> str:
     text = f"The gap number is {gap.metric}; 'floor' is what it would be without any gap."
     if gap.closed_fraction is None:
         return text
-    within = (
-        f", 95 % interval {closed_words(gap.interval[0])} to {closed_words(gap.interval[1])}" if gap.interval else ""
-    )
+    within = interval_words(gap.interval).replace("(", "(95 % interval ")
     return f"{text} The repaired model closes {closed_words(gap.closed_fraction)} of it{within}."
 
 

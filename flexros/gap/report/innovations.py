@@ -49,7 +49,8 @@ def innovation_picture(result: DiagnosisResult) -> Picture | None:
     return Picture(
         figure,
         f"What the models miss of the motor position in the next sample, in {seen}: over time, in standard deviations "
-        f"of a model without gap (95 % would lie within ±{_BAND:.0f}), and as a spectrum (1 without gap).",
+        f"of a model without gap (95 % would lie within ±{_BAND:.0f}), and as a spectrum, over that of white "
+        "noise of the same deviation.",
     )
 
 

@@ -27,7 +27,7 @@ class ProvenanceSection(AbstractDiagnosisSection):
         warnings = dict.fromkeys((*result.diagnosis.warnings, *result.record.warnings))
         blocks: list[Block] = [Paragraph(text, "warning") for text in warnings]
         blocks.append(_logs(result))
-        origin = {**result.diagnosis.provenance, "settings": result.settings, "time [s]": result.timings}
+        origin = {**result.settings, **result.diagnosis.provenance, "time [s]": result.timings}
         rows = tuple(_flat(origin))
         if rows:
             blocks.append(TextTable(("Entry", "Value"), rows, "How the answer was made.", left=2))

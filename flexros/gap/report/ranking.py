@@ -105,11 +105,11 @@ def _table(ranking: Sequence[Candidate]) -> TextTable:
         (
             capital(named(one)) + (f" (beside {listed([named(place) for place in one.beside])})" if one.beside else ""),
             parameters_words(one.parameters),
-            share_words(one.probability),
+            _short(one.probability),
             number(one.gain, 4),
             number(one.penalty, 3),
             *([number(one.holdout_gain, 4)] if unseen else []),
-            "-" if one.remainder is None else share_words(one.remainder),
+            "-" if one.remainder is None else _short(one.remainder),
         )
         for one in ranking[:_MOST_ROWS]
     )
@@ -120,3 +120,8 @@ def _table(ranking: Sequence[Candidate]) -> TextTable:
         "share of the excess over noise that remains in the fitted log."
     )
     return TextTable(header, rows, caption, left=2)
+
+
+def _short(share: float) -> str:
+    """Write a share in little room."""
+    return share_words(share).replace("under ", "<").replace("over ", ">").replace(" %", "\u00a0%")

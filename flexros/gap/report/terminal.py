@@ -8,11 +8,12 @@ from flexros.analysis.figures_table import number
 from flexros.gap.report.verdict import verdict_sentence
 from flexros.gap.report.words import (
     capital,
+    clear_words,
     closed_words,
+    interval_words,
     listed,
     named,
     p_value_words,
-    parameters_words,
     share_words,
     where_words,
 )
@@ -47,14 +48,14 @@ def ranking_table(result: DiagnosisResult) -> Table:
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("effect", min_width=20)
-    for heading in ("probability", "gain", "penalty", "leaves"):
+    for heading in ("probability", "gain", "leaves"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("fitted", min_width=22)
     for one in result.ranking[:_RANKED]:
         left = "-" if one.remainder is None else share_words(one.remainder)
-        cells = (capital(named(one)), share_words(one.probability), number(one.gain, 4), number(one.penalty, 3), left)
-        table.add_row(*map(Text, (*cells, parameters_words(one.parameters))))
-    table.add_row("Nothing", share_words(result.nothing), "0", "0", "100 %", "")
+        cells = (capital(named(one)), share_words(one.probability), number(one.score, 4), left)
+        table.add_row(*map(Text, (*cells, clear_words(one.parameters))))
+    table.add_row("Nothing", share_words(result.nothing), "0", "100 %", "")
     return table
 
 
@@ -83,8 +84,7 @@ def gap_line(gap: GapNumbers) -> str:
     if gap.best_rival is not None:
         told.append(f"best rival {number(gap.best_rival, 4)}")
     if gap.closed_fraction is not None:
-        within = f" ({closed_words(gap.interval[0])} to {closed_words(gap.interval[1])})" if gap.interval else ""
-        told.append(f"{closed_words(gap.closed_fraction)} closed{within}")
+        told.append(f"{closed_words(gap.closed_fraction)} closed{interval_words(gap.interval)}")
     return f"Gap ({gap.metric}): {', '.join(told)}"
 
 

@@ -9,6 +9,7 @@ from flexros.gap.report.words import (
     capital,
     cause_words,
     closed_words,
+    interval_words,
     listed,
     named,
     p_value_words,
@@ -107,7 +108,7 @@ def _in(cause: Cause, places: tuple[Place, ...]) -> bool:
 def _closed(gap: GapNumbers) -> str:
     if gap.after is None or gap.closed_fraction is None:
         return ""
-    within = f" ({closed_words(gap.interval[0])} to {closed_words(gap.interval[1])})" if gap.interval else ""
+    within = interval_words(gap.interval)
     return (
         f"On held-out data the repaired model closes {closed_words(gap.closed_fraction)} of the gap{within}: "
         f"{_size(gap, gap.before)} before, {number(gap.after, 3)} after, {number(gap.noise_floor, 3)} without any gap."

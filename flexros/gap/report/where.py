@@ -46,7 +46,9 @@ class WhereSection(AbstractDiagnosisSection):
             figure = _map(ordered, [_ends(place) for place in ordered], "frequency band [Hz]")
             maps.append(Picture(figure, _caption("frequency band")))
         if len(regimes) > 1:
-            figure = _map(regimes, [_wrapped(place.regime, 13) for place in regimes], "part of the motion")
+            figure = _map(
+                regimes, [_wrapped(place.regime.replace("_", " "), 13) for place in regimes], "part of the motion"
+            )
             maps.append(Picture(figure, _caption("part of the motion")))
         return (Paragraph(_sentence(looked)), *maps, _table(looked, 0.5 / result.record.sample_time))
 
@@ -76,7 +78,7 @@ def _ends(place: GapPlace) -> str:
 
 def _wrapped(text: str, width: int) -> str:
     """Break a text into lines of a picture."""
-    return "<br>".join(textwrap.wrap(text.replace("_", " "), width))
+    return "<br>".join(textwrap.wrap(text, width))
 
 
 def _map(places: Sequence[GapPlace], labels: Sequence[str], title: str) -> go.Figure:
@@ -101,7 +103,7 @@ def _map(places: Sequence[GapPlace], labels: Sequence[str], title: str) -> go.Fi
             zmin=0,
             zmax=max(float(np.nanmax(share)), 1.0),
             colorscale=_SCALE,
-            colorbar={"title": {"text": "%"}, "thickness": 12},
+            showscale=False,
             xgap=2,
             ygap=2,
             hovertemplate="%{y}, %{x}: %{z:.3g} % of the excess, p = %{customdata:.2g}<extra></extra>",

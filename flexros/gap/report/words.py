@@ -113,13 +113,23 @@ def cause_words(cause: Cause | Candidate) -> str:
     Args:
         cause: The effect as fitted; numbers beside the first are left out where they are not different from zero.
     """
-    clear = {
-        name: one
-        for place, (name, one) in enumerate(cause.parameters.items())
-        if place == 0 or abs(one.value) > _CLEAR * one.std
-    }
-    numbers = parameters_words(clear)
+    numbers = clear_words(cause.parameters)
     return f"{named(cause)}{', ' if numbers else ''}{numbers}"
+
+
+def clear_words(parameters: Mapping[str, CauseParameter]) -> str:
+    """Write the first of the fitted numbers, and those beside it that are different from zero.
+
+    Args:
+        parameters: The numbers by name.
+    """
+    return parameters_words(
+        {
+            name: one
+            for place, (name, one) in enumerate(parameters.items())
+            if place == 0 or abs(one.value) > _CLEAR * one.std
+        }
+    )
 
 
 def band_words(band: tuple[float, float], highest: float = 1e9) -> str:
@@ -166,6 +176,18 @@ def closed_words(share: float) -> str:
         share: The share [1]; below zero where the repair makes it worse.
     """
     return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < 1 else f"{round(100 * share)} %"
+
+
+def interval_words(interval: tuple[float, float] | None) -> str:
+    """Write the interval of a closed share in brackets, with a blank before; empty where its ends read the same.
+
+    Args:
+        interval: Its ends [1]; None for none.
+    """
+    if interval is None:
+        return ""
+    low, high = map(closed_words, interval)
+    return "" if low == high else f" ({low} to {high})"
 
 
 def p_value_words(p_value: float) -> str:

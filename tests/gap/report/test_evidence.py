@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from flexros.gap.report.evidence import EvidenceSection, speaks_against, speaks_for
 from flexros.gap.result import DiagnosisResult
 
@@ -19,9 +21,23 @@ def test_the_first_effect_has_its_gain_on_both_logs(diagnosed: Diagnosed) -> Non
     assert "leaves under 1 % of the excess" in told
 
 
-def test_a_number_that_the_log_does_not_determine_speaks_against(diagnosed: Diagnosed) -> None:
+def test_only_numbers_clear_of_zero_speak_for_it(diagnosed: Diagnosed) -> None:
     result = diagnosed("explained")
-    assert "Not determined by this log: asymmetry." in speaks_against(result.ranking[0], result)
+    assert "Clearly different from zero: level 0.213 Nm (±0.011)." in speaks_for(result.ranking[0], result)
+    assert not any("asymmetry" in text for text in speaks_against(result.ranking[0], result))
+
+
+def test_a_size_near_zero_and_an_unknown_number_speak_against(diagnosed: Diagnosed) -> None:
+    result = diagnosed("explained")
+    first = result.ranking[0]
+    level, asymmetry = first.parameters["level"], first.parameters["asymmetry"]
+    numbers = {
+        "level": level.model_copy(update={"std": 0.2}),
+        "asymmetry": asymmetry.model_copy(update={"std": np.inf}),
+    }
+    told = speaks_against(replace(first, parameters=numbers), result)
+    assert "Not determined by this log: asymmetry." in told
+    assert "Its size is hardly different from zero: level 0.21 Nm (±0.20)." in told
 
 
 def test_a_rival_is_told_how_far_it_is_behind_and_what_it_leaves(diagnosed: Diagnosed) -> None:

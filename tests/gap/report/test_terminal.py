@@ -22,7 +22,7 @@ def test_ranking_ends_with_nothing(diagnosed: Diagnosed) -> None:
     Console(file=text, width=140).print(ranking_table(diagnosed("explained")))
     lines = text.getvalue().splitlines()
     assert lines[1].split()[:6] == ["Coulomb", "friction", "at", "motor_1", "97", "%"]
-    assert lines[-1].split() == ["Nothing", "0", "%", "0", "0", "100", "%"]
+    assert lines[-1].split() == ["Nothing", "0", "%", "0", "100", "%"]
 
 
 def test_gap_is_told_in_a_line(diagnosed: Diagnosed) -> None:
