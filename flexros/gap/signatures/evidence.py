@@ -6,11 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flexros.gap.signatures.missing_torque import missing_torque
 from flexros.gap.where.motion import Motion, motion_of
+from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import FloatArray, IntArray
     from flexros.gap.gain import ObserverGain
     from flexros.gap.record import GapRecord
     from flexros.gap.result import Prediction
@@ -56,6 +59,41 @@ class Evidence:
         if self.after is None:
             return None
         return missing_torque(self.after.innovations, self.record, self.robot, self.observer)
+
+    @cached_property
+    def rows(self) -> IntArray:
+        """Samples that were measured, without the start and the end, where estimates have not settled."""
+        n = self.record.n_samples
+        first = max(self.before.first, min(self.observer.settling, n // 10))
+        inside = np.zeros(n, dtype=bool)
+        inside[first : n - min(self.observer.settling, n // 10) // 4] = True
+        return np.flatnonzero(inside & self.record.valid)
+
+    def units(self, motor: int) -> tuple[str, str]:
+        """Return the units of a motor's torque and position.
+
+        Args:
+            motor: Number of the motor (0-based).
+
+        Returns:
+            "Nm" and "rad", or "N" and "m".
+        """
+        rotary = self.robot.chain.joints[self.robot.chain.geared[motor]].rotary
+        return unit_of("torque", rotary), unit_of("position", rotary)
+
+    def lacking(self, motor: int) -> dict[str, FloatArray]:
+        """Return the torque that the models lack at a motor, sample by sample of `rows`.
+
+        Args:
+            motor: Number of the motor (0-based).
+
+        Returns:
+            Torques [Nm or N] "before", and "after" where there is a repaired model, shape (k,).
+        """
+        found = {"before": self.missing[self.rows, motor]}
+        if self.missing_after is not None:
+            found["after"] = self.missing_after[self.rows, motor]
+        return found
 
     def motor_of(self, location: str) -> int:
         """Find the motor that a place belongs to.

@@ -38,7 +38,7 @@ def motor_channels(
     motion = motion_of(record, robot, prediction.states)
     n = fast_length(record.n_samples)  # the first samples are left out, so that every transform is fast
     bands = OctaveBands.of(n, record.sample_time, settings.lowest_hz)
-    valid = record.valid[-n:]
+    valid = (record.valid & (np.arange(record.n_samples) >= prediction.first))[-n:]
     found = []
     for number, joint in enumerate(robot.joint_names):
         masks = {name: mask[-n:] for name, mask in regimes(motion, number, record.sample_time).items()}

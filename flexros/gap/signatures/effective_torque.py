@@ -1,0 +1,47 @@
+"""Torque that acts over the torque that was asked for: saturation, gain, bias."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, binned, thinned
+
+if TYPE_CHECKING:
+    from flexros.gap.signatures.evidence import Evidence
+
+
+BINS = 60
+"""Parts of the command over which torques are averaged (chosen)."""
+CLOUD = 800
+"""Single samples that are shown (chosen)."""
+
+
+class EffectiveTorque(AbstractSignature):
+    """Command plus missing torque, over the command."""
+
+    name: ClassVar[str] = "effective_torque"
+    effects: ClassVar[tuple[str, ...]] = ("torque_saturation", "torque_gain_error", "torque_bias")
+
+    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+        """Average the effective torque over parts of the command."""
+        motor, rows = evidence.motor_of(location), evidence.rows
+        unit, _ = evidence.units(motor)
+        command = evidence.motion.torque[rows, motor]
+        if not len(rows) or np.ptp(command) <= 0:
+            return None
+        ends = np.array([command.min(), command.max()])
+        effective = command + evidence.lacking(motor)["before"]
+        step = max(1, len(rows) // CLOUD)
+        return Picture(
+            title=f"Effective over commanded torque, {evidence.robot.joint_names[motor]}",
+            x_label=f"torque command [{unit}]",
+            y_label=f"torque that acts [{unit}]",
+            series={
+                "mean": Curve(*binned(command, effective, BINS)),
+                "as commanded": Curve(ends, ends),
+                "single samples": Curve(*thinned(command[::step], effective[::step]), style="points"),
+            },
+            reading="A gain error turns the line, a bias shifts it, saturation bends its ends to a constant level.",
+        )

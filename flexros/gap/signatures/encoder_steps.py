@@ -1,0 +1,42 @@
+"""Steps between successive encoder values: quantization."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.gap.signatures.base import AbstractSignature, Curve, Picture
+
+if TYPE_CHECKING:
+    from flexros.gap.signatures.evidence import Evidence
+
+
+BINS = 400
+"""Columns of the histogram (chosen)."""
+
+
+class EncoderSteps(AbstractSignature):
+    """How often which difference lies between two successive encoder values."""
+
+    name: ClassVar[str] = "encoder_steps"
+    effects: ClassVar[tuple[str, ...]] = ("encoder_quantization",)
+
+    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+        """Count the differences, the largest ones left out."""
+        motor = evidence.motor_of(location)
+        _, unit = evidence.units(motor)
+        step = np.diff(evidence.record.position[:, motor])
+        step = step[evidence.record.valid[1:] & evidence.record.valid[:-1]]
+        reach = float(np.quantile(np.abs(step), 0.6)) if len(step) else 0.0
+        if reach <= 0:
+            return None
+        count, edges = np.histogram(step, BINS, range=(-reach, reach))
+        return Picture(
+            title=f"Steps of the encoder, {evidence.robot.joint_names[motor]}",
+            x_label=f"difference of two successive values [{unit}]",
+            y_label="number of samples [1]",
+            series={"log": Curve((edges[1:] + edges[:-1]) / 2, count.astype(float), style="bars")},
+            reading="Of a quantized encoder only multiples of its step occur, with nothing between them; noise alone "
+            "gives a smooth hill.",
+        )

@@ -1,0 +1,45 @@
+"""Torque against the motion over time: drift."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, binned
+
+if TYPE_CHECKING:
+    from flexros.gap.signatures.evidence import Evidence
+
+
+BINS = 60
+"""Parts of the time over which torques are averaged (chosen)."""
+
+
+class FrictionOverTime(AbstractSignature):
+    """Mean torque against the motion by time."""
+
+    name: ClassVar[str] = "friction_over_time"
+    effects: ClassVar[tuple[str, ...]] = ("friction_drift",)
+
+    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+        """Average the torque against the motion over parts of the time, rests left out."""
+        motor, rows = evidence.motor_of(location), evidence.rows
+        torque_unit, _ = evidence.units(motor)
+        speed = evidence.motion.speed[rows, motor]
+        moving = np.abs(speed) > 0.02 * np.abs(speed).max(initial=0.0)
+        if not moving.any():
+            return None
+        time = rows * evidence.record.sample_time
+        series = {
+            name: Curve(*binned(time[moving], -(torque * np.sign(speed))[moving], BINS))
+            for name, torque in evidence.lacking(motor).items()
+        }
+        return Picture(
+            title=f"Friction over time, {evidence.robot.joint_names[motor]}",
+            x_label="time [s]",
+            y_label=f"torque against the motion that the model lacks [{torque_unit}]",
+            series=series,
+            reading="A level that stays is friction; one that falls or rises through the log is friction that drifts, "
+            "as with warming grease.",
+        )

@@ -1,0 +1,49 @@
+"""Order spectrum of the prediction errors: what repeats with the turning of a rotor."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, thinned
+from flexros.gap.where.orders import OrderGrid
+
+if TYPE_CHECKING:
+    from flexros.gap.signatures.evidence import Evidence
+
+
+HIGHEST = 60.0
+"""Highest order shown [periods per turn] (chosen)."""
+
+
+class OrderSpectrum(AbstractSignature):
+    """Amplitude of the prediction errors by order, over motions at several speeds."""
+
+    name: ClassVar[str] = "order_spectrum"
+    effects: ClassVar[tuple[str, ...]] = ("torque_ripple", "transmission_error", "encoder_eccentricity")
+
+    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+        """Transform over the rotor angle; None where the rotor turns too little."""
+        motor = evidence.motor_of(location)
+        _, unit = evidence.units(motor)
+        inside = np.zeros(evidence.record.n_samples, dtype=bool)
+        inside[evidence.rows] = True
+        motion = evidence.motion
+        grid = OrderGrid.of(motion.rotor_angle[:, motor], motion.speed[:, motor], inside, HIGHEST)
+        if not len(grid.orders):
+            return None
+        samples = sum(len(rows) for rows in grid.groups)
+        series = {}
+        for name, prediction in (("before", evidence.before), ("after", evidence.after)):
+            if prediction is not None:
+                power = grid.power(prediction.innovations[:, motor]).sum(axis=0)
+                series[name] = Curve(*thinned(grid.orders, np.sqrt(2 * power / samples)))
+        return Picture(
+            title=f"Order spectrum of the prediction errors, {evidence.robot.joint_names[motor]}",
+            x_label="order [periods per turn of the rotor]",
+            y_label=f"amplitude [{unit}]",
+            series=series,
+            reading="A peak is a wave that repeats with the turning of the rotor at all speeds; of a repaired model it "
+            "is gone.",
+        )

@@ -1,0 +1,43 @@
+"""Errors of the tool over the position of a motor: kinematic errors, payload, modes of the tool."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, thinned
+
+if TYPE_CHECKING:
+    from flexros.gap.signatures.evidence import Evidence
+
+
+class ToolError(AbstractSignature):
+    """Measured minus predicted tool position over the position of the motor that moves it."""
+
+    name: ClassVar[str] = "tool_error"
+    effects: ClassVar[tuple[str, ...]] = ("kinematic_error", "extra_mode", "payload_error", "gravity_error")
+    rank: ClassVar[int] = 3
+
+    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+        """Show the three components; None where the tool was not measured."""
+        tool, error = evidence.record.tool, evidence.tool_error
+        if tool is None or error is None or not len(error):
+            return None
+        motor = evidence.motor_of(location)
+        _, unit = evidence.units(motor)
+        time = np.arange(evidence.record.n_samples) * evidence.record.sample_time
+        position = np.interp(tool.time, time, evidence.record.position[:, motor])
+        order = np.argsort(position, kind="stable")
+        series = {
+            axis: Curve(*thinned(position[order], 1e3 * error[order, number], 600), style="points")
+            for number, axis in enumerate("xyz")
+        }
+        return Picture(
+            title=f"Error of the tool over the position of {evidence.robot.joint_names[motor]}",
+            x_label=f"position of the motor [{unit}]",
+            y_label="measured minus predicted position of the tool [mm]",
+            series=series,
+            reading="A curve that depends on the position alone is an error of lengths or angles; a cloud is motion "
+            "that the model lacks.",
+        )

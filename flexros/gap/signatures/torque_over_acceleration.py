@@ -1,0 +1,40 @@
+"""Missing torque over the acceleration of a motor: inertia, payload, gain."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, binned
+
+if TYPE_CHECKING:
+    from flexros.gap.signatures.evidence import Evidence
+
+
+BINS = 50
+"""Parts of the acceleration over which torques are averaged (chosen)."""
+
+
+class TorqueOverAcceleration(AbstractSignature):
+    """Mean missing torque by acceleration."""
+
+    name: ClassVar[str] = "torque_over_acceleration"
+    effects: ClassVar[tuple[str, ...]] = ("motor_inertia_error", "payload_error", "torque_gain_error")
+
+    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+        """Average the missing torque over parts of the acceleration."""
+        motor, rows = evidence.motor_of(location), evidence.rows
+        torque_unit, unit = evidence.units(motor)
+        acceleration = evidence.motion.acceleration[rows, motor]
+        if not len(rows) or np.ptp(acceleration) <= 0:
+            return None
+        series = {name: Curve(*binned(acceleration, torque, BINS)) for name, torque in evidence.lacking(motor).items()}
+        return Picture(
+            title=f"Missing torque over acceleration, {evidence.robot.joint_names[motor]}",
+            x_label=f"acceleration of the motor [{unit}/s²]",
+            y_label=f"torque that the model lacks [{torque_unit}]",
+            series=series,
+            reading="A straight line through zero is an inertia that the model has too small (falling) or too large "
+            "(rising); a wrong gain of the torque looks alike but for springs and gravity.",
+        )

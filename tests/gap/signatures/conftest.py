@@ -1,0 +1,80 @@
+"""Evidence of logs with one effect each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.arrays import FloatArray
+from flexros.gap.signatures.evidence import Evidence
+from flexros.robot import load_robot
+from tests.oracles.linear_gap import LinearLog, Torque, linear_log, nothing
+
+
+def swing(n: int, sample_time: float, amplitude: float, hertz: float) -> FloatArray:
+    """Let the motor swing, with some faster motion on top."""
+    time = sample_time * np.arange(n)[:, None]
+    wave = (
+        np.sin(2 * np.pi * hertz * time) + 0.02 * np.sin(2 * np.pi * 7.3 * time) + 0.01 * np.sin(2 * np.pi * 19 * time)
+    )
+    return np.asarray(np.minimum(time, 1.0) * amplitude * wave)
+
+
+def axis(missing: Torque, amplitude: float = 12.0) -> LinearLog:
+    robot = load_robot("four_mass_linear")
+    return linear_log(robot, swing(16000, robot.sample_time, amplitude, 0.4), (10.0, 0.8), missing)
+
+
+def evidence_of(log: LinearLog, repaired: LinearLog) -> Evidence:
+    return Evidence(log.robot, log.record, log.observer, log.prediction, repaired.prediction, log.robot)
+
+
+@pytest.fixture(scope="session")
+def no_gap() -> LinearLog:
+    return axis(nothing)
+
+
+@pytest.fixture(scope="session")
+def friction(no_gap: LinearLog) -> Evidence:
+    """Coulomb friction of 0.3 Nm."""
+
+    def torque(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
+        del time, position, command
+        return np.asarray(-0.3 * np.tanh(speed / 0.05))
+
+    return evidence_of(axis(torque), no_gap)
+
+
+@pytest.fixture(scope="session")
+def ripple(no_gap: LinearLog) -> Evidence:
+    """Cogging of order 6 and 0.1 Nm."""
+
+    def torque(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
+        del time, speed, command
+        return np.asarray(0.1 * np.sin(6 * position))
+
+    return evidence_of(axis(torque), no_gap)
+
+
+@pytest.fixture(scope="session")
+def late(no_gap: LinearLog) -> Evidence:
+    """Commands that act two samples late."""
+    line = [np.zeros(1)] * 2
+
+    def torque(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
+        del time, position, speed
+        line.append(command)
+        return np.asarray(line.pop(0) - command)
+
+    return evidence_of(axis(torque), no_gap)
+
+
+@pytest.fixture(scope="session")
+def weak(no_gap: LinearLog) -> Evidence:
+    """Torques that are 10 % too small."""
+
+    def torque(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
+        del time, position, speed
+        return np.asarray(-0.1 * command)
+
+    return evidence_of(axis(torque), no_gap)

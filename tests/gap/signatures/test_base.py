@@ -1,0 +1,88 @@
+"""The registry of pictures, and what all of them have in common."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.effects import effects
+from flexros.gap.signatures.base import MOST_POINTS, binned, pictures_for, signatures, thinned
+from flexros.gap.signatures.evidence import Evidence
+
+CONTRACT = [
+    "viscous_friction",
+    "coulomb_friction",
+    "stribeck_friction",
+    "presliding_friction",
+    "friction_drift",
+    "backlash",
+    "hysteresis",
+    "nonlinear_stiffness",
+    "transmission_error",
+    "stiffness_error",
+    "damping_error",
+    "payload_error",
+    "motor_inertia_error",
+    "torque_gain_error",
+    "torque_bias",
+    "torque_ripple",
+    "torque_saturation",
+    "actuator_lag",
+    "delay",
+    "encoder_quantization",
+    "encoder_eccentricity",
+    "extra_mode",
+    "gravity_error",
+    "kinematic_error",
+]
+
+
+@pytest.mark.parametrize("effect", sorted({*CONTRACT, *effects()}))
+def test_every_effect_has_a_picture_of_its_own(effect: str) -> None:
+    assert pictures_for(effect)[0].effects
+    assert pictures_for(effect)[-1].name == "errors_over_time"
+
+
+def test_pictures_name_effects_that_exist() -> None:
+    named = {effect for kind in signatures().values() for effect in kind.effects}
+    assert named <= {*CONTRACT, *effects()}
+
+
+def test_the_clearest_picture_comes_first() -> None:
+    assert pictures_for("coulomb_friction")[0].name == "torque_over_speed"
+    assert pictures_for("torque_ripple")[0].name == "order_spectrum"
+    assert pictures_for("delay")[0].name == "time_shift"
+    assert pictures_for("backlash")[0].name == "torsion_over_torque"
+
+
+@pytest.mark.parametrize("name", sorted(signatures()))
+def test_pictures_are_small_and_described(name: str, friction: Evidence) -> None:
+    picture = signatures()[name]().picture(friction, "motor_1")
+    if name == "tool_error":
+        assert picture is None  # the tool was not measured
+        return
+    assert picture is not None
+    assert picture.series
+    assert "motor_1" in picture.title
+    assert "[" in picture.x_label
+    assert "[" in picture.y_label
+    assert picture.reading.endswith(".")
+    for curve in picture.series.values():
+        assert 0 < len(curve.x) == len(curve.y) <= MOST_POINTS
+        assert np.all(np.isfinite(curve.x))
+        assert np.all(np.isfinite(curve.y))
+
+
+def test_thinning_keeps_peaks() -> None:
+    y = np.zeros(100_000)
+    y[54_321] = 5.0
+    x, kept = thinned(np.arange(100_000.0), y)
+    assert len(kept) <= MOST_POINTS
+    assert kept.max() == 5.0
+    assert np.all(np.diff(x) > 0)
+
+
+def test_binning_averages() -> None:
+    x, y = binned(np.linspace(0, 1, 1001), np.linspace(0, 2, 1001), 10)
+    assert y == pytest.approx(2 * x)
+    assert len(x) == 10

@@ -1,0 +1,135 @@
+"""What effects leave in their pictures."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.effects import parse_effect, place_effects
+from flexros.gap.record import ToolRecord
+from flexros.gap.signatures.base import Picture, signatures
+from flexros.gap.signatures.evidence import Evidence
+from flexros.gap.signatures.missing_torque import missing_torque
+
+
+def picture(name: str, evidence: Evidence) -> Picture:
+    found = signatures()[name]().picture(evidence, "motor_1")
+    assert found is not None
+    return found
+
+
+def test_missing_torque_is_what_was_missing(friction: Evidence) -> None:
+    speed = friction.motion.speed[friction.rows, 0]
+    expected = -0.3 * np.tanh(speed / 0.05)
+    found = friction.missing[friction.rows, 0]
+    assert np.sqrt(np.mean((found - expected) ** 2)) < 0.25 * 0.3
+
+
+def test_no_torque_is_missing_without_a_gap(friction: Evidence) -> None:
+    assert friction.missing_after is not None
+    assert np.std(friction.missing_after[friction.rows]) < 0.02
+
+
+def test_missing_torque_is_linear_in_the_errors(friction: Evidence) -> None:
+    twice = missing_torque(2 * friction.before.innovations, friction.record, friction.robot, friction.observer)
+    assert twice == pytest.approx(2 * friction.missing)
+
+
+def test_friction_is_a_step_over_speed(friction: Evidence) -> None:
+    curve = picture("torque_over_speed", friction).series["before"]
+    fast = np.abs(curve.x) > 3
+    assert curve.y[fast] == pytest.approx(-0.3 * np.sign(curve.x[fast]), abs=0.06)
+    repaired = picture("torque_over_speed", friction).series["after"]
+    assert np.abs(repaired.y).max() < 0.05
+
+
+def test_friction_is_there_at_once_after_a_reversal(friction: Evidence) -> None:
+    curve = picture("torque_after_reversal", friction).series["before"]
+    assert curve.y[curve.x > 0.5] == pytest.approx(0.3, abs=0.06)
+
+
+def test_friction_that_stays_is_level_over_time(friction: Evidence) -> None:
+    curve = picture("friction_over_time", friction).series["before"]
+    assert np.ptp(curve.y[5:-1]) < 0.15
+    assert curve.y[5:-1].mean() == pytest.approx(0.29, abs=0.04)
+
+
+def test_ripple_is_a_peak_at_its_order(ripple: Evidence) -> None:
+    curve = picture("order_spectrum", ripple).series["before"]
+    assert curve.x[curve.y.argmax()] == pytest.approx(6.0, abs=0.3)
+    assert curve.y.max() > 5 * np.median(curve.y)
+
+
+def test_ripple_is_a_wave_over_a_turn(ripple: Evidence) -> None:
+    curve = picture("torque_over_rotor_angle", ripple).series["before, forward"]
+    wave = np.sin(6 * curve.x)
+    assert 2 * np.mean(wave * curve.y) > 0.04
+    rest = curve.y - 2 * np.mean(wave * curve.y) * wave
+    assert rest.std() < curve.y.std()
+
+
+def test_delay_shifts_all_frequencies_alike(late: Evidence) -> None:
+    curve = picture("time_shift", late).series["before"]
+    inside = (curve.x > 5) & (curve.x < 40)
+    assert np.median(curve.y[inside]) == pytest.approx(1.0, abs=0.3)  # two samples of 0.5 ms
+    assert np.abs(np.median(picture("time_shift", late).series["after"].y)) < 0.1
+
+
+def test_gain_turns_the_effective_torque(weak: Evidence) -> None:
+    curve = picture("effective_torque", weak).series["mean"]
+    assert np.polyfit(curve.x, curve.y, 1)[0] == pytest.approx(0.9, abs=0.03)
+
+
+def test_gain_is_a_slope_over_acceleration(weak: Evidence) -> None:
+    curve = picture("torque_over_acceleration", weak).series["before"]
+    assert np.polyfit(curve.x, curve.y, 1)[0] < 0
+
+
+def test_nominal_torsion_follows_the_spring(friction: Evidence) -> None:
+    found = picture("torsion_over_torque", friction)
+    spring = found.series["nominal spring"]
+    assert (spring.x[1] - spring.x[0]) / (spring.y[1] - spring.y[0]) == pytest.approx(100, rel=0.05)  # Nm/rad, k_1
+
+
+def test_stiffness_moves_the_peaks_of_the_response(friction: Evidence) -> None:
+    robot = friction.robot
+    softer = place_effects(robot, [parse_effect("stiffness_error@body_1.rz:relative=-0.3", "test")]).robot
+    found = picture("frequency_response", replace(friction, repaired=softer))
+    before, after = found.series["before"], found.series["after"]
+    assert before.x[before.y.argmin()] > 1.02 * after.x[after.y.argmin()]
+
+
+def test_errors_shrink_with_the_repair(friction: Evidence) -> None:
+    series = picture("errors_over_time", friction).series
+    assert series["before"].y.std() > 3 * series["after"].y.std()
+
+
+def test_steps_of_a_quantized_encoder_have_gaps(friction: Evidence) -> None:
+    step = 2e-3
+    coarse = replace(friction.record, position=step * np.round(friction.record.position / step))
+    smooth, stairs = (
+        picture("encoder_steps", replace(friction, record=record)).series["log"] for record in (friction.record, coarse)
+    )
+    assert np.mean(smooth.y == 0) < 0.1
+    assert np.mean(stairs.y == 0) > 0.8
+
+
+def test_tool_errors_are_shown_over_the_position(friction: Evidence) -> None:
+    time = np.arange(0, 8, 0.01)
+    position = np.interp(time, np.arange(16000) * 5e-4, friction.record.position[:, 0])
+    error = np.zeros((800, 3))
+    error[:, 0] = 1e-4 * position
+    record = replace(friction.record, tool=ToolRecord(time, np.zeros((800, 3))))
+    curve = picture("tool_error", replace(friction, record=record, tool_error=error)).series["x"]
+    assert curve.y == pytest.approx(0.1 * curve.x, abs=1e-6)
+
+
+def test_position_tells_bias_from_friction(friction: Evidence) -> None:
+    series = picture("torque_over_position", friction).series
+    assert series["before, forward"].y.mean() == pytest.approx(-series["before, backward"].y.mean(), abs=0.03)
+
+
+def test_places_are_led_back_to_motors(friction: Evidence) -> None:
+    assert friction.motor_of("motor_1") == friction.motor_of("body_2.rz") == friction.motor_of("tool") == 0
