@@ -44,7 +44,7 @@ class Backlash(AbstractGearLaw):
     size: ClassVar[str] = "gap"
     stepwise_states: ClassVar[int] = 1
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
-        {"gap": Range("deflection", 1e-6, 1.0, 6, source="facts on vendors' play, 0.1 to 3 arcmin; bounds chosen")}
+        {"gap": Range("deflection", 1e-5, 10.0, 7, source="facts on vendors' play, 0.1 to 3 arcmin; bounds chosen")}
     )
     fingerprint: ClassVar[str] = (
         "the motor moves alone whenever the transmitted torque changes its sign, then hits the arm and rings; the "

@@ -36,7 +36,9 @@ class GravityError(AbstractArmLaw):
     name: ClassVar[str] = "gravity_error"
     stage: ClassVar[Stage] = "load"
     size: ClassVar[str] = "relative"
-    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({"relative": Range("relative", 1e-5, 1.0, 4, signed=True)})
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {"relative": Range("relative", 0.003, 0.9, 4, signed=True)}
+    )
     fingerprint: ClassVar[str] = (
         "a torque that depends on the pose alone, by sine and cosine, the same in both directions of motion and "
         "at every speed; frequency responses do not show it"

@@ -34,8 +34,8 @@ class KinematicError(AbstractToolError):
     size: ClassVar[str] = "length"
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
-            "length": Range("relative", 1e-6, 0.1, 4, signed=True, source="chosen [m]"),
-            "angle": Range("relative", 1e-6, 0.1, 4, signed=True, source="chosen [rad]"),
+            "length": Range("relative", 1e-5, 0.1, 2, signed=True, source="chosen [m]"),
+            "angle": Range("relative", 1e-5, 0.1, 2, signed=True, source="chosen [rad]"),
         }
     )
     fingerprint: ClassVar[str] = (

@@ -41,8 +41,8 @@ class TransmissionError(AbstractGearLaw):
             "amplitude": Range(
                 "deflection", 1e-5, 1.0, 3, source="catalogues of strain wave gears: 1.5e-4 to 5.8e-4 rad"
             ),
-            "order": Range("order", 0.5, 200.0, 8, source="chosen; found by a search over orders"),
-            "phase": Range("phase", 0.05, 3.2, 4, signed=True, source="chosen: a full turn"),
+            "order": Range("order", 0.5, 1000.0, 1, source="chosen; found by a search over orders"),
+            "phase": Range("phase", 0.5, 3.1416, 1, signed=True),
         }
     )
     fingerprint: ClassVar[str] = (

@@ -6,11 +6,14 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from flexros.effects import parse_effect, place_effects
+from flexros.arrays import FloatArray
+from flexros.effects import PlacedLaw, parse_effect, place_effects
 from flexros.errors import InputError
 from flexros.robot import Robot, load_robot
 from flexros.robot.spring import Cubic, Spring
 from flexros.simulate.plant import Plant
+from flexros.simulate.plant_model import PlantModel
+from tests.effects.effect_runs import halving_errors
 
 
 def robot_with(robot: Robot, *texts: str) -> Robot:
@@ -121,3 +124,59 @@ def test_torque_that_is_never_reached_is_refused() -> None:
         InputError, match=r"knee_torque is 1000, but the spring never reaches it; lower it or give knee"
     ):
         robot_with(robot, "nonlinear_stiffness@body_1.rz:relative=1,knee_torque=1000")
+
+
+def as_law(robot: Robot, *texts: str) -> tuple[PlacedLaw, ...]:
+    placed = place_effects(robot, [parse_effect(text, "test") for text in texts], as_laws=True)
+    assert placed.robot is robot
+    return placed.laws
+
+
+def controlled(robot: Robot, laws: tuple[PlacedLaw, ...], gain: float, push: float, near: FloatArray) -> FloatArray:
+    """Move the motors to and fro in closed loop, from a rest near a state; return the states of all samples."""
+    rest = PlantModel(robot, laws).rest(near)
+    plant = Plant(robot, robot.sample_time, rest.state, laws=laws)
+    hold, before = rest.torque, plant.measure()
+    goal, rows = before.copy(), []
+    for k in range(400):
+        reading = plant.measure()
+        target = goal + push / gain * np.sin(30 * k * robot.sample_time)
+        plant.advance(hold + gain * (target - reading) - 0.02 * gain * (reading - before) / robot.sample_time)
+        before = reading
+        rows.append(plant.state)
+    return np.array(rows)
+
+
+@pytest.mark.parametrize(
+    ("name", "effect", "gain", "push"),
+    [
+        ("two_mass", "nonlinear_stiffness@body_1.rz:relative=0.8,knee=1e-3", 3e4, 1000.0),
+        ("two_mass", "nonlinear_stiffness@body_1.rz:relative=-0.5,knee_torque=40", 3e4, 1000.0),
+        ("four_mass", "nonlinear_stiffness@body_1.rz:relative=0.6,knee=0.02", 20.0, 5.0),
+        ("four_mass", "nonlinear_stiffness@body_1.rz:relative=0.6,knee_torque=0.5", 20.0, 5.0),
+        ("e12", "nonlinear_stiffness@body_3.ry:relative=0.5,knee=1e-3", 1e5, 2e4),
+        ("six_axis", "nonlinear_stiffness@body_3.ry:relative=0.6,knee=1e-4", 1e5, 3e3),
+    ],
+)
+def test_law_beside_the_spring_equals_the_bent_spring_in_closed_loop(
+    name: str, effect: str, gain: float, push: float
+) -> None:
+    robot = load_robot(name)
+    near, nq = robot.equilibrium(robot.home), robot.n_coordinates
+    law = controlled(robot, as_law(robot, effect), gain, push, near)
+    bent = controlled(robot_with(robot, effect), (), gain, push, near)
+    assert np.max(np.abs(bent - controlled(robot, (), gain, push, near))[:, :nq]) > 1e-6
+    np.testing.assert_allclose(law[:, :nq], bent[:, :nq], atol=1e-9)
+
+
+def test_halving_the_step_converges() -> None:
+    robot = load_robot("two_mass")
+    law = as_law(robot, "nonlinear_stiffness@body_1.rz:relative=1,knee=5e-4")
+    errors = halving_errors(robot, law, 300, lambda time: np.array([150.0 * np.sin(20 * time)]))
+    assert errors[0] < 1e-5
+    assert errors[3] < errors[0] / 20
+
+
+def test_neutral_law_is_left_out() -> None:
+    robot = load_robot("two_mass")
+    assert PlantModel(robot, as_law(robot, "nonlinear_stiffness@body_1.rz:relative=0,knee=1e-3")).laws == ()
