@@ -1,0 +1,153 @@
+"""What holds of every effect, also of those to come: they join by being found."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from flexros.arrays import FloatArray
+from flexros.compile.loop import compile_loop
+from flexros.compile.loop_arrays import LoopInputs, LoopResult, LoopState
+from flexros.effects import PlacedEffect, effects, place_effects
+from flexros.effects.model_change import AbstractChangedValues
+from flexros.robot import Robot, load_robot
+from flexros.simulate.loop import feed_through
+from flexros.simulate.plant import Plant, delayed_start
+from flexros.simulate.plant_model import PlantModel
+
+NAMES = sorted(effects())
+ROBOT = load_robot("elbow")  # small, with two motors that act on each other, and gravity
+SIZES = {
+    "torque": 1000.0,
+    "speed": 1.0,
+    "angle": 1.0,
+    "deflection": 2e-3,
+    "torque/speed": 1000.0,
+    "torque/angle": 1000.0,
+}
+"""Typical sizes in the runs below, for the ranges of the effects."""
+UNFITTED = {"encoder_quantization": {"step": 2e-4}}
+"""Parameters of effects that no fit looks for, which therefore have no ranges."""
+SAMPLES = 80
+
+
+def typical(name: str) -> PlacedEffect:
+    """Put an effect at its last place on the robot, with numbers in the middle of their ranges."""
+    kind = effects()[name]
+    numbers = dict(UNFITTED.get(name, {}))
+    for parameter, allowed in kind.ranges.items():
+        numbers[parameter] = float(np.sqrt(allowed.low * allowed.high)) * SIZES.get(allowed.yardstick, 1.0)
+    return PlacedEffect(kind(**numbers), kind().locations(ROBOT)[-1])
+
+
+@cache
+def start() -> FloatArray:
+    state = ROBOT.equilibrium()
+    state[ROBOT.n_coordinates :] = [0.3, -0.05, 0.3, -0.05]
+    return state
+
+
+def torques() -> FloatArray:
+    time = ROBOT.sample_time * np.arange(SAMPLES)[:, np.newaxis]
+    swing = 600.0 * np.sin(2 * np.pi * 30.0 * time + np.array([0.0, 2.0]))
+    torque: FloatArray = ROBOT.holding_torque(ROBOT.equilibrium()) + swing
+    return torque
+
+
+def run(model: PlantModel, parameters: FloatArray, engine: str = "machine_code") -> LoopResult:
+    reference = np.hstack([np.zeros((SAMPLES, 4)), torques()])
+    kernel = compile_loop(
+        model.functions(feed_through(2)),
+        sample_time=ROBOT.sample_time,
+        delay=model.delay,
+        engine=engine,  # type: ignore[arg-type]
+    )
+    state: LoopState = delayed_start(
+        model.start(start(), torques()[0], parameters), np.zeros(0), torques()[0], kernel.line_length
+    )
+    inputs = LoopInputs(reference=reference, parameters=parameters, gains=np.zeros(0))
+    return kernel.run(state, SAMPLES, inputs, record_states=True)
+
+
+@cache
+def without_effect() -> LoopResult:
+    return run(PlantModel(ROBOT), np.zeros(0))
+
+
+def outputs(result: LoopResult) -> FloatArray:
+    assert result.states is not None
+    assert result.tool_pose is not None
+    return np.hstack([result.states[:, : 2 * ROBOT.n_coordinates], result.encoder, result.tool_pose])
+
+
+def with_symbols(one: PlacedEffect) -> tuple[PlantModel, FloatArray]:
+    """Make the plant with all numbers of the effect as symbols, and their values."""
+    placed = place_effects(ROBOT, [one], as_laws=True)
+    if placed.laws:
+        numbers = {name: value for law in placed.laws for name, value in law.parameters.items()}
+        return PlantModel(placed.robot, placed.laws, tuple(numbers)), np.array(list(numbers.values()))
+    assert isinstance(one.effect, AbstractChangedValues)
+    changed = one.effect.values(ROBOT, one.location)
+    return PlantModel(ROBOT, (), tuple(changed)), np.array(list(changed.values()))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_virtual_machine_with_symbols_equals_machine_code_with_numbers(name: str) -> None:
+    placed = place_effects(ROBOT, [typical(name)], as_laws=True)
+    numbers = run(PlantModel(placed.robot, placed.laws), np.zeros(0))
+    symbols = run(*with_symbols(typical(name)), engine="virtual_machine")
+    np.testing.assert_allclose(outputs(symbols), outputs(numbers), rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_effect_of_typical_size_is_seen(name: str) -> None:
+    placed = place_effects(ROBOT, [typical(name)])
+    seen = outputs(run(PlantModel(placed.robot, placed.laws), np.zeros(0)))
+    assert np.max(np.abs(seen - outputs(without_effect()))) > 1e-9
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_plant_stepped_sample_by_sample_equals_the_run_to_the_last_bit(name: str) -> None:
+    placed = place_effects(ROBOT, [typical(name)])
+    whole = run(PlantModel(placed.robot, placed.laws), np.zeros(0))
+    plant = Plant(placed.robot, ROBOT.sample_time, start(), torque=torques()[0], laws=placed.laws)
+    assert whole.tool_pose is not None
+    for k, torque in enumerate(torques()):
+        assert np.array_equal(plant.measure(), whole.encoder[k])
+        assert np.array_equal(plant.tool_pose(), whole.tool_pose[k])
+        plant.advance(torque)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_robot_that_starts_at_rest_stays_there(name: str) -> None:
+    placed = place_effects(ROBOT, [typical(name)])
+    model = PlantModel(placed.robot, placed.laws)
+    rest = model.rest(placed.robot.equilibrium())
+    command = model.command_at_rest(rest.state, rest.torque, np.zeros(0))
+    plant = Plant(placed.robot, ROBOT.sample_time, rest.state, torque=command, laws=placed.laws)
+    for _ in range(SAMPLES):
+        plant.advance(command)
+    assert np.max(np.abs(plant.state - rest.state)) < 1e-9
+
+
+def neutral_effects(robot: Robot) -> list[PlacedEffect]:
+    kinds = [kind() for kind in effects().values()]
+    return [PlacedEffect(effect, location) for effect in kinds for location in effect.locations(robot)]
+
+
+def test_neutral_effects_leave_the_run_as_it_is_to_the_last_bit() -> None:
+    placed = place_effects(ROBOT, neutral_effects(ROBOT))
+    again = run(PlantModel(placed.robot, placed.laws), np.zeros(0))
+    assert np.array_equal(outputs(again), outputs(without_effect()))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_effect_says_what_one_sees_and_where_its_parameters_may_lie(name: str) -> None:
+    kind = effects()[name]
+    assert len(kind.fingerprint.split()) > 5
+    assert set(kind.ranges) <= set(kind.model_fields)
+    assert kind.ranges or name in UNFITTED
+    for allowed in kind.ranges.values():
+        assert 0 < allowed.low < allowed.high
