@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 LENGTH = 20.0
 """Length of an experiment of the catalogue, about [s] (chosen)."""
-HIGH_BAND = 0.3
-"""Highest line of the experiment in a high band as a share of the sampling rate [1] (chosen)."""
+HIGH_BAND = (0.05, 0.3)
+"""Lowest and highest line of the experiment in a high band as shares of the sampling rate [1] (chosen)."""
 ADDED_LOAD = 0.5
 """Known load that is added, relative to the last body [1] (chosen)."""
 SOFTER = 4.0
@@ -92,8 +92,9 @@ CATALOGUE = (
         "multisines up to high frequencies: a lag takes magnitude and phase, a delay phase alone",
         lambda robot: {
             "diagnosis.parts": ["multisine"],
-            "diagnosis.highest": float(f"{HIGH_BAND / robot.sample_time:.3g}"),
-            "diagnosis.levels": [0.1, 0.2, 0.3],
+            "diagnosis.lowest": float(f"{HIGH_BAND[0] / robot.sample_time:.3g}"),
+            "diagnosis.highest": float(f"{HIGH_BAND[1] / robot.sample_time:.3g}"),
+            "diagnosis.levels": [0.3, 0.3],
         },
     ),
     CatalogueEntry(

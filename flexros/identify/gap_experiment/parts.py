@@ -155,7 +155,7 @@ def _excite(sequence: Sequence, time: float, level: float, bias: float = 0.0) ->
             max(time, 8.0 * FADE if bias else 4.0 * FADE),
             specification.intensity * level,
             sequence.random,
-            specification.highest,
+            (specification.lowest, specification.highest),
             specification.intensity * bias,
         )
     )

@@ -56,6 +56,9 @@ class DiagnosisSpecification(Settings):
     bias: float = Field(
         default=0.35, ge=0.0, le=0.8, description="peak torque of the slow swing of biased, share of the torque scale"
     )
+    lowest: float | None = Field(
+        default=None, gt=0.0, description="lowest line of the multisines [Hz]; three over the period when left out"
+    )
     highest: float | None = Field(
         default=None, gt=0.0, description="highest line of the multisines [Hz]; 0.06 of the sampling rate when left out"
     )
@@ -88,8 +91,10 @@ class DiagnosisSpecification(Settings):
     )
 
     @model_validator(mode="after")
-    def _sizes_are_above_zero(self) -> DiagnosisSpecification:
+    def _sizes_and_band_are_possible(self) -> DiagnosisSpecification:
         for key in ("levels", "creep_speeds"):
             if any(value <= 0.0 for value in getattr(self, key)):
                 raise ValueError(f"{key} is {list(getattr(self, key))}, allowed are numbers above 0; correct them")
+        if self.lowest is not None and self.highest is not None and self.highest <= self.lowest:
+            raise ValueError(f"highest is {self.highest:g} Hz, allowed is above lowest = {self.lowest:g} Hz; raise it")
         return self

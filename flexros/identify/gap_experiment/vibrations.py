@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.identify.excitation.lines import candidate_lines, with_detection
+from flexros.identify.excitation.lines import candidate_lines, spread, with_detection
 from flexros.identify.gap_experiment.response import torque_response
 from flexros.trajectory.vibration import Vibration
 
 if TYPE_CHECKING:
-    from flexros.arrays import ComplexArray, FloatArray
+    from flexros.arrays import ComplexArray, FloatArray, IntArray
     from flexros.control.base import AbstractControlLaw
     from flexros.identify.gap_experiment.scales import Scales
     from flexros.robot import Robot
@@ -31,6 +31,12 @@ DETECTION_GROUP = 4
 """Of so many neighbouring odd lines one stays empty [1] (chosen)."""
 PEAK_SHARE = 0.8
 """Largest torque of a vibration between its fades as a share of the torque scale [1] (chosen)."""
+WAY_SHARE = 0.5
+"""Largest way of a vibration as a share of the reach [1] (chosen: the other half is for the poses)."""
+MOST_LINES = 250
+"""Most lines of a multisine before detection lines are left out, spread evenly over its band [1] (chosen)."""
+NYQUIST_SHARE = 0.45
+"""Highest line that is possible as a share of the sampling rate [1] (chosen)."""
 BAND = 0.06
 """Highest line as a share of the sampling rate [1] (chosen: 120 Hz at 2 kHz)."""
 
@@ -77,7 +83,7 @@ class Vibrations:
         duration: float,
         level: float,
         random: np.random.Generator,
-        highest: float | None = None,
+        band: tuple[float | None, float | None] = (None, None),
         bias: float = 0.0,
     ) -> Vibration:
         """Make an odd multisine with random phases and empty detection lines, two periods between its fades.
@@ -90,7 +96,7 @@ class Vibrations:
             duration: Time [s].
             level: Rms torque as a share of the torque scale [1].
             random: Source of lines and phases.
-            highest: Highest line [Hz]; default: a share of the sampling rate.
+            band: Lowest and highest line [Hz]; default: the lowest of the period, and a share of the sampling rate.
             bias: Peak torque of the swing as a share of the torque scale [1].
 
         Returns:
@@ -99,8 +105,10 @@ class Vibrations:
         period = duration / 3.0 if bias else 0.5 * duration - FADE
         period = round(period / self.sample_time) * self.sample_time
         fade = 0.5 * period if bias else FADE  # a faster fade of the swing would cost more torque than the swing
-        top = BAND / self.sample_time if highest is None else min(highest, 0.45 / self.sample_time)
-        lines = with_detection(candidate_lines(3.0, top * period, True, "diagnosis"), DETECTION_GROUP, random)
+        lowest, highest = band
+        top = BAND / self.sample_time if highest is None else min(highest, NYQUIST_SHARE / self.sample_time)
+        lines = candidate_lines(max(3.0, (lowest or 0.0) * period), top * period, True, "diagnosis: the band")
+        lines = with_detection(spread(lines, MOST_LINES, False), DETECTION_GROUP, random)
         lines = np.concatenate([[1], lines])
         frequency = lines / period
         response = torque_response(self.robot, self.arm, self.law, self.sample_time, self.scales, frequency)
@@ -109,22 +117,24 @@ class Vibrations:
         own = np.abs(np.diagonal(response, axis1=1, axis2=2)).T  # (M, F)
         amplitude = self.scales.torque[:, None] * shape / own
         phase = random.uniform(0.0, 2.0 * np.pi, amplitude.shape)
-        factor = self._room(response, amplitude, phase, frequency)
+        factor = self._room(response, amplitude * np.exp(1j * phase), lines, period)
         return Vibration(centre, frequency, factor[:, None] * amplitude, phase, 2.0 * period + 2.0 * fade, fade)
 
-    def _room(
-        self, response: ComplexArray, amplitude: FloatArray, phase: FloatArray, frequency: FloatArray
-    ) -> FloatArray:
+    def _room(self, response: ComplexArray, wave: ComplexArray, lines: IntArray, period: float) -> FloatArray:
         """Factors by which the amplitudes shrink to keep torque, speed and reach, shape (M,)."""
-        wave = amplitude * np.exp(1j * phase)
-        w = 2.0 * np.pi * frequency
-        period = 1.0 / frequency[0]
-        time = np.arange(0.0, period, 0.25 / frequency[-1])
-        turned = np.exp(1j * w[:, None] * time)
-        peak = np.max(np.abs((np.einsum("fij,jf->if", response, wave) @ turned).real), axis=1)
-        speed = np.max(np.abs(((1j * w * wave) @ turned).real), axis=1)
-        way = np.max(np.abs((wave @ turned).real), axis=1)
-        room = np.minimum(self.scales.speed / speed, 0.5 * self.scales.reach / way)
+        w = 2.0 * np.pi * lines / period
+        torque = np.einsum("fij,jf->if", response, wave)
+        peak, speed, way = (_peak(part, lines) for part in (torque, 1j * w * wave, wave))
+        room = np.minimum(self.scales.speed / speed, WAY_SHARE * self.scales.reach / way)
         room = np.minimum(room, np.min(PEAK_SHARE * self.scales.torque / peak))
         result: FloatArray = np.minimum(room, 1.0)
         return result
+
+
+def _peak(wave: ComplexArray, lines: IntArray) -> FloatArray:
+    """Largest size of sums of cosines over a period, shape (M,), from amplitudes and phases, shape (M, F)."""
+    n = 8 * int(lines[-1])
+    spectrum = np.zeros((len(wave), n // 2 + 1), dtype=complex)
+    spectrum[:, lines] = 0.5 * n * wave
+    peak: FloatArray = np.max(np.abs(np.fft.irfft(spectrum, n, axis=1)), axis=1)
+    return peak
