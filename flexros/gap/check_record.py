@@ -44,7 +44,7 @@ def check_record(record: GapRecord, robot: Robot) -> GapRecord:
         robot: The nominal robot.
 
     Returns:
-        The record with the warnings of the checks.
+        The record with the warnings of the checks; samples that a check found spoilt do not count any more.
 
     Raises:
         InputError: The log is hopeless; the sentence names the log, the problem and what to do.
@@ -53,5 +53,9 @@ def check_record(record: GapRecord, robot: Robot) -> GapRecord:
     hopeless = [finding.text for finding in found if finding.hopeless]
     if hopeless:
         raise InputError(f"{record.name}: {'; moreover '.join(hopeless[:3])}")
+    valid = record.valid.copy()
+    for finding in found:
+        if finding.spoilt is not None:
+            valid &= ~finding.spoilt
     texts = (finding.text for finding in found)
-    return replace(record, warnings=tuple(dict.fromkeys([*record.warnings, *texts])))
+    return replace(record, valid=valid, warnings=tuple(dict.fromkeys([*record.warnings, *texts])))

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.rough_signals import bridged
 from flexros.gap.balance_spectra import torque_balance
+from flexros.gap.rough_signals import bridged
+from flexros.gap.torque_balance import Delay
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -58,9 +59,9 @@ class CheckedRecord:
         return _own(self.balance, self.robot.n_motors)
 
     @cached_property
-    def delay(self) -> tuple[float, float]:
-        """Time by which torques act later than stamped [s], and the gain in agreement."""
-        return (0.0, 0.0) if self.balance is None else self.balance.delay()
+    def delay(self) -> Delay:
+        """Time by which torques act later than they are stamped."""
+        return Delay(0.0, float("inf"), 0.0) if self.balance is None else self.balance.delay()
 
     @cached_property
     def order(self) -> tuple[int, ...]:

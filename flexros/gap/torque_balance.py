@@ -12,12 +12,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 FEWEST_BINS, FEWEST_BANDS = 12, 3
 """Fewest clear frequencies and half octaves from which anything is told (chosen)."""
+
+WORTH = 0.02
+"""Gain in mean agreement from which a rough delay is taken (chosen)."""
+
+COHERENT = 0.8
+"""Smallest cosine between torque and need of a band whose phase tells a delay (chosen)."""
+
+LEAST_PHASE = 0.01
+"""Deviation that every phase has beside its noise, because the model is not exact [rad] (chosen)."""
 
 STEP = 0.02
 """Relative step of the multiples that are tried (chosen)."""
@@ -90,11 +98,11 @@ class TorqueBalance:
         power, need = (_sums(place, np.abs(part) ** 2) for part in (rest, need_rest))
         return _agreement(power, need, _sums(place, (np.conj(need_rest) * rest).real))
 
-    def delay(self) -> tuple[float, float]:
+    def delay(self) -> Delay:
         """Find the time by which the torques act later than they are stamped, beside the delay of the robot.
 
-        Returns:
-            The time [s], negative where they act before; and by how much the mean agreement is better than at 0.
+        First the time is looked for at which torques and needs agree best, then the phases that are left are fitted by
+        -w tau + c / w: a delay, and the error of a damper.
         """
         motors = range(self.given.shape[1])
         step = 0.1 / self.frequency[np.any(self.clear, axis=1)].max(initial=1.0)
@@ -106,7 +114,65 @@ class TorqueBalance:
             shares += [0.0 if fit is None else np.copysign(fit.agreement, fit.factor) for fit in fits]
         shares /= len(motors)
         best = int(np.argmax(np.abs(shares)))
-        return float(tried[best]), float(abs(shares[best]) - abs(shares[count]))
+        better = float(abs(shares[best]) - abs(shares[count]))
+        rough = float(tried[best]) if better > WORTH else 0.0
+        slopes = [slope for motor in motors for slope in self._phase_slopes(motor, rough)]
+        if not slopes:
+            return Delay(rough, float("inf"), better)
+        tau, deviation = _common_delay(np.array(slopes))
+        return Delay(rough + tau, deviation, better)
+
+    def _phase_slopes(self, motor: int, delay: float) -> list[tuple[float, float, float]]:
+        """Angular frequency [rad/s], time by which the torque leads [s] and its deviation [s] of every clear band."""
+        use = self.clear[:, motor]
+        found = []
+        for band in np.unique(self.band[use]):
+            rows = use & (self.band == band)
+            w = 2 * np.pi * self.frequency[rows]
+            product = np.conj(self.needed[rows, motor]) * self.given[rows, motor] * np.exp(-1j * w * delay)
+            power = np.sqrt(
+                np.sum(np.abs(self.needed[rows, motor]) ** 2) * np.sum(np.abs(self.given[rows, motor]) ** 2)
+            )
+            share = float(product.real.sum() / power) if power > 0 else 0.0
+            if share < COHERENT or rows.sum() < 4:
+                continue
+            size = float(np.sum(w**2 * product.real))
+            tau = float(np.sum(w * product.imag)) / size
+            middle = float(np.sqrt(size / product.real.sum()))
+            noise = np.sqrt(max(1 - share**2, 0.0) / rows.sum()) / share
+            found.append((middle, tau, float(np.hypot(noise, LEAST_PHASE)) / middle))
+        return found
+
+
+@dataclass(frozen=True)
+class Delay:
+    """Time between torque and motion.
+
+    Attributes:
+        time: By how much the torque acts later than it is stamped [s]; negative where it acts before.
+        deviation: Its standard deviation [s]; infinite where the phases tell nothing.
+        better: By how much the mean agreement is better with the roughly best delay than without.
+    """
+
+    time: float
+    deviation: float
+    better: float
+
+
+def _common_delay(slopes: FloatArray) -> tuple[float, float]:
+    """Fit a delay and c / w^2 to delays of bands, shape (n, 3), robustly; returns the delay and its deviation [s]."""
+    w, tau, deviation = slopes.T
+    weight = np.ones(len(w))
+    regressors = np.stack([np.ones(len(w)), (w.min() / w) ** 2], axis=1) / deviation[:, None]
+    solution, spread = np.zeros(2), 1.0
+    for _ in range(10):
+        root = np.sqrt(weight)[:, None]
+        solution, *_ = np.linalg.lstsq(root * regressors, root[:, 0] * tau / deviation, rcond=1e-3)
+        off = tau / deviation - regressors @ solution
+        spread = max(1.0, 1.48 * float(np.median(np.abs(off))))
+        weight = 1 / np.maximum(1.0, np.abs(off) / (1.5 * spread))
+    inverse = np.linalg.pinv(regressors.T @ (weight[:, None] * regressors), rcond=1e-6)
+    return float(solution[0]), float(np.sqrt(inverse[0, 0]) * spread)
 
 
 def _sums(place: IntArray, values: FloatArray) -> FloatArray:

@@ -13,20 +13,23 @@ from flexros.discovery import members
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from flexros.arrays import BoolArray
     from flexros.gap.checked_record import CheckedRecord
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Finding:
     """A problem of a record.
 
     Attributes:
         text: One sentence: what was found, what is expected, what to do; without the name of the log.
         hopeless: Whether a diagnosis of such a log would be wrong, so that it is refused; else it is warned of.
+        spoilt: Samples that must not count, shape (n,); None where all do.
     """
 
     text: str
     hopeless: bool
+    spoilt: BoolArray | None = None
 
 
 class AbstractCheck(ABC):

@@ -10,6 +10,7 @@ from flexros.gap.checks.base import AbstractCheck, Finding
 from flexros.gap.repeats import runs
 
 if TYPE_CHECKING:
+    from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.checked_record import CheckedRecord
 
 PLATEAU = 8
@@ -50,14 +51,22 @@ class ClippedEncoder(AbstractCheck):
                 continue
             if len(np.unique(values)) < CONTINUOUS * len(values):
                 continue
-            flat = 0
-            for level in (values.max(), values.min()):
-                _, length = runs(values == level)
-                flat += int(length[length >= PLATEAU].sum())
+            spoilt = _flat_tops(values, record.valid)
+            flat = int(spoilt.sum())
             if flat:
                 text = (
                     f"the position of {name} stays at the end of its range in {flat} samples although it varies in "
-                    "every sample elsewhere: the encoder or the recorder clips it; cut these parts off"
+                    "every sample elsewhere: the encoder or the recorder clips it; these samples do not count"
                 )
-                found.append(Finding(text, hopeless=flat > MOST * len(values)))
+                found.append(Finding(text, flat > MOST * len(values), spoilt))
         return tuple(found)
+
+
+def _flat_tops(values: FloatArray, valid: BoolArray) -> BoolArray:
+    """Mark the samples of a record in which the position rests at its largest or smallest value."""
+    rows, spoilt = np.flatnonzero(valid), np.zeros(len(valid), dtype=bool)
+    for level in (values.max(), values.min()):
+        for begin, length in zip(*runs(values == level), strict=True):
+            if length >= PLATEAU:
+                spoilt[rows[begin : begin + length]] = True
+    return spoilt

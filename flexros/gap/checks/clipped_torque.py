@@ -46,7 +46,7 @@ class ClippedTorque(AbstractCheck):
         for motor, name in enumerate(robot.joint_names):
             values, limit = record.torque[record.valid, motor], float(robot.torque_limits[motor])
             found += _beyond(values, limit, name)
-            levels = [level for level in _flat_tops(values)]
+            levels = _flat_tops(values)
             if levels:
                 found.append(_told(name, levels, limit))
         return tuple(found)

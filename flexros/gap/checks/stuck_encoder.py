@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.gap.checks.base import AbstractCheck, Finding
-from flexros.gap.repeats import longest_repeat
+from flexros.gap.repeats import runs
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.checked_record import CheckedRecord
 
 USUAL_REPEATS = 0.02
@@ -35,30 +35,39 @@ class StuckEncoder(AbstractCheck):
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Look for equal samples in a row."""
         record, robot = checked.record, checked.robot
-        rows = [np.flatnonzero(record.valid)]
+        rows = np.flatnonzero(record.valid)
         found = []
         for motor, name in enumerate(robot.joint_names):
-            values, torque = record.position[rows[0], motor], record.torque[rows[0], motor]
+            values, torque = record.position[rows, motor], record.torque[rows, motor]
             if np.ptp(values) == 0.0:
                 found += _constant(name, torque)
                 continue
-            same = np.diff(values) == 0.0
-            length, begin = longest_repeat(same)
-            if length < LONGEST:
+            stuck = _stuck(values)
+            if not np.any(stuck):
                 continue
-            outside = np.delete(same, slice(begin, begin + length))
-            if outside.size and outside.mean() > USUAL_REPEATS:
-                continue
-            share = length / len(values)
-            found.append(
-                Finding(
-                    f"the encoder of {name} repeats one value for {(length + 1) * record.sample_time:.3g} s from "
-                    f"{rows[0][begin] * record.sample_time:.4g} s on although its samples differ elsewhere, so it was "
-                    "stuck or its messages were repeated; cut the log there or repair the recorder",
-                    hopeless=share > MOST,
-                )
+            spoilt = np.zeros(record.n_samples, dtype=bool)
+            spoilt[rows[stuck]] = True
+            text = (
+                f"the encoder of {name} repeats its value in {int(stuck.sum())} samples, the first at "
+                f"{float(rows[np.argmax(stuck)]) * record.sample_time:.4g} s, although its samples differ elsewhere: "
+                "it was stuck, or the recorder repeated messages; these samples do not count"
             )
+            found.append(Finding(text, float(stuck.mean()) > MOST, spoilt))
         return tuple(found)
+
+
+def _stuck(values: FloatArray) -> BoolArray:
+    """Mark the samples that repeat the one before in long stretches; none of an encoder that often does so."""
+    same = np.concatenate([[False], np.diff(values) == 0.0])
+    stuck = np.zeros(len(values), dtype=bool)
+    ends = values == values.max(), values == values.min()  # flat tops are told as such
+    for begin, length in zip(*runs(same), strict=True):
+        if length >= LONGEST and not any(end[begin] for end in ends):
+            stuck[begin : begin + length] = True
+    outside = same[~stuck & ~ends[0] & ~ends[1]]
+    if outside.size and outside.mean() > USUAL_REPEATS:
+        stuck[:] = False
+    return stuck
 
 
 def _constant(name: str, torque: FloatArray) -> list[Finding]:

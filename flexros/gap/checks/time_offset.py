@@ -9,11 +9,11 @@ from flexros.gap.checks.base import AbstractCheck, Finding
 if TYPE_CHECKING:
     from flexros.gap.checked_record import CheckedRecord
 
-BETTER = 0.02
-"""Gain in agreement from which an offset is believed (chosen)."""
+SIGNIFICANT = 5.0
+"""Offset over its standard deviation from which it is believed (chosen)."""
 
-EARLIEST = 0.6
-"""Time in samples by which a motion may lead its torque; no robot does (chosen)."""
+NOTED, REFUSED = 0.3, 0.6
+"""Time in samples by which a motion may lead its torque, which no robot does (chosen)."""
 
 LONGEST = 0.01
 """Delay of the torque beyond which an offset between topics is likelier than a delay of the robot [s] (chosen)."""
@@ -29,16 +29,17 @@ class TimeOffset(AbstractCheck):
         """Shift the torques in time until they agree best with what the motions need."""
         if checked.order_is_wrong or checked.balance is None:
             return ()
-        tau, better = checked.delay
-        if better < BETTER:
+        tau, T = checked.delay.time, checked.record.sample_time
+        if abs(tau) < SIGNIFICANT * checked.delay.deviation:
             return ()
-        if tau < -EARLIEST * checked.record.sample_time:
+        declared = 0.0 if checked.record.measured_torque else checked.robot.delay
+        early = -tau - declared  # by how much the motion precedes the torque, whatever the delay of the robot
+        if early > NOTED * T:
             text = (
-                f"the torques are stamped {-1e3 * tau:.2g} ms too late: the motions precede them beside the delay of "
-                f"{1e3 * checked.robot.delay:g} ms of the robot file; give time_offset when importing, so that "
-                "commands and measurements of the same instant have the same stamp"
+                f"the torques are stamped too late: the motions precede them by {1e3 * early:.2g} ms; give time_offset "
+                "when importing, so that commands and measurements of the same instant have the same stamp"
             )
-            return (Finding(text, hopeless=True),)
+            return (Finding(text, hopeless=early > REFUSED * T),)
         if tau > LONGEST:
             text = (
                 f"the torques act {1e3 * tau:.2g} ms later than they are stamped; if that is no delay of the robot, "

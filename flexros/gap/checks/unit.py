@@ -22,7 +22,7 @@ NOTED = 1.7
 REFUSED = 2.7
 """Factor from which a log is refused (chosen)."""
 
-LIKE = 1.3
+LIKE = 1.2
 """Factor within which a level is taken for that of a known mistake (chosen)."""
 
 
@@ -57,7 +57,7 @@ class Unit(AbstractCheck):
 
 
 def _refusal(off: dict[int, Fit], robot: Robot, n_motors: int) -> str:
-    names = ", ".join(f"{robot.joint_names[motor]} {fit.factor:.3g}" for motor, fit in off.items())
+    names = ", ".join(f"{robot.joint_names[motor]}: {fit.factor:.3g}" for motor, fit in off.items())
     causes = [cause(fit.factor, robot, motor) for motor, fit in off.items()]
     common = [text for text in causes[0] if all(text in other for other in causes)]
     likely = f"it looks like {' or '.join(common)}" if common else "the torques or the motions have another unit"
@@ -66,8 +66,9 @@ def _refusal(off: dict[int, Fit], robot: Robot, n_motors: int) -> str:
     elif not common and n_motors == 1:
         likely = "torque or motion have another unit, or the robot is another one"
     return (
-        f"torque over what robot {robot.name} needs for the motion is a factor of {names}, allowed is {REFUSED:g} "
-        f"either way: {likely}; correct unit, gear ratio or torque constant when importing, or give the right robot"
+        f"the torques are a multiple of what robot {robot.name} needs for the motion ({names}), allowed is a factor of "
+        f"{REFUSED:g} either way: {likely}; correct unit, gear ratio or torque constant when importing, or give the "
+        "right robot"
     )
 
 
@@ -83,14 +84,18 @@ def cause(factor: float, robot: Robot, motor: int) -> list[str]:
         Mistakes with about that factor, the likeliest first.
     """
     size = float(robot.chain.motor(motor).gear_ratio.value)
+    rotary = robot.chain.joints[robot.chain.geared[motor]].rotary
     limit = float(robot.torque_limits[motor])
     known = [
-        (1 / np.degrees(1.0), "positions in degrees instead of radians"),
-        (np.degrees(1.0), "positions converted from degrees to radians twice"),
-        (2 * np.pi, "positions in turns instead of radians"),
         (1e-3, "a unit with milli (positions) or kilo (torques)"),
         (1e3, "a unit with milli (torques) or kilo (positions)"),
     ]
+    if rotary:
+        known += [
+            (1 / np.degrees(1.0), "positions in degrees instead of radians"),
+            (np.degrees(1.0), "positions converted from degrees to radians twice"),
+            (2 * np.pi, "positions in turns instead of radians"),
+        ]
     if size > 1:
         known += [
             (1 / size, f"one of torque and position on the other side of the gear (ratio {size:g})"),
