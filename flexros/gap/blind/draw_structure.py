@@ -42,8 +42,9 @@ def _relative(unit: float, up: float, down: float) -> Drawer:
 
 
 def _payload(at: Site, random: np.random.Generator) -> Drawn:
-    direction, body = sign(random), float(len(at.scales.robot.spec.bodies))
-    return lambda s: {"relative": 1e-3 * direction * s, "body": body}, 500.0
+    del at
+    direction = sign(random)
+    return lambda s: {"relative": 1e-3 * direction * s}, 500.0
 
 
 def _mode(at: Site, random: np.random.Generator) -> Drawn:

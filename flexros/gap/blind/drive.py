@@ -11,7 +11,7 @@ from flexros.gap.blind.equations import Equations, InnerState
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-KNEE = 0.02
+KNEE = 1e-3
 """Relative width over which a saturating drive bends into its limit (chosen)."""
 
 
@@ -72,9 +72,10 @@ def eccentricity(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
     """Error of the encoder that repeats with the turning of the rotor."""
     for motor in plant.motors(place):
         turn = p["order"] * plant.angle(motor) + p["phase"]
-        _read(plant, motor, lambda y, turn=turn: y + p["amplitude"] * ca.sin(turn))
+        _read(plant, motor, lambda y, turn=turn: y + p["amplitude"] * ca.sin(turn), first=True)
 
 
-def _read(plant: Equations, motor: int, reading: Callable[..., ca.SX]) -> None:
-    """Add a reading; steps come last, as an encoder's error lies before its counting."""
-    plant.readings.setdefault(motor, []).append(reading)
+def _read(plant: Equations, motor: int, reading: Callable[..., ca.SX], first: bool = False) -> None:
+    """Add a reading; steps come last, because an encoder's error lies before its counting."""
+    readings = plant.readings.setdefault(motor, [])
+    readings.insert(0 if first else len(readings), reading)

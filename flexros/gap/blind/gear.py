@@ -81,9 +81,8 @@ def motor_inertia_error(plant: Equations, place: str, p: Mapping[str, ca.SX]) ->
 def payload_error(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
     """Mass and inertia of the last body off by a factor; a body of an added mode is not the load."""
     del place
-    body = f"body_{int(p['body'])}"
-    for name in (f"{body}.mass", *(f"{body}.inertia.{entry}" for entry in INERTIA_COMPONENTS)):
-        plant.scale(name, 1 + p["relative"])
+    for name in ("mass", *(f"inertia.{entry}" for entry in INERTIA_COMPONENTS)):
+        plant.scale(f"body_{plant.load_body}.{name}", 1 + p["relative"])
 
 
 def gravity_error(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:

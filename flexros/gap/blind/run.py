@@ -1,0 +1,86 @@
+"""Diagnosing the cases of a blind check: from logs and nominal model alone."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from typing import TYPE_CHECKING
+
+from flexros.errors import FlexrosError, InputError
+from flexros.gap.blind.seal import CASE_FILE, DIAGNOSIS_FILE, ROBOT_FILE, OpenCase, read_case
+from flexros.json_text import json_text
+from flexros.whole_file import write_whole
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from flexros.gap.result import DiagnosisResult
+
+FAILURE_FILE, TIME_FILE = "failure.txt", "seconds.txt"
+"""Files of a case: the sentence with which a diagnosis refused a log; how long the diagnosis took [s]."""
+
+
+def case_folders(logs: Path) -> tuple[Path, ...]:
+    """List the folders of complete cases, by name.
+
+    Args:
+        logs: Folder of all logs.
+
+    Raises:
+        InputError: There is no case.
+    """
+    folders = tuple(sorted(path.parent for path in logs.glob(f"*/{CASE_FILE}")))
+    if not folders:
+        raise InputError(f"the folder '{logs}' holds no cases; give the folder of logs that `flexros blind make` wrote")
+    return folders
+
+
+def waiting(logs: Path) -> tuple[Path, ...]:
+    """List the folders of cases that have no diagnosis yet."""
+    done = (DIAGNOSIS_FILE, FAILURE_FILE)
+    return tuple(folder for folder in case_folders(logs) if not any((folder / name).exists() for name in done))
+
+
+def diagnose_case(folder: Path, keep_logs: bool = True) -> None:
+    """Diagnose a case and write the result beside its logs.
+
+    A log that the diagnosis refuses is a result as well: its sentence is kept.
+
+    Args:
+        folder: Folder of the case.
+        keep_logs: Whether its logs stay; they can be made again from the seed.
+    """
+    case = read_case(folder)
+    started = time.perf_counter()  # told beside the result, which does not depend on it
+    try:
+        text = json_text(diagnosed(folder, case).diagnosis.model_dump(mode="json", by_alias=True))
+    except FlexrosError as error:
+        write_whole(folder / FAILURE_FILE, f"{error}\n")
+    else:
+        write_whole(folder / TIME_FILE, f"{time.perf_counter() - started:.1f}\n")
+        write_whole(folder / DIAGNOSIS_FILE, text)
+    if not keep_logs:
+        for log in case.logs:
+            shutil.rmtree(folder / log, ignore_errors=True)
+
+
+def diagnosed(folder: Path, case: OpenCase) -> DiagnosisResult:
+    """Diagnose the logs of a case.
+
+    Args:
+        folder: Folder of the case.
+        case: What is open of it.
+
+    Returns:
+        The result; neither truth nor third log were read.
+    """
+    from flexros.gap.diagnose import diagnose
+    from flexros.gap.read_record import read_record
+    from flexros.logs.reader import read_log
+    from flexros.robot import load_robot
+
+    robot = load_robot(folder / ROBOT_FILE)
+    record, holdout = (
+        read_record(read_log(folder / log), robot, name=f"{case.name}/{log}") for log in case.logs[:2]
+    )
+    return diagnose(record, robot, holdout=holdout)
