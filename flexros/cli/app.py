@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexros.cli import analyze, bench, campaign, demo, diagnose, gap, identify, import_log, robots, run
+from flexros.cli import analyze, bench, blind, campaign, demo, diagnose, gap, identify, import_log, robots, run
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
 if TYPE_CHECKING:
@@ -92,6 +92,9 @@ for name, command in COMMANDS.items():
 for name, command in identify.COMMANDS.items():
     identify.app.command(name)(reported(command))
 app.add_typer(identify.app)
+for name, command in blind.COMMANDS.items():
+    blind.app.command(name)(reported(command))
+app.add_typer(blind.app)
 
 
 def _print_version(wanted: bool) -> None:

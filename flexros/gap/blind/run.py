@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flexros.errors import FlexrosError, InputError
 from flexros.gap.blind.seal import CASE_FILE, DIAGNOSIS_FILE, ROBOT_FILE, OpenCase, read_case
@@ -12,7 +12,10 @@ from flexros.json_text import json_text
 from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
     from pathlib import Path
+
+    from distributed import Client
 
     from flexros.gap.result import DiagnosisResult
 
@@ -74,7 +77,7 @@ def diagnosed(folder: Path, case: OpenCase) -> DiagnosisResult:
     Returns:
         The result; neither truth nor third log were read.
     """
-    from flexros.gap.diagnose import diagnose
+    from flexros.gap.diagnose import DiagnosisSettings, diagnose
     from flexros.gap.read_record import read_record
     from flexros.logs.reader import read_log
     from flexros.robot import load_robot
@@ -83,4 +86,29 @@ def diagnosed(folder: Path, case: OpenCase) -> DiagnosisResult:
     record, holdout = (
         read_record(read_log(folder / log), robot, name=f"{case.name}/{log}") for log in case.logs[:2]
     )
-    return diagnose(record, robot, holdout=holdout)
+    return diagnose(record, robot, holdout=holdout, settings=DiagnosisSettings(threads=1, where=False))
+
+
+def on_workers(
+    client: Client, function: Callable[..., None], jobs: Sequence[tuple[Any, ...]], progress: Callable[[int], None]
+) -> None:
+    """Work through jobs that leave files behind.
+
+    Args:
+        client: Dask client whose workers do it.
+        function: What does one job.
+        jobs: Its arguments.
+        progress: Called with the number of jobs that are done.
+    """
+    from distributed import as_completed  # here, because it loads slowly
+
+    submitted = [client.submit(function, *arguments, pure=False) for arguments in jobs]
+    progress(0)
+    try:
+        for done, future in enumerate(as_completed(list(submitted)), start=1):
+            future.result()
+            future.release()
+            progress(done)
+    except BaseException:
+        client.cancel(submitted)
+        raise

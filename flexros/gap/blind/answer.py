@@ -1,0 +1,120 @@
+"""One case as scored: the sealed truth beside the answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flexros.gap.blind.nested import same, same_place
+from flexros.gap.diagnosis_file import Diagnosis
+
+if TYPE_CHECKING:
+    from flexros.gap.blind.seal import Truth
+    from flexros.gap.diagnosis_file import Cause
+
+VISIBLE = 50.0
+"""Expected gain from which a deviation is well above the noise [nats] (contract of section 10)."""
+NO_GAP, UNKNOWN, REFUSED = "no gap", "unknown", "refused"
+"""What stands in the confusion matrix where no effect is named."""
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A case.
+
+    Attributes:
+        truth: What was hidden.
+        diagnosis: What was said; None where the log was refused.
+        seconds: How long the diagnosis took [s]; None where not known.
+        oracle: Closed fraction of the true structure, refitted [1]; None where not computed.
+    """
+
+    truth: Truth
+    diagnosis: Diagnosis | None
+    seconds: float | None = None
+    oracle: float | None = None
+
+    @property
+    def causes(self) -> tuple[Cause, ...]:
+        """Causes that are claimed, by probability; none where no gap was found."""
+        if self.diagnosis is None or self.diagnosis.verdict == "no_gap":
+            return ()
+        return self.diagnosis.causes
+
+    @property
+    def first(self) -> Cause | None:
+        """First cause that is claimed."""
+        return self.causes[0] if self.causes else None
+
+    @property
+    def visible(self) -> bool:
+        """Whether what is hidden is well above the noise."""
+        return self.truth.gain >= VISIBLE
+
+    @property
+    def alarm(self) -> bool:
+        """Whether a gap was claimed."""
+        return self.diagnosis is not None and self.diagnosis.verdict != "no_gap"
+
+    @property
+    def unknown(self) -> bool:
+        """Whether the answer was that the cause is not known."""
+        return self.diagnosis is not None and self.diagnosis.verdict == "unknown_effect"
+
+    def named(self, top: int, nested: bool = False, placed: bool = False) -> bool:
+        """Say whether a true effect is among the first causes.
+
+        Args:
+            top: How many of the causes count.
+            nested: Whether effects that hold the true one as a special case count.
+            placed: Whether the place must be right as well.
+        """
+        return any(self.right(cause, nested, placed) for cause in self.causes[:top])
+
+    def right(self, cause: Cause, nested: bool = False, placed: bool = False) -> bool:
+        """Say whether a cause is part of the truth; arguments as for `named`."""
+        return any(
+            same(one.effect, cause.effect, nested)
+            and (not placed or same_place(self.truth.robot, one.location, cause.location))
+            for one in self.truth.deviations
+        )
+
+    def both(self, nested: bool = False) -> bool:
+        """Say whether each of two true effects is among the first two causes."""
+        first = self.causes[:2]
+        return all(any(same(one.effect, cause.effect, nested) for cause in first) for one in self.truth.deviations)
+
+    @property
+    def group_size(self) -> int:
+        """Number of effects in the ambiguity group of the first cause; 1 where it stands alone."""
+        if self.first is None or self.diagnosis is None:
+            return 1
+        here = (self.first.effect, self.first.location)
+        groups = self.diagnosis.ambiguity_groups
+        return max((len(group) for group in groups if here in {(p.effect, p.location) for p in group}), default=1)
+
+    @property
+    def in_group(self) -> bool:
+        """Whether a true effect stands in the ambiguity group of the first cause, or is it."""
+        if self.first is None or self.diagnosis is None:
+            return False
+        here = (self.first.effect, self.first.location)
+        names = {self.first.effect}
+        for group in self.diagnosis.ambiguity_groups:
+            if here in {(place.effect, place.location) for place in group}:
+                names |= {place.effect for place in group}
+        return any(one.effect in names for one in self.truth.deviations)
+
+    @property
+    def said(self) -> str:
+        """The answer in a word, for the confusion matrix."""
+        if self.diagnosis is None:
+            return REFUSED
+        if self.unknown:
+            return UNKNOWN
+        return NO_GAP if self.first is None else self.first.effect
+
+    @property
+    def closed(self) -> float | None:
+        """Closed fraction that the diagnosis states [1]."""
+        return None if self.diagnosis is None else self.diagnosis.gap.closed_fraction
