@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
 from pydantic import Field
 
-from flexros.effects.gear_law import AbstractGearLaw, GearTorques
+from flexros.effects.gear_law import AbstractGearLaw
 from flexros.effects.ranges import Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects.base import Stage
-    from flexros.effects.gear_law import GearState
+    from flexros.effects.gear_law import GearState, GearTorques
     from flexros.robot.kinematics import Value
 
 
@@ -42,6 +43,7 @@ class Backlash(AbstractGearLaw):
     name: ClassVar[str] = "backlash"
     stage: ClassVar[Stage] = "gear"
     size: ClassVar[str] = "gap"
+    rank: ClassVar[int] = 2
     stepwise_states: ClassVar[int] = 1
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {"gap": Range("deflection", 1e-5, 10.0, 7, source="facts on vendors' play, 0.1 to 3 arcmin; bounds chosen")}
@@ -57,8 +59,15 @@ class Backlash(AbstractGearLaw):
 
     def added(self, gear: GearState, values: Mapping[str, Value]) -> GearTorques:
         """Replace the nominal torque by the one through the gap."""
-        change = transmitted(gear, ca.SX(values["gap"]) / 2) - gear.torque
-        return GearTorques(change, -change)
+        return gear.transmits(transmitted(gear, ca.SX(values["gap"]) / 2) - gear.torque)
+
+    def onward(self, gear: GearState, values: Mapping[str, Value]) -> GearState:
+        """Give the twist of the shaft for the deflection."""
+        half = ca.SX(values["gap"]) / 2
+        above, below = gear.deflection - half, gear.deflection + half
+        torque = transmitted(gear, half)
+        twist = ca.if_else(torque > 0, above, ca.if_else(torque < 0, below, ca.fmin(ca.fmax(gear.own, above), below)))
+        return replace(gear, deflection=twist, rate=ca.if_else(torque == 0, 0, gear.rate), torque=torque)
 
     def after_step(self, gear: GearState, values: Mapping[str, Value], step: ca.SX) -> ca.SX:
         """Let the twist decay through the step, but keep it between the flanks."""

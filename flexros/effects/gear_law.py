@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
 
@@ -22,7 +22,8 @@ class GearState:
     """What a law of a spring may depend on.
 
     In a passive direction the motor side is the body before, which stands still: the deflection is minus the arm
-    coordinate, angle, motor speed and turns are zero, and what the law adds on the motor side has no effect.
+    coordinate, angle, motor speed and turns are zero, and what the law adds on the motor side has no effect. Where
+    several laws sit at one spring, each sees what those of lower rank have made of it.
 
     Attributes:
         deflection: Motor minus arm coordinate [rad or m], SX.
@@ -30,10 +31,11 @@ class GearState:
         angle: Motor coordinate on the rotor's side of the gear [rad or m], SX.
         motor_speed: Rate of the motor coordinate [rad/s or m/s], SX.
         turns: Rotor angle per motor coordinate: the gear ratio where the robot file states the arm's side, else 1.
-        torque: Nominal torque of spring and damper, from motor to arm [Nm or N], SX.
-        damping: Nominal damper [Nm s/rad or N s/m].
-        spring: Nominal torque of the spring [Nm or N] at any deflection.
+        torque: Torque of spring and damper, from motor to arm [Nm or N], SX.
+        damping: Damper [Nm s/rad or N s/m].
+        spring: Torque of the spring [Nm or N] at any deflection.
         own: States of the law itself, smooth ones first, SX (n_states, 1).
+        lever: Torque back on the motor, relative to the one on the arm [1]; 1 for an ideal gear.
     """
 
     deflection: ca.SX
@@ -45,13 +47,19 @@ class GearState:
     damping: Value
     spring: Callable[[ca.SX], ca.SX]
     own: ca.SX
+    lever: ca.SX | float = 1.0
+
+    def transmits(self, change: ca.SX) -> GearTorques:
+        """Return the torques of a law that changes what the gear transmits by `change` [Nm or N]."""
+        return GearTorques(change, -change * self.lever)
 
 
 @dataclass(frozen=True)
 class GearTorques:
     """Torques that a law adds to those of the nominal spring and damper.
 
-    A law that changes what the spring transmits adds T on the arm's side and -T on the motor's.
+    A law that changes what the spring transmits adds T on the arm's side and -T on the motor's, see
+    `GearState.transmits`.
 
     Attributes:
         arm: Added on the arm coordinate [Nm or N], SX.
@@ -65,10 +73,14 @@ class GearTorques:
 class AbstractGearLaw(AbstractLaw):
     """A law of a spring: it adds torques to both its ends.
 
-    A member provides `name`, `stage`, `size`, its parameters and `added`, with smooth own states `rates`, with stepwise
-    ones `before_step` or `after_step`, and `rest` where its states do not start at zero. By default it sits at the
-    gears, named by their motors; with `locations` overridden at any spring, named as "body_2.ry" (geared or not).
+    A member provides `name`, `stage`, `size`, `rank`, its parameters and `added`, with smooth own states `rates`, with
+    stepwise ones `before_step` or `after_step`, and `rest` where its states do not start at zero; a member that changes
+    deflection or spring for the laws of higher rank also `onward`. By default it sits at the gears, named by their
+    motors; with `locations` overridden at any spring, named as "body_2.ry" (geared or not).
     """
+
+    rank: ClassVar[int]
+    """Place among the laws of one spring: shift of the deflection 0, form of the spring 1, play 2, beside it 3."""
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the motors behind flexible gears."""
@@ -85,6 +97,11 @@ class AbstractGearLaw(AbstractLaw):
         Returns:
             Torques that are added.
         """
+
+    def onward(self, gear: GearState, values: Mapping[str, Value]) -> GearState:
+        """Give the spring as the laws of higher rank see it; arguments as for `added`."""
+        del values
+        return gear
 
     def rates(self, gear: GearState, values: Mapping[str, Value]) -> ca.SX:
         """Evaluate the derivatives of the smooth own states, SX (smooth_states, 1); arguments as for `added`."""

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field
 
-from flexros.effects.gear_law import AbstractGearLaw, GearTorques
+from flexros.effects.gear_law import AbstractGearLaw
 from flexros.effects.ranges import Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects.base import Stage
-    from flexros.effects.gear_law import GearState
+    from flexros.effects.gear_law import GearState, GearTorques
     from flexros.robot.kinematics import Value
 
 
@@ -44,6 +44,7 @@ class Hysteresis(AbstractGearLaw):
     name: ClassVar[str] = "hysteresis"
     stage: ClassVar[Stage] = "gear"
     size: ClassVar[str] = "level"
+    rank: ClassVar[int] = 3
     stepwise_states: ClassVar[int] = len(NODES)
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
@@ -66,8 +67,7 @@ class Hysteresis(AbstractGearLaw):
         """Add the torques of all elements."""
         limits = slipping_angles(values["angle"], values["spread"])
         stretched = _clip(gear.deflection - gear.own, limits)
-        torque = ca.SX(values["level"]) / len(NODES) * ca.sum1(stretched / limits)
-        return GearTorques(torque, -torque)
+        return gear.transmits(ca.SX(values["level"]) / len(NODES) * ca.sum1(stretched / limits))
 
     def after_step(self, gear: GearState, values: Mapping[str, Value], step: ca.SX) -> ca.SX:
         """Let the sliders follow, exactly for a deflection that did not turn within the step."""

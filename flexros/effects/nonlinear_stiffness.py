@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -9,7 +10,7 @@ import casadi as ca
 from pydantic import Field, model_validator
 
 from flexros.config.validation import validate
-from flexros.effects.gear_law import AbstractGearLaw, GearTorques
+from flexros.effects.gear_law import AbstractGearLaw
 from flexros.effects.model_change import AbstractModelChange
 from flexros.effects.ranges import Range
 from flexros.errors import InputError
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects.base import Stage
-    from flexros.effects.gear_law import GearState
+    from flexros.effects.gear_law import GearState, GearTorques
     from flexros.robot.kinematics import Value
 
 
@@ -47,6 +48,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
     name: ClassVar[str] = "nonlinear_stiffness"
     stage: ClassVar[Stage] = "gear"
     size: ClassVar[str] = "relative"
+    rank: ClassVar[int] = 1
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "relative": Range(
@@ -100,10 +102,21 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
 
     def added(self, gear: GearState, values: Mapping[str, Value]) -> GearTorques:
         """Add what the spring has more, or less, beyond the knee."""
+        return gear.transmits(self._more(gear, gear.deflection, values))
+
+    def onward(self, gear: GearState, values: Mapping[str, Value]) -> GearState:
+        """Give the bent spring."""
+        return replace(
+            gear,
+            torque=gear.torque + self._more(gear, gear.deflection, values),
+            spring=lambda deflection: gear.spring(deflection) + self._more(gear, deflection, values),
+        )
+
+    def _more(self, gear: GearState, deflection: ca.SX, values: Mapping[str, Value]) -> ca.SX:
+        """Torque that the spring has more than the one without knee."""
         at_knee = ca.SX(values["knee_torque"]) if self.knee_torque else gear.spring(ca.SX(values["knee"]))
-        torque = gear.spring(gear.deflection)
-        change = values["relative"] * (ca.fmax(torque - at_knee, 0) + ca.fmin(torque + at_knee, 0))
-        return GearTorques(change, -change)
+        torque = gear.spring(deflection)
+        return values["relative"] * (ca.fmax(torque - at_knee, 0) + ca.fmin(torque + at_knee, 0))
 
     def _law(self, spring: Spring, location: str) -> dict[str, Any]:
         """Compute knots and slopes with the knee among them."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
@@ -36,6 +37,7 @@ class TransmissionError(AbstractGearLaw):
     name: ClassVar[str] = "transmission_error"
     stage: ClassVar[Stage] = "gear"
     size: ClassVar[str] = "amplitude"
+    rank: ClassVar[int] = 0
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "amplitude": Range(
@@ -56,8 +58,14 @@ class TransmissionError(AbstractGearLaw):
 
     def added(self, gear: GearState, values: Mapping[str, Value]) -> GearTorques:
         """Replace the nominal torque by that of the shifted deflection."""
+        shifted = self.onward(gear, values)
+        return GearTorques(shifted.torque - gear.torque, gear.torque * gear.lever - shifted.torque * shifted.lever)
+
+    def onward(self, gear: GearState, values: Mapping[str, Value]) -> GearState:
+        """Give the shifted deflection."""
         wave = values["order"] * gear.angle + values["phase"]
-        shift = values["amplitude"] * ca.sin(wave)
         slope = values["amplitude"] * values["order"] * gear.turns * ca.cos(wave)
-        torque = gear.spring(gear.deflection + shift) + gear.damping * (gear.rate + slope * gear.motor_speed)
-        return GearTorques(torque - gear.torque, gear.torque - torque * (1 + slope))
+        deflection = gear.deflection + values["amplitude"] * ca.sin(wave)
+        rate = gear.rate + slope * gear.motor_speed
+        torque = gear.spring(deflection) + gear.damping * rate
+        return replace(gear, deflection=deflection, rate=rate, torque=torque, lever=gear.lever + slope)

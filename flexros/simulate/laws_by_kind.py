@@ -52,8 +52,9 @@ class LawsByKind:
 
     @cached_property
     def gears(self) -> list[tuple[PlacedLaw, AbstractGearLaw]]:
-        """Laws of springs."""
-        return [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractGearLaw)]
+        """Laws of springs, in the order in which each sees what those before it have made of the spring."""
+        found = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractGearLaw)]
+        return sorted(found, key=lambda pair: pair[1].rank)
 
     @cached_property
     def arms(self) -> list[tuple[PlacedLaw, AbstractArmLaw]]:

@@ -57,7 +57,8 @@ def own_at_rest(plant: PlantSymbols, command: ca.SX) -> ca.SX:
         x[plant.place(law)] = own
         torque[motor] = effect.passed(torque[motor], own, values)
     for law, gear_effect in plant.laws.gears:
-        x[plant.place(law)] = gear_effect.rest(plant.gear(law), plant.values(law))
+        own = gear_effect.rest(plant.gear(law), plant.values(law))
+        x[plant.place(law)] = ca.substitute(own, plant.own_states, x[plant.friction_end :])
     for law, arm_effect in plant.laws.arms:
         x[plant.place(law)] = arm_effect.rest(plant.arm(law), plant.values(law))
     return ca.substitute(x[plant.friction_end :], plant.v, ca.SX.zeros(plant.v.numel()))

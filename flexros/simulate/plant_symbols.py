@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -131,8 +132,18 @@ class PlantSymbols:
         return index, joints[index]
 
     def gear(self, law: PlacedLaw) -> GearState:
-        """Return what a law of a spring sees."""
-        index, joint = self.joint(law)
+        """Return what a law of a spring sees: the spring with the laws of lower rank in it."""
+        index = self.joint(law)[0]
+        gear = self._nominal_gear(index)
+        for other, effect in self.laws.gears:
+            if other is law:
+                break
+            if self.joint(other)[0] == index:
+                gear = effect.onward(replace(gear, own=self.own(other)), self.values(other))
+        return replace(gear, own=self.own(law))
+
+    def _nominal_gear(self, index: int) -> GearState:
+        joint = self.robot.chain.joints[index]
         spring, scale = joint.direction.spring, self.robot_value(f"{joint.name}.stiffness")
         assert isinstance(spring, Spring)
         damping = self.robot_value(f"{joint.name}.damping")
@@ -152,7 +163,7 @@ class PlantSymbols:
             torque=spring.force(deflection, scale) + damping * rate,
             damping=damping,
             spring=partial(spring.force, scale=scale),
-            own=self.own(law),
+            own=ca.SX(0, 1),
         )
 
     def arm(self, law: PlacedLaw) -> ArmState:
