@@ -103,7 +103,7 @@ def _rub(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
             speed = plant.v[places[k]]
             if k < len(plant.rubbing):
                 acceleration = free[k] + AHEAD * step * slope[k] + others
-                friction[k] = mean_friction(speed, acceleration, own, _levels(plant, motor, speeds[k]), step)
+                friction[k] = mean_friction(speed, acceleration, own, _levels(plant, motor, speeds[k], middle), step)
                 continue
             law, effect = bristles[k - len(plant.rubbing)]
             deflection = plant.place(law).start
@@ -156,11 +156,15 @@ def _within_direction(speed: ca.SX, later: ca.SX) -> ca.SX:
     return ca.if_else(later * speed > 0, later, 0)
 
 
-def _levels(plant: PlantSymbols, motor: int, speed: ca.SX) -> FrictionLevels:
+def _levels(plant: PlantSymbols, motor: int, speed: ca.SX, middle: ca.SX) -> FrictionLevels:
+    """Add up the levels at a motor in the middle of a step, `middle` after its begin."""
     total, eased = FrictionLevels(ca.SX(0), ca.SX(0)), False
     for law, effect in plant.laws.frictions:
         if law.motor == motor:
             seen = replace(plant.motor(law, plant.u), speed=speed)
+            if effect.smooth_states:
+                rates = ca.vertcat(effect.rates(seen, plant.values(law)), ca.SX.zeros(effect.stepwise_states))
+                seen = replace(seen, own=seen.own + middle * rates)
             total = total + effect.levels(seen, plant.values(law))
             eased = eased or effect.eases
     return FrictionLevels(ca.fmax(total.forward, 0), ca.fmax(total.backward, 0)) if eased else total
