@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainSerializer, model_validator
+from pydantic_core import PydanticKnownError
 
 from flexros.config.validation import Settings, validate
 from flexros.config.yaml_file import read_yaml
@@ -29,23 +30,18 @@ _FOLDER = Path(__file__).parent / "scenarios"
 
 
 def _designed_controller(given: dict[str, Any]) -> Any:
-    """Design the controller of a diagnosis experiment that has none; what is returned otherwise is refused later."""
+    """Design the controller of a diagnosis experiment that has none; nothing otherwise, which is refused."""
     if given.get("diagnosis") is None:
         return None
     from flexros.identify.gap_experiment.controller import designed_controller
 
-    try:
-        return designed_controller(given["robot"], given["model"].values, given["sample_time"], given["start"])
-    except InputError as error:
-        return error
+    return designed_controller(given["robot"], given["model"].values, given["sample_time"])
 
 
 def _control_law(given: Any) -> Any:
     """Let the registry of controllers choose the class; its error becomes part of the scenario's."""
     if given is None:
-        raise ValueError("is missing; add it")
-    if isinstance(given, InputError):
-        raise ValueError(str(given))
+        raise PydanticKnownError("missing")
     if isinstance(given, AbstractControlLaw):
         return given
     if not isinstance(given, dict):

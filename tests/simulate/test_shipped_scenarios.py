@@ -17,6 +17,7 @@ LARGEST_ERROR = {
     "circle_dae2": 1e-4,
     "circle_fj": 3e-3,
     "circle_pd": 0.053,
+    "diagnosis": 0.15,
     "elbow_moves": 5e-5,
     "identify_e12": 0.0037,
     "identify_six_axis": 0.0143,

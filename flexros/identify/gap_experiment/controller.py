@@ -8,24 +8,21 @@ from flexros.effects.patched_robot import load_patched
 from flexros.identify.design.default_controller import default_controller
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from flexros.control.pid import Pid
 
 
-def designed_controller(
-    robot: str, values: Mapping[str, float], sample_time: float | None, start: Sequence[float] | None
-) -> Pid:
+def designed_controller(robot: str, values: Mapping[str, float], sample_time: float | None) -> Pid:
     """Design a PID for the robot of a scenario.
 
     Args:
         robot: Name or file of the robot, or of a patch, whose base robot is taken for the design.
         values: Numbers of the robot that the scenario replaces.
         sample_time: Time between two samples [s]; None for the robot's.
-        start: Arm coordinates at the start [rad or m], shape (N,); None for the robot's home.
 
     Returns:
-        The controller.
+        The controller, made for the home pose.
 
     Raises:
         InputError: Robot or values are not possible, or no PID holds the robot.
