@@ -6,6 +6,7 @@ import base64
 import gzip
 import json
 from dataclasses import dataclass
+from functools import cache
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -143,8 +144,12 @@ def _scripts(packed: bool) -> str:
     """Return the plotting library and the script that draws."""
     if not packed:
         return f"<script>{get_plotlyjs()}</script><script>{SCRIPT}</script>"
-    library = base64.b64encode(gzip.compress(get_plotlyjs().encode(), mtime=0)).decode()
-    return f'<script type="text/plain" id="library">{library}</script><script>{UNPACK}</script>'
+    return f'<script type="text/plain" id="library">{_packed_library()}</script><script>{UNPACK}</script>'
+
+
+@cache
+def _packed_library() -> str:
+    return base64.b64encode(gzip.compress(get_plotlyjs().encode(), mtime=0)).decode()
 
 
 def _tile(name: str, value: str, unit: str, below: str) -> str:

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 MOST = 2
 """Pictures of one effect at most, the clearest first (chosen)."""
 _COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""Colours of curves in their order: first what the nominal model misses, then what the repaired one does."""
+"""Colours of lines in their order: first what the nominal model misses, then what the repaired one does."""
+_POINTS = ("#b8c0c8", "#8fb8d8")
+"""Colours of clouds of points, which lie below the lines."""
 _HEIGHT = 260
 
 
@@ -43,8 +45,11 @@ def _figure(signature: Signature) -> go.Figure:
     from flexros.analysis.report.theme import stacked
 
     figure = stacked([""], height=_HEIGHT)
-    for place, (name, curve) in enumerate(signature.series.items()):
-        figure.add_trace(_trace(name, curve, _COLOURS[place % len(_COLOURS)]))
+    clouds = {name: curve for name, curve in signature.series.items() if curve.style == "points"}
+    lines = {name: curve for name, curve in signature.series.items() if curve.style != "points"}
+    for colours, curves in ((_POINTS, clouds), (_COLOURS, lines)):
+        for place, (name, curve) in enumerate(curves.items()):
+            figure.add_trace(_trace(name, curve, colours[place % len(colours)]))
     figure.update_xaxes(title_text=signature.x_label, type="log" if signature.log_x else "linear")
     figure.update_yaxes(title_text=signature.y_label, type="log" if signature.log_y else "linear")
     figure.update_layout(showlegend=len(signature.series) > 1)
@@ -61,6 +66,6 @@ def _trace(name: str, curve: Curve, colour: str) -> go.Scatter | go.Bar:
     if curve.style == "bars":
         return go.Bar(x=x, y=y, name=name, marker={"color": colour}, hovertemplate=hover)
     if curve.style == "points":
-        marker = {"color": colour, "size": 3, "opacity": 0.45}
+        marker = {"color": colour, "size": 3}
         return go.Scatter(x=x, y=y, name=name, mode="markers", marker=marker, hovertemplate=hover)
     return go.Scatter(x=x, y=y, name=name, mode="lines", line={"color": colour, "width": 1.8}, hovertemplate=hover)

@@ -23,8 +23,8 @@ _MOST_PLACES, _LARGE = 6, 1e6
 """Numbers with more decimals, or as large as this, are written with an exponent (chosen)."""
 _CLEAR = 2.0
 """A number beside the first is told in a sentence where it is this many standard deviations from zero (chosen)."""
-_NEARLY_ALL = 0.95
-"""Closed shares from here on are told with a decimal (chosen)."""
+_NEARLY_ALL, _ALL = 0.95, 0.9995
+"""Closed shares between these are told with a decimal (chosen)."""
 
 
 def effect_words(effect: str) -> str:
@@ -175,7 +175,7 @@ def closed_words(share: float) -> str:
     Args:
         share: The share [1]; below zero where the repair makes it worse.
     """
-    return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < 1 else f"{round(100 * share)} %"
+    return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < _ALL else f"{round(100 * share)} %"
 
 
 def interval_words(interval: tuple[float, float] | None) -> str:

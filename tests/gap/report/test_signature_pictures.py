@@ -65,7 +65,7 @@ def result(changed: Changed, monkeypatch: pytest.MonkeyPatch) -> DiagnosisResult
 def test_curves_are_drawn_as_they_ask(result: DiagnosisResult) -> None:
     (picture,) = signature_pictures(result.ranking[0], result)
     assert picture.caption == "Torque against speed, motor_1. Steps at zero."
-    line, points, bars = picture.figure.data
+    points, line, bars = picture.figure.data  # points lie below
     assert (line.mode, points.mode, bars.type) == ("lines", "markers", "bar")
     assert picture.figure.layout.yaxis.type == "log"
     assert picture.figure.layout.xaxis.title.text == "speed [rad/s]"

@@ -1,0 +1,135 @@
+"""Diagnosis from the command line: what it prints and writes, and how it ends."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from flexros.cli.diagnose import parse_tolerance
+from flexros.config.scenario import load_scenario
+from flexros.effects.patched_robot import load_patched
+from flexros.errors import InputError, RunError
+from flexros.gap import diagnose as diagnosis_module
+from flexros.gap.diagnosis_file import Diagnosis
+from flexros.gap.record import GapRecord
+from flexros.gap.result import DiagnosisResult, Explanation, Prediction
+from flexros.logs.write_log import write_log
+from flexros.robot import load_robot
+from flexros.simulate.closed_loop import closed_loop
+from flexros.simulate.experiment import Experiment
+
+HIDDEN = "coulomb_friction@motor_1:level=0.05"
+GAP = {"metric": "E", "unit": "1", "before": 1.02, "noise_floor": 1.0}
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Ten seconds of the diagnosis experiment on a robot with hidden friction."""
+    values = {"diagnosis.length": 10, "plant.effects": [HIDDEN], "seed": 3}
+    folder = tmp_path_factory.mktemp("bags") / "hidden"
+    write_log(closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(values, "test"))), folder)
+    return str(folder)
+
+
+@pytest.fixture
+def answered(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, object]]:
+    """Answer "no gap" without work; returns what was asked."""
+    asked: list[dict[str, object]] = []
+
+    def answer(record: GapRecord, robot: object, **given: object) -> DiagnosisResult:
+        asked.append({"record": record, **given})
+        empty = Prediction(0 * record.position, 1 + 0 * record.position[0])
+        told = Diagnosis(
+            schema=1, verdict="no_gap", causes=(), ambiguity_groups=(), where=(), gap=GAP, next_experiment=None,
+            warnings=("the log is short",), provenance={},
+        )  # fmt: skip
+        nominal = load_robot("four_mass_linear")
+        return DiagnosisResult(told, nominal, record, None, Explanation("nominal", empty), nothing=1.0)
+
+    monkeypatch.setattr(diagnosis_module, "diagnose", answer)
+    return asked
+
+
+def test_hidden_friction_is_found_and_the_patch_names_it(flexros, bag: str, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    ended = flexros("diagnose", bag, "--model", "four_mass_linear", "--out", str(out))
+    assert ended.code == 1, ended.err
+    assert ended.out.startswith("explained: The gap comes from Coulomb friction at motor_1, 50.0")
+    for text in ("Nothing", "Where it shows:", "Gap (mean squared prediction error 0.1 s ahead", f"written: {out}"):
+        assert text in ended.out
+    read = Diagnosis.model_validate(json.loads((out / "diagnosis.json").read_text(encoding="utf-8")))
+    assert (read.causes[0].effect, read.causes[0].location) == ("coulomb_friction", "motor_1")
+    assert read.gap.closed_fraction == pytest.approx(1.0, abs=0.02)
+    (effect,) = load_patched(out / "patch.yaml").placed
+    assert effect.effect.model_dump()["level"] == pytest.approx(0.05, rel=0.01)
+    assert "Missing torque over speed, motor_1" in (out / "report.html").read_text(encoding="utf-8")
+
+
+def test_without_a_gap_the_code_is_zero_and_there_is_no_patch(flexros, bag: str, tmp_path: Path, answered) -> None:
+    out = tmp_path / "out"
+    ended = flexros("diagnose", bag, "--model", "four_mass_linear", "--out", str(out), "--json")
+    assert ended.code == 0, ended.err
+    assert json.loads(ended.out) == json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
+    assert sorted(path.name for path in out.iterdir()) == ["diagnosis.json", "report.html"]
+
+
+def test_warnings_are_printed(flexros, bag: str, tmp_path: Path, answered) -> None:
+    ended = flexros("diagnose", bag, "--model", "four_mass_linear", "--out", str(tmp_path / "out"))
+    assert "warning: the log is short" in ended.out
+
+
+def test_holdout_and_tolerance_reach_the_diagnosis(flexros, bag: str, tmp_path: Path, answered) -> None:
+    ended = flexros(
+        "diagnose", bag, "--model", "four_mass_linear", "--holdout", bag, "--tolerance", "stiffness=0.03,damping=0.3",
+        "--out", str(tmp_path / "out"),
+    )  # fmt: skip
+    assert ended.code == 0, ended.err
+    assert answered[0]["holdout"].name == answered[0]["record"].name == "hidden"
+    assert answered[0]["tolerance"] == {"stiffness": 0.03, "damping": 0.3}
+
+
+def test_a_folder_that_holds_something_else_is_refused_before_the_work(flexros, tmp_path: Path, answered) -> None:
+    (tmp_path / "notes.txt").write_text("mine", encoding="utf-8")
+    ended = flexros("diagnose", "no such bag", "--model", "four_mass_linear", "--out", str(tmp_path))
+    assert ended.code == 2
+    assert "holds notes.txt" in ended.err
+    assert not answered
+
+
+def test_a_diagnosis_that_breaks_off_leaves_nothing(flexros, bag: str, tmp_path: Path, monkeypatch) -> None:
+    def breaks(*args: object, **given: object) -> DiagnosisResult:
+        raise RunError("the prediction diverged")
+
+    monkeypatch.setattr(diagnosis_module, "diagnose", breaks)
+    ended = flexros("diagnose", bag, "--model", "four_mass_linear", "--out", str(tmp_path / "out"))
+    assert (ended.code, ended.err) == (3, "flexros: the prediction diverged\n")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_log_that_is_not_there_is_bad_input(flexros, tmp_path: Path) -> None:
+    ended = flexros("diagnose", str(tmp_path / "gone"), "--model", "four_mass_linear", "--out", str(tmp_path / "out"))
+    assert ended.code == 2
+    assert "there is no log at" in ended.err
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("stiffness", "--tolerance is 'stiffness', but must be KIND=SHARE,..., for instance stiffness=0.03"),
+        ("stifness=0.1", "unknown kind 'stifness' in --tolerance: did you mean 'stiffness'?"),
+        ("damping=0.1,damping=0.2", "--tolerance gives damping twice; remove one of them"),
+        ("damping=much", "--tolerance gives damping as 'much', but a relative deviation such as 0.03 is asked"),
+        ("damping=30", "--tolerance gives damping as 30, allowed are relative deviations from 0 to below 1"),
+    ],
+)
+def test_tolerances_are_checked(text: str, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_tolerance(text)
+    assert str(caught.value).startswith(message)
+
+
+def test_no_tolerance_means_that_of_the_robot_file() -> None:
+    assert parse_tolerance("") == {}
+    assert parse_tolerance("stiffness=0.03, inertia=0") == {"stiffness": 0.03, "inertia": 0.0}
