@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from flexros.compile.command_delay import split_delay
+from flexros.compile.command_delay import split_delay, split_delays
 from flexros.errors import InputError
 
 
@@ -51,3 +51,23 @@ def test_impossible_delay_is_refused(delay: float) -> None:
 def test_impossible_sample_time_is_refused(sample_time: float) -> None:
     with pytest.raises(InputError, match="sample time .* s is not possible"):
         split_delay(0.0, sample_time)
+
+
+def test_samples_are_cut_where_any_motor_gets_its_next_command() -> None:
+    delays = split_delays((0.2, 0.0, 1.3), 0.5)
+    pieces = delays.torque_pieces(3)
+    assert [piece.ages for piece in pieces] == [(1, 0, 3), (0, 0, 3), (0, 0, 2)]
+    assert [piece.duration for piece in pieces] == pytest.approx([0.2, 0.1, 0.2], abs=1e-15)
+    assert delays.line_length == 3
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.5, 0.7, 1.5])
+def test_equal_delays_of_all_motors_are_the_common_delay(delay: float) -> None:
+    each, common = split_delays((delay, delay), 0.5), split_delays(delay, 0.5)
+    assert each.torque_pieces(2) == common.torque_pieces(2)
+    assert each.line_length == common.line_length
+
+
+def test_impossible_delay_of_one_motor_is_refused() -> None:
+    with pytest.raises(InputError, match="command delay -0.1 s is not possible"):
+        split_delays((0.0, -0.1), 1e-3)

@@ -154,6 +154,37 @@ def test_command_acts_after_the_delay(delay: float, expected: list[float]) -> No
     assert result.command[:, 0].tolist() == [1, 2, 3, 4]
 
 
+def test_each_motor_has_its_own_delay() -> None:
+    """Two integrators under the commands 1, 2, 3, ..., delayed by 1.5 and 0.25 s; T = 1 s."""
+    x, u, w, p = ca.SX.sym("x", 2), ca.SX.sym("u", 2), ca.SX.sym("w", 6), ca.SX.sym("p", 0)
+    c, r, y, g = ca.SX.sym("c", 0), ca.SX.sym("r"), ca.SX.sym("y", 2), ca.SX.sym("g", 0)
+    functions = LoopFunctions(
+        derivative=ca.Function("derivative", [x, u, w, p], [u]),
+        encoder=ca.Function("encoder", [x], [x]),
+        tool_pose=ca.Function("tool_pose", [x, p], [ca.vertcat(x, 0, 0, 0, 0, 1)]),
+        controller=ca.Function("controller", [c, r, y, g], [ca.vertcat(r, r), c]),
+    )
+    kernel = compile_loop(functions, sample_time=1.0, delay=(1.5, 0.25))
+    commands = np.arange(1.0, 6.0)[:, np.newaxis]
+    result = kernel.run(kernel.initial_state([0.0, 0.0]), 5, LoopInputs(reference=commands))
+    np.testing.assert_allclose(result.encoder[:, 0], [0, 0, 0.5, 2, 4.5], atol=1e-14)
+    np.testing.assert_allclose(result.encoder[:, 1], [0, 0.75, 2.5, 5.25, 9], atol=1e-14)
+
+
+def test_updates_are_called_once_before_and_once_after_every_step() -> None:
+    """The state counts: before each step of length h it grows by h, after it is doubled; nothing else moves it."""
+    x, u, w, p, h = ca.SX.sym("x"), ca.SX.sym("u"), ca.SX.sym("w", 6), ca.SX.sym("p", 0), ca.SX.sym("h")
+    functions = replace(
+        integrator(),
+        derivative=ca.Function("derivative", [x, u, w, p], [ca.SX(0)]),
+        before_step=ca.Function("before", [x, u, w, p, h], [x + h]),
+        after_step=ca.Function("after", [x, u, w, p, h], [2 * x]),
+    )
+    kernel = compile_loop(functions, sample_time=1.0, substeps=2)
+    result = kernel.run(kernel.initial_state([0.0]), 2, LoopInputs(reference=np.zeros((1, 1))))
+    assert result.encoder[:, 0].tolist() == [0.0, 3.0]
+
+
 def test_past_commands_stand_newest_first() -> None:
     kernel = compile_loop(integrator(), sample_time=1.0, delay=2.5)
     result = kernel.run(kernel.initial_state([0.0]), 4, LoopInputs(reference=np.arange(1.0, 5.0)[:, np.newaxis]))

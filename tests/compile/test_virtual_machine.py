@@ -21,7 +21,9 @@ TIMINGS = [
 ]
 
 
-def both(functions: LoopFunctions, samples: int, inputs: LoopInputs, **timing: float) -> list[LoopResult]:
+def both(
+    functions: LoopFunctions, samples: int, inputs: LoopInputs, **timing: float | tuple[float, ...]
+) -> list[LoopResult]:
     results = []
     for engine in ("machine_code", "virtual_machine"):
         kernel = compile_loop(functions, sample_time=SAMPLE_TIME, engine=engine, **timing)
@@ -64,6 +66,22 @@ def test_sensor_and_exact_update_equal_the_virtual_machine(chain: LoopFunctions)
         exact_update=ca.Function("exact", [x, u, w, p, h], [ca.vertcat(x[:8], x[8:] * ca.exp(-3 * h))]),
     )
     assert_equal(both(functions, 100, rich_inputs(100), substeps=2))
+
+
+def test_updates_before_and_after_a_step_equal_the_virtual_machine(chain: LoopFunctions) -> None:
+    x, u, w, p, h = (ca.SX.sym("s", size) for size in (10, 2, 6, 2, 1))
+    functions = replace(
+        chain,
+        before_step=ca.Function("before", [x, u, w, p, h], [ca.vertcat(x[:8], x[8:] + h * u)]),
+        after_step=ca.Function("after", [x, u, w, p, h], [ca.vertcat(x[:8], x[8:] * ca.exp(-3 * h))]),
+    )
+    assert_equal(both(functions, 100, rich_inputs(100), substeps=2, delay=1.3 * SAMPLE_TIME))
+
+
+@pytest.mark.parametrize("lanes", [1, 4])
+def test_delays_of_single_motors_equal_the_virtual_machine(chain: LoopFunctions, lanes: int) -> None:
+    delay = (0.4 * SAMPLE_TIME, 2.0 * SAMPLE_TIME)
+    assert_equal(both(chain, 60, rich_inputs(60), lanes=lanes, delay=delay))
 
 
 def test_robot_equals_the_virtual_machine(chain: LoopFunctions) -> None:
