@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexros.gap.balance_spectra import torque_balance
+from flexros.gap.readings import DOUBTFUL, best_reading, clearly_better, own_fits, score
 from flexros.gap.rough_signals import bridged
 from flexros.gap.torque_balance import Delay
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from flexros.arrays import FloatArray
+    from flexros.gap.readings import Reading
     from flexros.gap.record import GapRecord
     from flexros.gap.torque_balance import Fit, TorqueBalance
     from flexros.robot import Robot
-
-CLEARLY = 0.3
-"""Gain in mean agreement from which another reading of a log is believed (chosen)."""
-
-DOUBTFUL = 0.55
-"""Mean agreement below which other readings are tried (chosen)."""
 
 SAME_RATE = 0.1
 """Relative difference of two sample times up to which they count as the same (chosen)."""
@@ -56,7 +49,7 @@ class CheckedRecord:
     @cached_property
     def own(self) -> tuple[Fit | None, ...]:
         """Torque of every motor beside its own need, length M; None where nothing can be told."""
-        return _own(self.balance, self.robot.n_motors)
+        return own_fits(self.balance, self.robot.n_motors)
 
     @cached_property
     def delay(self) -> Delay:
@@ -81,24 +74,15 @@ class CheckedRecord:
             return False
         A = _agreements(self.balance, M)
         moved = [torque for torque, motion in enumerate(self.order) if torque != motion]
-        return float(np.mean([A[k, self.order[k]] - A[k, k] for k in moved])) > CLEARLY
+        there, here = (float(np.mean([A[k, place[k]] for k in moved])) for place in (self.order, range(M)))
+        return clearly_better(there, here)
 
     @cached_property
-    def swapped_joints(self) -> tuple[int, int] | None:
-        """Two motors that have to be exchanged, torque and position, for the log to fit; None without such."""
-        M = self.robot.n_motors
-        here = score(self.own)
-        if M < 2 or here is None or here > DOUBTFUL or self.order_is_wrong:
+    def reading(self) -> Reading | None:
+        """Another reading of the record, a joint inverted or two exchanged, that fits far better; None without such."""
+        if self.order_is_wrong or self.fits_nominal_rate:
             return None
-        best, found = here + CLEARLY, None
-        for pair in combinations(range(M), 2):
-            order = np.arange(M)
-            order[list(pair)] = order[list(pair[::-1])]
-            other = replace(self.record, position=self.record.position[:, order], torque=self.record.torque[:, order])
-            there = score(_own(torque_balance(other, self.robot), M))
-            if there is not None and there > best:
-                best, found = there, pair
-        return found
+        return best_reading(self.record, self.robot, score(self.own))
 
     @cached_property
     def fits_nominal_rate(self) -> bool:
@@ -106,12 +90,8 @@ class CheckedRecord:
         here, nominal = score(self.own), self.robot.sample_time
         if here is None or here > DOUBTFUL or abs(self.record.sample_time / nominal - 1) < SAME_RATE:
             return False
-        there = score(_own(torque_balance(self.record, self.robot, nominal), self.robot.n_motors))
-        return there is not None and there > here + CLEARLY
-
-
-def _own(balance: TorqueBalance | None, n_motors: int) -> tuple[Fit | None, ...]:
-    return tuple(None if balance is None else balance.fit(k, k) for k in range(n_motors))
+        there = score(own_fits(torque_balance(self.record, self.robot, nominal), self.robot.n_motors))
+        return clearly_better(there, here)
 
 
 def _agreements(balance: TorqueBalance, n_motors: int) -> FloatArray:
@@ -121,16 +101,3 @@ def _agreements(balance: TorqueBalance, n_motors: int) -> FloatArray:
         fit = balance.fit(torque, motion)
         A[torque, motion] = 0.0 if fit is None else fit.agreement
     return A
-
-
-def score(fits: Sequence[Fit | None]) -> float | None:
-    """Mean agreement with the need itself, over the motors of which something can be told.
-
-    Args:
-        fits: Torque of every motor beside its own need.
-
-    Returns:
-        The mean; None where nothing can be told.
-    """
-    told = [max(fit.as_is, -1.0) for fit in fits if fit is not None]
-    return float(np.mean(told)) if told else None

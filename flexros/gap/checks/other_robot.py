@@ -27,7 +27,7 @@ class OtherRobot(AbstractCheck):
                 "not compared; check units and zeros of the encoders, or give the right robot"
             )
             return (Finding(text, hopeless=False),)
-        if checked.order_is_wrong or checked.swapped_joints or checked.fits_nominal_rate:
+        if checked.order_is_wrong or checked.reading or checked.fits_nominal_rate:
             return ()
         foreign = [
             checked.robot.joint_names[motor]

@@ -21,7 +21,7 @@ class Sign(AbstractCheck):
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Look for negative factors between torque and need."""
-        if checked.order_is_wrong:
+        if checked.order_is_wrong or checked.reading:
             return ()
         inverted = [
             checked.robot.joint_names[motor]

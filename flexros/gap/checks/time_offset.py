@@ -27,7 +27,7 @@ class TimeOffset(AbstractCheck):
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Shift the torques in time until they agree best with what the motions need."""
-        if checked.order_is_wrong or checked.balance is None:
+        if checked.order_is_wrong or checked.fits_nominal_rate or checked.reading or checked.balance is None:
             return ()
         tau, T = checked.delay.time, checked.record.sample_time
         if abs(tau) < SIGNIFICANT * checked.delay.deviation:

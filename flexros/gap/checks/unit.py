@@ -34,7 +34,7 @@ class Unit(AbstractCheck):
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Compare the level of the torques with what the motions need."""
-        if checked.order_is_wrong or checked.fits_nominal_rate:
+        if checked.order_is_wrong or checked.fits_nominal_rate or checked.reading:
             return ()
         robot = checked.robot
         off = {
@@ -61,7 +61,8 @@ def _refusal(off: dict[int, Fit], robot: Robot, n_motors: int) -> str:
     causes = [cause(fit.factor, robot, motor) for motor, fit in off.items()]
     common = [text for text in causes[0] if all(text in other for other in causes)]
     likely = f"it looks like {' or '.join(common)}" if common else "the torques or the motions have another unit"
-    if not common and len(off) == n_motors > 1:
+    sizes = np.abs(np.log([fit.factor / next(iter(off.values())).factor for fit in off.values()]))
+    if not common and len(off) == n_motors > 1 and sizes.max() > np.log(LIKE):
         likely = "all motors differ, so it looks like another robot"
     elif not common and n_motors == 1:
         likely = "torque or motion have another unit, or the robot is another one"
