@@ -51,14 +51,11 @@ class ActuatorLag(AbstractCommandLaw):
     def before_step(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value], step: ca.SX) -> ca.SX:
         """Move the torque on and take its mean over the step."""
         steps = step / ca.fmax(values["time_constant"], _SHORT)
-        many = ca.fmax(steps, _MANY)
-        share = ca.if_else(
-            steps > _MANY,
-            (1 - ca.exp(-many)) / many,
-            1 - steps / 2 * (1 - steps / 3 * (1 - steps / 4 * (1 - steps / 5))),
-        )
+        decay = ca.exp(-steps)
+        series = 1 - steps / 2 * (1 - steps / 3 * (1 - steps / 4 * (1 - steps / 5)))
+        share = ca.if_else(steps > _MANY, (1 - decay) / ca.fmax(steps, _MANY), series)
         before = own[0] - torque
-        return ca.vertcat(torque + before * ca.exp(-steps), torque + before * share)
+        return ca.vertcat(torque + before * decay, torque + before * share)
 
     def rest(self, torque: ca.SX, values: Mapping[str, Value]) -> ca.SX:
         """Return what a constant torque leads to: itself."""

@@ -126,8 +126,6 @@ def _slip_factors(x: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Return exp(-x), (1 - exp(-x)) / x and the mean of that over a step, (x - 1 + exp(-x)) / x^2, for x >= 0."""
     large = ca.fmax(x, _SMALL)
     decay = ca.exp(-x)
-    average = ca.if_else(x > _SMALL, (1 - ca.exp(-large)) / large, 1 - x / 2 * (1 - x / 3 * (1 - x / 4 * (1 - x / 5))))
-    rise = ca.if_else(
-        x > _SMALL, (large - 1 + ca.exp(-large)) / large**2, 0.5 - x / 6 * (1 - x / 4 * (1 - x / 5 * (1 - x / 6)))
-    )
+    average = ca.if_else(x > _SMALL, (1 - decay) / large, 1 - x / 2 * (1 - x / 3 * (1 - x / 4 * (1 - x / 5))))
+    rise = ca.if_else(x > _SMALL, (large - 1 + decay) / large**2, 0.5 - x / 6 * (1 - x / 4 * (1 - x / 5 * (1 - x / 6))))
     return decay, average, rise

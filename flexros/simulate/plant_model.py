@@ -63,6 +63,13 @@ class PlantModel:
         return int(self._plant.x.numel())
 
     @property
+    def nominal_values(self) -> FloatArray:
+        """Values of the free parameters that robot and laws were given with (SI), shape (n_parameters,)."""
+        numbers = {name: value for law in self.laws for name, value in law.parameters.items()}
+        own = [numbers[name] if name in numbers else self.robot.parameters[name].value for name in self.parameter_names]
+        return np.array(own, dtype=float)
+
+    @property
     def delay(self) -> float | tuple[float, ...]:
         """Delay of the commands [s]: one number, or one for each motor where effects delay single motors."""
         if not self._delays:
@@ -87,7 +94,7 @@ class PlantModel:
 
         Args:
             near: State of the robot [q, v], or its coordinates q alone, to start from, the motors where they are held.
-            parameters: Values of the free parameters (SI), shape (n_parameters,); default: there are none.
+            parameters: Values of the free parameters (SI), shape (n_parameters,); default: `nominal_values`.
 
         Returns:
             State of the robot, shape (2 nq,), and the torque that the motors need [Nm or N], shape (M,).
@@ -95,7 +102,7 @@ class PlantModel:
         Raises:
             InputError: The springs do not balance gravity.
         """
-        values = np.zeros(0) if parameters is None else np.asarray(parameters, dtype=float)
+        values = self.nominal_values if parameters is None else np.asarray(parameters, dtype=float)
         wanted = values if self.moves_rest else values[self.robot_columns]
         return self._rest_finder.find(np.array(near[: self.model.n_coordinates], dtype=float), wanted)
 
@@ -107,7 +114,7 @@ class PlantModel:
         Args:
             state: State of the robot [q, v], shape (2 nq,).
             torque: Commands that have been acting [Nm or N], shape (M,); default: those that hold the robot there.
-            parameters: Values of the free parameters (SI), shape (n_parameters,); default: there are none.
+            parameters: Values of the free parameters (SI), shape (n_parameters,); default: `nominal_values`.
 
         Returns:
             State of the plant, shape (n_states,).
@@ -115,7 +122,7 @@ class PlantModel:
         plain = np.concatenate([state, np.zeros(self.n_states - len(state))])
         if not self._plant.own_states.numel():
             return plain
-        values = np.zeros(len(self.parameter_names)) if parameters is None else np.asarray(parameters, dtype=float)
+        values = self.nominal_values if parameters is None else np.asarray(parameters, dtype=float)
         if torque is None:
             torque = np.zeros(self.robot.n_motors)
             if self._plant.laws.commands:

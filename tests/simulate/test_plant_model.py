@@ -21,6 +21,14 @@ ALL = [
     "torque_ripple@motor_2:amplitude=0.05,order=12,proportional=true",
     "coulomb_friction@motor_2:level=80",
     "nonlinear_stiffness@body_1.ry:relative=0.4,knee=1e-3",
+    "torque_saturation@motor_1:limit=2500",
+    "torque_gain_error@motor_1:relative=0.05",
+    "actuator_lag@motor_2:time_constant=0.0007",
+    "presliding_friction@motor_2:level=60,extra=20,velocity=0.01,stiffness=1e7,damping=1e4",
+    "friction_drift@motor_1:coulomb=50,viscous=100,time_constant=0.1",
+    "encoder_eccentricity@motor_2:amplitude=1e-3,order=20",
+    "encoder_quantization@motor_1:step=1e-5",
+    "delay@motor_2:time=0.0003",
 ]
 
 
@@ -122,3 +130,42 @@ def test_machine_code_agrees_with_the_virtual_machine() -> None:
         encoders.append(kernel.run(start, 400, inputs).encoder)
     assert np.max(np.abs(encoders[0])) > 1e-3
     np.testing.assert_allclose(encoders[0], encoders[1], rtol=0, atol=1e-11)
+
+
+def test_delay_of_one_motor_shifts_its_commands_alone() -> None:
+    """A delay of whole samples at one motor is the run in which that motor's commands come later."""
+    late, prompt = experiment("delay@motor_2:time=0.0015"), experiment()
+    T, torque = prompt.sample_time, np.random.default_rng(0).normal(size=(60, 2)) * 500
+    plants = [one.plant_in_time() for one in (late, prompt)]
+    shift = round(0.0015 / T)
+    assert shift == pytest.approx(0.0015 / T)
+    before = prompt.start_torque
+    for k in range(60):
+        plants[0].advance(torque[k])
+        plants[1].advance([torque[k, 0], torque[k - shift, 1] if k >= shift else before[1]])
+        np.testing.assert_allclose(plants[0].state, plants[1].state, atol=1e-12)
+
+
+def test_delays_of_all_and_of_one_motor_add_up() -> None:
+    model = experiment("delay@motor_2:time=0.0002", "delay@all:time=0.001", "delay@motor_2:time=0.0001").plant_model
+    assert model.delay == pytest.approx((0.0018, 0.0021))
+    assert experiment("delay@all:time=0.001").plant_model.delay == pytest.approx(0.0018)
+
+
+def test_start_stands_for_what_has_been_before() -> None:
+    """Gravity is held from the first instant on, behind saturation, gain and lag."""
+    effects = ["actuator_lag@motor_1:time_constant=0.01", "torque_gain_error@motor_1:relative=0.5"]
+    prepared = experiment(*effects, robot="elbow", disturbances=[], noise=False, plant={"effects": effects})
+    model, state = prepared.plant_model, prepared.start_state
+    torque = prepared.plant.holding_torque(state)[0]
+    assert model.start(state)[-2:] == pytest.approx([torque, torque])
+    assert model.start(state, np.array([3.0, 0.0]))[-2:] == pytest.approx([4.5, 4.5])
+
+
+def test_free_parameters_of_a_start_have_the_values_they_were_given_with() -> None:
+    effects = ["actuator_lag@motor_1:time_constant=0.01", "torque_gain_error@motor_1:relative=0.5"]
+    prepared = experiment(robot="elbow", disturbances=[], noise=False, plant={"effects": effects})
+    names = ["body_2.mass", "torque_gain_error@motor_1.relative"]
+    free = PlantModel(prepared.plant, prepared.laws, names)
+    assert free.nominal_values == pytest.approx([prepared.plant.parameters["body_2.mass"].value, 0.5])
+    np.testing.assert_allclose(free.start(prepared.start_state), prepared.plant_model.start(prepared.start_state))
