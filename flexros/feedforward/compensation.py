@@ -11,9 +11,9 @@ import numpy as np
 from flexros.effects.delay import Delay
 from flexros.effects.sensor import AbstractSensor
 from flexros.effects.tool_error import AbstractToolError
+from flexros.feedforward.arm_forces import acts_at_once
 from flexros.feedforward.gear_compensation import with_gear_laws
 from flexros.feedforward.motor_compensation import with_motor_laws
-from flexros.feedforward.tool_geometry import ToolGeometry
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -64,10 +64,13 @@ def motor_delays(robot: Robot, laws: Sequence[PlacedLaw]) -> tuple[float, ...]:
     return tuple(delays.values())
 
 
-def tool_geometry(robot: Robot, laws: Sequence[PlacedLaw]) -> ToolGeometry | None:
-    """Give the kinematics of the tool with the errors among the laws; None where there are none."""
-    errors = any(isinstance(law.effect, AbstractToolError) and not law.effect.neutral for law in laws)
-    return ToolGeometry.of(robot, laws) if errors else None
+def laws_of_the_arm(laws: Sequence[PlacedLaw]) -> tuple[PlacedLaw, ...]:
+    """Pick the laws that are part of the arm's equations: forces on it, and errors of its kinematics."""
+    return tuple(
+        law
+        for law in laws
+        if not law.effect.neutral and (acts_at_once(law) or isinstance(law.effect, AbstractToolError))
+    )
 
 
 def _as_encoders_tell(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw]) -> Motion:

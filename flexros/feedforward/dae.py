@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.errors import RunError
+from flexros.feedforward.arm_forces import arm_forces
 from flexros.feedforward.base import AbstractFeedforward
 from flexros.feedforward.compiled_march import CompiledMarch
 from flexros.feedforward.consistent_start import consistent_start
@@ -15,13 +16,14 @@ from flexros.feedforward.march import MAX_ITERATIONS, March, newton_tolerance
 from flexros.feedforward.minimum_phase import require_minimum_phase
 from flexros.feedforward.motion import Motion
 from flexros.feedforward.step_functions import StepFunctions
+from flexros.feedforward.tool_geometry import ToolGeometry
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from flexros.effects import PlacedLaw
     from flexros.feedforward.problem import FeedforwardProblem
     from flexros.feedforward.specification import FeedforwardSpecification
-    from flexros.feedforward.tool_geometry import ToolGeometry
     from flexros.robot import Robot
 
 
@@ -45,7 +47,7 @@ class DaeFeedforward(AbstractFeedforward):
         problem.require_square(problem.output)
         require_minimum_phase(problem)
         equations, gamma, march = dae_march(
-            robot, problem.output, settings.order, problem.sample_time, settings.compiled, problem.geometry
+            robot, problem.output, settings.order, problem.sample_time, settings.compiled, problem.laws
         )
         start = consistent_start(robot, equations, problem.desired[0], problem.rigid_start)
         tolerance = newton_tolerance(equations, gamma, start)
@@ -67,7 +69,7 @@ def dae_march(
     order: int,
     sample_time: float,
     compiled: bool,
-    geometry: ToolGeometry | None = None,
+    laws: tuple[PlacedLaw, ...] = (),
 ) -> tuple[DaeEquations, float, March]:
     """Make the march of a robot, or return the one made before.
 
@@ -77,12 +79,13 @@ def dae_march(
         order: Order of the backward difference formula, 1 or 2.
         sample_time: Step size [s].
         compiled: Machine code, or the CasADi virtual machine.
-        geometry: Where the tool is; None: where the robot's file says.
+        laws: Laws of effects that are part of the arm's equations.
 
     Returns:
         Equations of a step, leading coefficient gamma [1/s], and the march.
     """
-    equations = build_equations(robot.model, output, geometry=geometry)
+    geometry = ToolGeometry.of(robot, laws) if laws else None
+    equations = build_equations(robot.model, output, geometry=geometry, forces=arm_forces(robot, laws))
     functions = StepFunctions.of(equations, order, sample_time)
     march: March = CompiledMarch(equations, functions) if compiled else InterpretedMarch(equations, functions)
     return equations, functions.gamma, march

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 
 if TYPE_CHECKING:
+    from flexros.feedforward.arm_forces import ArmForces
     from flexros.feedforward.tool_geometry import ToolGeometry
     from flexros.robot.model import SymbolicModel
 
@@ -50,7 +51,9 @@ class DaeEquations:
     motion: ca.Function
 
 
-def arm_residual(model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX, u: ca.SX) -> ca.SX:
+def arm_residual(
+    model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX, u: ca.SX, forces: ArmForces | None = None
+) -> ca.SX:
     """Missing force in the arm's equation (2a), zero for a motion that the model allows.
 
     Args:
@@ -59,18 +62,20 @@ def arm_residual(model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX, u: ca.SX) -
         v: Rates, SX.
         a: Accelerations, SX.
         u: Motor torques, SX (M, 1); only those behind stiff gears matter.
+        forces: Forces of effects on the arm; default: none.
 
     Returns:
         M_a a_a - c - g - tau_a, SX (N, 1).
     """
     n, p = model.n_arm, model.parameter_values
+    beside = ca.SX.zeros(n) if forces is None else forces.of(q[:n], v[:n])
     if model.specification.inertial_coupling:
-        return (model.mass_matrix(q, p) @ a - model.force(q, v, u, ca.SX.zeros(6), p))[:n]
+        return (model.mass_matrix(q, p) @ a - model.force(q, v, u, ca.SX.zeros(6), p))[:n] - beside
     need = model.arm_inverse_dynamics(q[:n], v[:n], a[:n], p) - model.transmission_force(q[:n], v[:n], q[n:], v[n:], p)
     for number in model.chain.stiff_motors:
         arm = model.chain.geared[number]
         need[arm] += model.chain.motor(number).inertia.value * a[arm] - u[number]
-    return need
+    return need - beside
 
 
 def motor_torque(model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
@@ -99,6 +104,7 @@ def build_equations(
     output: str | None = None,
     exact: bool | None = None,
     geometry: ToolGeometry | None = None,
+    forces: ArmForces | None = None,
 ) -> DaeEquations:
     """Build the functions of one step.
 
@@ -108,6 +114,7 @@ def build_equations(
         exact: Exact Newton matrix, or M gamma^2 + D gamma + K with exact output rows; default: exact up to
             `LARGE_MODEL` arm coordinates.
         geometry: Where the tool is; default: where the robot's file says.
+        forces: Forces of effects on the arm; default: none.
 
     Returns:
         The functions.
@@ -128,7 +135,7 @@ def build_equations(
     else:
         value = geometry.output(output or model.specification.controlled, q[:n])
     Z = ca.SX.sym("Z", value.shape[0])
-    residual = ca.vertcat(weight * arm_residual(model, q, v, a, u), value - Z)
+    residual = ca.vertcat(weight * arm_residual(model, q, v, a, u, forces), value - Z)
     matrix = ca.jacobian(residual, x) if exact else _mass_based_matrix(model, x, q, gamma, weight, value)
     return DaeEquations(
         n_arm=n,

@@ -23,7 +23,7 @@ class FlexibleJointFeedforward(AbstractFeedforward):
     def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
         """Compute the motion at once and hand it out in chunks; see `AbstractFeedforward.motions`."""
         robot = problem.robot
-        arm = RigidArm(robot)
+        arm = RigidArm(robot, problem.laws)
         gears = problem.gear_motion(4)
         start = robot.equilibrium(problem.rigid_start)
         compliance = gear_compliance(robot, start, problem.output, problem.specification.stiffness)

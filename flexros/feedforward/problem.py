@@ -15,6 +15,7 @@ from flexros.trajectory.joint_derivatives import OutputDerivatives, joint_deriva
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
+    from flexros.effects import PlacedLaw
     from flexros.feedforward.specification import FeedforwardSpecification
     from flexros.robot import Robot
     from flexros.trajectory.trajectory import Trajectory
@@ -34,7 +35,7 @@ class FeedforwardProblem:
         sample_time: Distance of the sampling instants [s].
         n_samples: Number of instants, the first at 0.
         near: Arm coordinates near which the start pose is sought [rad or m], shape (N,); None: the robot's home pose.
-        geometry: Where the tool is; None: where the robot's file says.
+        laws: Laws of effects that are part of the arm's equations: forces on it, and errors of its kinematics.
     """
 
     robot: Robot
@@ -43,12 +44,12 @@ class FeedforwardProblem:
     sample_time: float
     n_samples: int
     near: FloatArray | None = None
-    geometry: ToolGeometry | None = None
+    laws: tuple[PlacedLaw, ...] = ()
 
     @cached_property
     def tool(self) -> ToolGeometry:
         """Where the tool is for given arm coordinates."""
-        return ToolGeometry.of(self.robot) if self.geometry is None else self.geometry
+        return ToolGeometry.of(self.robot, self.laws)
 
     @cached_property
     def output(self) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.feedforward.base import feedforward_method
-from flexros.feedforward.compensation import compensated, motor_delays, tool_geometry
+from flexros.feedforward.compensation import compensated, laws_of_the_arm, motor_delays
 from flexros.feedforward.friction import friction_torque
 from flexros.feedforward.hold import held_torque, samples_ahead
 from flexros.feedforward.motion import Motion, Reference
@@ -96,8 +96,8 @@ def reference_chunks(
     hold = method.compensates_hold(specification) if hold is None else hold
     delays = motor_delays(robot, laws)
     ahead = samples_ahead(sample_time, max(delays)) if hold else 0
-    geometry = tool_geometry(robot, laws)
-    problem = FeedforwardProblem(robot, trajectory, specification, sample_time, n_samples + ahead, near, geometry)
+    of_arm = laws_of_the_arm(laws)
+    problem = FeedforwardProblem(robot, trajectory, specification, sample_time, n_samples + ahead, near, of_arm)
     motions = _with_friction(method.motions(problem, chunk), specification)
     if laws and specification.method != "none":
         motions = compensated(Motion.concatenate(list(motions)), robot, laws, sample_time).chunks(chunk)

@@ -21,6 +21,6 @@ class RigidFeedforward(AbstractFeedforward):
 
     def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
         """Compute the motion at once and hand it out in chunks; see `AbstractFeedforward.motions`."""
-        arm = RigidArm(problem.robot)
+        arm = RigidArm(problem.robot, problem.laws)
         gears = problem.gear_motion(2)
         yield from arm.inverse_dynamics(gears).chunks(chunk)

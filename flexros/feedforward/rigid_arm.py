@@ -7,11 +7,15 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from flexros.feedforward.arm_forces import arm_forces
 from flexros.feedforward.dae_equations import arm_residual, motor_torque
 from flexros.feedforward.motion import Motion
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import FloatArray
+    from flexros.effects import PlacedLaw
     from flexros.robot import Robot
 
 MAX_DERIVATIVES = 4
@@ -22,10 +26,12 @@ class RigidArm:
 
     Args:
         robot: The robot.
+        laws: Laws of effects that are part of the arm's equations.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, laws: Sequence[PlacedLaw] = ()) -> None:
         self._robot = robot
+        self._forces = arm_forces(robot, laws)
         self._theta = [ca.SX.sym(f"theta_{k}", robot.n_motors) for k in range(MAX_DERIVATIVES + 1)]
 
     def _derivative(self, expression: ca.SX) -> ca.SX:
@@ -57,7 +63,7 @@ class RigidArm:
         """
         robot, model, theta = self._robot, self._robot.model, self._theta
         rest = [self._coordinates(part, part) for part in theta[:3]]
-        tau = arm_residual(model, rest[0], rest[1], rest[2], ca.SX.zeros(robot.n_motors))
+        tau = arm_residual(model, rest[0], rest[1], rest[2], ca.SX.zeros(robot.n_motors), self._forces)
         tau = tau[list(robot.chain.geared)]
         motor = list(theta[:3])
         if compliance is not None:

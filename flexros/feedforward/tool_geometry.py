@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ToolGeometry:
     """Kinematics of the tool.
 

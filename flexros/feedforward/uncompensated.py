@@ -13,6 +13,7 @@ from flexros.effects.gear_law import AbstractGearLaw
 from flexros.effects.motor_law import AbstractMotorTorque
 from flexros.effects.sensor import AbstractSensor
 from flexros.effects.tool_error import AbstractToolError
+from flexros.feedforward.arm_forces import acts_at_once
 from flexros.feedforward.base import feedforward_method
 from flexros.feedforward.compensation import PERIODIC
 from flexros.feedforward.motor_compensation import GAIN, LAG
@@ -66,7 +67,7 @@ def _reason(robot: Robot, law: PlacedLaw, hold: bool) -> str:
         if law.location not in (*motors, *gears):
             return "it lies in a spring without motor"
         return "the motors act on the arm beside their gears" if robot.spec.inertial_coupling else ""
-    if isinstance(effect, AbstractArmLaw):
+    if isinstance(effect, AbstractArmLaw) and not acts_at_once(law):
         return "it has a motion of its own, which inverse dynamics of the arm do not hold"
-    known = (*MADE_UP_FOR, AbstractCommandLaw, AbstractSensor, Delay)
+    known = (*MADE_UP_FOR, AbstractArmLaw, AbstractCommandLaw, AbstractSensor, Delay)
     return "" if isinstance(effect, known) else "the feedforward does not know this kind of effect"
