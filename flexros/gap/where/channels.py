@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flexros.gap.where.settings import WhereSettings
     from flexros.robot import Robot
 
-TOOL_REGIMES = ("all", "standstill", "reversal", "high speed", "first third", "last third")
+TOOL_REGIMES = ("all", "standstill", "reversal", "high speed", "vibration", "first third", "last third")
 """Regimes of the tool; those of speed hold when they hold of any motor, standstill when it holds of all."""
 
 

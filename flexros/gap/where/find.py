@@ -71,7 +71,8 @@ def where(
         projected: Prediction errors from which all that the tolerance of the model can explain was taken off [rad or
             m], shape (n, M); they are looked at instead of those of the prediction.
         spectrum: Spectrum of the prediction errors without gap, from `flexros.gap.where.floor`, shape (any, M);
-            default: white.
+            default: white, which is right of predictors with a small gain. That of a linearised predictor does not
+            hold where springs are nonlinear.
         settings: Numbers of the search.
 
     Returns:

@@ -9,8 +9,6 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 from scipy.ndimage import median_filter
 
-from flexros.gap.where.regimes import LOW
-
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
 
@@ -22,6 +20,10 @@ BACKGROUND = 21
 """Neighbouring orders whose median is the background of a peak (chosen)."""
 MOST_BINS = 2**17
 """Longest transform; beyond it only the lower orders are looked at (chosen)."""
+MOVING = 0.03
+"""Share of the largest speed above which a rotor counts as turning (chosen)."""
+SPEEDS = 3
+"""Groups of similar speed in each direction (chosen)."""
 LEAST_SAMPLES = 200
 """Samples that a group of like speed needs (chosen)."""
 
@@ -55,7 +57,7 @@ class OrderGrid:
             highest: Highest order [periods per turn].
         """
         empty = cls(np.zeros(0), 0, 0, (), ())
-        moving = valid & (np.abs(speed) > LOW * np.quantile(np.abs(speed), 0.999))
+        moving = valid & (np.abs(speed) > MOVING * np.quantile(np.abs(speed), 0.999))
         if moving.sum() < 4 * LEAST_SAMPLES:
             return empty
         begin, end = float(angle[moving].min()), float(angle[moving].max())
@@ -134,14 +136,12 @@ def prominence(power: FloatArray) -> FloatArray:
 
 
 def _groups(speed: FloatArray, moving: BoolArray) -> tuple[IntArray, ...]:
-    """Divide moving samples by direction and into a slow and a fast half."""
-    found = []
+    """Divide moving samples by direction and by speed into groups of equal numbers."""
+    found: list[IntArray] = []
     for sign in (1, -1):
         rows = np.flatnonzero(moving & (sign * speed > 0))
-        if len(rows) < 2 * LEAST_SAMPLES:
-            if len(rows) >= LEAST_SAMPLES:
-                found.append(rows)
-            continue
-        middle = np.median(np.abs(speed[rows]))
-        found += [rows[np.abs(speed[rows]) <= middle], rows[np.abs(speed[rows]) > middle]]
-    return tuple(rows for rows in found if len(rows) >= LEAST_SAMPLES)
+        count = min(SPEEDS, len(rows) // LEAST_SAMPLES)
+        if count:
+            by_speed = rows[np.argsort(np.abs(speed[rows]), kind="stable")]
+            found += [np.sort(part) for part in np.array_split(by_speed, count)]
+    return tuple(found)

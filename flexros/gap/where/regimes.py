@@ -16,6 +16,7 @@ FAMILIES = {
     "reversal": "speed",
     "low speed": "speed",
     "high speed": "speed",
+    "vibration": "speed",
     "high torque": "torque",
     "gear torque reversal": "gear torque",
     "high acceleration": "acceleration",
@@ -30,6 +31,8 @@ LOW = 0.15
 """Share of the largest speed below which it counts as slow (chosen)."""
 HIGH = 0.6
 """Share of the largest speed, torque or acceleration above which it counts as high (chosen)."""
+LASTING = 0.08
+"""Time between two turnings [s] below which they are a vibration and no reversals (chosen)."""
 BEFORE, AFTER = 0.02, 0.06
 """Time before and after a change of sign that belongs to a reversal [s] (chosen; prediction errors come after it)."""
 
@@ -47,9 +50,12 @@ def regimes(motion: Motion, number: int, sample_time: float) -> dict[str, BoolAr
     """
     speed, n = motion.speed[:, number], len(motion.speed)
     top = _largest(speed)
-    reversal = around(_turnings(speed, STILL * top), sample_time)
+    turnings = _turnings(speed, STILL * top)
+    lasting = _apart(turnings, round(LASTING / sample_time))
+    reversal = around(lasting, sample_time)
     slow = np.abs(speed) < LOW * top
     still = _lasting(np.abs(speed) < STILL * top, round((BEFORE + AFTER) / sample_time)) & ~reversal
+    vibration = around(turnings & ~lasting, sample_time) & ~still & ~reversal
     gear = motion.gear_torque[:, number]
     turns = _turnings(np.nan_to_num(gear), STILL * _largest(gear)) if np.isfinite(gear).any() else np.zeros(n, bool)
     time = np.arange(n)
@@ -57,8 +63,9 @@ def regimes(motion: Motion, number: int, sample_time: float) -> dict[str, BoolAr
         "all": np.ones(n, dtype=bool),
         "standstill": still,
         "reversal": reversal,
-        "low speed": slow & ~still & ~reversal,
-        "high speed": _high(speed),
+        "low speed": slow & ~still & ~reversal & ~vibration,
+        "high speed": _high(speed) & ~reversal & ~vibration,
+        "vibration": vibration,
         "high torque": _high(motion.torque[:, number]),
         "gear torque reversal": around(turns, sample_time),
         "high acceleration": _high(motion.acceleration[:, number]),
@@ -94,6 +101,15 @@ def _turnings(values: FloatArray, least: float) -> BoolArray:
         first, last = rows[change], rows[change + 1]
         found[first + int(np.abs(values[first : last + 1]).argmin())] = True
     return found
+
+
+def _apart(events: BoolArray, samples: int) -> BoolArray:
+    """Keep the events that are at least so many samples from the ones before and behind."""
+    rows = np.flatnonzero(events)
+    distance = np.diff(np.concatenate([[-samples], rows, [len(events) + samples]]))
+    kept = np.zeros(len(events), dtype=bool)
+    kept[rows[(distance[:-1] >= samples) & (distance[1:] >= samples)]] = True
+    return kept
 
 
 def _high(values: FloatArray) -> BoolArray:

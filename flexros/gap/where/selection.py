@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 LEAST_SHARE = 0.02
 """Share of the excess that a place needs to be told (chosen)."""
+LEAST_ORDER_SHARE = 0.01
+"""The same of an order, which is seen only while the rotor turns (chosen)."""
 LEAST_SCORE = 0.02
 """Concentration that a place needs to be told, so that what is evenly spread names no regime [nats] (chosen)."""
 
@@ -26,15 +28,20 @@ def told(places: Sequence[FoundPlace], settings: WhereSettings) -> tuple[GapPlac
         settings: Numbers of the search.
 
     Returns:
-        Significant places by concentration of the excess, of each joint at most one per signal and kind of regime.
+        Significant places by concentration of the excess, of each joint at most one per kind of regime.
         Where the excess is spread evenly over everything, the whole of the joint with the largest share.
     """
-    significant = [place for place in places if place.p_value <= settings.significant and place.share >= LEAST_SHARE]
+    significant = [
+        place
+        for place in places
+        if place.p_value <= settings.significant
+        and place.share >= (LEAST_ORDER_SHARE if place.family == "motor angle" else LEAST_SHARE)
+    ]
     ordered = sorted(significant, key=lambda place: (-place.score, -place.share, place.p_value))
     chosen: list[FoundPlace] = []
     kinds = set()
     for place in ordered:
-        kind = (place.signal, place.joint, place.family)
+        kind = (place.joint, place.family)
         if place.score >= LEAST_SCORE and kind not in kinds:
             kinds.add(kind)
             chosen.append(place)

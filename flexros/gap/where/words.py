@@ -13,6 +13,7 @@ _REGIMES = {
     "reversal": "at reversals",
     "low speed": "at low speed",
     "high speed": "at high speed",
+    "vibration": "in vibration",
     "high torque": "under high torque",
     "gear torque reversal": "where the gear torque changes its sign",
     "high acceleration": "under high acceleration",

@@ -25,6 +25,13 @@ def test_reversal_is_where_the_speed_changes_its_sign() -> None:
     assert found.sum() < 100 * len(changes)
 
 
+def test_fast_turning_back_and_forth_is_vibration() -> None:
+    time = T * np.arange(4000)
+    found = regimes(moved(np.cos(2 * np.pi * 20 * time)), 0, T)
+    assert found["vibration"].mean() > 0.9
+    assert not found["reversal"][100:-100].any()
+
+
 def test_a_rest_between_moves_is_standstill_and_no_reversal() -> None:
     speed = np.concatenate([np.ones(500), np.zeros(500), np.ones(500)])
     found = regimes(moved(speed), 0, T)
