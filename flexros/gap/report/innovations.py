@@ -22,6 +22,8 @@ _MOST_MOTORS = 3
 """Motors that are drawn, those with the largest gap (chosen)."""
 _SEGMENT = 4096
 """Longest piece of the spectra [samples] (chosen)."""
+_FARTHEST = 1e6
+"""Errors of a prediction that diverged are drawn at this many standard deviations (chosen)."""
 _BAND = 1.96
 """Normal numbers lie within this many standard deviations in 95 % of all cases."""
 
@@ -63,7 +65,7 @@ def _told(result: DiagnosisResult, model: Explanation) -> tuple[GapRecord, Predi
 
 def _settled(prediction: Prediction, record: GapRecord) -> FloatArray:
     """Return the errors in standard deviations, zero where they do not count, shape (n, M)."""
-    relative: FloatArray = np.nan_to_num(prediction.innovations / prediction.sd)
+    relative: FloatArray = np.clip(np.nan_to_num(prediction.innovations / prediction.sd), -_FARTHEST, _FARTHEST)
     relative[: prediction.first] = 0.0
     relative[~record.valid] = 0.0
     return relative

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import TYPE_CHECKING
 
 from flexros.analysis.report.base import Picture
@@ -21,6 +22,8 @@ _COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 _POINTS = ("#b8c0c8", "#8fb8d8")
 """Colours of clouds of points, which lie below the lines."""
 _HEIGHT = 260
+_ACROSS = 32
+"""Characters of an ordinate's title that fit beside a picture."""
 
 
 def signature_pictures(one: Candidate, result: DiagnosisResult) -> tuple[Picture, ...]:
@@ -51,8 +54,9 @@ def _figure(signature: Signature) -> go.Figure:
         for place, (name, curve) in enumerate(curves.items()):
             figure.add_trace(_trace(name, curve, colours[place % len(colours)]))
     figure.update_xaxes(title_text=signature.x_label, type="log" if signature.log_x else "linear")
-    figure.update_yaxes(title_text=signature.y_label, type="log" if signature.log_y else "linear")
-    figure.update_layout(showlegend=len(signature.series) > 1)
+    title = "<br>".join(textwrap.wrap(signature.y_label, _ACROSS))
+    figure.update_yaxes(title_text=title, type="log" if signature.log_y else "linear")
+    figure.update_layout(showlegend=len(signature.series) > 1, legend_itemsizing="constant")
     return figure
 
 

@@ -108,10 +108,14 @@ def _in(cause: Cause, places: tuple[Place, ...]) -> bool:
 def _closed(gap: GapNumbers) -> str:
     if gap.after is None or gap.closed_fraction is None:
         return ""
+    sizes = (
+        f"{_size(gap, gap.before)} before, {number(gap.after, 3)} after, {number(gap.noise_floor, 3)} without any gap"
+    )
+    if gap.closed_fraction <= 0:
+        return f"On held-out data the repaired model does not close the gap: {sizes}."
     within = interval_words(gap.interval)
     return (
-        f"On held-out data the repaired model closes {closed_words(gap.closed_fraction)} of the gap{within}: "
-        f"{_size(gap, gap.before)} before, {number(gap.after, 3)} after, {number(gap.noise_floor, 3)} without any gap."
+        f"On held-out data the repaired model closes {closed_words(gap.closed_fraction)} of the gap{within}: {sizes}."
     )
 
 

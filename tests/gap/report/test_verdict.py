@@ -45,3 +45,10 @@ def test_both_causes_of_a_pair_are_told(diagnosed: Diagnosed) -> None:
     text = verdict_sentence(pair)
     assert "Coulomb friction at motor_1, 0.213 Nm (±0.011) and hysteresis at motor_1" in text
     assert "each with a probability of 90 % or more" in text
+
+
+def test_a_repair_that_makes_it_worse_is_told_so(diagnosed: Diagnosed) -> None:
+    diagnosis = diagnosed("explained").diagnosis
+    gap = diagnosis.gap.model_copy(update={"after": 50.0, "closed_fraction": -0.3})
+    text = verdict_sentence(diagnosis.model_copy(update={"gap": gap}))
+    assert text.endswith("the repaired model does not close the gap: 38.2 before, 50 after, 1 without any gap.")

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from flexros.gap.report import diagnosis_report, write_diagnosis_report
@@ -101,6 +102,17 @@ def test_a_result_with_little_is_rendered_all_the_same(changed: Callable[..., Di
     html = page(replace(bare, before=replace(bare.before, holdout=None)))
     assert "No effect competed" in html
     assert "Where it shows</h2>" not in html
+
+
+def test_a_prediction_that_diverged_is_drawn_all_the_same(changed: Callable[..., DiagnosisResult]) -> None:
+    known = changed("explained")
+    assert known.after is not None and known.after.holdout is not None
+    gone = known.after.holdout.innovations.copy()
+    gone[4000:] = np.nan
+    gone[3990:4000] = 1e300
+    broken = replace(known.after, holdout=replace(known.after.holdout, innovations=gone))
+    told = pictures(page(replace(known, after=broken)))[-1]["figure"]["data"]  # type: ignore[index]
+    assert [trace["name"] for trace in told[:2]] == ["nominal model", "nominal model"]
 
 
 def test_report_is_written_as_a_file(diagnosed: Diagnosed, tmp_path: Path) -> None:
