@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from flexros.config.scenario import load_scenario
-from flexros.robot import load_robot
+from flexros.effects.patched_robot import load_patched
 from flexros.simulate.experiment import Experiment
 
-_prepared: dict[tuple[str, str], Experiment] = {}
+_prepared: dict[tuple[str, ...], Experiment] = {}
 
 
 def prepared_run(scenario: str) -> Experiment:
@@ -22,7 +22,8 @@ def prepared_run(scenario: str) -> Experiment:
         InputError: The scenario is not possible.
     """
     loaded = load_scenario(scenario)
-    key = loaded.digest(), load_robot(loaded.robot).model_hash
+    robots = [name for name in (loaded.robot, loaded.feedforward_model) if name is not None]
+    key = loaded.digest(), *(load_patched(name).fingerprint for name in robots)
     if key not in _prepared:
         experiment = Experiment.prepare(loaded)
         _prepared.clear()  # one run at a time: the arrays of the one before may be large

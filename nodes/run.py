@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexros.config.scenario import Scenario, load_scenario
+from flexros.effects.patched_robot import load_model
 from flexros.errors import InputError, unknown_name
-from flexros.robot import load_robot
 from flexros_nodes.composed import run_composed
 from flexros_nodes.domain import DOMAIN_VARIABLE, environment, run_environment
 from flexros_nodes.interruption import interruption
@@ -96,7 +96,7 @@ def _checked(node: str, values: Mapping[str, Value], scenario: Scenario) -> dict
         )
     specifications = node_parameters(node)
     if node == "controller":
-        robot = load_robot(scenario.robot)
+        robot = load_model(scenario.robot).robot
         law, n_motors = scenario.controller, robot.n_motors
         gains = law.gains(n_motors, robot.torque_limits)
         specifications |= gain_parameters(law.kind, law.gain_names(n_motors), gains)

@@ -56,13 +56,13 @@ def _labels(bag: list[Path]) -> list[str | None]:
 
 def _robot(model: str, log: Log) -> Robot | None:
     """Load the robot of a run; one that the provenance names but that is not at hand is done without."""
-    from flexros.robot import load_robot
+    from flexros.effects.patched_robot import load_model
 
     if model:
-        return load_robot(model)
+        return load_model(model).robot
     scenario = log.provenance.get("scenario")
     name = scenario.get("robot") if isinstance(scenario, dict) else None
     try:
-        return load_robot(name) if isinstance(name, str) else None
+        return load_model(name).robot if isinstance(name, str) else None
     except FlexrosError:
         return None

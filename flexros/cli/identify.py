@@ -22,6 +22,7 @@ from flexros.cli.identify_design import (
 )
 from flexros.cli.identify_fit import BOUND, fit, print_identification, search_settings, searched
 from flexros.cli.identify_frf import estimated, frf
+from flexros.cli.model import linear_robot
 from flexros.cli.output import print_json, say
 from flexros.cli.run import choose_transport
 from flexros.errors import InputError, unknown_name
@@ -90,7 +91,6 @@ def robot(
     """Design an experiment, run it, estimate frequency responses, fit the parameters, and report."""
     from flexros.identify.design.experiment_design import DesignSettings
     from flexros.identify.report.files import make_folder
-    from flexros.robot import load_robot
 
     log = out / "log"
     if log.exists():
@@ -98,7 +98,7 @@ def robot(
     checked_minutes(minutes)
     if layout not in LAYOUTS:
         raise unknown_name("layout", layout, LAYOUTS, "--layout")
-    nominal = load_robot(name)
+    nominal = linear_robot(name)
     names = chosen_names(nominal, unknown)
     search = search_settings(nominal, names, estimator, weights, starts, seed, bound)
     template = with_real_robot(
@@ -158,11 +158,10 @@ def with_real_robot(template: Scenario, nominal: Robot, real: str) -> Scenario:
         InputError: The robots differ in more than numbers.
     """
     from flexros.identify.design.stand_in import stand_in_values
-    from flexros.robot import load_robot
 
     if not real:
         return template
-    values = {**stand_in_values(nominal, load_robot(real)), **template.plant.values}
+    values = {**stand_in_values(nominal, linear_robot(real)), **template.plant.values}
     return template.with_values({"plant": {**template.plant.model_dump(mode="json"), "values": values}}, "--real")
 
 

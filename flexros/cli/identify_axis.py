@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.table import Table
 
+from flexros.cli.model import linear_robot
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.cli.run import key_and_value
 from flexros.errors import InputError, unknown_name
@@ -54,9 +55,8 @@ def axis(
     from flexros.identify.one_axis.unmodelled import unmodelled
     from flexros.identify.report.files import make_folder
     from flexros.logs.reader import read_log
-    from flexros.robot import load_robot
 
-    robot = load_robot(model)
+    robot = linear_robot(model)
     if joint not in robot.joint_names:
         raise unknown_name("joint", joint, robot.joint_names, f"--joint, robot {robot.name}")
     rotary = robot.chain.joints[robot.chain.geared[robot.joint_names.index(joint)]].rotary

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.table import Column, Table
 
+from flexros.cli.model import linear_robot
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.cli.run import key_and_value
 from flexros.errors import InputError, unknown_name
@@ -52,12 +53,11 @@ def design(
     """Choose the positions that tell most about the unknown parameters, and write the scenario."""
     from flexros.identify.design.experiment_design import DesignSettings
     from flexros.identify.plan import plan_of_scenario
-    from flexros.robot import load_robot
 
     checked_minutes(minutes)
     if not 0 <= distortion <= 1:
         raise InputError(f"--distortion is {distortion:g}, but must be a share of the output from 0 to 1, e.g. 0.01")
-    robot = load_robot(name)
+    robot = linear_robot(name)
     names = chosen_names(robot, unknown)
     template = template_with(name, robot, scenario, [*setting, f"seed={seed}"])
     settings = DesignSettings(

@@ -10,6 +10,7 @@ import typer
 
 from flexros.cli.identify_design import UNKNOWN, chosen_names
 from flexros.cli.identify_table import parameter_table
+from flexros.cli.model import linear_robot
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError, unknown_name
 
@@ -47,9 +48,8 @@ def fit(
     from flexros.identify.report.files import write_identification
     from flexros.identify.report.result import identification_result
     from flexros.provenance import versions
-    from flexros.robot import load_robot
 
-    robot = load_robot(model)
+    robot = linear_robot(model)
     names = chosen_names(robot, unknown)
     settings = search_settings(robot, names, estimator, weights, starts, seed, bound)
     measured = load_responses(responses)

@@ -9,6 +9,7 @@ import numpy as np
 import typer
 from rich.table import Table
 
+from flexros.cli.model import linear_robot
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.cli.run import key_and_value
 
@@ -33,7 +34,6 @@ def frf(
     from flexros.config.scenario import load_scenario
     from flexros.identify.plan import plan_of_log, plan_of_scenario
     from flexros.logs.reader import read_log
-    from flexros.robot import load_robot
 
     recorded = read_log(log, namespace=namespace or None)
     if scenario:
@@ -41,7 +41,7 @@ def frf(
         plan, reference = plan_of_scenario(chosen), chosen.robot
     else:
         plan, reference = plan_of_log(recorded), recorded.provenance["scenario"]["robot"]
-    responses = estimated(recorded, plan, load_robot(reference), out, setting)
+    responses = estimated(recorded, plan, linear_robot(reference), out, setting)
     if as_json:
         print_json([response_record(response) for response in responses])
         return

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from flexros.cli.identify_table import fitting_table
+from flexros.cli.model import linear_robot
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError
 from flexros.json_text import json_text
@@ -41,11 +42,10 @@ def rigid(
     from flexros.identify.rigid.settings import RigidSettings
     from flexros.identify.rigid.verdict import judge_fit
     from flexros.logs.reader import read_log
-    from flexros.robot import load_robot
 
     if cutoff is not None and cutoff <= 0:
         raise InputError(f"--cutoff is {cutoff:g} Hz, but must be positive")
-    robot = load_robot(model)
+    robot = linear_robot(model)
     logs = {label: read_log(path, namespace=namespace or None) for label, path in _labelled(log).items()}
     first, *others = logs
     settings = RigidSettings(cutoff=cutoff, asymmetric=asymmetric, hold=hold)

@@ -9,6 +9,7 @@ import numpy as np
 import typer
 from rich.table import Table
 
+from flexros.cli.model import ROBOT, linear_robot
 from flexros.cli.output import console, print_json, say
 from flexros.errors import InputError
 from flexros.whole_file import write_result
@@ -42,18 +43,17 @@ def robots(as_json: bool = typer.Option(False, "--json", help="Print JSON.")) ->
 
 
 def robot(
-    name: str = typer.Argument(help="Shipped robot, or path of a robot YAML."),
+    name: str = typer.Argument(help=ROBOT),
     q: str = typer.Option("", "--q", help="Arm coordinates of the pose [rad or m], e.g. 0,0.3,0; default: home."),
     output: str = typer.Option("", "--output", help="Controlled output; default: that of the robot file."),
     bode: Path = typer.Option(None, "--bode", help="Write a Bode picture to this HTML file."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Show modes, zeros and zero dynamics of a robot at a pose, and whether it is minimum phase there."""
-    from flexros.robot import load_robot
     from flexros.robot.linearise import linear_model
     from flexros.robot.zeros import channel_zeros, poles, transmission_zeros, zero_dynamics
 
-    loaded = load_robot(name)
+    loaded = linear_robot(name)
     pose = np.array(loaded.home) if not q else parse_numbers(q, "--q")
     linear = linear_model(loaded, pose, output or None)
     verdict = zero_dynamics(loaded, pose, output or None)

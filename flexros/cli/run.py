@@ -59,7 +59,7 @@ def scenarios(as_json: bool = typer.Option(False, "--json", help="Print JSON."))
 
 def run(
     scenario: str = typer.Argument(help="Shipped scenario, or path of a scenario YAML."),
-    model: str = typer.Option("", "--model", help="Robot instead of the scenario's: name or YAML."),
+    model: str = typer.Option("", "--model", help="Robot instead of the scenario's: name, YAML or patch.yaml."),
     effect: list[str] = typer.Option(
         [], "--effect", help="Effect in the plant, NAME@LOCATION:parameter=value,... (may be repeated)."
     ),
@@ -91,6 +91,8 @@ def run(
         print_json(result.as_dict())
     else:
         print_result(chosen.name, result)
+    for warning in result.warnings:
+        typer.echo(f"flexros: {warning}", err=True)
     if result.exit_code:
         typer.echo(f"flexros: {result.message}", err=True)
     return result.exit_code

@@ -34,6 +34,7 @@ class RunResult:
         simulated_time: Number of samples times the sample time [s].
         wall_time: Time that the loop took [s]; in-process with feedforward and compilation.
         figures: Further figures by name: resends, messages dropped on purpose, missing samples, timing.
+        warnings: What the feedforward knows of but cannot make up for, a sentence each.
     """
 
     exit_code: int
@@ -44,6 +45,7 @@ class RunResult:
     simulated_time: float
     wall_time: float
     figures: Mapping[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Return the figures for JSON; times in seconds."""
@@ -56,6 +58,7 @@ class RunResult:
             "simulated_time_s": self.simulated_time,
             "wall_time_s": self.wall_time,
             **self.figures,
+            **({"warnings": list(self.warnings)} if self.warnings else {}),
         }
 
 
@@ -110,7 +113,8 @@ def run_direct(scenario: Scenario, out: Path, show_progress: bool = True) -> Run
     write_log(log, out)
     samples = len(log.joint_states.stamp)
     code = RunError.exit_code if message else 0
-    return RunResult(code, message, "direct", out, samples, samples * experiment.sample_time, wall)
+    simulated = samples * experiment.sample_time
+    return RunResult(code, message, "direct", out, samples, simulated, wall, warnings=experiment.warnings)
 
 
 def run_ros(
@@ -141,7 +145,7 @@ def run_ros(
     if runner is None:
         raise InputError(f"--transport ros: {why}; give --transport direct")
     _check_new(out)
-    Experiment.prepare(scenario)  # what is not allowed is said once, and not by each node
+    warnings = Experiment.prepare(scenario).warnings  # what is not allowed is said once, and not by each node
     summary = runner(scenario, out, layout, real_time=real_time, parameters=parameters)
     return RunResult(
         exit_code=summary.exit_code,
@@ -159,6 +163,7 @@ def run_ros(
             "ros_domain_id": summary.domain_id,
             **summary.timing,
         },
+        warnings=warnings,
     )
 
 

@@ -165,12 +165,13 @@ def plan_of_scenario(scenario: Scenario) -> ExperimentPlan:
     Raises:
         InputError: The scenario has no such key, or the plan is not possible.
     """
-    from flexros.robot import load_robot
+    from flexros.effects.patched_robot import load_patched
 
     source = f"scenario {scenario.name}"
     if scenario.identification is None:
         raise InputError(f"{source} has no key identification, so there is no experiment to plan; add the key")
-    robot = load_robot(scenario.robot).with_values(scenario.model.values, f"{source}, key model.values")
+    patched = load_patched(scenario.robot).with_values(scenario.model.values, f"{source}, key model.values")
+    robot = patched.model.robot
     with source_named(source):
         start = robot.home if scenario.start is None else robot.check_arm(scenario.start)
         sample_time = robot.sample_time if scenario.sample_time is None else scenario.sample_time

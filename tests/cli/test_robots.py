@@ -119,3 +119,28 @@ def test_every_command_has_help(flexros: Flexros) -> None:
         ended = flexros(command, "--help")
         assert ended.code == 0
         assert "Usage" in ended.out
+
+
+def test_a_patch_is_shown_with_its_model_and_says_what_is_no_part_of_it(flexros: Flexros, tmp_path: Path) -> None:
+    patch = tmp_path / "patch.yaml"
+    patch.write_text(
+        "robot: e12\n"
+        "effects:\n"
+        "  - {effect: stiffness_error, location: body_1.ry, parameters: {relative: -0.5}}\n"
+        "  - {effect: coulomb_friction, location: motor_1, parameters: {level: 10}}\n"
+    )
+    nominal, softer = flexros("robot", "e12", "--json"), flexros("robot", str(patch), "--json")
+    lowest = [min(p["hz"] for p in json.loads(ended.out)["poles"] if p["hz"] > 0.1) for ended in (nominal, softer)]
+    assert lowest[1] < 0.95 * lowest[0]
+    assert softer.err == (
+        f"flexros: {patch} holds coulomb_friction@motor_1, which is no part of a linear model; here the robot is taken "
+        "without\n"
+    )
+
+
+def test_a_patch_for_another_robot_is_refused(flexros: Flexros, tmp_path: Path) -> None:
+    patch = tmp_path / "patch.yaml"
+    patch.write_text("robot: e12\neffects: [{effect: backlash, location: motor_3, parameters: {gap: 1e-3}}]\n")
+    ended = flexros("robot", str(patch))
+    assert ended.code == 2
+    assert f"{patch}: unknown location of backlash on robot e12 'motor_3'" in ended.err

@@ -50,6 +50,40 @@ def test_effects_of_the_command_line_come_after_those_of_the_scenario(flexros: F
     assert json.loads((bag / "provenance.json").read_text())["scenario"]["plant"]["effects"] == both
 
 
+def test_a_patch_is_a_model_and_what_the_feedforward_believes_in(flexros: Flexros, tmp_path: Path) -> None:
+    patch = tmp_path / "patch.yaml"
+    patch.write_text("robot: e12\neffects: [{effect: payload_error, location: tool, parameters: {relative: 0.05}}]\n")
+    hidden = ("--effect", "payload_error@tool:relative=0.05")
+    worst = {}
+    for name, options in {
+        "hidden": hidden,
+        "known": (*hidden, "--set", f"feedforward_model={patch}"),
+        "model": ("--model", str(patch)),
+        "nominal": (),
+    }.items():
+        bag = tmp_path / name
+        ended = flexros("run", "smooth_dae2", "--transport", "direct", "--out", str(bag), *options)
+        assert ended.code == 0, ended.err
+        analysed = json.loads(flexros("analyze", str(bag), "--json").out)
+        worst[name] = 1e3 * analysed["path"]["path_error_m"]["max"]
+    assert worst["hidden"] > 1.0
+    assert max(worst["known"], worst["model"], worst["nominal"]) < 0.01
+
+
+def test_what_the_feedforward_cannot_make_up_for_is_said(flexros: Flexros, tmp_path: Path) -> None:
+    patch, bag = tmp_path / "patch.yaml", tmp_path / "bag"
+    patch.write_text("robot: e12\neffects: [{effect: extra_mode, location: tool, parameters: {ratio: 0.01}}]\n")
+    options = ("--transport", "direct", "--out", str(bag), "--set", f"feedforward_model={patch}")
+    ended = flexros("run", "smooth_dae2", *options)
+    assert ended.code == 0
+    sentence = (
+        "the feedforward knows of extra_mode@tool but does not make up for it: it has a motion of its own, which "
+        "inverse dynamics of the arm do not hold"
+    )
+    assert ended.err == f"flexros: {sentence}\n"
+    assert json.loads((bag / "provenance.json").read_text())["warnings"] == [sentence]
+
+
 def test_scenarios_are_listed(flexros: Flexros) -> None:
     names = {row["name"] for row in json.loads(flexros("scenarios", "--json").out)}
     assert {"circle_pd", "circle_fj", "circle_dae", "circle_dae2"} <= names
