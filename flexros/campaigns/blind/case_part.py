@@ -1,0 +1,77 @@
+"""One case of the campaign: made, diagnosed and thrown away, but for truth and answer."""
+
+from __future__ import annotations
+
+import traceback
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from flexros.errors import InputError
+from flexros.gap.blind.answer import Answer
+from flexros.gap.blind.make import MakeSettings, make_case
+from flexros.gap.blind.run import FAILURE_FILE, TIME_FILE, diagnose_case
+from flexros.gap.blind.seal import DIAGNOSIS_FILE, Truth, read_case, sha256
+from flexros.gap.diagnosis_file import Diagnosis
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.gap.blind.plan import Case
+
+
+def case_part(settings: MakeSettings, case: Case) -> dict[str, Any]:
+    """Make the logs of a case, diagnose them without its truth, and give both.
+
+    Args:
+        settings: Seed and lengths.
+        case: The case.
+
+    Returns:
+        For JSON: `seal`, `truth` (text), `diagnosis` (text or None), `failure` (text or None), `seconds`.
+    """
+    with TemporaryDirectory(prefix="flexros_logs_") as logs, TemporaryDirectory(prefix="flexros_truth_") as truths:
+        make_case(case, settings, Path(logs), Path(truths))
+        folder = Path(logs) / case.name
+        seal, failure = read_case(folder).seal, None
+        try:
+            diagnose_case(folder)
+        except Exception:  # noqa: BLE001 - a fault is a result of this case and told on the page; the others go on
+            failure = traceback.format_exc()
+        return {
+            "seal": seal,
+            "truth": (Path(truths) / f"{case.name}.json").read_text(encoding="utf-8"),
+            "diagnosis": _text(folder / DIAGNOSIS_FILE),
+            "failure": failure or _text(folder / FAILURE_FILE),
+            "seconds": _text(folder / TIME_FILE),
+        }
+
+
+def answer_of(name: str, part: Mapping[str, Any]) -> Answer:
+    """Open the truth of a part and check its seal.
+
+    Args:
+        name: Name of the case.
+        part: What `case_part` gave.
+
+    Returns:
+        The case as scored.
+
+    Raises:
+        InputError: The truth was changed.
+    """
+    if sha256(part["truth"]) != part["seal"]:
+        raise InputError(
+            f"the truth of {name} does not have the SHA-256 it was sealed with; remove its file from the folder of the "
+            "campaign, so that it is made again"
+        )
+    text, seconds = part["diagnosis"], part["seconds"]
+    return Answer(
+        Truth.model_validate_json(part["truth"]),
+        None if text is None else Diagnosis.model_validate_json(text),
+        None if seconds is None else float(seconds),
+    )
+
+
+def _text(file: Path) -> str | None:
+    return file.read_text(encoding="utf-8") if file.exists() else None
