@@ -58,11 +58,14 @@ def speaks_for(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
     """
     told = []
     if one.score > 0:
-        beside = f" beside {listed([named(place) for place in one.beside])}" if one.beside else ""
-        told.append(
-            f"It raises twice the log-likelihood{beside} by {number(one.gain, 4)}, its parameters cost "
-            f"{number(one.penalty, 3)}."
-        )
+        gain, cost = number(one.gain, 4), number(one.penalty, 3)
+        if one.beside:
+            both = listed([named(place) for place in one.beside])
+            told.append(
+                f"Together with {both} it raises twice the log-likelihood by {gain}, the parameters cost {cost}."
+            )
+        else:
+            told.append(f"It raises twice the log-likelihood by {gain}, its parameters cost {cost}.")
     if one.holdout_gain is not None and one.holdout_gain > 0:
         told.append(f"It also predicts the data that it has not seen better: gain {number(one.holdout_gain, 4)} there.")
     if one.remainder is not None and one.remainder < _LEAVES_LITTLE:
@@ -85,8 +88,9 @@ def speaks_against(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
     if one.score <= 0:
         told.append(f"Its gain of {number(one.gain, 3)} does not pay for its parameters ({number(one.penalty, 3)}).")
     behind = first.score - one.score
-    if one is not first and one.beside == first.beside and behind > _DECISIVE:
-        told.append(f"{capital(named(first))} gains {number(behind, 4)} more.")
+    if behind > _DECISIVE:
+        best = listed([named(first), *(named(place) for place in first.beside)])
+        told.append(f"{capital(best)} gain{'s' * (not first.beside)} {number(behind, 4)} more.")
     if one.holdout_gain is not None and one.holdout_gain <= 0:
         told.append("It does not predict the data that it has not seen any better than the nominal model does.")
     if one.remainder is not None and one.remainder > _LEAVES_MUCH:

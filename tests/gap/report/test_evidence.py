@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from flexros.gap.diagnosis_file import Place
 from flexros.gap.report.evidence import EvidenceSection, speaks_against, speaks_for
 from flexros.gap.result import DiagnosisResult
 
@@ -45,6 +46,15 @@ def test_a_rival_is_told_how_far_it_is_behind_and_what_it_leaves(diagnosed: Diag
     told = speaks_against(result.ranking[2], result)
     assert "Coulomb friction at motor_1 gains 3489 more." in told
     assert "It leaves 60 % of the excess over the noise floor unexplained." in told
+
+
+def test_effects_of_a_pair_are_judged_together(diagnosed: Diagnosed) -> None:
+    result = diagnosed("explained")
+    backlash = Place(effect="backlash", location="motor_1")
+    first = replace(result.ranking[0], beside=(backlash,))
+    pair = replace(result, ranking=(first, *result.ranking[1:]))
+    assert any(text.startswith("Together with backlash at motor_1 it raises") for text in speaks_for(first, pair))
+    assert "Coulomb friction at motor_1 and backlash at motor_1 gain 200 more." in speaks_against(pair.ranking[1], pair)
 
 
 def test_an_effect_that_gains_too_little_is_told_so(diagnosed: Diagnosed) -> None:

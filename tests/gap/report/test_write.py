@@ -106,7 +106,8 @@ def test_a_result_with_little_is_rendered_all_the_same(changed: Callable[..., Di
 
 def test_a_prediction_that_diverged_is_drawn_all_the_same(changed: Callable[..., DiagnosisResult]) -> None:
     known = changed("explained")
-    assert known.after is not None and known.after.holdout is not None
+    assert known.after is not None
+    assert known.after.holdout is not None
     gone = known.after.holdout.innovations.copy()
     gone[4000:] = np.nan
     gone[3990:4000] = 1e300
