@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 DOUBTFUL = 0.9
 """Mean agreement below which other readings are tried (chosen)."""
 
-GAIN, REST = 0.15, 0.4
+GAIN, REST = 0.1, 0.4
 """By how much the mean agreement must grow, and to which share the disagreement must shrink, for another reading to be
 believed (chosen)."""
 

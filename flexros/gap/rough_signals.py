@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
 
-_STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / np.sqrt(70.0)
+HIGH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / np.sqrt(70.0)
 """Fourth difference with the gain 1 for white noise."""
 
 _BLOCK = 64  # samples over which noise is averaged
@@ -61,6 +61,6 @@ def noise_power(position: FloatArray) -> FloatArray:
     Returns:
         Variances, shape (M,); what moves faster than the noise in all of the record counts as noise too.
     """
-    high = np.apply_along_axis(np.convolve, 0, position, _STENCIL, mode="valid") ** 2
+    high = np.apply_along_axis(np.convolve, 0, position, HIGH_DIFFERENCE, mode="valid") ** 2
     blocks = high[: len(high) // _BLOCK * _BLOCK].reshape(-1, _BLOCK, position.shape[1]).mean(axis=1)
     return np.asarray(np.quantile(blocks, 0.25, axis=0) if len(blocks) else high.mean(axis=0))

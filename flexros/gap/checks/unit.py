@@ -22,7 +22,7 @@ NOTED = 1.7
 REFUSED = 2.7
 """Factor from which a log is refused (chosen)."""
 
-LIKE = 1.2
+LIKE = 1.3
 """Factor within which a level is taken for that of a known mistake (chosen)."""
 
 

@@ -1,0 +1,216 @@
+"""Noise of the encoders as a log shows it: size from standstill or above the band, colour, jitter of the clock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.gap.repeats import runs
+from flexros.gap.rough_signals import HIGH_DIFFERENCE, bridged, smooth_motion
+
+if TYPE_CHECKING:
+    from flexros.arrays import BoolArray, FloatArray
+    from flexros.gap.record import GapRecord
+    from flexros.robot import Robot
+
+LEAST_STILL = 0.25
+"""Shortest standstill that counts [s] (chosen)."""
+
+FEWEST_STILL = 400
+"""Samples at standstill from which noise is taken from there (chosen)."""
+
+STILL = 12.0
+"""Range of the smooth motion over the noise during a standstill, at most; noise may be coloured (chosen)."""
+
+QUIET = 2.0
+"""Variance of a standstill over that of the quieter ones from which something still moves (chosen)."""
+
+MOST_ORDER = 4
+"""Largest order of the autoregression (chosen)."""
+
+WHITE = 3.5
+"""Autocorrelation at lag one to four, in standard deviations, from which noise is coloured (chosen)."""
+
+DIFFERS = 0.2
+"""Relative difference from the robot file that is told (chosen)."""
+
+JITTER_SEEN = 5.0
+"""Slope of the noise power over the squared speed, in standard deviations, from which it is jitter (chosen)."""
+
+SIGNAL_TOLERANCE = 0.05
+"""Share of the rms of a signal that logs of real machines are allowed, where nothing was repeated (design)."""
+
+_BLOCK = 32  # samples over which the power of high differences is averaged
+_LOOK = 50.0  # Hz, corner below which motion is looked for
+_TREND = 3  # polynomial coefficients that are taken off each stretch of a standstill
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Noise of a log.
+
+    Attributes:
+        standard_deviation: Of each encoder [rad or m], shape (M,).
+        autoregression: Coefficients a of e_k = sum a_j e_(k-j) + w_k, shape (M, p); p = 0 for white noise.
+        jitter: Standard deviation of the sampling instants about even ones [s].
+        source: Where each deviation comes from: "standstill", "above the band" or "robot file", length M.
+        signal_tolerance: Share of the rms of a signal that counts as no gap; 0 for logs of this program's plant.
+        warnings: What was noticed, a sentence each.
+    """
+
+    standard_deviation: FloatArray
+    autoregression: FloatArray
+    jitter: float
+    source: tuple[str, ...]
+    signal_tolerance: float = 0.0
+    warnings: tuple[str, ...] = ()
+
+
+def measure_noise(record: GapRecord, robot: Robot) -> Noise:
+    """Measure the noise of the encoders.
+
+    Args:
+        record: The record.
+        robot: The robot, whose file states what noise is expected.
+
+    Returns:
+        The noise; what the log does not show is taken from the robot file.
+    """
+    position = bridged(record.position, record.valid)
+    cutoff = min(_LOOK, 0.1 / record.sample_time)
+    smooth, speed, _ = smooth_motion(position, record.sample_time, cutoff)
+    M = robot.n_motors
+    power, jitter = _above_band(position, speed, record.valid, record.sample_time)
+    deviation, colours, source = np.sqrt(power), [np.zeros(0)] * M, ["above the band"] * M
+    for motor in range(M):
+        rest = _at_standstill(position[:, motor], smooth[:, motor], record, float(deviation[motor]))
+        if rest is not None:
+            deviation[motor], colours[motor] = rest
+            source[motor] = "standstill"
+        elif not deviation[motor] > 0:
+            deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
+    order = max(len(colour) for colour in colours)
+    return Noise(
+        standard_deviation=deviation,
+        autoregression=np.stack([np.pad(colour, (0, order - len(colour))) for colour in colours]),
+        jitter=jitter,
+        source=tuple(source),
+        signal_tolerance=0.0 if record.simulated else SIGNAL_TOLERANCE,
+        warnings=_warnings(deviation, colours, jitter, source, robot),
+    )
+
+
+def _warnings(
+    deviation: FloatArray, colours: list[FloatArray], jitter: float, source: list[str], robot: Robot
+) -> tuple[str, ...]:
+    found = []
+    for motor, name in enumerate(robot.joint_names):
+        stated = float(robot.encoder_noise[motor])
+        if stated > 0 and abs(deviation[motor] / stated - 1) > DIFFERS:
+            found.append(
+                f"the encoder noise of {name} is {deviation[motor]:.3g} ({source[motor]}), the robot file says "
+                f"{stated:.3g}; the measured one is used"
+            )
+        if len(colours[motor]):
+            listed = ", ".join(f"{value:.2f}" for value in colours[motor])
+            found.append(f"the encoder noise of {name} is not white (autoregression {listed})")
+    if jitter > 0:
+        found.append(f"the sampling instants jitter by {1e6 * jitter:.3g} us rms, as the noise grows with speed")
+    return tuple(found)
+
+
+def _above_band(
+    position: FloatArray, speed: FloatArray, valid: BoolArray, sample_time: float
+) -> tuple[FloatArray, float]:
+    """Regress the power of high differences on squared speed: variance of the noise, shape (M,), and jitter [s]."""
+    half = len(HIGH_DIFFERENCE) // 2
+    n = (len(position) - 2 * half) // _BLOCK * _BLOCK
+    rows = slice(half, half + n)
+    whole = valid[rows].reshape(-1, _BLOCK).all(axis=1)
+    variance, slopes, spreads = np.zeros(position.shape[1]), [], []
+    for motor, column in enumerate(position.T):
+        high = np.convolve(column, HIGH_DIFFERENCE, mode="valid")[:n]
+        power = np.mean(high.reshape(-1, _BLOCK) ** 2, axis=1)[whole]
+        square = np.mean(speed[rows, motor].reshape(-1, _BLOCK) ** 2, axis=1)[whole]
+        variance[motor], slope, spread = _line(square, power)
+        slopes.append(slope)
+        spreads.append(spread)
+    seen = np.array(slopes) > JITTER_SEEN * np.array(spreads)
+    if not np.all(seen):  # a clock jitters for all motors alike; the rest is fast motion of one
+        return variance, 0.0
+    weight = 1 / np.maximum(np.array(spreads), 1e-300) ** 2
+    return variance, float(np.sqrt(max(float(weight @ np.array(slopes) / weight.sum()), 0.0)))
+
+
+def _line(square: FloatArray, power: FloatArray) -> tuple[float, float, float]:
+    """Fit power = variance + slope square, robustly and with errors relative to the fit; returns these and its error.
+
+    The power of a block is the mean of some squares, so that its deviation grows with it.
+    """
+    if not np.any(power > 0):
+        return 0.0, 0.0, np.inf
+    level = float(np.quantile(power[power > 0], 0.3))
+    solution, weight, error = np.array([level, 0.0]), np.ones(len(power)), np.inf
+    matrix = np.stack([np.ones(len(power)), square], axis=1)
+    scale = np.array([1.0, max(float(square.max()), 1e-300)])
+    for _ in range(15):
+        fitted = np.maximum(matrix @ solution, 0.05 * level + 1e-300)
+        off = (power - fitted) / fitted
+        spread = max(1.48 * float(np.median(np.abs(off - np.median(off)))), 1e-6)
+        weight = np.minimum(1.0, 2.0 * spread / np.maximum(np.abs(off), 1e-12)) / fitted**2
+        normal = (matrix / scale).T @ (weight[:, None] * (matrix / scale))
+        inverse = np.linalg.pinv(normal, rcond=1e-10)
+        solution = inverse @ ((matrix / scale).T @ (weight * power)) / scale
+        error = float(np.sqrt(max(inverse[1, 1], 0.0)) * spread / scale[1])
+    return float(max(solution[0], 0.0)), float(solution[1]), error
+
+
+def _at_standstill(
+    position: FloatArray, smooth: FloatArray, record: GapRecord, rough: float
+) -> tuple[float, FloatArray] | None:
+    """Measure size and colour where a motor stands still; None where it never does long enough."""
+    length = max(_TREND * 4, round(LEAST_STILL / record.sample_time))
+    stretches = []
+    for begin, count in zip(*runs(record.valid), strict=True):
+        for first in range(int(begin), int(begin + count) - length + 1, length):
+            part = slice(first, first + length)
+            if np.ptp(smooth[part]) <= STILL * rough and np.ptp(position[part]) > 0:
+                stretches.append(_without_trend(position[part]))
+    if len(stretches) * length < FEWEST_STILL:
+        return None
+    noise = np.stack(stretches)
+    variance = np.mean(noise**2, axis=1)
+    noise = noise[variance <= QUIET * np.quantile(variance, 0.25)]
+    freedom = 1 - _TREND / length
+    deviation = float(np.sqrt(np.mean(noise**2) / freedom))
+    return deviation, _colour(noise)
+
+
+def _without_trend(values: FloatArray) -> FloatArray:
+    """Take the best polynomial off a stretch."""
+    time = np.linspace(-1.0, 1.0, len(values))
+    return np.asarray(
+        values - np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, values, 2))
+    )
+
+
+def _colour(noise: FloatArray) -> FloatArray:
+    """Fit an autoregression of the least order that leaves white noise; empty for white noise, shape (p,)."""
+    count, length = noise.shape
+    lags = np.array([np.mean(noise[:, lag:] * noise[:, : length - lag]) for lag in range(2 * MOST_ORDER + 1)])
+    if not lags[0] > 0:
+        return np.zeros(0)
+    limit = WHITE / np.sqrt(count * length) + _TREND / length  # a trend that was taken off leaves a small correlation
+    if np.all(np.abs(lags[1 : MOST_ORDER + 1]) < limit * lags[0]):
+        return np.zeros(0)
+    best, found = np.inf, np.zeros(0)
+    for order in range(1, MOST_ORDER + 1):
+        matrix = lags[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
+        values = np.linalg.solve(matrix, lags[1 : order + 1])
+        variance = lags[0] - values @ lags[1 : order + 1]
+        cost = count * length * np.log(max(variance, 1e-300)) + order * np.log(count * length)
+        if cost < best:
+            best, found = cost, values
+    return found
