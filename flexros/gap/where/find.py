@@ -9,18 +9,22 @@ import numpy as np
 
 from flexros.gap.where.channels import motor_channels, tool_channels
 from flexros.gap.where.floor import white
+from flexros.gap.where.periodic import periodic_places
 from flexros.gap.where.places import Seen, places_of
 from flexros.gap.where.score import p_values
-from flexros.gap.where.selection import looked_at, told
+from flexros.gap.where.selection import LEAST_SHARE, looked_at, told
 from flexros.gap.where.settings import WhereSettings
 from flexros.random_streams import generator
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import FloatArray
     from flexros.gap.diagnosis_file import GapPlace
     from flexros.gap.record import GapRecord
     from flexros.gap.result import Prediction
     from flexros.gap.where.channel import Channel
+    from flexros.gap.where.periodic import PeriodicPart
     from flexros.robot import Robot
 
 NULL_STREAM = 40
@@ -54,6 +58,7 @@ def where(
     tool_error: FloatArray | None = None,
     projected: FloatArray | None = None,
     spectrum: FloatArray | None = None,
+    parts: Sequence[PeriodicPart] = (),
     settings: WhereSettings | None = None,
 ) -> Where:
     """Find where a gap shows, before any hypothesis.
@@ -73,6 +78,7 @@ def where(
         spectrum: Spectrum of the prediction errors without gap, from `flexros.gap.where.floor`, shape (any, M);
             default: white, which is right of predictors with a small gain. That of a linearised predictor does not
             hold where springs are nonlinear.
+        parts: Periodic parts of the log, whose lines tell linear from nonlinear; they have p-values of their own.
         settings: Numbers of the search.
 
     Returns:
@@ -90,8 +96,10 @@ def where(
     found = places_of(seen)
     tested = np.array([place.p_value for place in found])
     whole = [one.excess[one.full, 0] for one in seen[: robot.n_motors]]
+    lines = periodic_places(errors, record.valid, parts, record.sample_time, robot.joint_names)
+    at_lines = [place for place in lines if place.p_value <= chosen.significant and place.share >= LEAST_SHARE]
     return Where(
-        places=told(found, chosen),
+        places=(*told(found, chosen), *at_lines),
         looked=looked_at(found),
         p_value=float(tested.min(initial=1.0)),
         excess=np.array(whole) / max(int(record.valid.sum()), 1),

@@ -36,5 +36,7 @@ def sentence(place: GapPlace, sample_time: float) -> str:
         band = f"above {low:.3g} Hz"
     regime = _REGIMES.get(place.regime, f"at {place.regime}")
     what = "sudden changes" if place.signal.startswith("sudden") else "excess"
+    if place.signal.endswith("lines"):
+        what = f"excess of the multisines, at {place.signal}"
     where = ", ".join(part for part in (place.joint, band, regime) if part)
     return f"{where}: {100 * place.share:.0f} % of the {what}"

@@ -58,8 +58,8 @@ def test_the_clearest_picture_comes_first() -> None:
 @pytest.mark.parametrize("name", sorted(signatures()))
 def test_pictures_are_small_and_described(name: str, friction: Evidence) -> None:
     picture = signatures()[name]().picture(friction, "motor_1")
-    if name == "tool_error":
-        assert picture is None  # the tool was not measured
+    if name in ("tool_error", "detection_lines"):
+        assert picture is None  # the tool was not measured, and no part of the log is periodic
         return
     assert picture is not None
     assert picture.series

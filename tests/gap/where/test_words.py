@@ -27,3 +27,11 @@ def test_sudden_changes_are_called_so() -> None:
         signal="sudden position change", joint="motor_1", band_hz=(0, 1000), regime="reversal", share=0.5, p_value=0.01
     )
     assert sentence(place, 5e-4) == "motor_1, at reversals: 50 % of the sudden changes"
+
+
+def test_lines_of_a_multisine_are_named() -> None:
+    place = GapPlace(
+        signal="odd detection lines", joint="motor_1", band_hz=(1, 30), regime="multisine 2", share=0.5, p_value=0.01
+    )
+    words = "motor_1, 1 to 30 Hz, at multisine 2: 50 % of the excess of the multisines, at odd detection lines"
+    assert sentence(place, 5e-4) == words

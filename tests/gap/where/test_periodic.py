@@ -1,0 +1,110 @@
+"""Linear and nonlinear gaps at the lines of a multisine."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.arrays import FloatArray
+from flexros.config.scenario import load_scenario
+from flexros.gap.signatures.detection_lines import DetectionLines
+from flexros.gap.signatures.evidence import Evidence
+from flexros.gap.where.find import where
+from flexros.gap.where.periodic import PeriodicPart, line_levels, periodic_parts, periodic_places
+from flexros.gap.where.settings import WhereSettings
+from flexros.robot import load_robot
+from flexros.simulate.experiment import Experiment
+from tests.oracles.linear_gap import LinearLog, Torque, linear_log, nothing
+
+PERIOD = 4000
+LINES = np.array([line for line in range(1, 121, 2) if line % 8 != 5])
+PART = PeriodicPart(first=PERIOD, period=PERIOD, n_periods=3, lines=LINES)
+
+
+def shaken(missing: Torque) -> LinearLog:
+    robot = load_robot("four_mass_linear")
+    phase = np.random.default_rng(3).uniform(0, 2 * np.pi, len(LINES))
+    time = np.arange(4 * PERIOD) / PERIOD
+    reference = 0.1 * np.cos(2 * np.pi * np.outer(time, LINES) + phase).sum(axis=1)[:, None]
+    return linear_log(robot, reference, (10.0, 0.8), missing)
+
+
+def significant(log: LinearLog) -> set[str]:
+    places = periodic_places(log.prediction.innovations, log.record.valid, [PART], 5e-4, ["motor_1"])
+    return {place.signal for place in places if place.p_value < 0.01}
+
+
+def linear(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
+    del time, position, speed
+    return np.asarray(-0.1 * command)
+
+
+def cubic(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
+    del time, speed, command
+    return np.asarray(-0.3 * position**3)
+
+
+def square(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
+    del time, speed, command
+    return np.asarray(-0.3 * position**2)
+
+
+@pytest.mark.parametrize(
+    ("missing", "lines"),
+    [
+        (nothing, set()),
+        (linear, {"excited lines"}),
+        (cubic, {"excited lines", "odd detection lines"}),
+        (square, {"even detection lines"}),
+    ],
+)
+def test_lines_tell_linear_from_nonlinear(missing: Torque, lines: set[str]) -> None:
+    assert significant(shaken(missing)) == lines
+
+
+def test_distance_is_one_for_noise() -> None:
+    log = shaken(nothing)
+    levels = line_levels(log.prediction.innovations, log.record.valid, PART, 5e-4)
+    assert levels is not None
+    assert np.sqrt(np.mean(levels.distance**2)) == pytest.approx(1.0, abs=0.2)
+
+
+def test_parts_with_missing_samples_are_left_out() -> None:
+    valid = np.ones(4 * PERIOD, dtype=bool)
+    valid[2 * PERIOD] = False
+    assert line_levels(np.zeros((4 * PERIOD, 1)), valid, PART, 5e-4) is None
+    assert periodic_places(np.zeros((4 * PERIOD, 1)), valid, [PART], 5e-4, ["motor_1"]) == ()
+
+
+def test_shares_add_up() -> None:
+    log = shaken(cubic)
+    places = periodic_places(log.prediction.innovations, log.record.valid, [PART], 5e-4, ["motor_1"])
+    assert sum(place.share for place in places) == pytest.approx(1.0)
+
+
+def test_multisines_of_a_diagnosis_experiment_are_found_where_they_repeat() -> None:
+    experiment = Experiment.prepare(load_scenario("diagnosis"))
+    parts = periodic_parts(experiment.trajectory, experiment.sample_time)
+    assert len(parts) >= 3
+    position = experiment.reference.motor_position
+    for part in parts:
+        first, second = (position[part.first + k * part.period :][: part.period] for k in (0, 1))
+        assert np.abs(first - second).max() < 1e-3 * np.ptp(first)
+
+
+def test_picture_shows_the_lines() -> None:
+    log = shaken(cubic)
+    assert DetectionLines().picture(Evidence(log.robot, log.record, log.observer, log.prediction), "motor_1") is None
+    evidence = Evidence(log.robot, log.record, log.observer, log.prediction, parts=(PART,))
+    found = DetectionLines().picture(evidence, "motor_1")
+    assert found is not None
+    assert found.series["odd detection lines"].y.max() > 5
+    assert found.series["even detection lines"].y.max() < 5
+
+
+def test_lines_are_told_with_the_other_places() -> None:
+    log = shaken(square)
+    few = WhereSettings(realisations=30)
+    found = where(log.prediction, log.record, log.robot, 1, parts=[PART], settings=few)
+    assert "even detection lines" in {place.signal for place in found.places}
+    assert "odd detection lines" not in {place.signal for place in found.places}
