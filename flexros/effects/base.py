@@ -63,6 +63,19 @@ class AbstractEffect(Settings, ABC):
             Names of motors, springs or bodies, or "tool", "base", "all".
         """
 
+    def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
+        """Give the ranges of the parameters that count at a place; by default all.
+
+        Args:
+            robot: The robot.
+            location: One of its `locations`.
+
+        Returns:
+            Ranges by parameter name.
+        """
+        del robot, location
+        return self.ranges
+
 
 @dataclass(frozen=True)
 class PlacedEffect:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
@@ -12,6 +13,7 @@ from pydantic import Field
 
 from flexros.effects.arm_law import AbstractArmLaw
 from flexros.effects.ranges import Range
+from flexros.robot.dynamics import motion
 from flexros.robot.kinematics import build_geometry, forward
 
 if TYPE_CHECKING:
@@ -30,9 +32,9 @@ class ExtraMode(AbstractArmLaw):
 
     - At the tool, where the last body has a mass: a point mass of m times that mass on a spring with equal stiffness in
       all directions, displaced by e from the tool point p(q). It moves by e'' + p'' = -a and pulls the arm by
-      (dp/dq)^T (m mass a). Its weight is not in it: weigh the load by gravity_error.
-    - At the tool, where the last body has an inertia only (models of one axis): the same with an inertia of m times
-      that of the last body, turned against the body about the common axis, e'' + (sum of the angles)'' = -a.
+      (dp/dq)^T (m mass a). Its weight is not in it: weigh the load by gravity_error. With `inertia_ratio` i an inertia
+      of i times that of the last body turns against it about the axis of the last rotation, by the same law.
+    - At the tool, where the last body has an inertia only (models of one axis): an inertia of m times it alone.
     - At the base: the ground of the arm's first direction turns (or slides) about that axis by e, with m times the
       inertia (or mass) of the whole arm about it at home. The arm coordinate then counts from the fixed ground, the
       first spring is deflected by e more, and its torque T on the arm acts back on the base: e'' = -a - T / inertia.
@@ -46,11 +48,12 @@ class ExtraMode(AbstractArmLaw):
     name: ClassVar[str] = "extra_mode"
     stage: ClassVar[Stage] = "structure"
     size: ClassVar[str] = "ratio"
-    smooth_states: ClassVar[int] = 6
+    smooth_states: ClassVar[int] = 8
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "frequency": Range("frequency", 2.0, 120.0, 25, source="facts on modes; ratio of starts below 1.18"),
             "ratio": Range("relative", 1e-3, 10.0, 2),
+            "inertia_ratio": Range("relative", 1e-3, 10.0, 1),
             "damping": Range("relative", 1e-3, 0.5, 1, source="2 to 4 % seen on robots; bounds chosen"),
         }
     )
@@ -61,7 +64,15 @@ class ExtraMode(AbstractArmLaw):
 
     frequency: float = Field(10.0, gt=0.0, description="of the mode alone, its ground held still [Hz]")
     ratio: float = Field(0.0, ge=0.0, description="its mass or inertia, relative to the last body's or the arm's [1]")
+    inertia_ratio: float = Field(
+        0.0, ge=0.0, description="inertia that turns at a tool with a mass, relative to the last body's [1]"
+    )
     damping: float = Field(0.02, ge=0.0, lt=1.0, description="damping ratio of the mode alone [1]")
+
+    @property
+    def neutral(self) -> bool:
+        """Whether the effect is switched off, so that it is left out of the plant."""
+        return self.ratio == 0 and self.inertia_ratio == 0
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the tool, and the base where the first direction has a spring."""
@@ -71,26 +82,33 @@ class ExtraMode(AbstractArmLaw):
         rigid = first.motor is not None and first.motor_coordinate is None
         return tool if rigid else (*tool, "base")
 
+    def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
+        """List the ranges; only a tool with a mass has an inertia that turns beside it."""
+        both = location == "tool" and _load_mass(robot) > 0 and _turning(robot) is not None
+        return {name: allowed for name, allowed in self.ranges.items() if both or name != "inertia_ratio"}
+
     def force(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
         """Pull the tool, or shift the deflection of the first spring."""
         if arm.location == "base":
             return _spring_forces(arm, shifted=True) - _spring_forces(arm, shifted=False)
-        place, size = _attachment(arm)
-        pull = values["ratio"] * size * _acceleration(arm, values, place)
-        return ca.jtimes(place, arm.position, pull, True)
+        force = ca.SX.zeros(arm.robot.n_arm)
+        for part in _parts(arm, values):
+            force += ca.jtimes(part.rate, arm.speed, part.size * _acceleration(arm, values, part), True)
+        return force
 
     def rates(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
         """Move the mass, or the base."""
+        rates = ca.SX.zeros(self.smooth_states)
         if arm.location == "base":
             w = 2 * math.pi * values["frequency"]
             pull = w * w * arm.own[0] + 2 * values["damping"] * w * arm.own[1]
             inertia = values["ratio"] * _arm_inertia(arm)
-            return ca.vertcat(arm.own[1], -pull - _spring_forces(arm, shifted=True)[0] / inertia, ca.SX.zeros(4))
-        place, _ = _attachment(arm)
-        n = place.numel()
-        relative = arm.own[3 : 3 + n] - ca.jtimes(place, arm.position, arm.speed)
-        rest = ca.SX.zeros(3 - n)
-        return ca.vertcat(relative, rest, -_acceleration(arm, values, place), rest)
+            rates[0], rates[1] = arm.own[1], -pull - _spring_forces(arm, shifted=True)[0] / inertia
+            return rates
+        for part in _parts(arm, values):
+            rates[part.displacement] = arm.own[part.speed] - part.rate
+            rates[part.speed] = -_acceleration(arm, values, part)
+        return rates
 
     def rest(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
         """Start with the base turned by the weight of the arm."""
@@ -103,29 +121,59 @@ class ExtraMode(AbstractArmLaw):
         return own
 
 
+@dataclass(frozen=True)
+class _Part:
+    """Something on a spring at the tool.
+
+    Attributes:
+        rate: Speed of the place where it sits, linear in that of the arm [m/s or rad/s], SX (n, 1).
+        size: Its mass or inertia [kg or kg m2].
+        displacement: Its displacements among the own states.
+        speed: Its own speeds among the own states.
+    """
+
+    rate: ca.SX
+    size: Value
+    displacement: slice
+    speed: slice
+
+
 def _load_mass(robot: Robot) -> float:
     """Mass of the last body that has a place in space [kg]; zero for models without geometry."""
     return 0.0 if robot.spec.tool.linear else robot.spec.bodies[-1].mass.value
 
 
-def _attachment(arm: ArmState) -> tuple[ca.SX, Value]:
-    """Give the coordinates to which the mode is attached, and the mass or inertia that the ratio multiplies."""
-    last = f"body_{len(arm.robot.spec.bodies)}"
-    if _load_mass(arm.robot) > 0:
-        geometry = build_geometry(arm.robot.spec, arm.robot.chain, arm.number)
-        return forward(arm.robot.chain, geometry, arm.position)[0], arm.number(f"{last}.mass")
-    joint = arm.robot.chain.joints[-1]
-    if not joint.rotary:
-        return ca.sum1(arm.position), arm.number(f"{last}.mass")
-    return ca.sum1(arm.position), arm.number(f"{last}.inertia.{'xyz'[joint.axis] * 2}")
+def _turning(robot: Robot) -> int | None:
+    """Number of the axis of the last rotation; None where the last body has no inertia about it."""
+    axes = [joint.axis for joint in robot.chain.joints if joint.rotary]
+    tensor = robot.spec.bodies[-1].inertia.matrix()
+    return axes[-1] if axes and tensor[axes[-1], axes[-1]] > 0 else None
 
 
-def _acceleration(arm: ArmState, values: Mapping[str, Value], place: ca.SX) -> ca.SX:
+def _parts(arm: ArmState, values: Mapping[str, Value]) -> list[_Part]:
+    """List what sits at the tool: a mass that moves, an inertia that turns."""
+    last, chain = f"body_{len(arm.robot.spec.bodies)}", arm.robot.chain
+    geometry = build_geometry(arm.robot.spec, chain, arm.number)
+    axis, parts = _turning(arm.robot), []
+    heavy = _load_mass(arm.robot) > 0
+    if heavy:
+        rate = ca.jtimes(forward(chain, geometry, arm.position)[0], arm.position, arm.speed)
+        parts.append(_Part(rate, values["ratio"] * arm.number(f"{last}.mass"), slice(0, 3), slice(4, 7)))
+    elif axis is None:
+        rate = ca.sum1(arm.speed)
+        parts.append(_Part(rate, values["ratio"] * arm.number(f"{last}.mass"), slice(0, 1), slice(4, 5)))
+    if axis is not None:
+        rate = motion(chain, geometry, arm.position, arm.speed).angular[-1][axis]
+        inertia = arm.number(f"{last}.inertia.{'xyz'[axis] * 2}")
+        ratio = values["inertia_ratio" if heavy else "ratio"]
+        parts.append(_Part(rate, ratio * inertia, slice(3, 4), slice(7, 8)))
+    return parts
+
+
+def _acceleration(arm: ArmState, values: Mapping[str, Value], part: _Part) -> ca.SX:
     """Acceleration a of the tool against the mode, by spring and damper."""
-    n = place.numel()
     w = 2 * math.pi * values["frequency"]
-    relative = arm.own[3 : 3 + n] - ca.jtimes(place, arm.position, arm.speed)
-    return w * w * arm.own[:n] + 2 * values["damping"] * w * relative
+    return w * w * arm.own[part.displacement] + 2 * values["damping"] * w * (arm.own[part.speed] - part.rate)
 
 
 def _arm_inertia(arm: ArmState) -> ca.SX:

@@ -130,7 +130,7 @@ def suspects(robot: Robot, yardsticks: Yardsticks) -> tuple[Suspect, ...]:
         for location in places(effect, robot):
             free = tuple(
                 free_parameter(name, allowed, yardsticks.of(allowed.yardstick, location))
-                for name, allowed in effect.ranges.items()
+                for name, allowed in effect().fitted(robot, location).items()
             )
             found.append(Suspect(effect, location, free))
     return tuple(found)

@@ -70,10 +70,10 @@ def test_light_mode_has_its_frequency_and_damping(name: str) -> None:
     model = PlantModel(robot, laws_of(robot, "extra_mode@tool:frequency=8,ratio=1e-9,damping=0.03"))
     own = slice(2 * robot.n_coordinates, None)
     values = np.linalg.eigvals(jacobian(model)[own, own])
-    mode = values[np.abs(values) > 1.0]
+    mode = values[np.abs(values) > 1.0]  # three directions of a mass, one rotation
     np.testing.assert_allclose(np.abs(mode), W, rtol=1e-9)
     np.testing.assert_allclose(-mode.real, 0.03 * W, rtol=1e-9)
-    assert len(mode) == (2 if name == "two_mass" else 6)
+    assert len(mode) == (2 if name == "two_mass" else 8)
 
 
 def test_point_mass_at_the_tool_equals_a_robot_with_one_body_more() -> None:
@@ -92,6 +92,29 @@ def test_point_mass_at_the_tool_equals_a_robot_with_one_body_more() -> None:
     np.testing.assert_allclose(ours[:, :3], theirs[:, :3], atol=2e-8)
     np.testing.assert_allclose(ours[:, 3:5], theirs[:, 5:7], atol=2e-8)
     assert np.max(np.abs(ours - run(E12, (), 400, pushed, start))[:, :5]) > 1e-4
+
+
+def test_turning_inertia_at_the_tool_equals_a_robot_with_one_body_more() -> None:
+    inertia = 0.3 * 50.0
+    spring = {"spring": inertia * W**2, "damper": 2 * 0.05 * inertia * W}
+    longer = with_body(E12, {"inertia": {"yy": inertia}, "directions": {"ry": spring}}, "tool")
+    law = laws_of(E12, "extra_mode@tool:frequency=8,inertia_ratio=0.3,damping=0.05")
+
+    def pushed(time: float) -> FloatArray:
+        return np.array([3000.0, -2000.0]) * np.sin(9 * time)
+
+    start = np.array([0.0, 0.3, 0.0, 0.0, 0.3, *[0.0] * 5])
+    ours = run(E12, law, 400, pushed, start)
+    theirs = run(longer, (), 400, pushed, np.array([0.0, 0.3, 0.0, 0.0, 0.0, 0.3, *[0.0] * 6]))
+    np.testing.assert_allclose(ours[:, :3], theirs[:, :3], atol=2e-8)
+    np.testing.assert_allclose(ours[:, 3:5], theirs[:, 4:6], atol=2e-8)
+    assert np.max(np.abs(ours - run(E12, (), 400, pushed, start))[:, :5]) > 1e-4
+
+
+def test_only_numbers_that_count_at_a_place_are_fitted() -> None:
+    assert "inertia_ratio" in ExtraMode().fitted(E12, "tool")
+    for robot, place in ((E12, "base"), (FOUR_MASS, "tool"), (load_robot("emps"), "tool")):
+        assert list(ExtraMode().fitted(robot, place)) == ["frequency", "ratio", "damping"]
 
 
 @pytest.mark.parametrize("robot", [E12, ELBOW], ids=["e12", "elbow under gravity"])
@@ -129,13 +152,17 @@ def test_halving_the_step_converges(place: str) -> None:
 
 
 def test_numbers_may_be_free() -> None:
-    laws = laws_of(E12, "extra_mode@base:frequency=8,ratio=0.4", "extra_mode@tool:frequency=5,ratio=0.1,damping=0.1")
+    laws = laws_of(
+        E12,
+        "extra_mode@base:frequency=8,ratio=0.4",
+        "extra_mode@tool:frequency=5,ratio=0.1,inertia_ratio=0.2,damping=0.1",
+    )
     fixed = PlantModel(E12, laws)
     names = [name for law in laws for name in law.parameters]
     free = PlantModel(E12, laws, [*names, "body_3.mass", "body_1.ry.stiffness"])
     x = np.random.default_rng(1).normal(size=fixed.n_states)
     arguments = (np.ones(2), np.zeros(6))
-    values = [8.0, 0.4, 0.02, 5.0, 0.1, 0.1, 200.0, 1e5]
+    values = [8.0, 0.4, 0.0, 0.02, 5.0, 0.1, 0.2, 0.1, 200.0, 1e5]
     np.testing.assert_allclose(
         free.derivative(x, *arguments, values).full(), fixed.derivative(x, *arguments, ca.DM(0, 1)).full(), rtol=1e-9
     )
