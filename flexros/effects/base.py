@@ -51,6 +51,8 @@ class AbstractEffect(Settings, ABC):
     """What one sees of the effect, and where: one sentence for report and guide."""
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({})
     """Where the parameters that a diagnosis fits may lie; those without a range keep their defaults."""
+    extends: ClassVar[Mapping[str, Mapping[str, str]]] = MappingProxyType({})
+    """Simpler effects that it contains, by name, with its parameters that are theirs: a fit starts from those."""
 
     @abstractmethod
     def locations(self, robot: Robot) -> tuple[str, ...]:

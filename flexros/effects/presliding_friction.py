@@ -35,6 +35,12 @@ class PreslidingFriction(AbstractBristleFriction):
         "friction torque that builds up over a small angle after each reversal, with a loop of torque over angle, and "
         "a motor that creeps like on a spring below break-away"
     )
+    extends: ClassVar[Mapping[str, Mapping[str, str]]] = MappingProxyType(
+        {
+            "coulomb_friction": MappingProxyType({"level": "level"}),
+            "stribeck_friction": MappingProxyType({"extra": "extra", "velocity": "velocity"}),
+        }
+    )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "level": Range("torque", 1e-5, 1.0, starts=4),
