@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from flexros.analysis.figures_table import number
+from flexros.gap.where.words import sentence
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -23,6 +24,8 @@ _MOST_PLACES, _LARGE = 6, 1e6
 """Numbers with more decimals, or as large as this, are written with an exponent (chosen)."""
 _CLEAR = 2.0
 """A number beside the first is told in a sentence where it is this many standard deviations from zero (chosen)."""
+UNKNOWN_RATE = 1e-12
+"""Sample time [s] that stands for one that is not known: no band then reaches the highest frequency."""
 _NEARLY_ALL, _ALL = 0.95, 0.9995
 """Closed shares between these are told with a decimal (chosen)."""
 
@@ -145,15 +148,14 @@ def band_words(band: tuple[float, float], highest: float = 1e9) -> str:
     return f"above {number(low, 3)} Hz" if high >= 0.999 * highest else f"{number(low, 3)} to {number(high, 3)} Hz"
 
 
-def where_words(place: GapPlace) -> str:
-    """Write a place of the gap, e.g. "motor_1 at reversal, 8 to 20 Hz".
+def where_words(place: GapPlace, sample_time: float = UNKNOWN_RATE) -> str:
+    """Write a place of the gap with its share, e.g. "motor_1, below 20 Hz, at reversals: 63 % of the excess".
 
     Args:
         place: Where the gap shows.
+        sample_time: Time between two samples of the log [s]; default: not known.
     """
-    regime = "" if place.regime == "all" else f" in the regime '{place.regime.replace('_', ' ')}'"
-    signal = "" if place.joint == "tool" else f" {place.signal}"
-    return f"{place.joint}{signal}{regime}, {band_words(place.band_hz)}"
+    return sentence(place, sample_time)
 
 
 def share_words(share: float) -> str:
