@@ -36,7 +36,8 @@ class Separated:
 
     Attributes:
         entry: The experiment.
-        gain: Difference of the log-likelihoods of the two closest explanations [nats].
+        gain: Expected difference of the log-likelihoods of the two closest explanations, either being true as likely
+            as the other [nats].
         closest: Numbers of those two in the list of explanations.
     """
 
@@ -121,7 +122,7 @@ def separated(
     for one, two in combinations(range(len(explained)), 2):
         there = separation(explained[one], explained[two], made[one], tool=entry.tool)
         back = separation(explained[two], explained[one], made[two], tool=entry.tool)
-        gains[one, two] = min(there, back)
+        gains[one, two] = 0.5 * (there + back)
     closest = min(gains, key=lambda pair: gains[pair])
     return Separated(entry, gains[closest], closest)
 

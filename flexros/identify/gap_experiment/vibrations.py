@@ -33,7 +33,7 @@ PEAK_SHARE = 0.8
 """Largest torque of a vibration between its fades as a share of the torque scale [1] (chosen)."""
 WAY_SHARE = 0.5
 """Largest way of a vibration as a share of the reach [1] (chosen: the other half is for the poses)."""
-MOST_LINES = 250
+MOST_LINES = 120
 """Most lines of a multisine before detection lines are left out, spread evenly over its band [1] (chosen)."""
 NYQUIST_SHARE = 0.45
 """Highest line that is possible as a share of the sampling rate [1] (chosen)."""

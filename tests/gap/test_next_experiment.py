@@ -1,0 +1,109 @@
+"""What to run next: separation by simulation, the choice among experiments, the command."""
+
+from __future__ import annotations
+
+import shlex
+from typing import Any
+
+import pytest
+
+from flexros.cli.run import changed_scenario
+from flexros.effects import PlacedEffect, RobotWithEffects, parse_effect
+from flexros.errors import RunError
+from flexros.gap import next_experiment as module
+from flexros.gap.experiment_catalogue import CATALOGUE, CatalogueEntry
+from flexros.gap.next_experiment import command_of, next_experiment, separated
+from flexros.robot import load_robot
+from flexros.simulate.experiment import Experiment
+
+ENTRIES = {entry.name: entry for entry in CATALOGUE}
+
+
+def placed(*texts: str) -> list[PlacedEffect]:
+    return [parse_effect(text, "test") for text in texts]
+
+
+def model(name: str = "four_mass_linear") -> RobotWithEffects:
+    return RobotWithEffects(load_robot(name), ())
+
+
+def gain(survivors: list[list[PlacedEffect]], entry: str, name: str = "four_mass_linear") -> float:
+    found = separated(model(name), survivors, ENTRIES[entry])
+    assert found is not None
+    return found.gain
+
+
+def test_a_band_of_high_frequencies_tells_a_lag_from_a_delay_better() -> None:
+    survivors = [placed("delay@all:time=0.00015"), placed("actuator_lag@motor_1:time_constant=0.00015")]
+    assert gain(survivors, "high_band") > 3 * gain(survivors, "standard")
+
+
+def test_a_known_load_tells_motor_inertia_from_torque_gain_better_than_rest() -> None:
+    survivors = [
+        placed("motor_inertia_error@motor_1:relative=0.003"),
+        placed("torque_gain_error@motor_1:relative=-0.001"),
+    ]
+    assert gain(survivors, "known_payload") > 2 * gain(survivors, "static_holds")
+
+
+def test_the_chosen_experiment_is_the_best_but_for_plainer_ones() -> None:
+    survivors = [placed("delay@all:time=0.00015"), placed("actuator_lag@motor_1:time_constant=0.00015")]
+    entries = [ENTRIES["creep_in_poses"], ENTRIES["high_band"]]
+    chosen = next_experiment(load_robot("four_mass_linear"), survivors, entries=entries)
+    assert chosen is not None
+    assert chosen.name == "high_band"
+    assert chosen.expected_gain > 10.0
+    assert [place.effect for place in chosen.separates] == ["delay", "actuator_lag"]
+
+
+def test_what_motors_cannot_see_needs_the_tool() -> None:
+    survivors = [placed("kinematic_error@body_1:length=0.001"), placed("kinematic_error@body_2:length=0.001")]
+    entries = [ENTRIES["standard"], ENTRIES["tool_measurement"]]
+    chosen = next_experiment(load_robot("elbow"), survivors, entries=entries)
+    assert chosen is not None
+    assert chosen.name == "tool_measurement"
+    assert gain(survivors, "standard", "elbow") == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_tool_that_is_measured_already_is_not_proposed() -> None:
+    survivors = [placed("kinematic_error@body_1:length=0.001"), placed("kinematic_error@body_2:length=0.001")]
+    entries = [ENTRIES["tool_measurement"]]
+    assert next_experiment(load_robot("elbow"), survivors, entries=entries, tool_measured=True) is None
+
+
+def test_one_explanation_needs_no_experiment() -> None:
+    assert next_experiment(load_robot("four_mass_linear"), [placed("delay@all:time=0.001")]) is None
+
+
+def test_an_experiment_that_would_break_off_is_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    def breaks(*_: Any) -> None:
+        raise RunError("the state became infinite")
+
+    monkeypatch.setattr(module, "trial", breaks)
+    survivors = [placed("delay@all:time=0.001"), placed("delay@all:time=0.002")]
+    assert next_experiment(load_robot("four_mass_linear"), survivors, entries=CATALOGUE[:1]) is None
+
+
+def test_progress_ends_at_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    shares: list[float] = []
+    monkeypatch.setattr(module, "separated", lambda *_: None)
+    survivors = [placed("delay@all:time=0.001"), placed("delay@all:time=0.002")]
+    next_experiment(load_robot("four_mass_linear"), survivors, progress=shares.append)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+
+
+@pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.name)
+@pytest.mark.parametrize("name", ["four_mass", "elbow"])
+def test_every_command_can_be_run(entry: CatalogueEntry, name: str) -> None:
+    words = shlex.split(command_of(entry.keys(load_robot(name)), name, 7))
+    assert words[:5] == ["flexros", "run", "diagnosis", "--model", name]
+    assert words[5:7] == ["--seed", "7"]
+    assert set(words[7::2]) == {"--set"}
+    scenario = changed_scenario("diagnosis", name, words[8::2], None, 7)
+    assert 15.0 < Experiment.prepare(scenario).duration < 45.0
+
+
+def test_names_of_experiments_are_given_once() -> None:
+    assert len(ENTRIES) == len(CATALOGUE)
+    assert all(entry.description and not entry.description.endswith(".") for entry in CATALOGUE)
