@@ -105,7 +105,7 @@ def _print(result: DiagnosisResult, files: list[Path]) -> None:
         console.print()
         console.print(terminal.ranking_table(result))
     for heading, lines in (
-        ("Where it shows:", terminal.where_lines(diagnosis)),
+        ("Where it shows:", terminal.where_lines(result)),
         ("", (terminal.gap_line(diagnosis.gap), *terminal.group_lines(diagnosis), *terminal.next_lines(diagnosis))),
         ("", tuple(f"warning: {text}" for text in diagnosis.warnings)),
         ("", tuple(f"written: {path}" for path in files)),

@@ -41,7 +41,9 @@ def gap(
         measured = measure_gap(record, nominal, repaired=repaired, tolerance=tolerances)
     if as_json:
         told = measured.numbers.model_dump(mode="json")
-        print_json({name: value for name, value in told.items() if patch is not None or value is not None})
+        print_json(
+            {name: value for name, value in told.items() if value is not None or measured.numbers.after is not None}
+        )
     else:
         _print(measured)
         for text in record.warnings:

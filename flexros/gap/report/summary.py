@@ -49,9 +49,9 @@ def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
         tiles.append(_felt_tile(felt))
     if diagnosis.where:
         first = diagnosis.where[0]
-        tiles.append(
-            ("Where it shows most", first.joint, "", f"{_rest(where_words(first))}, {p_value_words(first.p_value)}")
-        )
+        told = where_words(first, result.record.sample_time).partition(", ")[2]
+        below = f"{capital(told)}, {p_value_words(first.p_value)}" if told else p_value_words(first.p_value)
+        tiles.append(("Where it shows most", first.joint, "", below))
     return tiles
 
 
@@ -70,8 +70,3 @@ def _cause_tile(diagnosis: Diagnosis) -> tuple[str, str, str, str]:
 def _felt_tile(felt: SignalGap) -> tuple[str, str, str, str]:
     after = "" if felt.after is None else f"{number(felt.after, 2)} {felt.unit} after repair"
     return capital(felt.signal), number(felt.before, 2), felt.unit, after
-
-
-def _rest(text: str) -> str:
-    """Return what follows the name of the joint."""
-    return text.partition(" ")[2] or text

@@ -59,15 +59,15 @@ def ranking_table(result: DiagnosisResult) -> Table:
     return table
 
 
-def where_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
+def where_lines(result: DiagnosisResult) -> tuple[str, ...]:
     """Write the first places where the gap shows.
 
     Args:
-        diagnosis: The answer.
+        result: What was found.
     """
     return tuple(
-        f"{where_words(place)}: {share_words(place.share)} of the excess, {p_value_words(place.p_value)}"
-        for place in diagnosis.where[:_PLACES]
+        f"{where_words(place, result.record.sample_time)}, {p_value_words(place.p_value)}"
+        for place in result.diagnosis.where[:_PLACES]
     )
 
 

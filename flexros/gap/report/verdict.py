@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from flexros.analysis.figures_table import number
 from flexros.gap.report.words import (
-    capital,
     cause_words,
     closed_words,
     interval_words,
@@ -60,9 +59,8 @@ def _no_gap(diagnosis: Diagnosis) -> str:
     if not diagnosis.where:
         return f"{text}."
     first = min(diagnosis.where, key=lambda place: place.p_value)
-    return (
-        f"{text}; the most suspicious place, {where_words(first)}, comes by chance with {p_value_words(first.p_value)}."
-    )
+    place = where_words(first).partition(":")[0]
+    return f"{text}; the most suspicious place, {place}, has {p_value_words(first.p_value)}."
 
 
 def _explained(diagnosis: Diagnosis) -> str:
@@ -127,8 +125,7 @@ def _where(diagnosis: Diagnosis) -> str:
     if not diagnosis.where:
         return ""
     first = diagnosis.where[0]
-    text = f"It shows most in {where_words(first)} ({share_words(first.share)} of it, {p_value_words(first.p_value)})."
-    return capital(text)
+    return f"It shows most in {where_words(first)} ({p_value_words(first.p_value)})."
 
 
 def _next(diagnosis: Diagnosis) -> str:

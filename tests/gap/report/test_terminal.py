@@ -33,8 +33,8 @@ def test_gap_is_told_in_a_line(diagnosed: Diagnosed) -> None:
 
 
 def test_the_first_three_places_are_told(diagnosed: Diagnosed) -> None:
-    lines = where_lines(diagnosed("explained").diagnosis)
-    assert lines[0] == "motor_1 position, below 2 Hz: 61 % of the excess, p < 0.001"
+    lines = where_lines(diagnosed("explained"))
+    assert lines[0] == "motor_1, below 2 Hz: 61 % of the excess, p < 0.001"
     assert len(lines) == 3
 
 

@@ -34,7 +34,7 @@ def test_an_unknown_effect_is_told_with_what_is_left_and_where(diagnosed: Diagno
     text = verdict_sentence(diagnosed("unknown_effect").diagnosis)
     assert "no known effect explains" in text
     assert "leaves 42 % of it on held-out data" in text
-    assert "motor_1 position, below 2 Hz" in text
+    assert "It shows most in motor_1, below 2 Hz: 61 % of the excess (p < 0.001)." in text
 
 
 def test_both_causes_of_a_pair_are_told(diagnosed: Diagnosed) -> None:

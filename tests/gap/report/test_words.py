@@ -74,7 +74,7 @@ def test_places_of_the_gap() -> None:
     place = GapPlace(
         signal="position", joint="motor_1", band_hz=(0.0, 8.0), regime="low speed", share=0.5, p_value=0.01
     )
-    assert where_words(place) == "motor_1 position in the regime 'low speed', below 8 Hz"
+    assert where_words(place) == "motor_1, below 8 Hz, at low speed: 50 % of the excess"
 
 
 def test_shares_are_never_told_as_all_or_nothing_when_they_are_not() -> None:
