@@ -40,10 +40,7 @@ def gap(
         record = read_record(read_log(bag, namespace=namespace or None), nominal.robot, name=bag.name)
         measured = measure_gap(record, nominal, repaired=repaired, tolerance=tolerances)
     if as_json:
-        told = measured.numbers.model_dump(mode="json")
-        print_json(
-            {name: value for name, value in told.items() if value is not None or measured.numbers.after is not None}
-        )
+        print_json(measured.numbers.model_dump(mode="json", exclude_none=patch is None))
     else:
         _print(measured)
         for text in record.warnings:
