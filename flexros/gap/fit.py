@@ -100,7 +100,8 @@ def fit(predictor: Predictor, data: FitData, start: FloatArray, iterations: int 
     theta, low, high = np.array(start, dtype=float), *predictor.bounds
     theta = np.clip(theta, low, high)
     chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
-    for done in range(1, iterations + 1):
+    while done < iterations:
+        done += 1
         line = linearise(predictor, data, theta)
         chi2, information = line.chi2, line.information
         if not np.isfinite(chi2) or not len(theta):
@@ -161,7 +162,8 @@ def linearise(predictor: Predictor, data: FitData, theta: FloatArray) -> Lineari
     J = np.stack(slopes, axis=-1) if slopes else np.zeros((len(base), 0))
     prior = np.zeros(P)
     prior[predictor.n_effect :] = 1.0
-    J = np.where(np.isfinite(J), J, 0.0)
+    if not np.all(np.isfinite(J)):
+        J = np.where(np.isfinite(J), J, 0.0)
     chi2 = float(_sums(predictor, base[:, None], theta[:, None])[0])
     return Linearised(chi2, base, J, J.T @ base + prior * theta, J.T @ J + np.diag(prior))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,8 +70,12 @@ class FitData:
             white = innovation[:, motor]
             if self.whitening.shape[1] > 1:
                 white = lfilter(self.whitening[motor], [1.0], white, axis=0)
-            result[motor] = white / self.spread[:, motor, None]
+            np.multiply(white, self._weight[:, motor, None], out=result[motor])
         return result.reshape(M * n, sets)
+
+    @cached_property
+    def _weight(self) -> FloatArray:
+        return 1.0 / self.spread
 
 
 def constant_spread(record: GapRecord, gain: ObserverGain) -> FloatArray:

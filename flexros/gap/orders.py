@@ -7,7 +7,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from scipy.fft import next_fast_len
 from scipy.linalg import expm
+from scipy.ndimage import median_filter
 from scipy.signal import lfilter
 
 from flexros.robot.linearise import linear_model
@@ -18,14 +20,18 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 Entry = Literal["torque", "proportional torque", "gear", "encoder"]
-"""Where a periodic disturbance enters: torque at the motor, that relative to the torque, torsion of the gear, encoder."""
+"""Where a wave enters: torque at the motor, the same relative to the torque, torsion of the gear, encoder."""
 
 HIGHEST = 130.0
 """Highest order that is looked for [periods per turn] (chosen)."""
 MOST_SPEED = 0.4
 """Highest frequency of an order at the largest speed, relative to the sampling frequency [1] (chosen)."""
-MOST_ORDERS = 3000
-"""Most orders of one search [1] (chosen)."""
+POINTS = 8
+"""Points of the grid of angles per shortest period [1] (chosen)."""
+PADDING = 4
+"""How much finer than their resolution the orders lie [1] (chosen)."""
+TRIED = 2
+"""Orders that are fitted, of those that stand out of their surroundings and of the largest, each [1] (chosen)."""
 
 
 @dataclass(frozen=True)
@@ -81,31 +87,23 @@ class OrderSearch:
             Waves by gain, the largest first.
         """
         angle = self._angle(motor)
-        orders = self._orders(motor, angle)
-        if not len(orders):
+        reach, highest = float(np.ptp(angle)), self._highest(angle)
+        lowest = 2 * np.pi / max(reach, 1e-12)
+        if highest <= lowest:
             return ()
-        source = self._source(motor, entry)
-        backward = self._backward(source) * self._factor(motor, entry)
-        score = _spectrum(backward, angle, orders)
-        level = np.array([np.median(score[max(0, k - 25) : k + 26]) for k in range(len(score))])
-        ranked = np.argsort(score / np.maximum(level, 1e-300))[::-1]
+        backward = self._backward(self._source(motor, entry)) * self._factor(motor, entry)
+        orders, score = angle_spectrum(backward, angle, highest)
+        orders, score = orders[orders >= lowest], score[orders >= lowest]
+        level = median_filter(score, size=min(len(score), 101), mode="nearest")
         chosen: list[float] = []
-        spacing = 2 * np.pi / max(float(np.ptp(angle)), 1e-9)
-        for place in [*ranked[: 3 * number], *np.argsort(score)[::-1][: 3 * number]]:
-            if all(abs(orders[place] - other) > 0.8 * spacing for other in chosen):
-                chosen.append(float(orders[place]))
-        fits = [self._refined(motor, entry, order, spacing) for order in chosen]
+        for ranked in (np.argsort(score / np.maximum(level, 1e-300)), np.argsort(score)):
+            for place in ranked[: -4 * PADDING : -1]:
+                if all(abs(orders[place] - other) > 0.8 * lowest for other in chosen):
+                    chosen.append(float(orders[place]))
+                if len(chosen) % (TRIED + 1) == TRIED:
+                    break
+        fits = [self.fit(motor, entry, order) for order in chosen]
         return tuple(sorted(fits, key=lambda one: -one.gain)[:number])
-
-    def _refined(self, motor: int, entry: Entry, order: float, spacing: float) -> PeriodicFit:
-        """Move an order to its best place within its resolution."""
-        best = self.fit(motor, entry, order)
-        width = spacing / 4
-        for _ in range(4):
-            others = [self.fit(motor, entry, max(best.order + sign * width, 1e-3)) for sign in (-1, 1)]
-            best = max([best, *others], key=lambda one: one.gain)
-            width /= 2
-        return best
 
     def fit(self, motor: int, entry: Entry, order: float) -> PeriodicFit:
         """Fit a wave of one order.
@@ -128,16 +126,10 @@ class OrderSearch:
         angle: FloatArray = turns * self._states[:, self.robot.chain.motor_places[motor]]
         return angle
 
-    def _orders(self, motor: int, angle: FloatArray) -> FloatArray:
-        """List orders a third of the resolution apart, from one period in the whole range on."""
-        reach = float(np.ptp(angle))
-        if reach <= 0:
-            return np.zeros(0)
+    def _highest(self, angle: FloatArray) -> float:
+        """Return the highest order that the sample time lets through."""
         fastest = float(np.quantile(np.abs(np.diff(angle)), 0.95))
-        highest = min(HIGHEST, 2 * np.pi * MOST_SPEED / max(fastest, 1e-12))
-        lowest = 2 * np.pi / reach
-        number = int(np.clip(3 * (highest - lowest) * reach / (2 * np.pi), 0, MOST_ORDERS))
-        return np.linspace(lowest, highest, number) if highest > lowest else np.zeros(0)
+        return min(HIGHEST, 2 * np.pi * MOST_SPEED / max(fastest, 1e-12))
 
     def _factor(self, motor: int, entry: Entry) -> FloatArray | float:
         return self.data.record.torque[:, motor] if entry == "proportional torque" else 1.0
@@ -150,12 +142,8 @@ class OrderSearch:
         if entry == "encoder":
             through[motor] = 1.0
             return -self._step(T) @ self.data.gain.gain[:, motor], through
-        force = np.zeros(n)
         place = self.robot.chain.motor_places[motor]
-        if entry == "gear":
-            force = -model.stiffness[:, place].copy()
-        else:
-            force = model.input[:, motor].copy()
+        force = -model.stiffness[:, place] if entry == "gear" else model.input[:, motor]
         column = np.concatenate([np.zeros(n), np.linalg.solve(model.mass, force)])
         half = self._step(T / 2)
         return half @ column * T, through
@@ -203,12 +191,25 @@ class OrderSearch:
         return self.data.weighted(errors[:, :, None])[:, 0]
 
 
-def _spectrum(signal: FloatArray, angle: FloatArray, orders: FloatArray) -> FloatArray:
-    """Evaluate |sum of signal exp(i n angle)| for evenly spaced orders n."""
-    wave = signal * np.exp(1j * orders[0] * angle)
-    turn = np.exp(1j * (orders[1] - orders[0] if len(orders) > 1 else 0.0) * angle)
-    score = np.empty(len(orders))
-    for place in range(len(orders)):
-        score[place] = abs(wave.sum())
-        wave *= turn
-    return score
+def angle_spectrum(signal: FloatArray, angle: FloatArray, highest: float) -> tuple[FloatArray, FloatArray]:
+    """Evaluate |sum of signal exp(i n angle)| over orders n, by putting the samples on an even grid of angles.
+
+    Args:
+        signal: One number per sample, shape (n,).
+        angle: Rotor angle of every sample [rad], shape (n,).
+        highest: Highest order [periods per turn].
+
+    Returns:
+        Orders [periods per turn] and magnitudes, shape (n_orders,) each.
+    """
+    spacing = 2 * np.pi / (POINTS * highest)
+    place = (angle - angle.min()) / spacing
+    whole = place.astype(int)
+    share = place - whole
+    number = int(whole.max()) + 2
+    grid = np.bincount(whole, signal * (1 - share), number) + np.bincount(whole + 1, signal * share, number)
+    padded = next_fast_len(PADDING * number)
+    score = np.abs(np.fft.rfft(grid, padded))
+    orders = 2 * np.pi * np.arange(len(score)) / (padded * spacing)
+    inside = orders <= highest
+    return orders[inside], score[inside]

@@ -27,8 +27,12 @@ if TYPE_CHECKING:
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-FITTED_STARTS = 2
-"""Starts from which a fit is carried out; the best of all starts that were evaluated (chosen)."""
+FEW, MANY = 4, 20
+"""Iterations of a fit at first, and where it is among the best (chosen)."""
+SETTLED = 3
+"""A fit that needs no more iterations than this needs no second start (chosen)."""
+FINISHED = 8
+"""Fits that are carried to their end (chosen)."""
 FIRSTS = 3
 """Best single effects that others are added to (chosen)."""
 SECONDS = 5
@@ -91,7 +95,9 @@ class Search:
         return tuple(one for one in (*suspects(self.model.robot, sizes), *waves) if one.name not in held)
 
     def singles(self, nothing: Fit, among: Sequence[Suspect]) -> list[Fit]:
-        """Fit every suspect alone.
+        """Fit every suspect alone: all for a few iterations, the best ones to the end.
+
+        An effect that extends simpler ones starts from their fits, and only where one of those is worth anything.
 
         Args:
             nothing: The fitted nominal model.
@@ -106,9 +112,43 @@ class Search:
             predictor = self.predictor((suspect,))
             starts = starts_of(predictor)
             starts[predictor.n_effect :] = deviations[:, None]
-            return self._from_best(predictor, starts)
+            return self._from_grid(predictor, starts)
 
-        return sorted(self._parallel("single effects", one, among), key=lambda found: found.chi2)
+        found = self._parallel("single effects", one, [suspect for suspect in among if not suspect.effect.extends])
+        worth = float(np.log(self.data.n_values))
+        simple = [fitted for fitted in found if nothing.chi2 - fitted.chi2 > worth]
+        pairs = [(suspect, fitted) for suspect in among for fitted in simple if _extends(suspect, fitted)]
+        found += self._parallel("richer effects", lambda pair: self._extended(*pair), pairs)
+        return self._finished(found)
+
+    def _extended(self, suspect: Suspect, simple: Fit) -> Fit:
+        """Fit an effect from the numbers of a simpler one that it contains."""
+        values = simple.predictor.values(simple.theta)[0]
+        shared = suspect.effect.extends[simple.predictor.hypothesis[0].effect.name]
+        predictor = self.predictor((suspect,))
+        starts = starts_of(predictor)
+        for number, free in enumerate(suspect.free):
+            if free.name in shared:
+                starts[number] = free.encode(values[shared[free.name]])
+        starts[predictor.n_effect :] = simple.theta[simple.predictor.n_effect :, None]
+        return self._from_grid(predictor, starts)
+
+    def _from_grid(self, predictor: Predictor, starts: FloatArray) -> Fit:
+        """Fit from the best start for a few iterations, and from the second best where it is not far worse."""
+        order = np.argsort(chi2_of(predictor, self.data, starts))[:2]
+        first = fit(predictor, self.data, starts[:, order[0]], FEW)
+        if len(order) < 2 or (first.converged and first.iterations <= SETTLED):
+            return first
+        return best_of([first, fit(predictor, self.data, starts[:, order[1]], FEW)])
+
+    def _finished(self, found: Sequence[Fit]) -> list[Fit]:
+        """Carry the best fits to their end."""
+        ranked = sorted(found, key=lambda one: one.chi2)
+        best = self._parallel("best effects", self._continued, ranked[:FINISHED])
+        return sorted([*best, *ranked[FINISHED:]], key=lambda one: one.chi2)
+
+    def _continued(self, one: Fit) -> Fit:
+        return one if one.converged else fit(one.predictor, self.data, one.theta, MANY)
 
     def beside(self, first: Fit, sizes: Yardsticks) -> list[Fit]:
         """Fit every promising suspect beside what was found.
@@ -160,11 +200,6 @@ class Search:
                 best, place = float(gains.max()), begin + int(np.argmax(gains))
         return best, Fit(predictor, starts[:, place], np.inf)
 
-    def _from_best(self, predictor: Predictor, starts: FloatArray) -> Fit:
-        values = chi2_of(predictor, self.data, starts)
-        order = np.argsort(values)[:FITTED_STARTS]
-        return best_of([fit(predictor, self.data, starts[:, place]) for place in order])
-
     def _parallel(self, stage: str, work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
         results: list[Result] = []
         with ThreadPoolExecutor(self.threads) as pool:
@@ -173,6 +208,12 @@ class Search:
                 if self.progress is not None:
                     self.progress(stage, done / len(items))
         return results
+
+
+def _extends(suspect: Suspect, simple: Fit) -> bool:
+    """Tell whether an effect contains another one, at the same place."""
+    other = simple.predictor.hypothesis[0]
+    return other.effect.name in suspect.effect.extends and other.location == suspect.location
 
 
 def directions(found: Fit, data: FitData) -> FloatArray:

@@ -23,7 +23,7 @@ class Yardsticks:
         sizes: Largest torque, speed, angle and deflection by name of the motor or spring [SI units].
     """
 
-    sizes: Mapping[Yardstick, Mapping[str, float]]
+    sizes: Mapping[str, Mapping[str, float]]
 
     def of(self, yardstick: Yardstick, location: str) -> float:
         """Return the size for a place; places that are neither motor nor spring get the largest of all.
@@ -35,7 +35,11 @@ class Yardsticks:
         if yardstick == "torque/speed" or yardstick == "torque/angle":
             divisor: Yardstick = "speed" if yardstick == "torque/speed" else "angle"
             return self.of("torque", location) / self.of(divisor, location)
-        sizes = self.sizes.get(yardstick)
+        over, _, under = yardstick.partition("/")
+        return self._largest(over, location) / (self._largest(under, location) if under else 1.0)
+
+    def _largest(self, name: str, location: str) -> float:
+        sizes = self.sizes.get(name)
         if sizes is None:
             return 1.0
         return sizes.get(location, max(sizes.values()))
