@@ -1,4 +1,4 @@
-"""The demonstration: the circle test of the thesis over topics, recorded, analysed and compared."""
+"""The demonstration: the circle test of the thesis over topics, recorded and compared; then a gap closed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import typer
 from rich.padding import Padding
 from rich.table import Table
 
-from flexros.cli import transports
+from flexros.cli import demo_repair, transports
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.cli.run import choose_transport
 from flexros.errors import INTERRUPTED, InputError, RunError
@@ -20,6 +20,7 @@ from flexros.errors import INTERRUPTED, InputError, RunError
 if TYPE_CHECKING:
     from flexros.analysis import Analysis
     from flexros.analysis.comparison import Comparison
+    from flexros.cli.demo_repair import Repair
     from flexros.cli.transports import RunResult
     from flexros.config.scenario import Scenario
     from flexros.logs.time_series import Log
@@ -91,9 +92,12 @@ def cases() -> tuple[Case, ...]:
 def demo(
     out: Path = typer.Option(None, "--out", help="Folder for logs and report; default: bags/demo_<time>."),
     transport: str = typer.Option("", "--transport", help="ros or direct; default: ros where it is installed."),
+    with_repair: bool = typer.Option(
+        True, "--repair/--no-repair", help="End with a hidden effect: diagnose it, repair the feedforward, run again."
+    ),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> int:
-    """Run the circle test of Moberg (2007, Paper B): record, analyse, and compare with the published figures."""
+    """Run the circle test of Moberg (2007, Paper B) beside the published figures; then diagnose and repair a gap."""
     from flexros.analysis.report import write_comparison, write_report
 
     transport = choose_transport(transport, quiet=as_json)
@@ -112,11 +116,28 @@ def demo(
     write_comparison(comparison, folder / "report.html", title="Circle test of Paper B on the E12 robot")
     shown = next(result for result in results if result.case.label == "circle_dae2")
     write_report([shown.analysis], folder / "circle_dae2.html")
-    if as_json:
-        print_json({**comparison.as_dict(), "runs": [_row(result) for result in results], "folder": str(folder)})
-    else:
+    if not as_json:
         _print(results, comparison, folder, transport)
+    found = _repaired(folder, transport) if with_repair else None
+    if as_json:
+        content = {**comparison.as_dict(), "runs": [_row(result) for result in results], "folder": str(folder)}
+        print_json({**content, **({} if found is None else {"repair": found.as_dict()})})
+    elif found is not None:
+        demo_repair.print_repair(found, folder)
     return 0
+
+
+def _repaired(folder: Path, transport: str) -> Repair:
+    """Diagnose and repair a hidden effect; write the report of its runs."""
+    from flexros.analysis.report import write_report
+
+    with progress_bar() as progress:
+        task = progress.add_task(demo_repair.HIDDEN, total=1.0)
+        found = demo_repair.repair(
+            folder, transport, lambda what, share: progress.update(task, description=what, completed=share)
+        )
+    write_report(found.runs, folder / demo_repair.REPORT)
+    return found
 
 
 def run_case(case: Case, folder: Path, transport: str) -> CaseResult:

@@ -1,0 +1,58 @@
+"""From the log of a robot with a hidden effect to a feedforward that knows it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flexros.config.scenario import Scenario, load_scenario
+from flexros.effects.patched_robot import load_model
+from flexros.gap.diagnose import DiagnosisSettings, diagnose
+from flexros.gap.read_record import read_record
+from flexros.gap.repair import write_patch
+from flexros.simulate.closed_loop import closed_loop
+from flexros.simulate.experiment import Experiment
+
+HIDDEN = "coulomb_friction@motor_1:level=1.5"
+ROBOT = "four_mass_linear"
+
+
+def tool(wanted: Scenario) -> Any:
+    log = closed_loop(Experiment.prepare(wanted))
+    assert log.tool_pose is not None
+    return log.tool_pose.position
+
+
+def test_the_patch_of_a_diagnosis_brings_the_tool_back_to_the_path_without_effect(tmp_path: Path) -> None:
+    experiment = load_scenario("diagnosis").with_values(
+        {"robot": ROBOT, "plant.effects": [HIDDEN], "diagnosis.length": 10.0}
+    )
+    model = load_model(ROBOT)
+    record = read_record(closed_loop(Experiment.prepare(experiment)), model.robot, name="hidden")
+    result = diagnose(record, model, settings=DiagnosisSettings(where=False))
+    assert result.diagnosis.causes[0].effect == "coulomb_friction"
+    patch = tmp_path / "patch.yaml"
+    write_patch(result, ROBOT, patch)
+
+    plain = Scenario.model_validate(
+        {
+            "name": "moves",
+            "robot": ROBOT,
+            "noise": False,
+            "trajectory": {
+                "path": {"type": "joint_moves", "points_from_start": [[10.0]]},
+                "time_law": {"type": "ninth_degree", "duration": 0.8},
+            },
+            "feedforward": {"method": "dae", "output": "joints"},
+            "controller": {"kind": "pid", "kp": 22, "kd": 2.35, "derivative_filter": 2.6e-3},
+        }
+    )
+    hidden = plain.with_values({"plant.effects": [HIDDEN]})
+    ideal = tool(plain)
+    before, after = (
+        np.abs(tool(one) - ideal).max() for one in (hidden, hidden.with_values({"feedforward_model": str(patch)}))
+    )
+    assert before > 3e-4
+    assert after < 0.05 * before
