@@ -89,7 +89,7 @@ def score(
     if as_json:
         print_json(record(answers))
         return
-    console.print(score_table(answers))
+    console.print(score_table(answers, console.width))
     console.print(wrong_table(answers))
 
 

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexros.gap.blind.nested import same, same_place
-from flexros.gap.diagnosis_file import Diagnosis
 
 if TYPE_CHECKING:
     from flexros.gap.blind.seal import Truth
-    from flexros.gap.diagnosis_file import Cause
+    from flexros.gap.diagnosis_file import Cause, Diagnosis
 
 VISIBLE = 50.0
 """Expected gain from which a deviation is well above the noise [nats] (contract of section 10)."""

@@ -146,9 +146,7 @@ class Tracker:
     def draw(cls, robot: Robot, random: np.random.Generator) -> Tracker:
         """Draw a tracker beside a robot."""
         target = np.zeros(3) if robot.spec.tool.linear else random.uniform(-0.02, 0.02, 3)
-        return cls(
-            Rotation.random(random_state=random), random.uniform(-2.0, 2.0, 3), target, robot.tool_noise
-        )
+        return cls(Rotation.random(random_state=random), random.uniform(-2.0, 2.0, 3), target, robot.tool_noise)
 
     def see(self, pose: FloatArray, random: np.random.Generator) -> FloatArray:
         """Measure tool poses [x y z qx qy qz qw], shape (n, 7), as positions [m], shape (n, 3)."""

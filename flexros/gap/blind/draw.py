@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from flexros.gap.blind.deviation import Deviation
-from flexros.gap.blind.scales import Scales
+
+if TYPE_CHECKING:
+    from flexros.gap.blind.scales import Scales
 
 Numbers: TypeAlias = dict[str, float]
 

@@ -175,7 +175,8 @@ class Equations:
         names = tuple(self.factors)
         model = self.robot.symbolic(names)
         values = ca.vertcat(
-            ca.SX(0, 1), *[value * self.factors[name] for name, value in zip(names, model.parameter_values, strict=True)]
+            ca.SX(0, 1),
+            *[value * self.factors[name] for name, value in zip(names, model.parameter_values, strict=True)],
         )
         mass = model.mass_matrix(self.q, values) + ca.diag(ca.vertcat(*self.armature))
         force = model.force(self.q, self.v, ca.vertcat(*self.torque), self.wrench, values)

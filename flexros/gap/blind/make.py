@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from flexros.errors import RunError
 from flexros.gap.blind.conditions import believed_values, draw_conditions, tolerances
 from flexros.gap.blind.draw import Draft, draft, log_uniform
@@ -28,6 +26,8 @@ from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    import numpy as np
 
     from flexros.arrays import FloatArray
     from flexros.gap.blind.conditions import Conditions
@@ -109,7 +109,9 @@ def _drawn_with_logs(case: Case, settings: MakeSettings) -> tuple[Drawn, list[Ta
         try:
             drawn = draw_case(case, settings, attempt)
             return drawn, [
-                take_log(drawn, case.tool, place, settings.durations[place], _random(case, settings, attempt, 2 + place))
+                take_log(
+                    drawn, case.tool, place, settings.durations[place], _random(case, settings, attempt, 2 + place)
+                )
                 for place in range(len(LOGS))
             ]
         except UnstableCaseError:
@@ -137,7 +139,9 @@ def draw_case(case: Case, settings: MakeSettings, attempt: int = 0) -> Drawn:
     believed = believed_values(robot, case.nuisance, random)
     conditions = draw_conditions(case.nuisance, random)
     reference = setting.reference(settings.durations[0], _random(case, settings, attempt, 1))
-    rehearsal = Rehearsal(setting, reference, NominalFilter(robot, setting.sample_time, tolerances(robot, case.nuisance)))
+    rehearsal = Rehearsal(
+        setting, reference, NominalFilter(robot, setting.sample_time, tolerances(robot, case.nuisance))
+    )
     hidden = _hidden(case, rehearsal, random)
     return Drawn(setting, conditions, reference, hidden, identified_file(robot, believed, "as known to the user"))
 

@@ -57,8 +57,8 @@ class MultirateLoop:
     def function(self) -> ca.Function:
         """Build (c, r, y, g) -> (u, c_next) at the fine rate.
 
-        r is [reference (3 M), encoder noise (M), lateness of the reading (M), loss (1), push (1)], y is [motor positions
-        (M), speeds (M), unused (M + 1)], g is [gains of the law, numbers of the deviations].
+        r is [reference (3 M), encoder noise (M), lateness of the reading (M), loss (1), push (1)], y is [motor
+        positions (M), speeds (M), unused (M + 1)], g is [gains of the law, numbers of the deviations].
         """
         m, n_law = self.n_motors, int(self.law.numel_in(0))
         c, r, y = ca.SX.sym("c", self.n_states), ca.SX.sym("r", 5 * m + 2), ca.SX.sym("y", self.width)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 DRIVE, ELSEWHERE = 1.5e-3, 0.5e-3
-"""Unknown torque that the filter allows for, per sample: what it moves motors and arm, over the encoder noise (chosen)."""
+"""Unknown torque that the filter allows for: what it moves motors and arm per sample, over the noise (chosen)."""
 SKIPPED = 0.5
 """Time at the start during which the filter settles [s] (chosen)."""
 SMALL = 1e-3

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from flexros.gap.blind.equations import Equations
 from flexros.gap.blind.friction import dry
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from flexros.gap.blind.equations import Equations
 
 
 def position_dependent_friction(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Literal, TypeAlias
-
-import numpy as np
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from flexros.gap.blind.laws import LIBRARY_LAWS, OUTSIDE_LAWS
 from flexros.gap.blind.places import places_of
 from flexros.random_streams import Stream, generator
 from flexros.robot import load_robot
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
 
 Kind: TypeAlias = Literal["single", "null", "unknown", "pair"]
 Size: TypeAlias = Literal["weak", "medium", "strong", "any", "none"]

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from flexros.compile import LoopFunctions, LoopInputs, compile_loop
+from flexros.compile import LoopFunctions, LoopInputs, LoopState, compile_loop
 from flexros.errors import RunError
 from flexros.gap.blind.added_mode import with_mode
 from flexros.gap.blind.equations import Equations
@@ -148,9 +148,7 @@ class BlindPlant:
         chosen = self.deviations if deviations is None else deviations
         return np.array([value for one in chosen for value in one.parameters.values()], dtype=float)
 
-    def run(
-        self, inputs: BlindInputs, settle: float = 0.0, deviations: Sequence[Deviation] | None = None
-    ) -> BlindRun:
+    def run(self, inputs: BlindInputs, settle: float = 0.0, deviations: Sequence[Deviation] | None = None) -> BlindRun:
         """Simulate.
 
         Args:
@@ -186,8 +184,7 @@ class BlindPlant:
         whole = np.concatenate(found)[lead:]
         return BlindRun(whole[:, :m], whole[:, m : 2 * m], whole[:, 2 * m :])
 
-    def _start(self, inputs: BlindInputs, time: float) -> object:
-        from flexros.compile import LoopState
+    def _start(self, inputs: BlindInputs, time: float) -> LoopState:
 
         m = self.robot.n_motors
         rest = self.robot.equilibrium(self.robot.home, motor_position=inputs.reference[0, :m])

@@ -83,9 +83,7 @@ def diagnosed(folder: Path, case: OpenCase) -> DiagnosisResult:
     from flexros.robot import load_robot
 
     robot = load_robot(folder / ROBOT_FILE)
-    record, holdout = (
-        read_record(read_log(folder / log), robot, name=f"{case.name}/{log}") for log in case.logs[:2]
-    )
+    record, holdout = (read_record(read_log(folder / log), robot, name=f"{case.name}/{log}") for log in case.logs[:2])
     return diagnose(record, robot, holdout=holdout, settings=DiagnosisSettings(threads=1, where=False))
 
 

@@ -207,10 +207,7 @@ def record(answers: Sequence[Answer]) -> dict[str, Any]:
         "visible_from": VISIBLE,
         "all": asdict(score(answers)),
         **{key: {value: asdict(one) for value, one in scores_by(answers, key).items()} for key in GROUPINGS},
-        "effects": {
-            name: asdict(one)
-            for name, one in _by_effect(answers).items()
-        },
+        "effects": {name: asdict(one) for name, one in _by_effect(answers).items()},
         "confusion": {truth: dict(counts) for truth, counts in confusion(answers).items()},
     }
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from pydantic import Field, ValidationError
 
@@ -12,6 +11,9 @@ from flexros.config.validation import Settings
 from flexros.errors import InputError
 from flexros.gap.blind.deviation import Deviation
 from flexros.whole_file import write_whole
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 Content = TypeVar("Content", bound=Settings)
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.blind.nominal_filter import NominalFilter
 from flexros.gap.blind.plant import BlindInputs, BlindPlant, UnstableCaseError
 from flexros.gap.blind.tool_view import seen_pose, tool_gain
 
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.blind.deviation import Deviation
     from flexros.gap.blind.draw import Draft
+    from flexros.gap.blind.nominal_filter import NominalFilter
     from flexros.gap.blind.plant import BlindRun
     from flexros.gap.blind.setting import Setting
 

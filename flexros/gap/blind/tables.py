@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from flexros.gap.blind.score import confusion, score, scores_by
-from flexros.gap.blind.statistics import Share
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.gap.blind.answer import Answer
     from flexros.gap.blind.score import Score
+    from flexros.gap.blind.statistics import Share
 
 ROWS = (
     ("right effect first (top-1)", "top_1"),
@@ -34,17 +34,25 @@ ROWS = (
 """Shares by what they are; visible deviations only where nothing else is said."""
 
 
-def score_table(answers: Sequence[Answer]) -> Table:
-    """Lay out the figures of all cases, and of those with exact and with wrong nominal model.
+WIDE = 150
+"""Width of a terminal from which the states of the nominal model are told apart [characters]."""
+
+
+def score_table(answers: Sequence[Answer], width: int = WIDE) -> Table:
+    """Lay out the figures of all cases, and where there is room of those with exact and with wrong nominal model.
 
     Args:
         answers: The cases.
+        width: Width of the terminal [characters].
 
     Returns:
         The table.
     """
-    by = {"all": score(answers), **scores_by(answers, "nuisance")}
-    table = Table("", *by, title=f"Blind check of {len(answers)} logs")
+    by = {"all": score(answers), **(scores_by(answers, "nuisance") if width >= WIDE else {})}
+    table = Table("", title=f"Blind check of {len(answers)} logs")
+    table.columns[0].no_wrap = True
+    for name in by:
+        table.add_column(name)
     for row in figure_rows(by):
         table.add_row(*row)
     return table

@@ -96,7 +96,9 @@ def take_log(drawn: Drawn, tool: bool, place: int, duration: float, random: np.r
         states = _later(run.states, conditions.tool_late / step)[:: round(TOOL_STEP / step)]
         pose = seen_pose(robot, deviations, states, plant.robot)
         seen = Tracker.draw(robot, random).see(pose, random)
-    return Take(robot.joint_names, step, _stamps(n, step, conditions, random), run.encoder, run.command, reference, seen)
+    return Take(
+        robot.joint_names, step, _stamps(n, step, conditions, random), run.encoder, run.command, reference, seen
+    )
 
 
 def _later(states: FloatArray, samples: float) -> FloatArray:

@@ -19,7 +19,9 @@ ALIGNMENTS = 5
 """Alternations between the frame of the tracker and the offset of its target (chosen)."""
 
 
-def seen_pose(robot: Robot, deviations: Sequence[Deviation], states: FloatArray, bent: Robot | None = None) -> FloatArray:
+def seen_pose(
+    robot: Robot, deviations: Sequence[Deviation], states: FloatArray, bent: Robot | None = None
+) -> FloatArray:
     """Compute tool poses.
 
     Args:
