@@ -10,7 +10,7 @@ from flexros.analysis.report.base import Block, Heading, Paragraph
 from flexros.gap.report.base import AbstractDiagnosisSection
 from flexros.gap.report.ranking import NOTHING
 from flexros.gap.report.signature_pictures import signature_pictures
-from flexros.gap.report.words import capital, cause_words, listed, named, parameter_words, share_words
+from flexros.gap.report.words import capital, cause_words, first_few, listed, named, parameter_words, share_words
 
 if TYPE_CHECKING:
     from flexros.gap.diagnosis_file import Place
@@ -101,11 +101,10 @@ def speaks_against(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
     size = next(iter(one.parameters.items()), None)
     if size is not None and size[1].std > 0.5 * abs(size[1].value):
         told.append(f"Its size is hardly different from zero: {_number(size[0], one)}.")
-    told += [
-        f"This log cannot tell it from {listed([named(place) for place in group if not _same(one, place)], 'or')}."
-        for group in result.diagnosis.ambiguity_groups
-        if any(_same(one, place) for place in group)
-    ]
+    groups = [group for group in result.diagnosis.ambiguity_groups if any(_same(one, place) for place in group)]
+    rivals = dict.fromkeys(named(place) for group in groups for place in group if not _same(one, place))
+    if rivals:
+        told.append(f"This log cannot tell it from {first_few(list(rivals), 'or')}.")
     if one.probability < result.nothing:
         told.append(f"That there is {NOTHING} is more probable ({share_words(result.nothing)}).")
     return (*told, *one.speaks_against)

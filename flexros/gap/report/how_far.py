@@ -81,7 +81,7 @@ def _bars(gap: GapNumbers) -> go.Figure:
     figure.update_xaxes(
         title_text=f"gap{unit}", type="log", range=[math.log10(0.5 * smallest), math.log10(2.2 * largest)]
     )
-    figure.update_layout(margin={"l": 160, "t": 16}, showlegend=False, bargap=0.35)
+    figure.update_layout(margin={"l": 185, "t": 16}, showlegend=False, bargap=0.35)
     return figure
 
 

@@ -18,6 +18,14 @@ if TYPE_CHECKING:
 _MOVED = 1.0
 """Standard deviations of its tolerance from which a moved parameter is told (chosen)."""
 
+_NOTHING_TO_RUN = {
+    "no_gap": "No further experiment is needed: there is no gap to be explained.",
+    "explained": "No further experiment is needed to tell the cause from its rivals.",
+    "ambiguous": "No experiment of the catalogue tells the rivals apart: measure the tool or the torque too.",
+    "unknown_effect": "No experiment is proposed for a cause that is not among the known effects: the map of where the "
+    "gap shows says which joint and which motion to look at.",
+}
+
 
 class OpenQuestionsSection(AbstractDiagnosisSection):
     """Limits of this log, the next experiment, and what was put down to the tolerance of the model."""
@@ -29,7 +37,7 @@ class OpenQuestionsSection(AbstractDiagnosisSection):
         limits = tuple(Paragraph(text, "against") for text in result.cannot_tell)
         experiment = result.diagnosis.next_experiment
         if experiment is None:
-            following: tuple[Block, ...] = (Paragraph("No further experiment is needed to tell rivals apart."),)
+            following: tuple[Block, ...] = (Paragraph(_NOTHING_TO_RUN[result.diagnosis.verdict]),)
         else:
             following = _following(experiment)
         return (*limits, *following, *_tolerance(result.tolerance))

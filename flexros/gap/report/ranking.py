@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexros.analysis.figures_table import number
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.gap.report.base import AbstractDiagnosisSection
-from flexros.gap.report.words import capital, listed, named, parameters_words, share_words
+from flexros.gap.report.words import capital, first_few, listed, named, parameters_words, share_words
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,7 +34,9 @@ class RankingSection(AbstractDiagnosisSection):
         if not result.ranking:
             return (Paragraph("No effect competed, as nothing exceeds noise and tolerance."),)
         groups = [
-            Paragraph(f"This log cannot tell {listed([named(place) for place in group], 'from')} apart.", "warning")
+            Paragraph(
+                f"This log cannot tell {first_few([named(place) for place in group], 'from', 6)} apart.", "warning"
+            )
             for group in result.diagnosis.ambiguity_groups
         ]
         return (Paragraph(_sentence(result)), _picture(result), *groups, _table(result.ranking))

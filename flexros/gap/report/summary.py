@@ -51,7 +51,7 @@ def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
         first = diagnosis.where[0]
         told = where_words(first, result.record.sample_time).partition(", ")[2]
         below = f"{capital(told)}, {p_value_words(first.p_value)}" if told else p_value_words(first.p_value)
-        tiles.append(("Where it shows most", first.joint, "", below))
+        tiles.append(("Where it shows most", first.joint, "", below.replace("p = ", "p\u00a0=\u00a0")))
     return tiles
 
 

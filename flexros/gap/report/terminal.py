@@ -10,8 +10,8 @@ from flexros.gap.report.words import (
     capital,
     clear_words,
     closed_words,
+    first_few,
     interval_words,
-    listed,
     named,
     p_value_words,
     share_words,
@@ -94,7 +94,10 @@ def group_lines(diagnosis: Diagnosis) -> tuple[str, ...]:
     Args:
         diagnosis: The answer.
     """
-    return tuple(f"Not told apart: {listed([named(place) for place in group])}" for group in diagnosis.ambiguity_groups)
+    return tuple(
+        f"Not told apart: {first_few([named(place) for place in group], most=6)}"
+        for group in diagnosis.ambiguity_groups
+    )
 
 
 def next_lines(diagnosis: Diagnosis) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from flexros.analysis.figures_table import number
 from flexros.gap.report.words import (
     cause_words,
     closed_words,
+    first_few,
     interval_words,
     listed,
     named,
@@ -17,6 +18,8 @@ from flexros.gap.report.words import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.gap.diagnosis_file import Cause, Diagnosis, GapNumbers, Place
 
 _PART = 0.5
@@ -75,13 +78,13 @@ def _explained(diagnosis: Diagnosis) -> str:
 
 
 def _ambiguous(diagnosis: Diagnosis) -> str:
-    rivals = _rivals(diagnosis)
     probability = {(cause.effect, cause.location): cause.probability for cause in diagnosis.causes}
+    rivals = sorted(_rivals(diagnosis), key=lambda place: -probability.get((place.effect, place.location), 0.0))
     told = [f"{named(place)} ({share_words(probability.get((place.effect, place.location), 0.0))})" for place in rivals]
     sure = [cause for cause in diagnosis.causes if cause.probability >= _SURE and not _in(cause, rivals)]
     beside = f"; beside it there is {listed([cause_words(cause) for cause in sure])}" if sure else ""
     return (
-        f"There is a gap, and this log cannot tell {listed(told, 'from')} apart{beside}. "
+        f"There is a gap, and this log cannot tell {first_few(told, 'from')} apart{beside}. "
         f"{_closed(diagnosis.gap)} {_next(diagnosis)}"
     ).strip()
 
@@ -99,7 +102,7 @@ def _rivals(diagnosis: Diagnosis) -> tuple[Place, ...]:
     return diagnosis.ambiguity_groups[0] if diagnosis.ambiguity_groups else diagnosis.causes[:2]
 
 
-def _in(cause: Cause, places: tuple[Place, ...]) -> bool:
+def _in(cause: Cause, places: Sequence[Place]) -> bool:
     return any((cause.effect, cause.location) == (place.effect, place.location) for place in places)
 
 

@@ -78,6 +78,18 @@ def listed(texts: Sequence[str], last: str = "and") -> str:
     return f"{', '.join(texts[:-1])} {last} {texts[-1]}"
 
 
+def first_few(texts: Sequence[str], last: str = "and", most: int = 3) -> str:
+    """Join texts as `listed` does, and count those behind the first few: "a, b, c and 2 others".
+
+    Args:
+        texts: The texts.
+        last: Word before the last of them.
+        most: Texts that are written.
+    """
+    more = len(texts) - most
+    return listed([*texts[:most], f"{more} other{'s' * (more > 1)}"] if more > 0 else texts, last)
+
+
 def parameter_words(name: str, parameter: CauseParameter) -> str:
     """Write a fitted number with its standard deviation and without its name, e.g. "0.21 Nm (±0.01)", "+5.2 % (±0.3)".
 

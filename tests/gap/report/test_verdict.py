@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from flexros.gap.diagnosis_file import Place
 from flexros.gap.report.verdict import told_causes, verdict_sentence
 from flexros.gap.result import DiagnosisResult
 
@@ -52,3 +53,14 @@ def test_a_repair_that_makes_it_worse_is_told_so(diagnosed: Diagnosed) -> None:
     gap = diagnosis.gap.model_copy(update={"after": 50.0, "closed_fraction": -0.3})
     text = verdict_sentence(diagnosis.model_copy(update={"gap": gap}))
     assert text.endswith("the repaired model does not close the gap: 38.2 before, 50 after, 1 without any gap.")
+
+
+def test_of_many_rivals_the_most_probable_are_told(diagnosed: Diagnosed) -> None:
+    diagnosis = diagnosed("ambiguous").diagnosis
+    others = tuple(Place(effect=name, location="motor_1") for name in ("torque_bias", "actuator_lag", "delay"))
+    many = diagnosis.model_copy(update={"ambiguity_groups": ((*others, *diagnosis.ambiguity_groups[0]),)})
+    text = verdict_sentence(many)
+    assert (
+        "cannot tell hysteresis at motor_1 (56 %), backlash at motor_1 (43 %), torque bias at motor_1 (0 %) from 2"
+        in text
+    )

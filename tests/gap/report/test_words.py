@@ -10,6 +10,7 @@ from flexros.gap.report.words import (
     cause_words,
     closed_words,
     effect_words,
+    first_few,
     listed,
     p_value_words,
     parameter_words,
@@ -91,3 +92,9 @@ def test_shares_are_never_told_as_all_or_nothing_when_they_are_not() -> None:
 
 def test_lists_read_as_sentences() -> None:
     assert [listed(texts) for texts in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
+
+
+def test_long_lists_are_counted() -> None:
+    assert first_few(["a", "b", "c"], "from") == "a, b from c"
+    assert first_few(["a", "b", "c", "d"], "from") == "a, b, c from 1 other"
+    assert first_few(["a", "b", "c", "d", "e"], "or") == "a, b, c or 2 others"
