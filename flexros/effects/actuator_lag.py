@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects.base import Stage
+    from flexros.effects.motor_law import MotorState
     from flexros.robot.kinematics import Value
 
 _SHORT, _MANY = 1e-12, 0.02
@@ -24,14 +25,16 @@ class ActuatorLag(AbstractCommandLaw):
     """A lag of first order between commanded torque u and torque of the motor y: T dy/dt = u - y.
 
     The command is constant through an integration step, so that y is known exactly: u + (y0 - u) exp(-t/T). The motor
-    gets the mean of y over the step, and is right to order two in the step; a time constant far below it costs nothing.
-    The own states are y at the end of the step and its mean.
+    gets the straight line that has the same mean and the same first moment over the step, so that speed and position
+    at its end are right to order four; a time constant far below the step costs nothing. The own states are that line,
+    y at the end of the step, and the slope of the line.
     """
 
     name: ClassVar[str] = "actuator_lag"
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "time_constant"
     rank: ClassVar[int] = 2
+    smooth_states = 1
     stepwise_states = 2
     fingerprint: ClassVar[str] = (
         "prediction errors follow changes of the torque as with a delay, but the response also rolls off at high "
@@ -44,20 +47,28 @@ class ActuatorLag(AbstractCommandLaw):
     time_constant: float = Field(0.0, ge=0.0, le=1.0, description="time constant T [s]")
 
     def passed(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value]) -> ca.SX:
-        """Return the mean of the torque over the step."""
+        """Return the line that stands for the torque in the step."""
         del torque, values
-        return own[1]
+        return own[0]
+
+    def rates(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
+        """Let the line rise."""
+        del values
+        return motor.own[2]
 
     def before_step(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value], step: ca.SX) -> ca.SX:
-        """Move the torque on and take its mean over the step."""
-        steps = step / ca.fmax(values["time_constant"], _SHORT)
-        decay = ca.exp(-steps)
-        series = 1 - steps / 2 * (1 - steps / 3 * (1 - steps / 4 * (1 - steps / 5)))
-        share = ca.if_else(steps > _MANY, (1 - decay) / ca.fmax(steps, _MANY), series)
-        before = own[0] - torque
-        return ca.vertcat(torque + before * decay, torque + before * share)
+        """Move the torque on, and lay the line that stands for it."""
+        x = step / ca.fmax(values["time_constant"], _SHORT)
+        many = ca.fmax(x, _MANY)
+        decay, before = ca.exp(-x), own[1] - torque
+        share = ca.if_else(x > _MANY, (1 - decay) / many, 1 - x / 2 * (1 - x / 3 * (1 - x / 4 * (1 - x / 5))))
+        fall = ca.if_else(
+            x > _MANY, 12 * ((share - decay) / many - share / 2), -x * (1 - x / 2 * (1 - x * 3 / 10 * (1 - x * 2 / 9)))
+        )
+        mean, slope = torque + before * share, before * fall / step
+        return ca.vertcat(mean - slope * step / 2, torque + before * decay, slope)
 
     def rest(self, torque: ca.SX, values: Mapping[str, Value]) -> ca.SX:
         """Return what a constant torque leads to: itself."""
         del values
-        return ca.vertcat(torque, torque)
+        return ca.vertcat(torque, torque, 0)

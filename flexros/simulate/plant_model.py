@@ -9,15 +9,12 @@ import casadi as ca
 import numpy as np
 
 from flexros.compile.loop_functions import LoopFunctions
-from flexros.effects.arm_law import AbstractArmLaw
 from flexros.effects.delay import Delay
-from flexros.effects.gear_law import AbstractGearLaw
-from flexros.effects.motor_law import AbstractMotorLaw
 from flexros.errors import unknown_name
 from flexros.robot.rest import Rest, RestFinder
 from flexros.simulate.plant_rest import PlantRestFinder, own_at_rest, torque_beyond_command
 from flexros.simulate.plant_symbols import PlantSymbols
-from flexros.simulate.plant_updates import motor_accelerations, smooth_torque, step_updates
+from flexros.simulate.plant_updates import motor_accelerations, own_rates, smooth_torque, step_updates
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -189,25 +186,9 @@ class PlantModel:
             robot = self.model.derivative(plant.x[:n], torque, plant.w, plant.robot_parameters)
         else:
             robot = ca.vertcat(plant.v, motor_accelerations(plant, torque))
-        rates = ca.vertcat(robot, ca.SX.zeros(len(plant.rubbing)), self._own_rates(passed))
+        rates = ca.vertcat(robot, ca.SX.zeros(len(plant.rubbing)), own_rates(plant, passed))
         arguments = [plant.x, plant.u, plant.w, plant.p]
         return ca.Function("derivative", arguments, [ca.densify(rates)], {"cse": True})
-
-    def _own_rates(self, torque: ca.SX) -> ca.SX:
-        """Derivatives of the own states of all laws; zero for those that are updated between the steps."""
-        plant, rates = self._plant, ca.SX.zeros(self.n_states)
-        for law in self.laws:
-            effect, values = law.effect, plant.values(law)
-            smooth = slice(plant.place(law).start, plant.place(law).start + effect.smooth_states)
-            if not effect.smooth_states:
-                continue
-            if isinstance(effect, AbstractMotorLaw):
-                rates[smooth] = effect.rates(plant.motor(law, torque), values)
-            elif isinstance(effect, AbstractGearLaw):
-                rates[smooth] = effect.rates(plant.gear(law), values)
-            elif isinstance(effect, AbstractArmLaw):
-                rates[smooth] = effect.rates(plant.arm(law), values)
-        return rates[plant.friction_end :]
 
     @cached_property
     def _updates(self) -> tuple[ca.Function | None, ca.Function | None]:

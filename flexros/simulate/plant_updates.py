@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
+from flexros.effects.arm_law import AbstractArmLaw
 from flexros.effects.bristle_friction import bristle_step
 from flexros.effects.dry_friction import AHEAD, FrictionLevels, mean_friction
+from flexros.effects.gear_law import AbstractGearLaw
+from flexros.effects.motor_law import AbstractMotorLaw
 
 if TYPE_CHECKING:
     from flexros.effects.placement import PlacedLaw
@@ -36,6 +39,31 @@ def smooth_torque(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
     for law, effect in plant.laws.torques:
         added[law.motor] += effect.added(plant.motor(law, torque), plant.values(law))
     return added
+
+
+def own_rates(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
+    """Evaluate the derivatives of the own states of all laws; zero for those that are updated between the steps.
+
+    Args:
+        plant: Symbols of the plant.
+        torque: Torques of the motors behind saturation, gain and lag, SX (M, 1).
+
+    Returns:
+        Derivatives, SX.
+    """
+    rates = ca.SX.zeros(plant.x.numel())
+    for law in plant.laws.all:
+        effect, values = law.effect, plant.values(law)
+        smooth = slice(plant.place(law).start, plant.place(law).start + effect.smooth_states)
+        if not effect.smooth_states:
+            continue
+        if isinstance(effect, AbstractMotorLaw):
+            rates[smooth] = effect.rates(plant.motor(law, torque), values)
+        elif isinstance(effect, AbstractGearLaw):
+            rates[smooth] = effect.rates(plant.gear(law), values)
+        elif isinstance(effect, AbstractArmLaw):
+            rates[smooth] = effect.rates(plant.arm(law), values)
+    return rates[plant.friction_end :]
 
 
 def step_updates(plant: PlantSymbols) -> tuple[ca.Function | None, ca.Function | None]:
@@ -120,15 +148,16 @@ def _rub(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
 
 
 def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int]) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Return accelerations without friction, what the turning of springs adds to them per time, and mobilities."""
+    """Return accelerations without friction, what springs and own states add to them per time, and mobilities."""
     torque = ca.SX.sym("torque", plant.robot.n_motors)
     places = [plant.robot.chain.motor_places[motor] for motor in motors]
     free = motor_accelerations(plant, torque)[places]
     mobility = ca.jacobian(free, torque)[:, motors]
     passed = plant.torques(plant.u)
     free = ca.substitute(free, torque, passed + smooth_torque(plant, passed))
-    slope = ca.jtimes(free, plant.q, plant.v)
-    own = plant.own_states
+    slope, own = ca.jtimes(free, plant.q, plant.v), plant.own_states
+    if own.numel():
+        slope = slope + ca.jtimes(free, own, own_rates(plant, passed))
     if own.numel() and not ca.is_equal(x[plant.friction_end :], own):
         free, slope = (ca.substitute(one, own, x[plant.friction_end :]) for one in (free, slope))
     return free, slope, mobility

@@ -158,8 +158,8 @@ def test_start_stands_for_what_has_been_before() -> None:
     prepared = experiment(*effects, robot="elbow", disturbances=[], noise=False, plant={"effects": effects})
     model, state = prepared.plant_model, prepared.start_state
     torque = prepared.plant.holding_torque(state)[0]
-    assert model.start(state)[-2:] == pytest.approx([torque, torque])
-    assert model.start(state, np.array([3.0, 0.0]))[-2:] == pytest.approx([4.5, 4.5])
+    assert model.start(state)[-3:] == pytest.approx([torque, torque, 0.0])
+    assert model.start(state, np.array([3.0, 0.0]))[-3:] == pytest.approx([4.5, 4.5, 0.0])
 
 
 def test_free_parameters_of_a_start_have_the_values_they_were_given_with() -> None:
