@@ -15,6 +15,7 @@ from flexros.gap.explain import RIVAL, UNEXPLAINED
 from flexros.gap.how_far import closed_fraction, errors_ahead
 from flexros.gap.hypothesis import name_of
 from flexros.gap.result import Candidate, DiagnosisResult, Explanation, Prediction
+from flexros.gap.signal_gaps import signal_gaps
 from flexros.gap.signatures.evidence import Evidence as Signatures
 from flexros.gap.units import unit_of_parameter
 from flexros.provenance import versions
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from flexros.gap.fit import Fit
     from flexros.gap.fit_data import FitData
     from flexros.gap.how_far import AheadErrors
+    from flexros.gap.result import SignalGap
     from flexros.gap.where.find import Where
 
 METRIC = "mean squared prediction error 0.1 s ahead over its floor variance"
@@ -109,6 +111,13 @@ class Findings:
     def errors_before(self) -> AheadErrors:
         """Errors of the nominal model on held-out data."""
         return errors_ahead(self.explanations.evidence.nothing, self.held)
+
+    @cached_property
+    def signals(self) -> tuple[SignalGap, ...]:
+        """The gap of each motor in its own unit, on held-out data."""
+        chosen = self.explanations.chosen if self.explanations.detected else None
+        after, rival = (None if one is None else errors_ahead(one, self.held) for one in (chosen, self.best_rival))
+        return signal_gaps(self.model.robot, self.errors_before, after, rival)
 
     def closed(self, one: Fit) -> float:
         """Compute the share of the gap that a model closes on held-out data."""
@@ -225,6 +234,7 @@ def result_of(
         covariance_of=names,
         covariance=covariance if len(names) else None,
         excess=() if places is None else places.looked,
+        signals=found.signals,
         evidence=_signatures(found, before, after),
         tolerance={name: float(value) for name, value in zip(chosen.predictor.tolerance.names, tolerated)},
         cannot_tell=told,
