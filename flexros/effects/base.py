@@ -42,7 +42,8 @@ class AbstractEffect(Settings, ABC):
        `AbstractGearLaw` torques of a spring, `AbstractArmLaw` forces on the arm, `AbstractSensor` a changed reading,
        `AbstractToolError` a tool that is elsewhere.
 
-    Any number of effects combine at any places.
+    Any number of effects combine at any places. The guide shows each with a picture: a row in
+    `docs/guide/effects_pictures.py`, then `python docs/guide/effects_page.py`.
     """
 
     name: ClassVar[str]

@@ -1,0 +1,267 @@
+"""Draw one picture per effect for effects.md: python docs/guide/effects_pictures.py [FOLDER]."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from effects_in_motion import CHANGED, Run, changed, magnitude, nominal, panel, run
+from svg_picture import Curve, Panel, picture
+
+from flexros.robot import Robot, load_robot
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+
+TWO_MASS, ELBOW, E12 = load_robot("two_mass"), load_robot("elbow"), load_robot("e12")
+SLIDE = load_robot("emps").with_values({"motor_1.viscous_friction": 0.0})
+MASS = SLIDE.parameters["body_1.mass"].value
+SPEED, WAY, TIME = "speed [m/s]", "way [m]", "time [s]"
+MISSING, FORCE = "missing force [N]", "force [N]"
+ACCELERATION, FREQUENCY = "acceleration per torque [dB]", "frequency [Hz]"
+MARKS = (5.0, 10.0, 20.0, 50.0)
+Panels = Sequence[Panel]
+
+
+def swing(size: float, frequency: float = 1.0) -> Callable[[float], list[float]]:
+    """Return a force of one motor that swings."""
+    return lambda time: [size * float(np.cos(2 * np.pi * frequency * time))]
+
+
+def missing(moved: Run) -> FloatArray:
+    """Return the force that the slide gets beyond the commanded one [N]."""
+    return MASS * moved.acceleration(0) - moved.command[:, 0]
+
+
+def of_slide(*texts: str, size: float = 150.0, frequency: float = 1.0, duration: float = 2.0) -> Run:
+    """Move the slide to and fro."""
+    return run(SLIDE, texts, swing(size, frequency), duration)
+
+
+def over_speed(text: str, size: float = 150.0) -> Panels:
+    """Draw the missing force over the speed."""
+    moved = of_slide(*text.split(), size=size)
+    inner = slice(5, -5)
+    speed = moved.speed[inner, 0]
+    return [panel("on a slide", SPEED, MISSING, [nominal(speed, 0 * speed), changed(speed, missing(moved)[inner])])]
+
+
+def over_time(text: str, duration: float = 2.0) -> Panels:
+    """Draw the missing force over time."""
+    moved = of_slide(text, duration=duration)
+    inner = slice(5, -5)
+    time = moved.time[inner]
+    return [
+        panel("on a slide", TIME, MISSING, [nominal(time, 0 * time), changed(time, missing(moved)[inner], width=1.0)])
+    ]
+
+
+def over_command(text: str) -> Panels:
+    """Draw the acting force over the commanded one."""
+    moved = of_slide(text)
+    inner = slice(5, -5)
+    acting = MASS * moved.acceleration(0)[inner]
+    command = moved.command[inner, 0]
+    curves = [nominal(command, command), changed(command, acting)]
+    return [panel("on a slide", "commanded force [N]", "acting force [N]", curves)]
+
+
+def step_response(text: str) -> Panels:
+    """Draw the acting force over time after steps of the commanded one."""
+    moved = run(SLIDE, [text], lambda time: [50.0 * (time % 0.04 < 0.02)], 0.1)
+    acting = MASS * np.diff(moved.speed[:, 0]) / SLIDE.sample_time
+    time = moved.time[:-1]
+    return [panel("on a slide", TIME, FORCE, [nominal(time, moved.command[:-1, 0]), changed(time, acting)])]
+
+
+def over_rotor_angle(text: str) -> Panels:
+    """Draw the missing torque over the angle of a rotor, at two speeds."""
+    curves = []
+    for speed, colour in ((0.6, CHANGED), (1.2, "#1f5fa8")):
+        moved = run(
+            ELBOW.with_values({"motor_1.viscous_friction": 0.0}), [text], hold_elbow, 0.13 / speed, elbow_at(speed)
+        )
+        turns = 120.0 * moved.position[:, 2] / (2 * np.pi)
+        plain = run(ELBOW.with_values({"motor_1.viscous_friction": 0.0}), [], hold_elbow, 0.13 / speed, elbow_at(speed))
+        torque = 60.0 * (moved.acceleration(2) - plain.acceleration(2))
+        curves.append(Curve(turns[2:-2] - turns[0], torque[2:-2], f"{speed:g} rad/s at the arm", colour))
+    return [panel("at the elbow", "turns of the rotor [1]", "missing torque [Nm]", curves, (0, 0.5, 1, 1.5, 2))]
+
+
+def hold_elbow(time: float) -> list[float]:
+    """Return the torques that hold the elbow at its home."""
+    del time
+    return [float(value) for value in ELBOW.holding_torque(ELBOW.equilibrium())]
+
+
+def elbow_at(speed: float) -> list[float]:
+    """Return the elbow's home, all parts of the first axis at a speed."""
+    state = ELBOW.equilibrium()
+    state[[4, 6]] = speed
+    return [float(value) for value in state]
+
+
+def encoder_error(text: str) -> Panels:
+    """Draw measured minus true position over the true one."""
+    moved = run(TWO_MASS, [text], lambda time: [0.5 if time < 1 else -0.5], 2.0)
+    true = moved.position[:, 1]
+    return [
+        panel(
+            "two masses", "motor angle [rad]", "measured - true [rad]", [changed(true, moved.encoder[:, 0] - true, "")]
+        )
+    ]
+
+
+def staircase(text: str) -> Panels:
+    """Draw measured and true position over time."""
+    moved = run(TWO_MASS, [text], lambda time: [0.5 if time < 0.5 else -0.5], 1.0)
+    curves = [nominal(moved.time, moved.position[:, 1], "true"), changed(moved.time, moved.encoder[:, 0], "measured")]
+    return [panel("two masses", TIME, "motor angle [rad]", curves)]
+
+
+def responses(text: str, robot: Robot = TWO_MASS) -> Panel:
+    """Draw the frequency response of the first motor."""
+    frequency = np.geomspace(5, 50, 500)
+    curves = [
+        nominal(frequency, magnitude(robot, [], frequency)),
+        changed(frequency, magnitude(robot, [text], frequency)),
+    ]
+    return panel(text.partition(":")[0], FREQUENCY, ACCELERATION, curves, MARKS, logarithmic=True)
+
+
+def gear_loop(text: str, sizes: Sequence[float], title: str) -> Panel:
+    """Draw the torque in the gear of two masses over its deflection, at several amplitudes."""
+    curves = []
+    for size, colour in zip(sizes, (CHANGED, "#1f5fa8", "#3a8f5c")):
+        held = TWO_MASS.with_values({"body_1.rz.damping": 300.0, "motor_1.inertia": 1.0})
+        moved = run(held, [text], swing(size, 0.5), 6.0)
+        deflection = 1e3 * (moved.position[:, 1] - moved.position[:, 0])
+        torque = 6.0 * moved.acceleration(0)
+        last = slice(len(torque) * 2 // 3, -3)
+        curves.append(Curve(deflection[last], torque[last], "", colour))
+    reach = 1e3 * max(sizes) * 0.85 / 6e4
+    straight = np.array([-reach, reach])
+    curves.append(nominal(straight, 60.0 * straight))
+    return panel(title, "deflection [mrad]", "torque to the arm [Nm]", curves)
+
+
+def backlash(text: str) -> Panels:
+    """Draw torque over deflection, and motor and arm passing the gap."""
+    moved = run(TWO_MASS, [text], lambda time: [8.0 if time < 0.15 else -8.0], 0.5)
+    curves = [nominal(moved.time, moved.speed[:, 0], "arm"), changed(moved.time, moved.speed[:, 1], "motor")]
+    return [
+        gear_loop(text, (40.0, 15.0), "slow swing"),
+        panel("reversed torque", TIME, "speed [rad/s]", curves),
+    ]
+
+
+def transmission(text: str) -> Panels:
+    """Draw the deflection of the gear over the motor angle at a slow and a resonant speed."""
+    curves = []
+    heavy = TWO_MASS.with_values({"motor_1.inertia": 4e5})
+    for speed, label, colour in ((0.5, "slow", CHANGED), (2.4, "near the resonance", "#1f5fa8")):
+        moved = run(heavy, [text], lambda time: [0.0], 12.0 / speed, [0.0, 0.0, speed, speed])
+        late = moved.position[:, 1] > moved.position[-1, 1] - 1.0
+        angle = moved.position[late, 1] - moved.position[late, 1][0]
+        curves.append(Curve(angle, 1e3 * (moved.position[late, 0] - moved.position[late, 1]), label, colour))
+    return [panel("two masses, motor at constant speed", "motor angle [rad]", "arm - motor [mrad]", curves)]
+
+
+def holding(text: str) -> Panels:
+    """Draw the torque that holds the second link of the elbow over its angle."""
+    from effects_in_motion import with_effects
+
+    from flexros.simulate.plant_model import PlantModel
+
+    angles = np.linspace(-1.5, 1.5, 61)
+    curves = []
+    for texts, draw in (([], nominal), ([text], changed)):
+        placed = with_effects(ELBOW, *texts)
+        model = PlantModel(placed.robot, placed.laws)
+        torques = [model.rest(ELBOW.equilibrium([0.0, angle])).torque[1] for angle in angles]
+        curves.append(draw(angles, np.array(torques)))
+    return [panel("second link of the elbow", "angle [rad]", "torque at rest [Nm]", curves)]
+
+
+def tool_error(text: str) -> Panels:
+    """Draw the error of the measured tool over the angle of the first link."""
+
+    def turned(time: float) -> list[float]:
+        return [1500.0 if time < 0.5 else -1500.0, 0.0]
+
+    start = [0.0, 0.3, 0.0, 0.0, 0.3, *[0.0] * 5]
+    with_error, without = run(E12, [text], turned, 1.0, start), run(E12, [], turned, 1.0, start)
+    difference = 1e3 * (with_error.tool - without.tool)
+    angle = without.position[:, 0]
+    curves = [Curve(angle, difference[:, 0], "x", CHANGED), Curve(angle, difference[:, 2], "z", "#1f5fa8")]
+    return [panel("e12", "angle of the first link [rad]", "measured - expected tool [mm]", curves)]
+
+
+def presliding(text: str) -> Panels:
+    """Draw force over way in small motion, and over speed in large motion."""
+    small = run(SLIDE, [text], lambda time: [18.0 * float(np.sin(2 * np.pi * time) * np.exp(-0.15 * time))], 4.0)
+    curve = changed(1e6 * small.position[5:-5, 0], missing(small)[5:-5], "")
+    return [panel("below breakaway", "way [um]", MISSING, [curve]), *over_speed(text)]
+
+
+DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
+    "actuator_lag": (step_response, "actuator_lag@motor_1:time_constant=3e-3"),
+    "backlash": (backlash, "backlash@motor_1:gap=1e-3"),
+    "coulomb_friction": (over_speed, "coulomb_friction@motor_1:level=20,asymmetry=0.2"),
+    "damping_error": (lambda text: [responses(text)], "damping_error@body_1.rz:relative=2"),
+    "delay": (step_response, "delay@all:time=3e-3"),
+    "encoder_eccentricity": (encoder_error, "encoder_eccentricity@motor_1:amplitude=1e-4,order=300"),
+    "encoder_quantization": (staircase, "encoder_quantization@motor_1:step=2e-3"),
+    "extra_mode": (
+        lambda text: [responses(f"extra_mode@{place}:{text}") for place in ("tool", "base")],
+        "frequency=12,ratio=0.3",
+    ),
+    "friction_drift": (lambda text: over_time(text, 12.0), "friction_drift@motor_1:coulomb=20,time_constant=4"),
+    "gravity_error": (holding, "gravity_error@body_2:relative=0.2"),
+    "hysteresis": (
+        lambda text: [gear_loop(text, (40.0, 15.0, 5.0), "slow swing, three amplitudes")],
+        "hysteresis@motor_1:level=8,angle=1e-4",
+    ),
+    "kinematic_error": (tool_error, "kinematic_error@body_2:length=1e-3"),
+    "motor_inertia_error": (lambda text: [responses(text)], "motor_inertia_error@motor_1:relative=0.4"),
+    "nonlinear_stiffness": (
+        lambda text: [gear_loop(text, (60.0, 25.0), "slow swing, two amplitudes")],
+        "nonlinear_stiffness@body_1.rz:relative=1.5,knee=3e-4",
+    ),
+    "payload_error": (lambda text: [responses(text)], "payload_error@tool:relative=0.4"),
+    "presliding_friction": (
+        presliding,
+        "presliding_friction@motor_1:level=20,extra=10,velocity=0.05,stiffness=1e6,damping=300",
+    ),
+    "stiffness_error": (lambda text: [responses(text)], "stiffness_error@body_1.rz:relative=-0.3"),
+    "stribeck_friction": (
+        over_speed,
+        "stribeck_friction@motor_1:extra=20,velocity=0.05 coulomb_friction@motor_1:level=10",
+    ),
+    "torque_bias": (over_time, "torque_bias@motor_1:level=10"),
+    "torque_gain_error": (over_command, "torque_gain_error@motor_1:relative=-0.2"),
+    "torque_ripple": (over_rotor_angle, "torque_ripple@motor_1:amplitude=5,order=6"),
+    "torque_saturation": (over_command, "torque_saturation@motor_1:limit=90"),
+    "transmission_error": (transmission, "transmission_error@motor_1:amplitude=2e-4,order=40"),
+    "viscous_friction": (over_speed, "viscous_friction@motor_1:coefficient=80,asymmetry=0.4"),
+}
+"""How each effect is drawn, and with which numbers."""
+
+
+def pictures() -> dict[str, str]:
+    """Draw all pictures.
+
+    Returns:
+        SVG text by name of the effect.
+    """
+    return {name: picture([draw(text)]) for name, (draw, text) in DRAWINGS.items()}
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures" / "effects"
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in pictures().items():
+        (folder / f"{name}.svg").write_text(text, encoding="utf-8")
