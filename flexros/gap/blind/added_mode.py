@@ -17,35 +17,35 @@ if TYPE_CHECKING:
 def with_mode(robot: Robot, location: str, parameters: Mapping[str, float]) -> Robot:
     """Add a body on a spring and a damper that turns about the axis of its neighbour.
 
-    At the tool it carries `ratio` times the inertia of the last body; at the base `ratio` times the inertia that the
+    At the tool it has `ratio` times the inertia of the last body, or as a point that moves in the plane of the axes
+    `ratio` times its mass; at the base it has `ratio` times the inertia that the
     whole arm has there at home. Its own frequency with the neighbour held is `frequency`.
 
     Args:
         robot: The robot.
         location: "tool" or "base".
-        parameters: `frequency` [Hz], `ratio` [1] and `damping_ratio` [1].
+        parameters: `frequency` [Hz], `ratio` [1], `damping` ratio [1], and at the tool `point`, 1 for a point mass.
 
     Returns:
         The robot with the body behind its last one, or before its first one.
     """
     data = robot.spec.model_dump()
     joint = robot.chain.joints[-1 if location == "tool" else 0]
-    inertia = parameters["ratio"] * reference_inertia(robot, location)
+    axis = joint.name[-1]
+    if parameters.get("point"):
+        size = parameters["ratio"] * robot.spec.bodies[-1].mass.value
+        body: dict[str, Any] = {"mass": size}
+        directions = [f"t{other}" for other in "xyz" if other != axis]
+    else:
+        size = parameters["ratio"] * reference_inertia(robot, location)
+        body, directions = {"inertia": {axis * 2: size}}, [f"r{axis}"]
     speed = 2 * np.pi * parameters["frequency"]
-    axis = joint.name.split(".")[1]
-    body = {
-        "inertia": {axis[1] * 2: inertia},
-        "directions": {
-            f"r{axis[1]}": {
-                "spring": inertia * speed**2,
-                "damper": 2 * parameters["damping_ratio"] * inertia * speed,
-            }
-        },
-    }
+    held = {"spring": size * speed**2, "damper": 2 * parameters["damping"] * size * speed}
+    body["directions"] = dict.fromkeys(directions, held)
     data["unknown_parameters"], data["inverse_kinematics"] = (), "numerical"
     home = [float(value) for value in robot.home]
     if location == "tool":
-        data["bodies"], data["home"] = (*data["bodies"], body), (*home, 0.0)
+        data["bodies"], data["home"] = (*data["bodies"], body), (*home, *[0.0] * len(directions))
     else:
         _rename(data)
         data["bodies"], data["home"] = (body, *data["bodies"]), (0.0, *home)

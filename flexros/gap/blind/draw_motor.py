@@ -28,7 +28,7 @@ def _coulomb(at: Site, random: np.random.Generator) -> Drawn:
 
 def _stribeck(at: Site, random: np.random.Generator) -> Drawn:
     unit, velocity = 3e-3 * at.torque, at.speed * log_uniform(random, 3e-3, 5e-2)
-    return lambda s: {"level": s * unit, "velocity": velocity}, 50.0
+    return lambda s: {"extra": s * unit, "velocity": velocity}, 50.0
 
 
 def _presliding(at: Site, random: np.random.Generator) -> Drawn:
@@ -43,8 +43,8 @@ def _presliding(at: Site, random: np.random.Generator) -> Drawn:
             "level": s * unit,
             "extra": s * unit * extra,
             "velocity": velocity,
-            "bristle_stiffness": stiffness,
-            "bristle_damping": damping * np.sqrt(stiffness * inertia),
+            "stiffness": stiffness,
+            "damping": damping * np.sqrt(stiffness * inertia),
         }
 
     return shape, 200.0

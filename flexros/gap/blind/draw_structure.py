@@ -50,10 +50,12 @@ def _payload(at: Site, random: np.random.Generator) -> Drawn:
 def _mode(at: Site, random: np.random.Generator) -> Drawn:
     damping = float(random.uniform(0.01, 0.05))
     if at.location == "tool":
-        frequency = log_uniform(random, 8.0, 50.0)
-        return lambda s: {"frequency": frequency, "ratio": 1e-3 * s, "damping_ratio": damping}, 300.0
+        robot, frequency = at.scales.robot, log_uniform(random, 8.0, 50.0)
+        heavy = robot.spec.bodies[-1].mass.value > 0 and not np.any(robot.spec.gravity.value)
+        point = float(heavy and random.uniform() < 0.5)
+        return lambda s: {"frequency": frequency, "ratio": 1e-3 * s, "damping": damping, "point": point}, 300.0
     ratio = float(random.uniform(0.5, 3.0))
-    return lambda s: {"frequency": 1000.0 / np.sqrt(s), "ratio": ratio, "damping_ratio": damping}, 1e4
+    return lambda s: {"frequency": 1000.0 / np.sqrt(s), "ratio": ratio, "damping": damping}, 1e4
 
 
 def _kinematic(at: Site, random: np.random.Generator) -> Drawn:

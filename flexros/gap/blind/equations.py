@@ -42,10 +42,17 @@ class InnerState:
 
 @dataclass
 class Twist:
-    """Deflection of a gear and its rate [rad, rad/s], as the spring between motor and arm sees them."""
+    """Deflection of a gear, as the spring between motor and arm sees it.
+
+    Attributes:
+        angle: Deflection [rad].
+        rate: Its rate [rad/s].
+        lever: Deflection per way of the motor [1], by which the motor feels the torque of the gear.
+    """
 
     angle: ca.SX
     rate: ca.SX
+    lever: ca.SX | float = 1.0
 
 
 @dataclass
@@ -170,8 +177,9 @@ class Equations:
         """Solve the equations of motion for the accelerations, SX (n_coordinates, 1)."""
         for motor, twist in self.twists.items():
             joint = self.robot.chain.geared[motor]
-            change = self.gear_torque(joint, twist) - self.gear_torque(joint, self.deflection(joint))
-            self.add_spring_torque(joint, change)
+            torque = self.gear_torque(joint, twist)
+            self.add_spring_torque(joint, torque - self.gear_torque(joint, self.deflection(joint)))
+            self.add_torque(motor, (1 - twist.lever) * torque)
         names = tuple(self.factors)
         model = self.robot.symbolic(names)
         values = ca.vertcat(

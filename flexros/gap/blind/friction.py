@@ -62,19 +62,19 @@ def coulomb(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
 def stribeck(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
     """Only the hump of dry friction at low speed."""
     for motor in plant.motors(place):
-        dry(plant, motor, p["level"] * hump(plant.v[plant.place(motor)], p["velocity"]))
+        dry(plant, motor, p["extra"] * hump(plant.v[plant.place(motor)], p["velocity"]))
 
 
 def presliding(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
     """LuGre friction (Canudas de Wit et al. 1995), moved by its exact solution under constant speed."""
     for motor in plant.motors(place):
         v, z = plant.v[plant.place(motor)], ca.SX.sym("z")
-        limit = (p["level"] + p["extra"] * hump(v, p["velocity"])) / p["bristle_stiffness"]
+        limit = (p["level"] + p["extra"] * hump(v, p["velocity"])) / p["stiffness"]
         end = ca.sign(v) * limit
         update = end + (z - end) * ca.exp(-ca.fabs(v) * plant.step / limit)
         plant.states.append(InnerState(z, update=update))
         rate = v - ca.fabs(v) * z / limit
-        plant.add_torque(motor, -p["bristle_stiffness"] * z - p["bristle_damping"] * rate)
+        plant.add_torque(motor, -p["stiffness"] * z - p["damping"] * rate)
 
 
 def drift(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:

@@ -25,7 +25,7 @@ def backlash(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
         slide = twist.rate + plant.spring_torque(joint, twist.angle - free) / damping
         rate = ca.if_else(free >= half, ca.fmin(slide, 0), ca.if_else(free <= -half, ca.fmax(slide, 0), slide))
         plant.states.append(InnerState(free, rate=rate, update=ca.fmin(ca.fmax(free, -half), half)))
-        plant.twists[motor] = Twist(twist.angle - free, twist.rate - rate)
+        plant.twists[motor] = Twist(twist.angle - free, twist.rate - rate, twist.lever)
 
 
 def hysteresis(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
@@ -39,13 +39,14 @@ def hysteresis(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
 
 
 def transmission_error(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
-    """Error of the gear's ratio that repeats with the turning of the rotor."""
+    """Error of the gear's ratio that repeats with the turning of the rotor; no power is lost in it."""
     for motor in plant.motors(place):
         twist, angle = plant.twist(motor), plant.angle(motor)
         error = p["amplitude"] * ca.sin(p["order"] * angle + p["phase"])
         own = plant.place(motor)
-        rate = ca.jacobian(error, plant.q[own]) * plant.v[own]
-        plant.twists[motor] = Twist(twist.angle - error, twist.rate - rate)
+        slope = ca.jacobian(error, plant.q[own])
+        rate = slope * plant.v[own]
+        plant.twists[motor] = Twist(twist.angle - error, twist.rate - rate, twist.lever - slope)
 
 
 def nonlinear_stiffness(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:

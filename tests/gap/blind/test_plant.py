@@ -7,6 +7,7 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.compile import LoopInputs, compile_loop
+from flexros.control.pid import Pid
 from flexros.gap.blind.deviation import Deviation
 from flexros.gap.blind.laws import LAWS
 from flexros.gap.blind.nominal_filter import NominalFilter
@@ -102,10 +103,37 @@ def test_backlash_lets_the_gear_move_within_its_gap() -> None:
 
 def test_mode_at_the_base_adds_a_coordinate_and_keeps_the_motors() -> None:
     robot = load_robot("e12")
-    mode = hidden("extra_mode", "base", frequency=15.0, ratio=1.0, damping_ratio=0.02)
+    mode = hidden("extra_mode", "base", frequency=15.0, ratio=1.0, damping=0.02)
     plant = BlindPlant(robot, (mode,), default_controller(robot, STEP), STEP)
     assert plant.robot.n_arm == robot.n_arm + 1
     assert plant.run(swing(robot, 0.2)).encoder.shape[1] == robot.n_motors
+
+
+def test_error_of_the_gear_loses_no_power() -> None:
+    robot = load_robot("four_mass_linear").with_values(
+        {f"body_{k}.rz.damping": 0.0 for k in (1, 2, 3)}
+        | {f"body_{k}.viscous_friction": 0.0 for k in (1, 2, 3)}
+        | {"motor_1.viscous_friction": 0.0}
+    )
+    wave = hidden("transmission_error", "motor_1", amplitude=0.02, order=3.0, phase=0.4)
+    plant = BlindPlant(robot, (wave,), Pid(kp=0.0), STEP)
+    inputs = swing(robot, 1.0)
+    inputs.reference[:, 2] = np.where(np.arange(len(inputs.lost)) < 200, 1.0, 0.0)  # pushed, then left alone
+    states = plant.run(inputs).states[400:]
+    n, turn = robot.n_coordinates, states[:, 3] * 3.0 + 0.4
+    kinetic, potential = (np.asarray(one).ravel() for one in robot.model.energy(states[:, :n].T, states[:, n:].T, []))
+    bent = states[:, 3] - states[:, 0]
+    spring = robot.parameters["body_1.rz.stiffness"].value / 2
+    whole = kinetic + potential + spring * ((bent - 0.02 * np.sin(turn)) ** 2 - bent**2)
+    assert np.ptp(whole) < 1e-6 * np.mean(whole)
+
+
+def test_point_mass_at_the_tool_moves_in_the_plane() -> None:
+    robot = load_robot("e12")
+    mode = hidden("extra_mode", "tool", frequency=15.0, ratio=0.1, damping=0.02, point=1.0)
+    plant = BlindPlant(robot, (mode,), default_controller(robot, STEP), STEP)
+    assert plant.robot.arm_names[-2:] == ("body_4.tx", "body_4.tz")
+    assert np.all(np.isfinite(plant.run(swing(robot, 0.2)).encoder))
 
 
 def test_quantized_encoder_shows_multiples_of_its_step() -> None:
