@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.errors import InputError
+from flexros.gap.lattice import encoder_quantization
 from flexros.gap.repeats import runs
 from flexros.gap.rough_signals import HIGH_DIFFERENCE, bridged, smooth_motion
 
@@ -41,6 +43,13 @@ JITTER_SEEN = 5.0
 
 SIGNAL_TOLERANCE = 0.05
 """Share of the rms of a signal that logs of real machines are allowed, where nothing was repeated (design)."""
+
+LEAST_MOVED = 0.5
+"""Share of the motion that torques make through the inertia from which it is seen; friction may hold it (chosen)."""
+
+MOST_MOVED, LEAST_COLOUR = 1.3, 0.25
+"""Noise at standstill over that above the band, and autocorrelation at lag one, up to which more noise at standstill
+counts as motion under control, not as colour of the noise (chosen)."""
 
 _BLOCK = 32  # samples over which the power of high differences is averaged
 _LOOK = 50.0  # Hz, corner below which motion is looked for
@@ -82,13 +91,20 @@ def measure_noise(record: GapRecord, robot: Robot) -> Noise:
     cutoff = min(_LOOK, 0.1 / record.sample_time)
     smooth, speed, _ = smooth_motion(position, record.sample_time, cutoff)
     M = robot.n_motors
+    coarse = {one.motor for one in encoder_quantization(record, robot)}  # rounding hides the noise
+    driven = _driven(record, robot, position)
     power, jitter = _above_band(position, speed, record.valid, record.sample_time)
     deviation, colours, source = np.sqrt(power), [np.zeros(0)] * M, ["above the band"] * M
     for motor in range(M):
-        rest = _at_standstill(position[:, motor], smooth[:, motor], record, float(deviation[motor]))
-        if rest is not None:
-            deviation[motor], colours[motor] = rest
-            source[motor] = "standstill"
+        rest = _at_standstill(position[:, motor], smooth[:, motor], driven[:, motor], record, float(deviation[motor]))
+        if motor in coarse:
+            deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
+        elif rest is not None:
+            if rest[1].size and (abs(rest[1][0]) > LEAST_COLOUR or rest[0] > MOST_MOVED * deviation[motor]):
+                colours[motor] = rest[1]
+            elif rest[1].size:
+                continue
+            deviation[motor], source[motor] = rest[0], "standstill"
         elif not deviation[motor] > 0:
             deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
     order = max(len(colour) for colour in colours)
@@ -119,6 +135,27 @@ def _warnings(
     if jitter > 0:
         found.append(f"the sampling instants jitter by {1e6 * jitter:.3g} us rms, as the noise grows with speed")
     return tuple(found)
+
+
+def _driven(record: GapRecord, robot: Robot, position: FloatArray) -> FloatArray:
+    """Integrate what the torques move through the inertia alone, as fast motion; positions [rad or m], shape (n, M)."""
+    from flexros.identify.graybox.linearised_positions import linearise_positions  # here, because it loads slowly
+
+    try:
+        linear = linearise_positions(robot, (), position.mean(axis=0)[None])
+    except InputError:
+        return np.zeros_like(position)
+    places = linear.motor_places
+    inverse = np.linalg.inv(linear.mass[0])[np.ix_(places, places)]
+    torque = record.torque - record.torque.mean(axis=0)
+    late = 0 if record.measured_torque else int(robot.delay / record.sample_time)
+    torque = np.concatenate([np.zeros((late, torque.shape[1])), torque])[: len(torque)]
+    acceleration = torque @ inverse.T
+    T = record.sample_time
+    moved = np.zeros_like(position)
+    speed = np.cumsum(acceleration, axis=0) * T
+    moved[1:] = np.cumsum(speed, axis=0)[:-1] * T - acceleration[:-1] * T**2 / 2
+    return moved
 
 
 def _above_band(
@@ -168,19 +205,26 @@ def _line(square: FloatArray, power: FloatArray) -> tuple[float, float, float]:
 
 
 def _at_standstill(
-    position: FloatArray, smooth: FloatArray, record: GapRecord, rough: float
+    position: FloatArray, smooth: FloatArray, driven: FloatArray, record: GapRecord, rough: float
 ) -> tuple[float, FloatArray] | None:
-    """Measure size and colour where a motor stands still; None where it never does long enough."""
+    """Measure size and colour where a motor stands still; None where it never does long enough.
+
+    A controller that answers the noise moves the motor a little; what its torques move through the inertia is taken off
+    where it is seen.
+    """
     length = max(_TREND * 4, round(LEAST_STILL / record.sample_time))
     stretches = []
     for begin, count in zip(*runs(record.valid), strict=True):
         for first in range(int(begin), int(begin + count) - length + 1, length):
             part = slice(first, first + length)
             if np.ptp(smooth[part]) <= STILL * rough and np.ptp(position[part]) > 0:
-                stretches.append(_without_trend(position[part]))
+                stretches.append((_without_trend(position[part]), _without_trend(driven[part])))
     if len(stretches) * length < FEWEST_STILL:
         return None
-    noise = np.stack(stretches)
+    noise, moved = (np.stack(part) for part in zip(*stretches, strict=True))
+    share = float(np.sum(noise * moved) / max(np.sum(moved**2), 1e-300))
+    if LEAST_MOVED < share < 1 / LEAST_MOVED:
+        noise = noise - share * moved
     variance = np.mean(noise**2, axis=1)
     noise = noise[variance <= QUIET * np.quantile(variance, 0.25)]
     freedom = 1 - _TREND / length

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 CLEAR = 0.6
 """Agreement from which the factor between torque and need is believed (chosen)."""
 
-NOTED = 1.7
+NOTED = 2.0
 """Factor from which it is warned of: errors of gain, inertia and payload of realistic size stay below (chosen)."""
 
 REFUSED = 2.7
