@@ -7,7 +7,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 .PHONY: help demo test lint bench campaign clean python environment
 
 help:
-	@echo "make demo    install into .venv and run the circle test over ROS 2 topics"
+	@echo "make demo    install into .venv, run the circle test over ROS 2 topics, close a gap"
 	@echo "make test    all tests"
 	@echo "make lint    style, format and types"
 	@echo "make bench   speed beside a peer measured in the same run"
