@@ -42,6 +42,7 @@ def linear_log(
     gains: tuple[float, float],
     missing: Torque = nothing,
     *,
+    gear: Callable[[float], float] | None = None,
     seed: int = 1,
     level: float = 2e-3,
 ) -> LinearLog:
@@ -52,14 +53,19 @@ def linear_log(
         reference: Motor positions wanted [rad], shape (n, M).
         gains: Gains of position [Nm/rad] and rate [Nm s/rad].
         missing: What the predictor does not know.
+        gear: Torque that the first gear gives beyond its spring, from its torsion, for robots of one motor.
         seed: Seed of the encoder noise.
         level: Level of the torque noise that the predictor assumes.
     """
     T, m = robot.sample_time, robot.n_motors
-    A, B, _, _ = linear_model(robot).matrices()
-    n_x = len(A)
-    both = expm(np.block([[A, B], [np.zeros((m, n_x + m))]]) * T)
-    F, G = both[:n_x, :n_x], both[:n_x, n_x:]
+    model = linear_model(robot)
+    A, B, _, _ = model.matrices()
+    n_x, n = len(A), len(A) // 2
+    arm, motor = robot.chain.geared[0], robot.chain.motor_places[0]
+    between = (np.eye(n)[arm] - np.eye(n)[motor])[:, None]
+    B = np.hstack([B, np.vstack([np.zeros((n, 1)), np.linalg.solve(model.mass, between)])])
+    both = expm(np.block([[A, B], [np.zeros((m + 1, n_x + m + 1))]]) * T)
+    F, G, inside = both[:n_x, :n_x], both[:n_x, n_x:-1], both[:n_x, -1]
     observer = observer_gain(robot, T, level, robot.encoder_noise)
     places = np.array(robot.chain.motor_places)
     noise = np.random.default_rng(seed).standard_normal(reference.shape) * robot.encoder_noise
@@ -74,7 +80,8 @@ def linear_log(
         states[k] = guess
         torque[k] = gains[0] * (wanted - q) - gains[1] * v
         lacking[k] = missing(k * T, q, v, torque[k])
-        x = F @ x + G @ (torque[k] + lacking[k])
+        extra = 0.0 if gear is None else gear(float(x[motor] - x[arm]))
+        x = F @ x + G @ (torque[k] + lacking[k]) + inside * extra
         guess = F @ guess + G @ torque[k]
     record = GapRecord("test", T, position, torque, np.ones(len(reference), dtype=bool))
     return LinearLog(robot, record, Prediction(errors, observer.spread, states), observer, lacking)

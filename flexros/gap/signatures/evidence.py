@@ -64,6 +64,19 @@ class Evidence:
         return missing_torque(self.after.innovations, self.record, self.robot, self.observer)
 
     @cached_property
+    def missing_in_gears(self) -> dict[str, FloatArray]:
+        """Torques by which the gears give less than their nominal springs and dampers [Nm or N].
+
+        "before", and "after" where something was repaired; shape (n, M) each, without their slow part.
+        """
+        found = {}
+        for name, prediction in (("before", self.before), ("after", self.after)):
+            if prediction is not None:
+                errors = prediction.innovations
+                found[name] = missing_torque(errors, self.record, self.robot, self.observer, entry="gear")
+        return found
+
+    @cached_property
     def rows(self) -> IntArray:
         """Samples that were measured, without the start and the end, where estimates have not settled."""
         n = self.record.n_samples

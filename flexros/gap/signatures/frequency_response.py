@@ -12,7 +12,7 @@ from flexros.robot.bode import frequency_response
 from flexros.robot.linearise import linear_model
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import ComplexArray, FloatArray
     from flexros.gap.signatures.evidence import Evidence
 
 
@@ -69,23 +69,40 @@ class FrequencyResponsePicture(AbstractSignature):
 
 
 def _of_log(evidence: Evidence, motor: int, highest: float) -> tuple[FloatArray, FloatArray]:
-    """Estimate the response of all motors to all torques from averaged spectra, and return that of one to its own."""
+    """Estimate the response of all motors to all torques from averaged spectra, and return that of one to its own.
+
+    The reference, where it was recorded, is the instrument that keeps noise in the loop from biasing the estimate.
+    """
     record, rows = evidence.record, evidence.rows
     T, length = record.sample_time, round(PART / record.sample_time)
-    m = record.torque.shape[1]
     if len(rows) < 3 * length or not record.valid.all():
         return np.zeros(0), np.zeros(0)
+    # second differences, so that slow motion does not leak into the band; their gain is divided out below
     u = record.torque[rows].T
-    # differences, so that slow motion does not leak into the band; divided out again below
-    y = np.gradient(np.gradient(record.position[rows], axis=0), axis=0).T
-    frequency, S_uu = csd(u[:, None], u[None], 1 / T, nperseg=length)
-    _, S_uy = csd(u, np.broadcast_to(y[motor], u.shape), 1 / T, nperseg=length)
-    _, S_yy = csd(y[motor], y[motor], 1 / T, nperseg=length)
+    y = _differenced(record.position[rows])
+    r = u if record.reference is None else _differenced(record.reference[rows])
+    frequency, S_rr = _spectra(r, r, T, length)
+    _, S_ru = _spectra(r, u, T, length)
+    _, S_ry = _spectra(r, y[motor : motor + 1], T, length)
+    _, S_yy = _spectra(y[motor : motor + 1], y[motor : motor + 1], T, length)
     band = np.flatnonzero((frequency >= LOWEST) & (frequency <= highest))
-    matrix = np.moveaxis(S_uu, 2, 0)[band] + 1e-12 * np.trace(S_uu[:, :, band].mean(axis=2)).real * np.eye(m)
-    gains = np.linalg.solve(matrix, S_uy.T[band][:, :, None])[:, :, 0]
-    explained = np.einsum("fi,fi->f", gains, S_uy.T[band].conj()).real / np.maximum(S_yy[band].real, 1e-300)
-    double = np.sin(2 * np.pi * frequency[band] * T) ** 2
-    scale = (2 * np.pi * frequency[band]) ** 2 / double
-    good = explained > LEAST_COHERENCE
-    return frequency[band][good], (scale * np.abs(gains[:, motor]))[good]
+    floor = 1e-9 * np.trace(S_rr[band].mean(axis=0)).real * np.eye(len(r))
+    known = np.linalg.solve(S_rr[band] + floor, S_ry[band])
+    explained = np.einsum("fi,fi->f", known[:, :, 0], S_ry[band][:, :, 0].conj()).real
+    good = explained > LEAST_COHERENCE * S_yy[band][:, 0, 0].real
+    if not good.any():
+        return np.zeros(0), np.zeros(0)
+    gains = np.linalg.solve(S_ru[band][good], S_ry[band][good])[:, motor, 0]
+    shown = frequency[band][good]
+    return shown, (2 * np.pi * shown) ** 2 / np.sin(2 * np.pi * shown * T) ** 2 * np.abs(gains)
+
+
+def _differenced(values: FloatArray) -> FloatArray:
+    """Difference twice over two samples each, which multiplies by -sin(wT)^2; shape (n, k) -> (k, n)."""
+    return np.asarray(np.gradient(np.gradient(values, axis=0), axis=0).T)
+
+
+def _spectra(a: FloatArray, b: FloatArray, sample_time: float, length: int) -> tuple[FloatArray, ComplexArray]:
+    """Return frequencies and averaged cross spectra conj(A) B, shape (F, signals of a, signals of b)."""
+    frequency, found = csd(a[:, None], b[None], 1 / sample_time, nperseg=length)
+    return frequency, np.moveaxis(found, 2, 0)

@@ -14,7 +14,7 @@ what a Kalman smoother with a disturbance state would give, computed by Fourier 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from scipy.linalg import expm
@@ -31,6 +31,13 @@ if TYPE_CHECKING:
 BANDWIDTH = 60.0
 """Frequency [Hz] at which assumed missing torque and noise are equally large in the prediction errors (chosen)."""
 
+SLOWEST = 1.0
+"""Frequency [Hz] below which torques in gears are not assumed to become larger, as they cannot be seen (chosen)."""
+LEAST_NOISE = 0.01
+"""Power of noise that is assumed also where the predictor lets none through, as at zero frequency [1] (chosen)."""
+FADE = 0.3
+"""Time within which prediction errors are faded in and out at the ends of a log [s] (chosen)."""
+
 
 def missing_torque(
     innovations: FloatArray,
@@ -39,6 +46,7 @@ def missing_torque(
     observer: ObserverGain,
     q_a: FloatArray | None = None,
     bandwidth: float = BANDWIDTH,
+    entry: Literal["motor", "gear"] = "motor",
 ) -> FloatArray:
     """Estimate the missing torques of all samples.
 
@@ -49,6 +57,8 @@ def missing_torque(
         observer: The gain that it was made with.
         q_a: Arm coordinates of the pose [rad or m], shape (N,); default: home.
         bandwidth: Above about this frequency [Hz] nothing is estimated.
+        entry: Where the torques act: on the motors alone, or in the gears, between motor and arm. The latter do not
+            move the robot as a whole, so that of their slow part motor encoders see nothing and the estimate is zero.
 
     Returns:
         Torques that have to be added at the motors [Nm or N], shape (n, M).
@@ -59,44 +69,68 @@ def missing_torque(
     # behind four times the bandwidth the estimate is zero but for a few per cent
     within = np.flatnonzero(frequency <= min(4 * bandwidth, 0.45 / record.sample_time))
     z = np.exp(2j * np.pi * frequency[within] * record.sample_time)
-    path = _torque_response(robot, dynamics, record.sample_time, z, q_a)
+    path = _torque_response(robot, dynamics, record.sample_time, z, q_a, entry)
     noise = _noise(dynamics, observer.noise, z)
     spectrum = np.zeros((len(frequency), innovations.shape[1]), dtype=complex)
-    spectrum[within] = _wiener(path, noise, z, np.fft.rfft(innovations, axis=0)[within], frequency[within], bandwidth)
+    slowest = 2 * np.pi * SLOWEST * record.sample_time if entry == "gear" else 1e-9
+    errors = np.fft.rfft(innovations * _faded(n, record.sample_time), axis=0)[within]
+    middle = int(np.argmin(np.abs(frequency[within] - bandwidth)))
+    spectrum[within] = _wiener(path, noise, np.abs(1 - 1 / z) ** 2 + slowest**2, errors, middle)
     return np.asarray(np.fft.irfft(spectrum, n, axis=0))
 
 
 def _torque_response(
-    robot: Robot, dynamics: ErrorDynamics, sample_time: float, z: ComplexArray, q_a: FloatArray | None
+    robot: Robot,
+    dynamics: ErrorDynamics,
+    sample_time: float,
+    z: ComplexArray,
+    q_a: FloatArray | None,
+    entry: Literal["motor", "gear"],
 ) -> ComplexArray:
     """Return G, shape (F, M, M)."""
-    A, B, _, _ = linear_model(robot, q_a).matrices()
-    n, m = B.shape
+    model = linear_model(robot, q_a)
+    A, _, _, _ = model.matrices()
+    force = model.input.copy()
+    for motor in robot.chain.flexible_motors if entry == "gear" else ():
+        force[robot.chain.geared[motor], motor] -= 1.0
+    n, m = len(A), force.shape[1]
     held = np.zeros((n + m, n + m))
-    held[:n, :n], held[:n, n:] = A, B
+    held[:n, :n], held[n // 2 : n, n:] = A, np.linalg.solve(model.mass, force)
     return dynamics.response(z, expm(held * sample_time)[:n, n:])
 
 
 def _noise(dynamics: ErrorDynamics, sd: FloatArray, z: ComplexArray) -> ComplexArray:
-    """Return H R H^H, shape (F, M, M)."""
+    """Return H R H^H and a little more, shape (F, M, M)."""
     H = np.eye(len(sd)) - dynamics.response(z, dynamics.injection)
-    return np.asarray(np.einsum("fij,j,fkj->fik", H, np.maximum(sd, 1e-12) ** 2, H.conj()))
+    variance = np.maximum(sd, 1e-12) ** 2
+    return np.asarray(np.einsum("fij,j,fkj->fik", H, variance, H.conj()) + LEAST_NOISE * np.diag(variance))
+
+
+def _faded(n: int, sample_time: float) -> FloatArray:
+    """Return weights that rise from zero at the begin of a log and fall to it at its end, shape (n, 1)."""
+    time = (np.arange(n) + 0.5) * sample_time
+    ends = np.minimum(time, time[::-1]) / FADE
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(ends, 1.0)))[:, None]
 
 
 def _wiener(
-    path: ComplexArray,
-    noise: ComplexArray,
-    z: ComplexArray,
-    error: ComplexArray,
-    frequency: FloatArray,
-    bandwidth: float,
+    path: ComplexArray, noise: ComplexArray, steadiness: FloatArray, error: ComplexArray, middle: int
 ) -> ComplexArray:
-    """Return the spectrum of the estimate, shape (F, M)."""
-    wander = 1 / np.maximum(np.abs(1 - 1 / z) ** 2, 1e-18)
-    middle = int(np.argmin(np.abs(frequency - bandwidth)))
-    own = np.abs(np.einsum("fii->fi", path)) ** 2
-    level = np.einsum("ii->i", noise[middle]).real / (own[middle] * wander[middle])
-    S = level * wander[:, None]
+    """Return the spectrum of the estimate.
+
+    Args:
+        path: G, shape (F, M, M).
+        noise: H R H^H, shape (F, M, M).
+        steadiness: Inverse of the assumed power density of the torques, up to its level, shape (F,).
+        error: Spectrum of the prediction errors, shape (F, M).
+        middle: Frequency at which torques and noise are assumed to be equally large in the errors.
+
+    Returns:
+        Spectrum, shape (F, M).
+    """
+    own = np.abs(np.einsum("fii->fi", path[middle : middle + 1])[0]) ** 2
+    level = np.einsum("ii->i", noise[middle]).real * steadiness[middle] / own
+    S = level / steadiness[:, None]
     adjoint = S[:, :, None] * path.conj().transpose(0, 2, 1)
     inner = np.linalg.solve(path @ adjoint + noise, error[:, :, None])
     return np.asarray((adjoint @ inner)[:, :, 0])

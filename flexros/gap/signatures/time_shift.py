@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from flexros.gap.signatures.evidence import Evidence
 
 
-HIGHEST = 60.0
+HIGHEST = 40.0
 """Highest frequency shown [Hz]; above it the missing torque is not estimated (chosen)."""
 PART = 2.0
 """Length of the parts over which spectra are averaged [s] (chosen)."""

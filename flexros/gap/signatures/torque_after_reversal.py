@@ -20,7 +20,7 @@ class TorqueAfterReversal(AbstractSignature):
     """Mean torque against the motion by the way since the speed changed its sign."""
 
     name: ClassVar[str] = "torque_after_reversal"
-    effects: ClassVar[tuple[str, ...]] = ("presliding_friction", "coulomb_friction", "hysteresis", "backlash")
+    effects: ClassVar[tuple[str, ...]] = ("presliding_friction", "coulomb_friction")
     rank: ClassVar[int] = 2
 
     def picture(self, evidence: Evidence, location: str) -> Picture | None:
@@ -49,7 +49,7 @@ class TorqueAfterReversal(AbstractSignature):
             x_label=f"way since the last reversal [{unit}]",
             y_label=f"torque against the motion that the model lacks [{torque_unit}]",
             series=series,
-            reading="Coulomb friction is there at once; friction of bristles and hysteresis build up over a way, which "
-            "is where the curve rises.",
+            reading="Coulomb friction is there at once; friction of bristles builds up over a way, which is where "
+            "the curve rises.",
             log_x=True,
         )

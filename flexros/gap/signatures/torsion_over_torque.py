@@ -1,4 +1,4 @@
-"""Torsion of a gear over the torque that it transmits: backlash, hysteresis, stiffness."""
+"""Torsion of a gear beyond its nominal spring, over the torque: backlash, hysteresis, stiffness."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ BINS = 60
 
 
 class TorsionOverTorque(AbstractSignature):
-    """Torsion from the states over transmitted torque, corrected by what is missing at the motor."""
+    """Torsion that the nominal spring does not explain, by the torque through the gear."""
 
     name: ClassVar[str] = "torsion_over_torque"
     effects: ClassVar[tuple[str, ...]] = ("backlash", "hysteresis", "nonlinear_stiffness", "stiffness_error")
@@ -31,23 +31,23 @@ class TorsionOverTorque(AbstractSignature):
         torsion, nominal = evidence.motion.torsion[rows, motor], evidence.motion.gear_torque[rows, motor]
         if not len(rows) or not np.isfinite(torsion).any():
             return None
-        # what the motor lacks the gear has given it less
-        torque = nominal - evidence.lacking(motor)["before"]
-        step = max(1, len(rows) // CLOUD)
-        ends = np.array([nominal.min(), nominal.max()])
+        missing = {name: torque[rows, motor] for name, torque in evidence.missing_in_gears.items()}
         stiffness = float(nominal @ nominal / (nominal @ torsion)) if nominal @ torsion else np.inf
+        torque, extra = nominal - missing["before"], missing["before"] / stiffness
+        step = max(1, len(rows) // CLOUD)
         rising = np.gradient(nominal) > 0
         series = {
-            "rising torque": Curve(*binned(torque[rising], torsion[rising], BINS)),
-            "falling torque": Curve(*binned(torque[~rising], torsion[~rising], BINS)),
-            "nominal spring": Curve(ends, ends / stiffness),
-            "single samples": Curve(*thinned(torque[::step], torsion[::step]), style="points"),
+            "rising torque": Curve(*binned(torque[rising], extra[rising], BINS)),
+            "falling torque": Curve(*binned(torque[~rising], extra[~rising], BINS)),
+            "single samples": Curve(*thinned(torque[::step], extra[::step]), style="points"),
         }
+        if "after" in missing:
+            series["after"] = Curve(*binned(nominal, missing["after"] / stiffness, BINS))
         return Picture(
             title=f"Torsion over transmitted torque, {evidence.robot.joint_names[motor]}",
             x_label=f"torque through the gear [{torque_unit}]",
-            y_label=f"torsion of the gear [{unit}]",
+            y_label=f"torsion beyond that of the nominal spring [{unit}]",
             series=series,
-            reading="Backlash is a jump of the torsion at zero torque, hysteresis a loop between rising and falling "
-            "torque, a nonlinear spring a bend, and a wrong stiffness another slope than that of the nominal spring.",
+            reading="Backlash is a step at zero torque, hysteresis a loop between rising and falling torque, a "
+            "nonlinear spring a curve, a wrong stiffness a slope; the nominal gear lies on zero.",
         )

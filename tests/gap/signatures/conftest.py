@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -20,9 +22,9 @@ def swing(n: int, sample_time: float, amplitude: float, hertz: float) -> FloatAr
     return np.asarray(np.minimum(time, 1.0) * amplitude * wave)
 
 
-def axis(missing: Torque, amplitude: float = 12.0) -> LinearLog:
+def axis(missing: Torque) -> LinearLog:
     robot = load_robot("four_mass_linear")
-    return linear_log(robot, swing(16000, robot.sample_time, amplitude, 0.4), (10.0, 0.8), missing)
+    return linear_log(robot, swing(16000, robot.sample_time, 12.0, 0.4), (10.0, 0.8), missing)
 
 
 def evidence_of(log: LinearLog, repaired: LinearLog) -> Evidence:
@@ -78,3 +80,26 @@ def weak(no_gap: LinearLog) -> Evidence:
         return np.asarray(-0.1 * command)
 
     return evidence_of(axis(torque), no_gap)
+
+
+def with_gear(part: Callable[[float], float], no_gap: LinearLog) -> Evidence:
+    """Let the gear transmit k_1 times a part of its torsion."""
+    robot = load_robot("four_mass_linear")
+    time = robot.sample_time * np.arange(16000)
+    shaken = (
+        0.25 * np.sin(np.pi * time / 8) * sum(np.sin(2 * np.pi * hertz * time + hertz) for hertz in (2.3, 4.1, 7.7))
+    )
+    log = linear_log(robot, shaken[:, None], (10.0, 0.8), gear=lambda torsion: 100.0 * (part(torsion) - torsion))
+    return evidence_of(log, no_gap)
+
+
+@pytest.fixture(scope="session")
+def softer_gear(no_gap: LinearLog) -> Evidence:
+    """A gear of 80 Nm/rad instead of 100."""
+    return with_gear(lambda torsion: 0.8 * torsion, no_gap)
+
+
+@pytest.fixture(scope="session")
+def loose_gear(no_gap: LinearLog) -> Evidence:
+    """A gear with a gap of 0.01 rad."""
+    return with_gear(lambda torsion: torsion - min(max(torsion, -0.005), 0.005), no_gap)

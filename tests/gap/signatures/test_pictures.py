@@ -87,10 +87,25 @@ def test_gain_is_a_slope_over_acceleration(weak: Evidence) -> None:
     assert np.polyfit(curve.x, curve.y, 1)[0] < 0
 
 
-def test_nominal_torsion_follows_the_spring(friction: Evidence) -> None:
-    found = picture("torsion_over_torque", friction)
-    spring = found.series["nominal spring"]
-    assert (spring.x[1] - spring.x[0]) / (spring.y[1] - spring.y[0]) == pytest.approx(100, rel=0.05)  # Nm/rad, k_1
+def test_a_softer_spring_is_a_slope_of_the_torsion(softer_gear: Evidence) -> None:
+    curve = picture("torsion_over_torque", softer_gear).series["rising torque"]
+    # of 80 Nm/rad instead of 100
+    assert np.polyfit(curve.x, curve.y, 1)[0] == pytest.approx(1 / 80 - 1 / 100, rel=0.4)
+    assert np.abs(picture("torsion_over_torque", softer_gear).series["after"].y).max() < 0.3 * np.abs(curve.y).max()
+
+
+def test_a_gap_is_a_step_of_the_torsion(loose_gear: Evidence) -> None:
+    curve = picture("torsion_over_torque", loose_gear).series["rising torque"]
+    loaded = np.abs(curve.x) > 3
+    assert np.median(curve.y[loaded] * np.sign(curve.x[loaded])) == pytest.approx(0.005, rel=0.4)
+
+
+def test_response_of_the_log_is_that_of_the_robot(friction: Evidence) -> None:
+    unbent = replace(friction, before=friction.after, record=friction.record)
+    series = picture("frequency_response", unbent).series
+    assert len(series["log"].x) > 3
+    expected = np.interp(series["log"].x, series["before"].x, series["before"].y)
+    assert np.median(series["log"].y / expected) == pytest.approx(1.0, abs=0.2)
 
 
 def test_stiffness_moves_the_peaks_of_the_response(friction: Evidence) -> None:
