@@ -79,13 +79,14 @@ def run(
 def score(
     logs: Path = typer.Argument(help="Folder of the logs, with the diagnoses beside them."),
     truth: Path = typer.Option(..., "--truth", help="Folder of the sealed truths."),
+    oracle: bool = typer.Option(False, "--oracle", help="Fit the true effect as well, where the logs were kept."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Open the truths of all cases that were diagnosed, check their seals, and count."""
     from flexros.gap.blind.score import read_answers, record
     from flexros.gap.blind.tables import score_table, wrong_table
 
-    answers = read_answers(logs, truth)
+    answers = read_answers(logs, truth, oracle)
     if as_json:
         print_json(record(answers))
         return

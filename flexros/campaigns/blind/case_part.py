@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from flexros.errors import InputError
 from flexros.gap.blind.answer import Answer
 from flexros.gap.blind.make import MakeSettings, make_case
+from flexros.gap.blind.oracle import oracle_fraction
 from flexros.gap.blind.run import FAILURE_FILE, TIME_FILE, diagnose_case
 from flexros.gap.blind.seal import DIAGNOSIS_FILE, Truth, read_case, sha256
 from flexros.gap.diagnosis_file import Diagnosis
@@ -28,7 +29,8 @@ def case_part(settings: MakeSettings, case: Case) -> dict[str, Any]:
         case: The case.
 
     Returns:
-        For JSON: `seal`, `truth` (text), `diagnosis` (text or None), `failure` (text or None), `seconds`.
+        For JSON: `seal`, `truth` (text), `diagnosis` (text or None), `failure` (text or None), `seconds`, and `oracle`:
+        the closed fraction of the true effect where it is a single one well above the noise.
     """
     with TemporaryDirectory(prefix="flexros_logs_") as logs, TemporaryDirectory(prefix="flexros_truth_") as truths:
         make_case(case, settings, Path(logs), Path(truths))
@@ -38,12 +40,15 @@ def case_part(settings: MakeSettings, case: Case) -> dict[str, Any]:
             diagnose_case(folder)
         except Exception:  # noqa: BLE001 - a fault is a result of this case and told on the page; the others go on
             failure = traceback.format_exc()
+        truth = Truth.model_validate_json((Path(truths) / f"{case.name}.json").read_bytes())
+        answered = (folder / DIAGNOSIS_FILE).exists()
         return {
             "seal": seal,
             "truth": (Path(truths) / f"{case.name}.json").read_text(encoding="utf-8"),
             "diagnosis": _text(folder / DIAGNOSIS_FILE),
             "failure": failure or _text(folder / FAILURE_FILE),
             "seconds": _text(folder / TIME_FILE),
+            "oracle": oracle_fraction(folder, read_case(folder), truth) if answered else None,
         }
 
 
@@ -70,6 +75,7 @@ def answer_of(name: str, part: Mapping[str, Any]) -> Answer:
         Truth.model_validate_json(part["truth"]),
         None if text is None else Diagnosis.model_validate_json(text),
         None if seconds is None else float(seconds),
+        part["oracle"],
     )
 
 

@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
     from distributed import Client
 
+    from flexros.gap.diagnose import DiagnosisSettings
+    from flexros.gap.record import GapRecord
     from flexros.gap.result import DiagnosisResult
+    from flexros.robot import Robot
 
 FAILURE_FILE, TIME_FILE = "failure.txt", "seconds.txt"
 """Files of a case: the sentence with which a diagnosis refused a log; how long the diagnosis took [s]."""
@@ -77,14 +80,33 @@ def diagnosed(folder: Path, case: OpenCase) -> DiagnosisResult:
     Returns:
         The result; neither truth nor third log were read.
     """
-    from flexros.gap.diagnose import DiagnosisSettings, diagnose
+    from flexros.gap.diagnose import diagnose
+
+    robot, record, holdout = read_logs(folder, case)
+    return diagnose(record, robot, holdout=holdout, settings=case_settings())
+
+
+def case_settings() -> DiagnosisSettings:
+    """Give the settings of a diagnosis: the usual ones, on one core because cases run side by side, without a map."""
+    from flexros.gap.diagnose import DiagnosisSettings
+
+    return DiagnosisSettings(threads=1, where=False)
+
+
+def read_logs(folder: Path, case: OpenCase) -> tuple[Robot, GapRecord, GapRecord]:
+    """Read nominal model, log to fit and log to check on.
+
+    Args:
+        folder: Folder of the case.
+        case: What is open of it.
+    """
     from flexros.gap.read_record import read_record
     from flexros.logs.reader import read_log
     from flexros.robot import load_robot
 
     robot = load_robot(folder / ROBOT_FILE)
-    record, holdout = (read_record(read_log(folder / log), robot, name=f"{case.name}/{log}") for log in case.logs[:2])
-    return diagnose(record, robot, holdout=holdout, settings=DiagnosisSettings(threads=1, where=False))
+    fit, holdout = (read_record(read_log(folder / log), robot, name=f"{case.name}/{log}") for log in case.logs[:2])
+    return robot, fit, holdout
 
 
 def on_workers(

@@ -10,6 +10,8 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.gap.blind.answer import VISIBLE, Answer
+from flexros.gap.blind.coverage import covered
+from flexros.gap.blind.oracle import oracle_fraction
 from flexros.gap.blind.run import FAILURE_FILE, TIME_FILE, case_folders
 from flexros.gap.blind.seal import DIAGNOSIS_FILE, ROBOT_FILE, read_case, read_truth
 from flexros.gap.blind.statistics import Calibration, DetectionCurve, Share, calibration, detection_curve, share
@@ -20,12 +22,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def read_answers(logs: Path, truths: Path) -> list[Answer]:
+def read_answers(logs: Path, truths: Path, oracle: bool = False) -> list[Answer]:
     """Read all cases that were diagnosed, and check their seals.
 
     Args:
         logs: Folder of all logs, with the diagnoses beside them.
         truths: Folder of all truths.
+        oracle: Whether the true structure is fitted where the logs are still there.
 
     Returns:
         The cases, by name.
@@ -37,8 +40,11 @@ def read_answers(logs: Path, truths: Path) -> list[Answer]:
     for folder in case_folders(logs):
         if not any((folder / name).exists() for name in (DIAGNOSIS_FILE, FAILURE_FILE)):
             continue
-        truth = read_truth(read_case(folder), truths, (folder / ROBOT_FILE).read_bytes())
-        answers.append(Answer(truth, _diagnosis(folder), _seconds(folder)))
+        case = read_case(folder)
+        truth = read_truth(case, truths, (folder / ROBOT_FILE).read_bytes())
+        fitted = oracle and all((folder / log).exists() for log in case.logs[:2])
+        closed = oracle_fraction(folder, case, truth) if fitted else None
+        answers.append(Answer(truth, _diagnosis(folder), _seconds(folder), closed))
     if not answers:
         raise InputError(f"no case in '{logs}' is diagnosed yet; run `flexros blind run {logs}` first")
     return answers
@@ -74,6 +80,7 @@ class Score:
         pairs: Pairs, both visible, whose names both are the first two.
         pairs_nested: The same with nested effects counted.
         refused: Logs that the diagnosis refused.
+        covered: Rightly named single effects whose size lies in its 95 % interval, see `flexros.gap.blind.coverage`.
         calibration: Of the first cause, over all logs in which one was claimed, nested effects counted as right.
         detection: A gap was seen, against the expected gain, over all single effects.
         naming: The right name came first (nested ones too), against the expected gain, over all single effects.
@@ -97,6 +104,7 @@ class Score:
     pairs: Share
     pairs_nested: Share
     refused: Share
+    covered: Share
     calibration: Calibration | None
     detection: DetectionCurve
     naming: DetectionCurve
@@ -137,6 +145,7 @@ def score(answers: Sequence[Answer]) -> Score:
         pairs=share(one.both() for one in pairs),
         pairs_nested=share(one.both(nested=True) for one in pairs),
         refused=share(one.diagnosis is None for one in answers),
+        covered=share(covered(answers)),
         calibration=calibration(stated, right),
         detection=_curve(of["single"], lambda one: one.alarm),
         naming=_curve(of["single"], lambda one: one.named(1, nested=True)),

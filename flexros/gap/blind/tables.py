@@ -29,6 +29,7 @@ ROWS = (
     ("effect of the library called unknown", "known_unknown"),
     ("both effects of a pair first", "pairs"),
     ("the same, nested effects counted", "pairs_nested"),
+    ("size in its 95 % interval", "covered"),
     ("logs refused", "refused"),
 )
 """Shares by what they are; visible deviations only where nothing else is said."""

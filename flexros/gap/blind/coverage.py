@@ -1,0 +1,51 @@
+"""Do the intervals of fitted numbers cover the truth? Only where law and numbers mean the same on both sides."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.gap.blind.nested import same_place
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from flexros.gap.blind.answer import Answer
+
+COMPARABLE: Mapping[str, str] = {
+    "stiffness_error": "relative",
+    "damping_error": "relative",
+    "payload_error": "relative",
+    "motor_inertia_error": "relative",
+    "torque_gain_error": "relative",
+    "gravity_error": "relative",
+    "torque_bias": "level",
+    "coulomb_friction": "level",
+    "viscous_friction": "coefficient",
+    "delay": "time",
+    "actuator_lag": "time_constant",
+    "backlash": "gap",
+    "torque_saturation": "limit",
+    "encoder_eccentricity": "amplitude",
+    "transmission_error": "amplitude",
+}
+"""Number of an effect by which its interval is judged."""
+WIDTH = 1.96
+"""Half width of a 95 % interval [standard deviations]."""
+
+
+def covered(answers: Sequence[Answer]) -> Iterator[bool]:
+    """Tell for each rightly named single effect whether the 95 % interval of its size covers the truth.
+
+    Logs whose nominal model is wrong are left out, because a size counts from the model there.
+
+    Args:
+        answers: The cases.
+    """
+    for one in answers:
+        if one.truth.kind != "single" or one.truth.nuisance != "exact" or one.first is None or not one.visible:
+            continue
+        hidden, name = one.truth.deviations[0], COMPARABLE.get(one.first.effect, "")
+        right = one.first.effect == hidden.effect
+        if right and same_place(one.truth.robot, hidden.location, one.first.location) and name in one.first.parameters:
+            fitted = one.first.parameters[name]
+            yield abs(fitted.value - hidden.parameters[name]) <= WIDTH * fitted.std

@@ -1,0 +1,62 @@
+"""What a diagnosis could have reached: the true structure, told to the fit and fitted to the same log."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.effects import RobotWithEffects
+from flexros.gap.blind.answer import VISIBLE
+from flexros.gap.blind.nested import same_place
+from flexros.gap.blind.run import case_settings, read_logs
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from flexros.gap.blind.seal import OpenCase, Truth
+    from flexros.gap.hypothesis import Suspect
+    from flexros.gap.search import Search
+
+
+def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
+    """Fit the true effect at its true place, and see how much of the gap it closes on the second log.
+
+    Args:
+        folder: Folder of the case, with its logs.
+        case: What is open of it.
+        truth: What is hidden in it.
+
+    Returns:
+        Closed fraction [1]; None where nothing, or more than one effect, or one that is no matter of fitting is hidden.
+    """
+    from flexros.gap.diagnose import fit_data
+    from flexros.gap.how_far import closed_fraction, errors_ahead
+    from flexros.gap.search import Search
+    from flexros.gap.tolerance import tolerance_of
+
+    if truth.kind != "single" or truth.gain < VISIBLE:
+        return None
+    robot, record, holdout = read_logs(folder, case)
+    model = RobotWithEffects(robot, ())
+    data, held = (fit_data(one, model, case_settings()) for one in (record, holdout))
+    search = Search(model, data, tolerance_of(robot, {}))
+    search.threads = 1
+    nothing = search.nothing()
+    true = _true(search, search.suspects(nothing, search.yardsticks(nothing)), truth)
+    if not true:
+        return None
+    hidden = truth.deviations[0].effect
+    fits = [one for one in search.singles(nothing, true) if one.predictor.hypothesis[0].effect.name == hidden]
+    if not fits:
+        return None
+    before, after = errors_ahead(nothing, held), errors_ahead(fits[0], held)
+    return closed_fraction(before, after, held.record.sample_time)[0]
+
+
+def _true(search: Search, among: Sequence[Suspect], truth: Truth) -> list[Suspect]:
+    """List the true effect at its place, and the simpler ones there from which its fit starts."""
+    hidden, name = truth.deviations[0], search.model.robot.name
+    here = [one for one in among if same_place(name, hidden.location, one.location)]
+    simpler = {part for one in here if one.effect.name == hidden.effect for part in one.effect.extends}
+    chosen = [one for one in here if one.effect.name == hidden.effect or one.effect.name in simpler]
+    return chosen if any(one.effect.name == hidden.effect for one in chosen) else []
