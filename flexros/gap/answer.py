@@ -6,25 +6,21 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from flexros.effects import place_effects
 from flexros.gap.cannot_tell import cannot_tell
-from flexros.gap.diagnosis_file import Cause, CauseParameter, Diagnosis, GapNumbers, Place
+from flexros.gap.diagnosis_file import Cause, Diagnosis, GapNumbers, Place
 from flexros.gap.explain import RIVAL, UNEXPLAINED
+from flexros.gap.fitted_numbers import covariance_of, parameters_of, placed
 from flexros.gap.how_far import closed_fraction, errors_ahead
 from flexros.gap.hypothesis import name_of
-from flexros.gap.result import Candidate, DiagnosisResult, Explanation, Prediction
+from flexros.gap.predictions import prediction_of, signature_evidence
+from flexros.gap.result import Candidate, DiagnosisResult, Explanation
 from flexros.gap.signal_gaps import signal_gaps
-from flexros.gap.signatures.evidence import Evidence as Signatures
-from flexros.gap.units import unit_of_parameter
 from flexros.provenance import versions
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.arrays import FloatArray
-    from flexros.effects import PlacedEffect, RobotWithEffects
+    from flexros.effects import RobotWithEffects
     from flexros.gap.diagnosis_file import Verdict
     from flexros.gap.explain import Explanations
     from flexros.gap.fit import Fit
@@ -55,7 +51,7 @@ class Findings:
     def explanation(self, one: Fit) -> Explanation:
         """Predict both logs with a fitted model."""
         return Explanation(
-            name_of(one.predictor.hypothesis), _prediction(one, self.data), _prediction(one, self.held), placed(one)
+            name_of(one.predictor.hypothesis), prediction_of(one, self.data), prediction_of(one, self.held), placed(one)
         )
 
     @cached_property
@@ -145,45 +141,6 @@ class Findings:
         )
 
 
-def placed(one: Fit) -> tuple[PlacedEffect, ...]:
-    """Return the effects of a fit with their numbers."""
-    values = one.predictor.values(one.theta)
-    return tuple(suspect.placed(numbers) for suspect, numbers in zip(one.predictor.hypothesis, values))
-
-
-def covariance_of(one: Fit, level: float) -> tuple[tuple[str, ...], FloatArray]:
-    """Compute the covariance of the fitted numbers of the effects, in their units.
-
-    Args:
-        one: The fit.
-        level: Mean squared weighted prediction error V of it; above 1 the covariance is widened by it [1].
-
-    Returns:
-        Names, e.g. "coulomb_friction@motor_1.level", and covariance, shape (p, p).
-    """
-    number = one.predictor.n_effect
-    covariance = np.linalg.pinv(one.information)[:number, :number] * max(level, 1.0)
-    slopes = one.predictor.slopes(one.theta)
-    names = tuple(f"{suspect.name}.{free.name}" for suspect in one.predictor.hypothesis for free in suspect.free)
-    return names, covariance * np.outer(slopes, slopes)
-
-
-def parameters_of(one: Fit, level: float) -> list[dict[str, CauseParameter]]:
-    """Return the numbers of every effect of a fit with their standard deviations."""
-    _, covariance = covariance_of(one, level)
-    spread = iter(np.sqrt(np.maximum(np.diag(covariance), 0.0)))
-    values = one.predictor.values(one.theta)
-    return [
-        {
-            name: CauseParameter(
-                value=value, std=float(next(spread)), unit=unit_of_parameter(suspect, name, one.predictor.robot)
-            )
-            for name, value in numbers.items()
-        }
-        for suspect, numbers in zip(one.predictor.hypothesis, values)
-    ]
-
-
 def result_of(
     found: Findings,
     before: Explanation,
@@ -204,22 +161,10 @@ def result_of(
     chosen = explanations.chosen
     rival = found.best_rival
     names, covariance = covariance_of(chosen, evidence.level(chosen))
-    told = cannot_tell(found)
-    diagnosis = Diagnosis(
-        schema=1,
-        verdict=found.verdict,
-        causes=_causes(found),
-        ambiguity_groups=found.groups(),
-        where=() if places is None else places.places,
-        gap=found.gap,
-        next_experiment=None,
-        warnings=(*found.data.record.warnings, *_warnings(found)),
-        provenance={"log": found.data.record.name, "robot": found.model.robot.name, **versions(), **dict(settings)},
-    )
     after = found.explanation(chosen) if explanations.detected else None
     tolerated = chosen.theta[chosen.predictor.n_effect :]
     return DiagnosisResult(
-        diagnosis=diagnosis,
+        diagnosis=_diagnosis(found, places, settings),
         robot=found.model.robot,
         record=found.data.record,
         holdout=found.held.record,
@@ -235,11 +180,26 @@ def result_of(
         covariance=covariance if len(names) else None,
         excess=() if places is None else places.looked,
         signals=found.signals,
-        evidence=_signatures(found, before, after),
+        evidence=signature_evidence(found.model, found.data, before, after),
         tolerance={name: float(value) for name, value in zip(chosen.predictor.tolerance.names, tolerated)},
-        cannot_tell=told,
+        cannot_tell=cannot_tell(found),
         settings=settings,
         timings=timings,
+    )
+
+
+def _diagnosis(found: Findings, places: Where | None, settings: Mapping[str, Any]) -> Diagnosis:
+    """Put together what is written into diagnosis.json."""
+    return Diagnosis(
+        schema=1,
+        verdict=found.verdict,
+        causes=_causes(found),
+        ambiguity_groups=found.groups(),
+        where=() if places is None else places.places,
+        gap=found.gap,
+        next_experiment=None,
+        warnings=(*found.data.record.warnings, *_warnings(found)),
+        provenance={"log": found.data.record.name, "robot": found.model.robot.name, **versions(), **dict(settings)},
     )
 
 
@@ -308,23 +268,6 @@ def _warnings(found: Findings) -> list[str]:
             "hold beyond the fitted log"
         )
     return warnings
-
-
-def _prediction(one: Fit, data: FitData) -> Prediction:
-    found = one.predictor.predict(one.theta[:, None], data.record, data.gain, data.start, record_states=True)
-    assert found.states is not None
-    states = found.states[:, : 2 * one.predictor.robot.n_coordinates, 0]
-    counted = np.all(np.isfinite(data.spread), axis=1)
-    return Prediction(found.innovation[:, :, 0], data.gain.spread, states, int(np.argmax(counted)))
-
-
-def _signatures(found: Findings, before: Explanation, after: Explanation | None) -> Signatures:
-    """Collect what the pictures of the effects are computed from."""
-    robot = found.model.robot
-    repaired = None if after is None else place_effects(robot, after.effects).robot
-    return Signatures(
-        robot, found.data.record, found.data.gain, before.fit, None if after is None else after.fit, repaired
-    )
 
 
 def _place(name: str) -> Place:

@@ -1,0 +1,54 @@
+"""The numbers of a fit in the units of its effects, with their covariance."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.gap.diagnosis_file import CauseParameter
+from flexros.gap.units import unit_of_parameter
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.effects import PlacedEffect
+    from flexros.gap.fit import Fit
+
+
+def placed(one: Fit) -> tuple[PlacedEffect, ...]:
+    """Return the effects of a fit with their numbers."""
+    values = one.predictor.values(one.theta)
+    return tuple(suspect.placed(numbers) for suspect, numbers in zip(one.predictor.hypothesis, values))
+
+
+def covariance_of(one: Fit, level: float) -> tuple[tuple[str, ...], FloatArray]:
+    """Compute the covariance of the fitted numbers of the effects, in their units.
+
+    Args:
+        one: The fit.
+        level: Mean squared weighted prediction error V of it; above 1 the covariance is widened by it [1].
+
+    Returns:
+        Names, e.g. "coulomb_friction@motor_1.level", and covariance, shape (p, p).
+    """
+    number = one.predictor.n_effect
+    covariance = np.linalg.pinv(one.information)[:number, :number] * max(level, 1.0)
+    slopes = one.predictor.slopes(one.theta)
+    names = tuple(f"{suspect.name}.{free.name}" for suspect in one.predictor.hypothesis for free in suspect.free)
+    return names, covariance * np.outer(slopes, slopes)
+
+
+def parameters_of(one: Fit, level: float) -> list[dict[str, CauseParameter]]:
+    """Return the numbers of every effect of a fit with their standard deviations."""
+    _, covariance = covariance_of(one, level)
+    spread = iter(np.sqrt(np.maximum(np.diag(covariance), 0.0)))
+    values = one.predictor.values(one.theta)
+    return [
+        {
+            name: CauseParameter(
+                value=value, std=float(next(spread)), unit=unit_of_parameter(suspect, name, one.predictor.robot)
+            )
+            for name, value in numbers.items()
+        }
+        for suspect, numbers in zip(one.predictor.hypothesis, values)
+    ]
