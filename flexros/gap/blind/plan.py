@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from flexros.gap.blind.laws import LIBRARY_LAWS, OUTSIDE_LAWS
+from flexros.gap.blind.laws import LAWS, LIBRARY_LAWS, OUTSIDE_LAWS
 from flexros.gap.blind.places import places_of
 from flexros.random_streams import Stream, generator
 from flexros.robot import load_robot
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     import numpy as np
 
@@ -102,19 +102,21 @@ def plan_cases(settings: PlanSettings, seed: int, stream: Stream = Stream.BLIND_
         stream: Stream of development or of evaluation.
 
     Returns:
-        The cases.
+        The cases; effects that none of the robots can have are left out.
     """
     random = generator(seed, stream, ORDER)
+    possible = [name for name in LAWS if any(_fits(name, robot) for robot in settings.robots)]
     drafts: list[tuple[Kind, tuple[str, ...], Size]] = [
         ("single", (effect,), size)
-        for effect in LIBRARY_LAWS
+        for effect in possible
+        if effect in LIBRARY_LAWS
         for size in ("weak", "medium", "strong")
         for _ in range(settings.per_size)
     ]  # type: ignore[list-item, unused-ignore]
     drafts += [("null", (), "none")] * settings.nulls
-    outside = list(OUTSIDE_LAWS)
+    outside = [name for name in possible if name in OUTSIDE_LAWS]
     drafts += [("unknown", (outside[k % len(outside)],), "any") for k in range(settings.unknowns)]
-    drafts += [("pair", _pair(random), "any") for _ in range(settings.pairs)]
+    drafts += [("pair", _pair(possible, random), "any") for _ in range(settings.pairs)]
     decks = {kind: _Deck(settings, random) for kind in ("single", "null", "unknown", "pair")}
     cases = [_case(draft, decks[draft[0]], random) for draft in drafts]
     shuffled = [cases[k] for k in random.permutation(len(cases))]
@@ -165,10 +167,10 @@ def _case(draft: tuple[Kind, tuple[str, ...], Size], deck: _Deck, random: np.ran
     return Case(0, kind, deck.robot(effects), effects, size, deck.nuisance(), seen)
 
 
-def _pair(random: np.random.Generator) -> tuple[str, str]:
-    """Draw two effects that do not stand for each other and that every robot can have."""
+def _pair(possible: Sequence[str], random: np.random.Generator) -> tuple[str, str]:
+    """Draw two effects of the library that do not stand for each other."""
     rare = {"gravity_error", "kinematic_error", "extra_mode", "friction_drift"}
-    names = [name for name in LIBRARY_LAWS if name not in rare]
+    names = [name for name in possible if name in LIBRARY_LAWS and name not in rare]
     while True:
         first, second = (str(name) for name in random.choice(names, 2, replace=False))
         if not any({first, second} <= group for group in CONFUSED):

@@ -29,6 +29,12 @@ def test_effects_sit_on_robots_that_can_have_them() -> None:
         assert case.tool or "kinematic_error" not in case.effects
 
 
+def test_effects_that_no_robot_can_have_are_left_out() -> None:
+    cases = plan_cases(PlanSettings({"four_mass": 1.0}, per_size=1, nulls=0, unknowns=2, pairs=3), 1)
+    assert {case.robot for case in cases} == {"four_mass"}
+    assert not {"gravity_error", "kinematic_error"} & {effect for case in cases for effect in case.effects}
+
+
 def test_shares_of_robots_and_of_wrong_models_are_kept() -> None:
     cases = plan_cases(SMALL, 3)
     robots = Counter(case.robot for case in cases)
