@@ -63,7 +63,7 @@ def _each(gain: float | tuple[float, ...], divisor: float) -> list[float]:
 
 def _loaded(robot: Robot) -> Mapping[str, Any]:
     added = PayloadError(relative=ADDED_LOAD).values(robot, "tool")
-    return {f"model.values.{name}": float(f"{value:.6g}") for name, value in added.items()}
+    return {f"model.values.{name}": float(f"{value:.6g}") for name, value in added.items() if value}
 
 
 CATALOGUE = (
@@ -98,17 +98,6 @@ CATALOGUE = (
         },
     ),
     CatalogueEntry(
-        "soft_controller",
-        "the diagnosis experiment with a softer controller: what moved with the feedback is told from what did not",
-        _soft,
-    ),
-    CatalogueEntry(
-        "known_payload",
-        "mount a known load of half the last body, write it into the robot file and repeat: inertia and torque gain "
-        "part, since only the ratio of both was seen",
-        _loaded,
-    ),
-    CatalogueEntry(
         "static_holds",
         "long rests in many poses: loads at rest do not depend on inertia, damping or friction of motion",
         lambda _: {"diagnosis.parts": ["moves"], "diagnosis.dwell": LONG_REST, "diagnosis.intensity": 0.5},
@@ -124,10 +113,21 @@ CATALOGUE = (
         lambda _: {"diagnosis.parts": ["moves", "steps"], "diagnosis.intensity": 1.2},
     ),
     CatalogueEntry(
+        "soft_controller",
+        "the diagnosis experiment with a softer controller: what changes with the feedback is told from what does not",
+        _soft,
+    ),
+    CatalogueEntry(
+        "known_payload",
+        "mount a known load of half the last body, write it into the robot file and repeat: inertia and torque gain "
+        "part, since only the ratio of both was seen",
+        _loaded,
+    ),
+    CatalogueEntry(
         "tool_measurement",
         "measure the tool position in the diagnosis experiment: motors alone do not show what the arm does behind them",
         lambda _: {},
         tool=True,
     ),
 )
-"""The experiments, the plainest first."""
+"""The experiments, those first that cost the user least."""

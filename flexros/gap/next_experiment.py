@@ -15,7 +15,7 @@ from flexros.gap.experiment_catalogue import CATALOGUE
 from flexros.gap.separation import Explained, separation, trial
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
     from typing import Any
 
     from flexros.effects import PlacedEffect
@@ -26,6 +26,8 @@ SEED = 101
 """Seed of the experiments that are simulated and proposed [1] (chosen: another one than a user takes first)."""
 MOST = 3
 """Explanations that are looked at, the most probable ones [1] (chosen)."""
+PLENTY = 100.0
+"""Gain at which no further experiment is looked at [nats] (chosen: far beyond doubt)."""
 ENOUGH = 0.5
 """An experiment earlier in the catalogue is taken when it separates at least this share of the best [1] (chosen)."""
 
@@ -52,17 +54,19 @@ def next_experiment(
     *,
     name: str = "",
     tool_measured: bool = False,
+    done: Collection[str] = (),
     seed: int = SEED,
     entries: Sequence[CatalogueEntry] = CATALOGUE,
     progress: Callable[[float], None] | None = None,
 ) -> NextExperiment | None:
-    """Choose the experiment that separates the two closest explanations best.
+    """Choose the experiment that separates the two closest explanations best, or the plainest that does so by far.
 
     Args:
         robot: The nominal model.
         survivors: Explanations that are left with their fitted numbers, the most probable one first.
         name: Robot as the user names it, for the command; default: where it was loaded from.
         tool_measured: Whether the log has tool positions already, so that measuring them is no news.
+        done: Names of experiments that were run already.
         seed: Seed of the experiments.
         entries: Experiments to choose from.
         progress: Called with the share that is done.
@@ -74,17 +78,20 @@ def next_experiment(
     left = tuple(tuple(one) for one in survivors)[:MOST]
     if len(left) < 2:
         return None
-    chosen = [entry for entry in entries if not (entry.tool and tool_measured)]
-    results = []
-    for done, entry in enumerate(chosen, 1):
-        results.append(separated(model, left, entry, seed))
+    chosen = [entry for entry in entries if entry.name not in done and not (entry.tool and tool_measured)]
+    possible: list[Separated] = []
+    for number, entry in enumerate(chosen, 1):
+        result = separated(model, left, entry, seed)
+        possible += [] if result is None else [result]
+        plenty = result is not None and result.gain >= PLENTY
         if progress is not None:
-            progress(done / len(chosen))
-    possible = [one for one in results if one is not None]
+            progress(1.0 if plenty else number / len(chosen))
+        if plenty:
+            break
     if not possible:
         return None
     most = max(one.gain for one in possible)
-    best = next(one for one in possible if one.gain >= ENOUGH * most)
+    best = next(one for one in possible if one.gain >= min(ENOUGH * most, PLENTY))
     command = command_of(best.entry.keys(model.robot), name or model.robot.source, seed)
     places = {(one.effect.name, one.location): None for number in best.closest for one in left[number]}
     return NextExperiment(
@@ -115,13 +122,13 @@ def separated(
     keys = {key: value for key, value in keys.items() if not key.startswith("model.values.")}
     explained = [Explained(model, tuple(one)).with_values(known) for one in survivors]
     try:
-        made = [trial(one, keys, seed) for one in explained]
+        made = [trial(one, keys, seed, tool=entry.tool) for one in explained]
     except RunError:
         return None
     gains = {}
     for one, two in combinations(range(len(explained)), 2):
-        there = separation(explained[one], explained[two], made[one], tool=entry.tool)
-        back = separation(explained[two], explained[one], made[two], tool=entry.tool)
+        there = separation(explained[one], explained[two], made[one])
+        back = separation(explained[two], explained[one], made[two])
         gains[one, two] = 0.5 * (there + back)
     closest = min(gains, key=lambda pair: gains[pair])
     return Separated(entry, gains[closest], closest)

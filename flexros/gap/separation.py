@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,8 +10,6 @@ import numpy as np
 from flexros.config.scenario import load_scenario
 from flexros.effects import RobotWithEffects, place_effects
 from flexros.gap.fit import chi2_of, fit
-from flexros.gap.fit_data import FitData, constant_spread
-from flexros.gap.gain import observer_gain
 from flexros.gap.hypothesis import FreeParameter, Suspect
 from flexros.gap.predictor import Predictor
 from flexros.gap.read_record import read_record
@@ -29,12 +27,10 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects import PlacedEffect
     from flexros.effects.ranges import Range
+    from flexros.gap.fit_data import FitData
     from flexros.gap.hypothesis import Hypothesis
     from flexros.gap.record import GapRecord
-    from flexros.robot import Robot
 
-LEVEL = 1e-3
-"""Torque noise that the predictor allows for, see `observer_gain` [1] (that of a diagnosis)."""
 ROOM = 30.0
 """Factor by which a fitted number may move in either direction when it is fitted again [1] (chosen)."""
 WITHOUT_LOG = ("relative", "time", "frequency", "order", "phase")
@@ -87,13 +83,14 @@ class Trial:
     data: FitData
 
 
-def trial(truth: Explained, keys: Mapping[str, Any], seed: int) -> Trial:
+def trial(truth: Explained, keys: Mapping[str, Any], seed: int, *, tool: bool = False) -> Trial:
     """Simulate a variant of the diagnosis experiment.
 
     Args:
         truth: What the robot is.
         keys: Keys of scenario `diagnosis` that differ, by dotted name.
         seed: Seed of the experiment and its noise.
+        tool: Whether the tool is measured as well.
 
     Returns:
         Log and weights.
@@ -101,6 +98,11 @@ def trial(truth: Explained, keys: Mapping[str, Any], seed: int) -> Trial:
     Raises:
         DivergedRunError: The robot would not be held.
     """
+    from flexros.gap.diagnose import (
+        DiagnosisSettings,
+        fit_data,
+    )  # here, because a diagnosis asks for the next experiment
+
     robot = truth.model.robot
     law = default_controller(robot, robot.sample_time)
     given = {"seed": seed, "controller": {"kind": law.kind, **law.model_dump(mode="json")}, **keys}
@@ -117,30 +119,17 @@ def trial(truth: Explained, keys: Mapping[str, Any], seed: int) -> Trial:
         int(np.floor(course.trajectory.duration / robot.sample_time + 1e-6)) + 1,
     )
     record = read_record(closed_loop(experiment), robot, name="simulated experiment", check=False)
-    return Trial(record, fit_data(record, robot))
+    record = record if tool else replace(record, tool=None)
+    return Trial(record, fit_data(record, truth.model, DiagnosisSettings()))
 
 
-def fit_data(record: GapRecord, robot: Robot) -> FitData:
-    """Give a log the gain, the start and the weights of a predictor.
-
-    Args:
-        record: The log.
-        robot: The nominal robot.
-    """
-    pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
-    gain = observer_gain(robot, record.sample_time, LEVEL, robot.encoder_noise, pose)
-    start = robot.equilibrium(motor_position=record.position[0])
-    return FitData(record, gain, start, constant_spread(record, gain), np.ones((robot.n_motors, 1)))
-
-
-def separation(truth: Explained, rival: Explained, made: Trial, *, tool: bool = False) -> float:
+def separation(truth: Explained, rival: Explained, made: Trial) -> float:
     """Compute by how much the truth would explain an experiment better than its rival at its best.
 
     Args:
         truth: The explanation that was simulated.
         rival: The other one; its numbers are fitted to the experiment.
         made: The experiment on the truth.
-        tool: Whether the tool is measured as well.
 
     Returns:
         Difference of the log-likelihoods [nats]; zero where the rival does as well.
@@ -148,14 +137,7 @@ def separation(truth: Explained, rival: Explained, made: Trial, *, tool: bool = 
     right, theta_right = predictor_of(truth, made.record.sample_time)
     wrong, theta_wrong = predictor_of(rival, made.record.sample_time)
     least = float(chi2_of(right, made.data, theta_right[:, None])[0])
-    best = fit(wrong, made.data, theta_wrong, ITERATIONS)
-    gain = 0.5 * max(best.chi2 - least, 0.0)
-    if not tool:
-        return gain
-    seen = _tool(right, theta_right, made), _tool(wrong, best.theta, made)
-    apart = seen[1] - seen[0]
-    apart = apart - np.mean(apart, axis=0)  # where the tracker stands is not known
-    return gain + 0.5 * float(np.sum(apart**2)) / truth.model.robot.tool_noise**2
+    return 0.5 * max(fit(wrong, made.data, theta_wrong, ITERATIONS).chi2 - least, 0.0)
 
 
 def predictor_of(explained: Explained, sample_time: float) -> tuple[Predictor, FloatArray]:
@@ -171,14 +153,6 @@ def predictor_of(explained: Explained, sample_time: float) -> tuple[Predictor, F
     hypothesis = explained.hypothesis
     numbers = [one.encode(one.starts[0]) for suspect in hypothesis for one in suspect.free]
     return Predictor(explained.model, hypothesis, Tolerance(), sample_time), np.array(numbers, dtype=float)
-
-
-def _tool(predictor: Predictor, theta: FloatArray, made: Trial) -> FloatArray:
-    """Predict the tool positions [m], shape (n, 3)."""
-    prediction = predictor.predict(theta[:, None], made.record, made.data.gain, made.data.start, record_pose=True)
-    assert prediction.tool_pose is not None
-    position: FloatArray = prediction.tool_pose[:, :3, 0]
-    return position
 
 
 def _suspect(placed: PlacedEffect) -> Suspect:

@@ -12,7 +12,7 @@ from flexros.effects import PlacedEffect, RobotWithEffects, parse_effect
 from flexros.errors import RunError
 from flexros.gap import next_experiment as module
 from flexros.gap.experiment_catalogue import CATALOGUE, CatalogueEntry
-from flexros.gap.next_experiment import command_of, next_experiment, separated
+from flexros.gap.next_experiment import Separated, command_of, next_experiment, separated
 from flexros.robot import load_robot
 from flexros.simulate.experiment import Experiment
 
@@ -71,12 +71,34 @@ def test_a_tool_that_is_measured_already_is_not_proposed() -> None:
     assert next_experiment(load_robot("elbow"), survivors, entries=entries, tool_measured=True) is None
 
 
+def test_an_experiment_that_separates_by_far_ends_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    gains = {"standard": 20.0, "creep_in_poses": 150.0, "high_band": 1e6}
+    asked: list[str] = []
+
+    def found(*arguments: Any) -> Separated:
+        asked.append(arguments[2].name)
+        return Separated(arguments[2], gains[arguments[2].name], (0, 1))
+
+    monkeypatch.setattr(module, "separated", found)
+    survivors = [placed("delay@all:time=0.001"), placed("delay@all:time=0.002")]
+    chosen = next_experiment(load_robot("four_mass_linear"), survivors, entries=[ENTRIES[name] for name in gains])
+    assert chosen is not None
+    assert chosen.name == "creep_in_poses"
+    assert asked == ["standard", "creep_in_poses"]
+
+
+def test_an_experiment_that_was_run_already_is_not_proposed() -> None:
+    survivors = [placed("delay@all:time=0.001"), placed("delay@all:time=0.002")]
+    entries = [ENTRIES["standard"]]
+    assert next_experiment(load_robot("four_mass_linear"), survivors, entries=entries, done=["standard"]) is None
+
+
 def test_one_explanation_needs_no_experiment() -> None:
     assert next_experiment(load_robot("four_mass_linear"), [placed("delay@all:time=0.001")]) is None
 
 
 def test_an_experiment_that_would_break_off_is_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
-    def breaks(*_: Any) -> None:
+    def breaks(*_: Any, **__: Any) -> None:
         raise RunError("the state became infinite")
 
     monkeypatch.setattr(module, "trial", breaks)

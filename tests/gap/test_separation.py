@@ -84,6 +84,5 @@ def test_known_values_are_part_of_the_nominal_robot() -> None:
 
 def test_a_tool_that_is_measured_adds_to_the_separation() -> None:
     true, rival = (explained(f"kinematic_error@body_{body}:length=0.001", "elbow") for body in (1, 2))
-    made = trial(true, KEYS, 3)
-    assert separation(true, rival, made) == pytest.approx(0.0, abs=1e-6)
-    assert separation(true, rival, made, tool=True) > 100.0
+    assert separation(true, rival, trial(true, KEYS, 3)) == pytest.approx(0.0, abs=1e-6)
+    assert separation(true, rival, trial(true, KEYS, 3, tool=True)) > 100.0
