@@ -9,9 +9,9 @@ import casadi as ca
 import numpy as np
 
 from flexros.effects.delay import Delay
-from flexros.effects.sensor import AbstractSensor
 from flexros.effects.tool_error import AbstractToolError
 from flexros.feedforward.arm_forces import acts_at_once
+from flexros.feedforward.encoder_reading import encoder_reading
 from flexros.feedforward.gear_compensation import with_gear_laws
 from flexros.feedforward.motor_compensation import with_motor_laws
 
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from flexros.effects import PlacedLaw
     from flexros.feedforward.motion import Motion
     from flexros.robot import Robot
-
-PERIODIC = 0
-"""Place of periodic errors on the way from motor to log, see `AbstractSensor.rank`; quantization comes after."""
 
 
 def compensated(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], sample_time: float) -> Motion:
@@ -76,14 +73,8 @@ def laws_of_the_arm(laws: Sequence[PlacedLaw]) -> tuple[PlacedLaw, ...]:
 def _as_encoders_tell(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw]) -> Motion:
     """Turn motor positions into what encoders with periodic errors read there."""
     position, velocity = motion.motor_position.copy(), motion.motor_velocity.copy()
-    q, v = ca.SX.sym("q"), ca.SX.sym("v")
-    for number, name in enumerate(robot.joint_names):
-        turns = robot.chain.motor(number).gear_ratio.value if robot.spec.coordinates == "arm" else 1.0
-        read = q
-        for law in laws:
-            if law.location == name and isinstance(law.effect, AbstractSensor) and law.effect.rank == PERIODIC:
-                read = law.effect.read(read, turns * q, law.effect.numbers)
-        reading = ca.Function("reading", [q, v], [read, ca.jtimes(read, q, v)])
-        rows = reading.call([ca.DM(array[np.newaxis, :, number]) for array in (position, velocity)])
-        position[:, number], velocity[:, number] = (np.array(row).ravel() for row in rows)
+    for number in range(robot.n_motors):
+        rows = [ca.DM(array[np.newaxis, :, number]) for array in (position, velocity)]
+        read, rate = encoder_reading(robot, laws, number).call(rows)
+        position[:, number], velocity[:, number] = np.array(read).ravel(), np.array(rate).ravel()
     return replace(motion, motor_position=position, motor_velocity=velocity)

@@ -15,7 +15,7 @@ from flexros.effects.sensor import AbstractSensor
 from flexros.effects.tool_error import AbstractToolError
 from flexros.feedforward.arm_forces import acts_at_once
 from flexros.feedforward.base import feedforward_method
-from flexros.feedforward.compensation import PERIODIC
+from flexros.feedforward.encoder_reading import PERIODIC
 from flexros.feedforward.motor_compensation import GAIN, LAG
 
 if TYPE_CHECKING:

@@ -10,6 +10,7 @@ import numpy as np
 
 from flexros.control.controller import Controller
 from flexros.errors import InputError, source_named
+from flexros.feedforward.encoder_reading import position_of_reading
 from flexros.feedforward.reference import compute_reference
 from flexros.feedforward.uncompensated import uncompensated
 from flexros.identify.gap_experiment.course import diagnosis_course
@@ -145,8 +146,9 @@ class Experiment:
 
     @cached_property
     def start_state(self) -> FloatArray:
-        """State of the plant before the first sample: at rest with the motors on their first reference."""
-        state = self.plant.equilibrium(self.start, motor_position=self.start_motor_position)
+        """State of the plant before the first sample: at rest, the encoders on their first reference."""
+        held = position_of_reading(self.plant, self.laws, self.start_motor_position)
+        state = self.plant.equilibrium(self.start, motor_position=held)
         return self.plant_model.rest(state).state if self.plant_model.moves_rest else state
 
     @cached_property

@@ -80,7 +80,7 @@ def errors(name: str, folder: Path, *effects: str) -> tuple[float, float]:
         ("hysteresis@motor_1:level=300,angle=0.001", 0.01),
         ("transmission_error@motor_1:amplitude=0.0005,order=20", 1e-3),
         ("backlash@motor_1:gap=0.0005", 0.5),
-        ("encoder_eccentricity@motor_1:amplitude=0.0005,order=20", 1e-3),
+        ("encoder_eccentricity@motor_1:amplitude=0.0005,order=20,phase=0.8", 1e-3),
         ("kinematic_error@body_2:angle=0.003,length=0.001", 1e-3),
         ("payload_error@tool:relative=0.05", 1e-3),
         ("nonlinear_stiffness@body_1.ry:relative=0.5,knee=0.01", 0.01),
