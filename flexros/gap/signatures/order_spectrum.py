@@ -1,4 +1,4 @@
-"""Order spectrum of the prediction errors: what repeats with the turning of a rotor."""
+"""Order spectrum of the missing torque: what repeats with the turning of a rotor."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ HIGHEST = 60.0
 
 
 class OrderSpectrum(AbstractSignature):
-    """Amplitude of the prediction errors by order, over motions at several speeds."""
+    """Amplitude of the missing torque by order, over motions at several speeds."""
 
     name: ClassVar[str] = "order_spectrum"
     effects: ClassVar[tuple[str, ...]] = ("torque_ripple", "transmission_error", "encoder_eccentricity")
@@ -26,7 +26,7 @@ class OrderSpectrum(AbstractSignature):
     def picture(self, evidence: Evidence, location: str) -> Picture | None:
         """Transform over the rotor angle; None where the rotor turns too little."""
         motor = evidence.motor_of(location)
-        _, unit = evidence.units(motor)
+        unit, _ = evidence.units(motor)
         inside = np.zeros(evidence.record.n_samples, dtype=bool)
         inside[evidence.rows] = True
         motion = evidence.motion
@@ -35,14 +35,14 @@ class OrderSpectrum(AbstractSignature):
             return None
         samples = sum(len(rows) for rows in grid.groups)
         series = {}
-        for name, prediction in (("before", evidence.before), ("after", evidence.after)):
-            if prediction is not None:
-                power = grid.power(prediction.innovations[:, motor]).sum(axis=0)
+        for name, torque in (("before", evidence.missing), ("after", evidence.missing_after)):
+            if torque is not None:
+                power = grid.power(torque[:, motor]).sum(axis=0)
                 series[name] = Curve(*thinned(grid.orders, np.sqrt(2 * power / samples)))
         return Picture(
-            title=f"Order spectrum of the prediction errors, {evidence.robot.joint_names[motor]}",
+            title=f"Order spectrum of the missing torque, {evidence.robot.joint_names[motor]}",
             x_label="order [periods per turn of the rotor]",
-            y_label=f"amplitude [{unit}]",
+            y_label=f"amplitude of the torque that the model lacks [{unit}]",
             series=series,
             reading="A peak is a wave that repeats with the turning of the rotor at all speeds; of a repaired model it "
             "is gone.",
