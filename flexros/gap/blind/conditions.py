@@ -42,6 +42,15 @@ class Conditions:
     stamps: float = 0.0
     tool_late: float = 0.0
 
+    @property
+    def visibility(self) -> float:
+        """Share of an expected gain that is left in coloured noise [1].
+
+        Deviations show at low frequencies, where the noise has (1 + colour) / (1 - colour) times the density of white
+        noise of the same variance.
+        """
+        return (1 - self.colour) / (1 + self.colour)
+
 
 def draw_conditions(nuisance: str, random: np.random.Generator) -> Conditions:
     """Draw the conditions of a case: clean where the nominal model is exact.

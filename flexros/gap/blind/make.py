@@ -139,9 +139,8 @@ def draw_case(case: Case, settings: MakeSettings, attempt: int = 0) -> Drawn:
     believed = believed_values(robot, case.nuisance, random)
     conditions = draw_conditions(case.nuisance, random)
     reference = setting.reference(settings.durations[0], _random(case, settings, attempt, 1))
-    rehearsal = Rehearsal(
-        setting, reference, NominalFilter(robot, setting.sample_time, tolerances(robot, case.nuisance))
-    )
+    known = NominalFilter(robot, setting.sample_time, tolerances(robot, case.nuisance))
+    rehearsal = Rehearsal(setting, reference, known, conditions.visibility)
     hidden = _hidden(case, rehearsal, random)
     return Drawn(setting, conditions, reference, hidden, identified_file(robot, believed, "as known to the user"))
 

@@ -40,11 +40,13 @@ class Rehearsal:
         setting: How the case is run.
         reference: Reference with feedforward, shape (n, 3 M).
         filter: Filter of the robot without deviations.
+        visibility: Share of the gain that coloured noise leaves [1].
     """
 
     setting: Setting
     reference: FloatArray
     filter: NominalFilter
+    visibility: float = 1.0
 
     def run(self, deviations: Sequence[Deviation]) -> BlindRun:
         """Run without noise."""
@@ -70,7 +72,7 @@ class Rehearsal:
             states = run.states[:: round(TOOL_STEP / setting.sample_time)]
             poses = [seen_pose(setting.robot, one, states) for one in ((), (deviation,))]
             return tool_gain(poses[0], poses[1], setting.robot.tool_noise)
-        return self.filter.expected_gain(run.encoder, run.command)
+        return self.visibility * self.filter.expected_gain(run.encoder, run.command)
 
 
 @dataclass(frozen=True, eq=False)

@@ -88,7 +88,7 @@ def take_log(drawn: Drawn, tool: bool, place: int, duration: float, random: np.r
     plant = BlindPlant(robot, deviations, setting.law, step)
     n, m = len(reference), robot.n_motors
     lost, push = events(deviations, n, step, random)
-    late = conditions.late * np.repeat(np.abs(random.standard_normal((n, 1))), m, axis=1)
+    late = conditions.late * np.repeat(random.standard_normal((n, 1)), m, axis=1)
     noise = encoder_noise(robot.encoder_noise, n, conditions.colour, random)
     run = plant.run(BlindInputs(reference, noise, late, lost, push), SETTLE)
     seen = None
