@@ -50,7 +50,7 @@ def with_gear_laws(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], samp
     """
     for number in () if robot.spec.inertial_coupling else robot.chain.flexible_motors:
         own = [law.effect for law in laws if law.location in (robot.joint_names[number], _spring_name(robot, number))]
-        effects = [effect for effect in own if isinstance(effect, AbstractGearLaw)]
+        effects = sorted((one for one in own if isinstance(one, AbstractGearLaw)), key=lambda effect: effect.rank)
         if effects and len(motion) > 1:
             motion = _Gear(robot, number, effects, sample_time).moved(motion)
     return motion
@@ -102,7 +102,10 @@ class _Gear:
         x, needed = ca.vertcat(deflection, before, arm, arm_before), ca.SX.sym("needed")
         own = [ca.SX.sym("own", effect.n_states) for effect in self._effects]
         rate = (deflection - before) / self._step
-        gears = [self._gear(deflection, rate, arm, (arm - arm_before) / self._step, states) for states in own]
+        gears, gear = [], self._nominal(deflection, rate, arm, (arm - arm_before) / self._step)
+        for effect, states in zip(self._effects, own):  # each law sees what those before it made of the spring
+            gears.append(replace(gear, own=states))
+            gear = effect.onward(gears[-1], effect.numbers)
         added, beside, following, at_rest = ca.SX(0), ca.SX(0), [ca.SX(0, 1)], [ca.SX(0, 1)]
         for effect, gear in zip(self._effects, gears):
             torques = effect.added(gear, effect.numbers)
@@ -123,9 +126,9 @@ class _Gear:
         )
         self._beside = ca.Function("beside", [x, states], [ca.densify(beside)])
         self._following = ca.Function("following", [x, states], [ca.densify(ca.vertcat(*following))])
-        self._rest = ca.Function("rest", [x], [ca.densify(ca.vertcat(*at_rest))])
+        self._rest = ca.Function("rest", [x, states], [ca.densify(ca.vertcat(*at_rest))])
 
-    def _gear(self, deflection: ca.SX, rate: ca.SX, arm: ca.SX, arm_speed: ca.SX, own: ca.SX) -> GearState:
+    def _nominal(self, deflection: ca.SX, rate: ca.SX, arm: ca.SX, arm_speed: ca.SX) -> GearState:
         return GearState(
             deflection=deflection,
             rate=rate,
@@ -135,7 +138,7 @@ class _Gear:
             torque=self._spring(deflection) + self._damping * rate,
             damping=self._damping,
             spring=self._spring,
-            own=own,
+            own=ca.SX(0, 1),
         )
 
     def _next(self, effect: AbstractGearLaw, gear: GearState) -> ca.SX:
@@ -156,7 +159,7 @@ class _Gear:
         own, x = np.zeros(sum(effect.n_states for effect in self._effects)), np.array([0.0, 0.0, arm[0], arm[0]])
         for _ in range(REST_PASSES if laws and len(own) else 1):  # own states and deflection depend on each other
             x[:2] = _root(self._resting[laws], x, own, float(needed[0]))
-            own = np.array(self._rest(x)).ravel() if laws else own
+            own = np.array(self._rest(x, own)).ravel() if laws else own
         for k in range(len(arm)):
             x[1], x[2], x[3] = x[0], arm[k], arm[max(k - 1, 0)]
             x[0] = deflection[k] = _root(self._errors[laws], x, own, float(needed[k]))

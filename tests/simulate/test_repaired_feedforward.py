@@ -106,6 +106,18 @@ def test_values_on_the_motor_side_of_a_nonlinear_gear(tmp_path: Path, effect: st
     assert known < left * hidden
 
 
+def test_laws_of_one_gear_act_on_what_the_others_made_of_it(tmp_path: Path) -> None:
+    hidden, known = errors(
+        "smooth_dae2",
+        tmp_path,
+        "hysteresis@motor_1:level=200,angle=0.001",
+        "backlash@motor_1:gap=0.0002",
+        "transmission_error@motor_1:amplitude=0.0005,order=20,phase=0.8",
+    )
+    assert hidden > 2e-3
+    assert known < 0.2 * hidden
+
+
 def test_effects_of_many_kinds_are_made_up_for_together(tmp_path: Path) -> None:
     hidden, known = errors(
         "smooth_dae2",
