@@ -117,7 +117,7 @@ def _rub(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
     held = [plant.place(law).stop - 1 for law, _ in bristles]
     nq = plant.model.n_coordinates
     friction = ca.vertcat(plant.friction, *[plant.x[place] for place in held])
-    free, slope, mobility = _accelerations(plant, x, motors)
+    free, slope, mobility = _accelerations(plant, x, motors, step)
     middle = 0.5 * step
     places = [plant.robot.chain.motor_places[motor] for motor in motors]
     speeds = [
@@ -147,7 +147,7 @@ def _rub(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
         x[place] = torque
 
 
-def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int]) -> tuple[ca.SX, ca.SX, ca.SX]:
+def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Return accelerations without friction, what springs and own states add to them per time, and mobilities."""
     torque = ca.SX.sym("torque", plant.robot.n_motors)
     places = [plant.robot.chain.motor_places[motor] for motor in motors]
@@ -155,9 +155,15 @@ def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int]) -> tuple[ca
     mobility = ca.jacobian(free, torque)[:, motors]
     passed = plant.torques(plant.u)
     free = ca.substitute(free, torque, passed + smooth_torque(plant, passed))
-    slope, own = ca.jtimes(free, plant.q, plant.v), plant.own_states
-    if own.numel():
-        slope = slope + ca.jtimes(free, own, own_rates(plant, passed))
+    own = plant.own_states
+    if plant.laws.gears or plant.laws.arms:  # which may have corners, where a derivative would be a matter of rounding
+        ahead = AHEAD * step
+        moved = ca.vertcat(plant.q + ahead * plant.v, own + ahead * own_rates(plant, passed))
+        slope = (ca.substitute(free, ca.vertcat(plant.q, own), moved) - free) / ahead
+    else:
+        slope = ca.jtimes(free, plant.q, plant.v)
+        if own.numel():
+            slope = slope + ca.jtimes(free, own, own_rates(plant, passed))
     if own.numel() and not ca.is_equal(x[plant.friction_end :], own):
         free, slope = (ca.substitute(one, own, x[plant.friction_end :]) for one in (free, slope))
     return free, slope, mobility
@@ -181,8 +187,12 @@ def motor_accelerations(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
 
 
 def _within_direction(speed: ca.SX, later: ca.SX) -> ca.SX:
-    """Return a speed that is expected later, or zero where the motor would have turned round."""
-    return ca.if_else(later * speed > 0, later, 0)
+    """Return a speed that is expected later, but less by how fast the motor still turns the other way, down to zero.
+
+    It is continuous, so that rounding of the speed of a motor at rest decides nothing.
+    """
+    beyond = ca.sign(later) * ca.fmax(ca.fabs(later) - ca.fabs(speed), 0)
+    return ca.if_else(later * speed >= 0, later, beyond)
 
 
 def _levels(plant: PlantSymbols, motor: int, speed: ca.SX, middle: ca.SX) -> FrictionLevels:

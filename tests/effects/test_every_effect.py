@@ -102,6 +102,18 @@ def test_virtual_machine_with_symbols_equals_machine_code_with_numbers(name: str
     np.testing.assert_allclose(outputs(symbols), outputs(numbers), rtol=1e-12, atol=1e-12)
 
 
+def test_all_effects_together_and_twice_are_one_plant() -> None:
+    every = [typical(name) for name in NAMES for _ in range(2)]
+    placed = place_effects(ROBOT, every)
+    model = PlantModel(placed.robot, placed.laws)
+    names = tuple(name for law in model.laws for name in law.parameters)
+    free = PlantModel(placed.robot, placed.laws, names)
+    numbers = run(model, np.zeros(0))
+    symbols = run(free, free.nominal_values, engine="virtual_machine")
+    assert np.max(np.abs(outputs(numbers) - outputs(without_effect()))) > 1e-3
+    np.testing.assert_allclose(outputs(symbols), outputs(numbers), rtol=1e-11, atol=1e-11)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_effect_of_typical_size_is_seen(name: str) -> None:
     placed = place_effects(ROBOT, [typical(name)])
