@@ -11,6 +11,10 @@ from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rich.progress import Progress, TaskID
+
     from flexros.gap.result import DiagnosisResult
 
 GAP_FOUND = 1
@@ -50,7 +54,7 @@ def diagnose(
             known,
             holdout=held,
             tolerance=tolerances,
-            progress=lambda stage, share: bar.update(task, description=stage, completed=share),
+            progress=_told_by(bar, task),
         )
         bar.update(task, description="writing")
         files = write_diagnosis(result, model, out)
@@ -59,6 +63,17 @@ def diagnose(
     else:
         _print(result, [out / name for name in files])
     return 0 if result.diagnosis.verdict == "no_gap" else GAP_FOUND
+
+
+def _told_by(bar: Progress, task: TaskID) -> Callable[[str, float], None]:
+    """Show stage and share; how many stages follow is not known before, so each has its own remaining time."""
+
+    def tell(stage: str, share: float) -> None:
+        if share < bar.tasks[0].completed:
+            bar.reset(task)
+        bar.update(task, description=stage, completed=share)
+
+    return tell
 
 
 def parse_tolerance(text: str) -> dict[str, float]:
