@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 NULL_STREAM = 40
 """Stream of random numbers of the simulated logs without gap."""
+LEAST_SAMPLES = 100
+"""Samples below which no places are looked for (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +88,9 @@ def where(
     """
     chosen = WhereSettings() if settings is None else settings
     errors = prediction.innovations if projected is None else projected
+    record = replace(record, valid=record.valid & np.isfinite(errors).all(axis=1))
+    if record.valid.sum() < LEAST_SAMPLES:
+        return Where((), (), 1.0, np.zeros(robot.n_motors))
     scaled = errors / np.maximum(prediction.sd, 1e-300)
     noise = white(robot.n_motors) if spectrum is None else spectrum
     motors = motor_channels(prediction, record, robot, noise, chosen)

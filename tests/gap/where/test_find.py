@@ -119,3 +119,23 @@ def test_places_looked_at_cover_bands_and_regimes(elbow_without_gap: LinearLog) 
         assert bands[-1][1] == 0.5 / log.record.sample_time
         assert all(low[1] == high[0] for low, high in itertools.pairwise(bands))
         assert {"reversal", "low speed", "high speed"} <= {place.regime for place in mine}
+
+
+@pytest.mark.parametrize("samples", [150, 700])
+def test_short_slow_logs_are_looked_at_without_states(samples: int, elbow_without_gap: LinearLog) -> None:
+    log = elbow_without_gap
+    record = replace(log.record.part(0, samples), sample_time=0.01)
+    noise = np.random.default_rng(4).standard_normal((samples, 2))
+    assert where(Prediction(noise, np.ones(2)), record, log.robot, 1, settings=FEW).places == ()
+    noise[samples // 2 :, 1] += 5.0
+    assert where(Prediction(noise, np.ones(2)), record, log.robot, 1, settings=FEW).places[0].joint == "motor_2"
+
+
+def test_diverged_predictions_are_left_out(elbow_without_gap: LinearLog) -> None:
+    log = elbow_without_gap
+    errors = log.prediction.innovations.copy()
+    errors[9000:] = np.nan
+    found = where(Prediction(errors, log.prediction.sd), log.record, log.robot, 1, settings=FEW)
+    assert np.all(np.isfinite(found.excess))
+    errors[:] = np.nan
+    assert where(Prediction(errors, log.prediction.sd), log.record, log.robot, 1, settings=FEW).looked == ()
