@@ -10,7 +10,7 @@ import pytest
 from flexros.arrays import FloatArray
 from flexros.compile.loop import compile_loop
 from flexros.compile.loop_arrays import LoopInputs, LoopResult, LoopState
-from flexros.effects import PlacedEffect, effects, place_effects
+from flexros.effects import PlacedEffect, RobotWithEffects, effects, place_effects
 from flexros.effects.model_change import AbstractChangedValues
 from flexros.robot import Robot, load_robot
 from flexros.simulate.loop import feed_through
@@ -77,6 +77,12 @@ def without_effect() -> LoopResult:
     return run(PlantModel(ROBOT), np.zeros(0))
 
 
+@cache
+def with_effect(name: str) -> tuple[RobotWithEffects, LoopResult]:
+    placed = place_effects(ROBOT, [typical(name)], as_laws=True)
+    return placed, run(PlantModel(placed.robot, placed.laws), np.zeros(0))
+
+
 def outputs(result: LoopResult) -> FloatArray:
     assert result.states is not None
     assert result.tool_pose is not None
@@ -96,8 +102,7 @@ def with_symbols(one: PlacedEffect) -> tuple[PlantModel, FloatArray]:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_virtual_machine_with_symbols_equals_machine_code_with_numbers(name: str) -> None:
-    placed = place_effects(ROBOT, [typical(name)], as_laws=True)
-    numbers = run(PlantModel(placed.robot, placed.laws), np.zeros(0))
+    _, numbers = with_effect(name)
     symbols = run(*with_symbols(typical(name)), engine="virtual_machine")
     np.testing.assert_allclose(outputs(symbols), outputs(numbers), rtol=1e-12, atol=1e-12)
 
@@ -116,15 +121,13 @@ def test_all_effects_together_and_twice_are_one_plant() -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_effect_of_typical_size_is_seen(name: str) -> None:
-    placed = place_effects(ROBOT, [typical(name)])
-    seen = outputs(run(PlantModel(placed.robot, placed.laws), np.zeros(0)))
-    assert np.max(np.abs(seen - outputs(without_effect()))) > 1e-9
+    _, seen = with_effect(name)
+    assert np.max(np.abs(outputs(seen) - outputs(without_effect()))) > 1e-9
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_plant_stepped_sample_by_sample_equals_the_run_to_the_last_bit(name: str) -> None:
-    placed = place_effects(ROBOT, [typical(name)])
-    whole = run(PlantModel(placed.robot, placed.laws), np.zeros(0))
+    placed, whole = with_effect(name)
     plant = Plant(placed.robot, ROBOT.sample_time, start(), torque=torques()[0], laws=placed.laws)
     assert whole.tool_pose is not None
     for k, torque in enumerate(torques()):
@@ -136,12 +139,12 @@ def test_plant_stepped_sample_by_sample_equals_the_run_to_the_last_bit(name: str
 @pytest.mark.parametrize("name", NAMES)
 def test_shorter_steps_converge(name: str) -> None:
     """A quarter of the step leaves at most a third of the error; the orders are tested effect by effect."""
-    placed = place_effects(ROBOT, [typical(name)])
+    placed, rough = with_effect(name)
     model = PlantModel(placed.robot, placed.laws)
-    results = [outputs(run(model, np.zeros(0), substeps=substeps)) for substeps in (1, 4, 32)]
-    rough, fine = (np.max(np.abs(result - results[2])) for result in results[:2])
-    assert rough < 1e-4
-    assert fine < max(rough / 3, 1e-11)
+    fine, exact = (outputs(run(model, np.zeros(0), substeps=substeps)) for substeps in (4, 32))
+    errors = [np.max(np.abs(result - exact)) for result in (outputs(rough), fine)]
+    assert errors[0] < 1e-4
+    assert errors[1] < max(errors[0] / 3, 1e-11)
 
 
 @pytest.mark.parametrize("name", NAMES)
