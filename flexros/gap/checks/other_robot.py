@@ -32,7 +32,7 @@ class OtherRobot(AbstractCheck):
         foreign = [
             checked.robot.joint_names[motor]
             for motor, fit in enumerate(checked.own)
-            if fit is not None and fit.agreement < LEAST
+            if fit is not None and fit.as_is < LEAST
         ]
         if not foreign:
             return ()

@@ -14,7 +14,10 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 CLEAR = 0.6
-"""Agreement from which the factor between torque and need is believed (chosen)."""
+"""Agreement from which any factor between torque and need is believed (chosen)."""
+
+LARGE_CLEAR, LARGE_GAIN = 0.4, 0.3
+"""Agreement, and its excess over that without the factor, from which a factor that is refused is believed (chosen)."""
 
 NOTED = 2.0
 """Factor from which it is warned of: errors of gain, inertia and payload of realistic size stay below (chosen)."""
@@ -40,7 +43,7 @@ class Unit(AbstractCheck):
         off = {
             motor: fit
             for motor, fit in enumerate(checked.own)
-            if fit is not None and fit.agreement > CLEAR and fit.factor > 0 and abs(np.log(fit.factor)) > np.log(NOTED)
+            if fit is not None and fit.factor > 0 and _believed(fit) and abs(np.log(fit.factor)) > np.log(NOTED)
         }
         refused = {motor: fit for motor, fit in off.items() if abs(np.log(fit.factor)) > np.log(REFUSED)}
         if refused:
@@ -54,6 +57,14 @@ class Unit(AbstractCheck):
             )
             for motor, fit in off.items()
         )
+
+
+def _believed(fit: Fit) -> bool:
+    """Tell whether the factor of a comparison is none by chance."""
+    if fit.agreement > CLEAR:
+        return True
+    refused = abs(np.log(fit.factor)) > np.log(REFUSED)
+    return bool(refused) and fit.agreement > LARGE_CLEAR and fit.agreement - fit.as_is > LARGE_GAIN
 
 
 def _refusal(off: dict[int, Fit], robot: Robot, n_motors: int) -> str:

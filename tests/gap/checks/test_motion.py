@@ -1,0 +1,31 @@
+"""Without motion there is nothing to be predicted."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def test_log_without_motion_is_refused(found, healthy) -> None:
+    record = healthy("e12")
+    noise = 2e-6 * np.random.default_rng(1).normal(size=record.position.shape)
+    finding = found("e12", position=record.position[0] + noise)[0]
+    assert finding.hopeless
+    assert "no motor moves beyond the noise of its encoder, so there is no excitation" in finding.text
+
+
+def test_motor_that_stands_still_is_told(found, healthy) -> None:
+    record = healthy("e12")
+    position = record.position.copy()
+    position[:, 1] = position[0, 1] + 2e-6 * np.random.default_rng(1).normal(size=len(position))
+    texts = [finding.text for finding in found("e12", position=position)]
+    assert any("motor_2 does not move beyond the noise of its encoder" in text for text in texts)
+
+
+def test_short_motion_is_refused(found, healthy) -> None:
+    record = healthy("emps")
+    time = np.arange(record.n_samples)
+    step = 0.01 / (1 + np.exp(-(time - 5000) / 8.0))
+    noise = 1e-6 * np.random.default_rng(1).normal(size=len(time))
+    finding = found("emps", position=(step + noise)[:, None])[0]
+    assert finding.hopeless
+    assert "samples only, needed are 200; record a longer motion" in finding.text

@@ -1,0 +1,63 @@
+"""Torques and motions of different instants."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.gap.record import GapRecord
+
+
+def late(record: GapRecord, samples: int) -> GapRecord:
+    """Stamp the torques later by some samples."""
+    n = record.n_samples
+    return replace(
+        record.part(samples, n) if samples > 0 else record.part(0, n + samples),
+        torque=record.torque[: n - samples] if samples > 0 else record.torque[-samples:],
+    )
+
+
+@pytest.mark.parametrize(("robot", "samples"), [("emps", 1), ("e12", 2), ("e12", 20)])
+def test_torques_stamped_too_late_are_refused(found, healthy, robot: str, samples: int) -> None:
+    record = healthy(robot)
+    findings = found(robot, late(record, samples))
+    assert findings[0].hopeless
+    amount = 1e3 * samples * record.sample_time
+    assert f"the torques are stamped too late: the motions precede them by {amount:.2g} ms" in findings[0].text
+    assert "give time_offset when importing" in findings[0].text
+
+
+def test_half_a_sample_is_told_only(found, healthy) -> None:
+    record = healthy("e12")
+    torque = record.torque.copy()
+    torque[1:] = (record.torque[1:] + record.torque[:-1]) / 2
+    (finding,) = found("e12", torque=torque)
+    assert not finding.hopeless
+    assert "precede them by 0.2" in finding.text
+
+
+def test_delay_of_the_robot_file_may_be_missing(found, healthy) -> None:
+    assert found("four_mass_linear", late(healthy("four_mass_linear"), 1)) == ()
+
+
+def test_delay_that_an_effect_explains_is_none(found, healthy) -> None:
+    assert found("e12", late(healthy("e12"), -6)) == ()
+
+
+def test_very_long_delay_is_told(found, healthy) -> None:
+    (finding,) = found("e12", late(healthy("e12"), -40))
+    assert not finding.hopeless
+    assert "the torques act 20 ms later than they are stamped" in finding.text
+
+
+def test_delay_is_found_within_a_tenth_of_a_sample(healthy) -> None:
+    from flexros.gap.checked_record import CheckedRecord
+    from flexros.robot import load_robot
+
+    for samples in (-4, 0, 3):
+        record = healthy("elbow") if samples == 0 else late(healthy("elbow"), samples)
+        found = CheckedRecord(record, load_robot("elbow")).delay
+        assert found.time == pytest.approx(-samples * record.sample_time, abs=5e-5)
+        assert np.isfinite(found.deviation)
