@@ -1,0 +1,78 @@
+"""Where gaps of the simulated plant show, with the predictor of the diagnosis."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.config.scenario import load_scenario
+from flexros.effects import RobotWithEffects
+from flexros.gap.gain import observer_gain
+from flexros.gap.predictor import Predictor
+from flexros.gap.record import GapRecord
+from flexros.gap.result import Prediction
+from flexros.gap.signatures.evidence import Evidence
+from flexros.gap.signatures.torque_over_speed import TorqueOverSpeed
+from flexros.gap.signatures.torsion_over_torque import TorsionOverTorque
+from flexros.gap.tolerance import Tolerance
+from flexros.gap.where.find import where
+from flexros.gap.where.settings import WhereSettings
+from flexros.robot import Robot, load_robot
+from flexros.simulate.closed_loop import closed_loop
+from flexros.simulate.experiment import Experiment
+
+FEW = WhereSettings(realisations=60)
+
+
+@pytest.fixture(scope="module")
+def elbow() -> Robot:
+    return load_robot("elbow")
+
+
+def evidence(robot: Robot, *effects: str) -> Evidence:
+    """Run the diagnosis experiment on a robot with effects and predict it without."""
+    settings = {"robot": robot.name, "plant.effects": list(effects), "diagnosis.length": 12, "seed": 7}
+    experiment = Experiment.prepare(load_scenario("diagnosis").with_values(settings))
+    log = closed_loop(experiment)
+    position, torque = log.joint_states.position, log.joint_commands.effort
+    assert position is not None
+    assert torque is not None
+    record = GapRecord("test", robot.sample_time, position, torque, np.ones(len(position), dtype=bool))
+    observer = observer_gain(robot, robot.sample_time, 2e-3, robot.encoder_noise, experiment.start)
+    predictor = Predictor(RobotWithEffects(robot, ()), (), Tolerance(), robot.sample_time)
+    start = robot.equilibrium(experiment.start, motor_position=position[0])
+    found = predictor.predict(np.zeros((0, 1)), record, observer, start, record_states=True)
+    assert found.states is not None
+    states = found.states[:, : 2 * robot.n_coordinates, 0]
+    return Evidence(robot, record, observer, Prediction(found.innovation[:, :, 0], observer.spread, states, 1000))
+
+
+def test_no_place_of_a_nominal_robot_is_told(elbow: Robot) -> None:
+    log = evidence(elbow)
+    assert where(log.before, log.record, elbow, 1, settings=FEW).places == ()
+
+
+def test_friction_shows_at_its_motor_and_over_speed(elbow: Robot) -> None:
+    log = evidence(elbow, "coulomb_friction@motor_2:level=10")
+    found = where(log.before, log.record, elbow, 1, settings=FEW)
+    assert found.places[0].joint == "motor_2"
+    assert found.places[0].p_value < 0.02
+    assert "reversal" in {place.regime for place in found.places if place.joint == "motor_2"}
+    picture = TorqueOverSpeed().picture(log, "motor_2")
+    assert picture is not None
+    curve = picture.series["before"]
+    fast = np.abs(curve.x) > 0.1
+    assert np.median(-curve.y[fast] * np.sign(curve.x[fast])) == pytest.approx(10, rel=0.1)
+
+
+def test_backlash_shows_at_changes_of_the_gear_torque_and_as_a_step() -> None:
+    robot = load_robot("four_mass_linear")
+    log = evidence(robot, "backlash@motor_1:gap=0.01")
+    places = where(log.before, log.record, robot, 1, settings=FEW).places
+    told = {place.regime: place.share for place in places}
+    assert told["gear torque reversal"] > 0.5
+    picture = TorsionOverTorque().picture(log, "motor_1")
+    assert picture is not None
+    curve = picture.series["rising torque"]
+    loaded = np.abs(curve.x) > 2
+    assert np.median(curve.y[loaded] * np.sign(curve.x[loaded])) == pytest.approx(0.005, rel=0.3)
