@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 PREDICT = "loop.predict"
 JOB_FIELDS = (
     "samples", "plant", "line", "parameters", "gain", "torque", "position", "valid",
-    "innovation", "tool_pose", "states", "diverged", "torque_shared",
+    "innovation", "pose_rows", "tool_pose", "states", "diverged", "torque_shared",
 )  # fmt: skip
 """Entries of the job of `loop.predict`, 64 bits each: numbers, addresses (0: not wanted), flags."""
 
@@ -46,7 +46,8 @@ class Prediction:
 
     Attributes:
         innovation: Prediction errors e [rad or m], shape (n, M, lanes).
-        tool_pose: Predicted pose [m and quaternion xyzw], shape (n, 7, lanes); None when not asked for.
+        tool_pose: Predicted poses [m and quaternion xyzw] of the samples asked for, shape (m, 7, lanes); None where
+            none was asked for.
         states: States after the correction, shape (n, n_states, lanes); None when not asked for.
         final: State before the sample behind the last, shape (n_states, lanes).
         diverged: First sample whose state is not finite, -1 where there is none, shape (lanes,).
@@ -71,7 +72,13 @@ class PredictionLoop:
     """
 
     def __init__(
-        self, functions: LoopFunctions, *, sample_time: float, delay: float | Sequence[float] = 0.0, substeps: int = 1, lanes: int = 1
+        self,
+        functions: LoopFunctions,
+        *,
+        sample_time: float,
+        delay: float | Sequence[float] = 0.0,
+        substeps: int = 1,
+        lanes: int = 1,
     ) -> None:
         check_lanes(lanes)
         self.sizes: LoopSizes = loop_sizes(functions)
@@ -95,7 +102,7 @@ class PredictionLoop:
         valid: FloatArray,
         *,
         past: FloatArray | None = None,
-        record_pose: bool = False,
+        pose_samples: IntArray | None = None,
         record_states: bool = False,
     ) -> Prediction:
         """Predict all samples.
@@ -109,7 +116,7 @@ class PredictionLoop:
             valid: 1 where a sample was measured, 0 where not, shape (n,).
             past: Torques before the first sample, newest first, shape (line_length, M) or (line_length, M, lanes);
                 default: the first one.
-            record_pose: Whether to record the tool pose.
+            pose_samples: Samples whose tool pose is recorded, increasing, shape (m,); None for none.
             record_states: Whether to record the states.
 
         Returns:
@@ -123,7 +130,11 @@ class PredictionLoop:
         plant = np.array(np.broadcast_to(plant[:, None] if plant.ndim == 1 else plant, (sizes.state, lanes)), order="C")
         line = np.array(np.broadcast_to(before, (self.line_length, sizes.motors, lanes)), order="C")
         innovation = np.full((n, sizes.motors, lanes), np.nan)
-        pose = np.full((n, sizes.pose, lanes), np.nan) if record_pose else None
+        rows = np.full(n, -1, dtype=np.int64)
+        pose = None
+        if pose_samples is not None:
+            rows[pose_samples] = np.arange(len(pose_samples))
+            pose = np.full((len(pose_samples), sizes.pose, lanes), np.nan)
         states = np.full((n, sizes.state, lanes), np.nan) if record_states else None
         diverged = np.full(lanes, -1, dtype=np.int64)
         arrays: list[FloatArray | IntArray | None] = [
@@ -135,6 +146,7 @@ class PredictionLoop:
             np.ascontiguousarray(position, dtype=float),
             np.ascontiguousarray(valid, dtype=float),
             innovation,
+            rows,
             pose,
             states,
             diverged,
@@ -162,7 +174,7 @@ def _predict_text(sizes: LoopSizes, lanes: int) -> str:
             for motor in range(m):
                 block.store(block.splat(one.load(torque, motor)), u, motor)
         torque = block.value(f"select i1 {shared}, ptr {u}, ptr {torque}")
-        pose = _wanted_row(block, job["tool_pose"], k.index, sizes.pose * lanes)
+        pose = _wanted_pose(block, job, k.index, sizes.pose * lanes)
         block.emit(f"call void @{MEASURE}(ptr {x}, ptr {zeros['noise']}, ptr {p}, ptr {y}, ptr {pose})")
         errors = _correct(block, job, k.index, y, sizes)
         for motor, error in enumerate(errors):
@@ -209,6 +221,8 @@ def _row(block: IrBlock, base: str, k: str, width: int) -> str:
     return block.pointer(base, block.value(f"mul nsw i64 {k}, {width}"), "double")
 
 
-def _wanted_row(block: IrBlock, base: str, k: str, width: int) -> str:
-    wanted = block.value(f"icmp ne ptr {base}, null")
-    return block.value(f"select i1 {wanted}, ptr {_row(block, base, k, width)}, ptr null")
+def _wanted_pose(block: IrBlock, job: dict[str, str], k: str, width: int) -> str:
+    """Return the address of the pose of sample k, null where it is not wanted."""
+    row = block.value(f"load i64, ptr {block.pointer(job['pose_rows'], k, 'i64')}, align 8")
+    wanted = block.value(f"icmp sge i64 {row}, 0")
+    return block.value(f"select i1 {wanted}, ptr {_row(block, job['tool_pose'], row, width)}, ptr null")

@@ -11,11 +11,13 @@ import numpy as np
 from flexros.effects import RobotWithEffects
 from flexros.gap.answer import Findings, result_of
 from flexros.gap.explain import explain
-from flexros.gap.fit_data import FitData, constant_spread
+from flexros.gap.fit_data import FitData
 from flexros.gap.gain import observer_gain
 from flexros.gap.predictor import Predictor
 from flexros.gap.search import Search
 from flexros.gap.tolerance import Tolerance, tolerance_of
+from flexros.gap.tool_data import tool_data
+from flexros.gap.weights import measurement_of, spread_of
 from flexros.gap.where.find import where
 
 if TYPE_CHECKING:
@@ -115,20 +117,29 @@ def fit_data(record: GapRecord, model: RobotWithEffects, settings: DiagnosisSett
     """
     robot = model.robot
     pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
+    measurement = measurement_of(record, robot)
 
     def gain_at(level: float) -> ObserverGain:
-        return observer_gain(robot, record.sample_time, level, robot.encoder_noise, pose)
+        return observer_gain(robot, record.sample_time, level, measurement.deviation, pose)
 
+    nominal = Predictor(model, (), Tolerance(), record.sample_time, measured_torque=record.measured_torque)
     start = robot.equilibrium(motor_position=record.position[0])
     fast = gain_at(STARTING_LEVEL)
     first = np.ptp(record.position[: max(round(REST / record.sample_time), 2)], axis=0)
-    if np.any(first > 10 * robot.encoder_noise):
+    if np.any(first > 10 * measurement.deviation):
         cut = min(2 * fast.settling, record.n_samples // 4)
-        predictor = Predictor(model, (), Tolerance(), record.sample_time, measured_torque=record.measured_torque)
-        found = predictor.predict(np.zeros((0, 1)), record.part(0, cut), fast, start)
+        found = nominal.predict(np.zeros((0, 1)), record.part(0, cut), fast, start)
         start, record = found.final[: len(start), 0], record.part(cut, record.n_samples)
     gain = gain_at(settings.level)
-    return FitData(record, gain, start, constant_spread(record, gain), np.ones((robot.n_motors, 1)))
+    spread = spread_of(record, gain, measurement)
+    tool = None
+    if record.tool is not None:
+        samples = np.arange(record.n_samples)
+        predicted = nominal.predict(np.zeros((0, 1)), record, gain, start, pose_samples=samples)
+        assert predicted.tool_pose is not None
+        counted = np.all(np.isfinite(spread), axis=1, keepdims=False)
+        tool = tool_data(record.tool, predicted.tool_pose[:, :, 0], counted, record.sample_time, robot.tool_noise)
+    return FitData(record, gain, start, spread, measurement, tool)
 
 
 class Stages:

@@ -36,11 +36,13 @@ class Evidence:
         nothing: The nominal model, with what is tolerated fitted.
         fits: All other fits.
         n_values: Number of prediction errors that count.
+        floor_error: Relative standard deviation of the variance of the noise [1].
     """
 
     nothing: Fit
     fits: tuple[Fit, ...]
     n_values: int
+    floor_error: float = 0.0
 
     def level(self, one: Fit) -> float:
         """Return the mean squared weighted prediction error V of a fit; 1 without gap."""
@@ -60,8 +62,8 @@ class Evidence:
 
     @property
     def spread(self) -> float:
-        """Standard deviation of V without gap: sqrt(2 / N)."""
-        return float(np.sqrt(2.0 / self.n_values))
+        """Standard deviation of V without gap: sqrt(2 / N), and how well the variance of the noise is known."""
+        return float(np.hypot(np.sqrt(2.0 / self.n_values), self.floor_error))
 
     def significant(self, one: Fit) -> bool:
         """Tell whether a fit leaves more than noise."""

@@ -10,6 +10,8 @@ import numpy as np
 from flexros.gap.evidence import DETECTED, Evidence
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import FloatArray
     from flexros.gap.fit import Fit
     from flexros.gap.search import Search
@@ -62,7 +64,7 @@ def explain(search: Search) -> Explanations:
     nothing = search.nothing()
     sizes = search.yardsticks(nothing)
     singles = search.singles(nothing, search.suspects(nothing, sizes))
-    evidence = Evidence(nothing, tuple(singles), search.data.n_values)
+    evidence = _evidence(search, nothing, singles)
     if not evidence.detected:
         return _explanations(evidence, nothing, detected=False)
     chosen, level = singles[0], singles
@@ -76,7 +78,11 @@ def explain(search: Search) -> Explanations:
         if worth < DETECTED or evidence.removed(chosen, best) < REMOVED:
             break
         chosen = best
-    return _explanations(Evidence(nothing, tuple(unique(found)), search.data.n_values), chosen, detected=True)
+    return _explanations(_evidence(search, nothing, unique(found)), chosen, detected=True)
+
+
+def _evidence(search: Search, nothing: Fit, fits: Sequence[Fit]) -> Evidence:
+    return Evidence(nothing, tuple(fits), search.data.n_values, search.data.measurement.floor_error)
 
 
 def unique(fits: list[Fit]) -> list[Fit]:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from flexros.gap.gain import ObserverGain
     from flexros.gap.predictor import Predictor
     from flexros.gap.record import GapRecord
+    from flexros.gap.tool_data import ToolData
+    from flexros.gap.weights import Measurement
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,20 +28,22 @@ class FitData:
         start: State of the robot before the first sample, shape (2 n_coordinates,).
         spread: Standard deviation of a prediction error without gap [rad or m], shape (n, M); infinite where a sample
             was not measured or the start has not decayed.
-        whitening: Coefficients of the filter 1 + a_1 z^-1 + ... that makes the errors white without gap, per motor,
-            shape (M, order + 1).
+        measurement: Noise of the encoders.
+        tool: What a tool tracker saw; None where there was none.
     """
 
     record: GapRecord
     gain: ObserverGain
     start: FloatArray
     spread: FloatArray
-    whitening: FloatArray
+    measurement: Measurement
+    tool: ToolData | None = None
 
     @property
     def n_values(self) -> int:
         """Number of prediction errors that count."""
-        return int(np.isfinite(self.spread).sum())
+        of_tool = 0 if self.tool is None else self.tool.position.size - self.tool.basis.shape[1]
+        return int(np.isfinite(self.spread).sum()) + of_tool
 
     def residuals(self, predictor: Predictor, thetas: FloatArray) -> FloatArray:
         """Predict and weigh.
@@ -49,11 +53,17 @@ class FitData:
             thetas: Numbers, shape (n_fitted, sets) with at most `LANES` sets.
 
         Returns:
-            Weighted prediction errors, each of variance 1 without gap, shape (n_values', sets).
+            Weighted prediction errors, each of variance 1 without gap: those of the motors one after the other, then
+            those of the tool, shape (M n + 3 m, sets).
         """
-        prediction = predictor.predict(thetas, self.record, self.gain, self.start)
-        innovation = prediction.innovation[:, :, : thetas.shape[1]]
-        return self.weighted(innovation)
+        samples = None if self.tool is None else self.tool.samples
+        prediction = predictor.predict(thetas, self.record, self.gain, self.start, pose_samples=samples)
+        sets = thetas.shape[1]
+        motors = self.weighted(prediction.innovation[:, :, :sets])
+        if self.tool is None:
+            return motors
+        assert prediction.tool_pose is not None
+        return np.vstack([motors, self.tool.residuals(prediction.tool_pose[:, :, :sets])])
 
     def weighted(self, innovation: FloatArray) -> FloatArray:
         """Weigh prediction errors.
@@ -68,27 +78,11 @@ class FitData:
         result = np.empty((M, n, sets))
         for motor in range(M):
             white = innovation[:, motor]
-            if self.whitening.shape[1] > 1:
-                white = lfilter(self.whitening[motor], [1.0], white, axis=0)
+            if self.measurement.whitening.shape[1] > 1:
+                white = lfilter(self.measurement.whitening[motor], [1.0], white, axis=0)
             np.multiply(white, self._weight[:, motor, None], out=result[motor])
         return result.reshape(M * n, sets)
 
     @cached_property
     def _weight(self) -> FloatArray:
         return 1.0 / self.spread
-
-
-def constant_spread(record: GapRecord, gain: ObserverGain) -> FloatArray:
-    """Give every measured sample behind the transient the same standard deviation.
-
-    Args:
-        record: The log.
-        gain: Gain of the predictor, with the spread that it gives to noise.
-
-    Returns:
-        Standard deviations, infinite where samples do not count, shape (n, M).
-    """
-    spread = np.repeat(gain.spread[None], record.n_samples, axis=0)
-    spread[: min(gain.settling, record.n_samples // 4)] = np.inf
-    spread[~record.valid] = np.inf
-    return spread

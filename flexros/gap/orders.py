@@ -61,7 +61,8 @@ class OrderSearch:
     Args:
         robot: The nominal robot.
         data: Log, gain and weights.
-        residual: Weighted prediction errors that are to be explained, shape (M n,).
+        residual: Weighted prediction errors that are to be explained; those of the motors come first, shape (at least
+            M n,).
         states: Predicted states [q, v], shape (n, n_states).
         q_a: Arm coordinates of the pose of the gain [rad or m], shape (N,).
     """
@@ -70,7 +71,7 @@ class OrderSearch:
         self, robot: Robot, data: FitData, residual: FloatArray, states: FloatArray, q_a: FloatArray | None = None
     ) -> None:
         self.robot, self.data = robot, data
-        self._residual = residual.reshape(robot.n_motors, -1).T
+        self._residual = residual[: data.spread.size].reshape(robot.n_motors, -1).T
         self._states = states
         self._linear = linear_model(robot, q_a)
         self._eigenvalues, self._modes = np.linalg.eig(data.gain.transition)

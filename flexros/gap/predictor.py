@@ -117,7 +117,7 @@ class Predictor:
         gain: ObserverGain,
         start: FloatArray,
         *,
-        record_pose: bool = False,
+        pose_samples: IntArray | None = None,
         record_states: bool = False,
     ) -> Prediction:
         """Predict a log with up to `LANES` sets of numbers side by side.
@@ -127,7 +127,7 @@ class Predictor:
             record: The log.
             gain: Gain of the predictor for the states of the robot; effects' own states are not corrected.
             start: State of the robot before the first sample, shape (2 n_coordinates,).
-            record_pose: Whether to record the tool pose.
+            pose_samples: Samples whose tool pose is recorded, increasing, shape (m,); None for none.
             record_states: Whether to record the states.
 
         Returns:
@@ -143,7 +143,7 @@ class Predictor:
             self._torque(record.torque, sets),
             record.position,
             record.valid.astype(float),
-            record_pose=record_pose,
+            pose_samples=pose_samples,
             record_states=record_states,
         )
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from flexros.effects.tool_error import AbstractToolError
 from flexros.gap.fit import Fit, best_of, chi2_of, fit, linearise, starts_of
 from flexros.gap.hypothesis import suspects
 from flexros.gap.periodic_suspects import periodic_suspects
@@ -92,7 +93,9 @@ class Search:
         """List what may be there beside what was found: by ranges, and by orders that the errors repeat with."""
         held = {suspect.name for suspect in found.predictor.hypothesis}
         waves = periodic_suspects(self.model.robot, self.data, self.residual(found), self.states(found))
-        return tuple(one for one in (*suspects(self.model.robot, sizes), *waves) if one.name not in held)
+        among = (*suspects(self.model.robot, sizes), *waves)
+        seen = [one for one in among if self.data.tool is not None or not issubclass(one.effect, AbstractToolError)]
+        return tuple(one for one in seen if one.name not in held)
 
     def singles(self, nothing: Fit, among: Sequence[Suspect]) -> list[Fit]:
         """Fit every suspect alone: all for a few iterations, the best ones to the end.

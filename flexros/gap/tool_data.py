@@ -1,0 +1,81 @@
+"""A tool measurement as a fit sees it: brought to the frame of the prediction, with what the frame may still be off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.gap.record import ToolRecord
+from flexros.gap.tool_frame import correct_tool
+
+if TYPE_CHECKING:
+    from flexros.arrays import BoolArray, FloatArray, IntArray
+
+
+MOST_POSES = 3000
+"""Most measurements of the tool that count; of more of them every second, third ... is taken (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class ToolData:
+    """Measured tool positions and their weight.
+
+    Attributes:
+        samples: Samples before and behind the measurements, increasing, shape (n_p,).
+        place: Row of the sample before each measurement in `samples`, shape (m,).
+        share: Share of the sample time behind it [1], shape (m,).
+        position: Measured positions in the frame of the prediction [m], shape (m, 3).
+        basis: Orthonormal basis of what errors of frame, offsets and time add, shape (3 m, k).
+        spread: Standard deviation of the measurement [m].
+    """
+
+    samples: IntArray
+    place: IntArray
+    share: FloatArray
+    position: FloatArray
+    basis: FloatArray
+    spread: float
+
+    def residuals(self, pose: FloatArray) -> FloatArray:
+        """Weigh measured minus predicted positions, with what frame and offsets explain taken off.
+
+        Args:
+            pose: Predicted poses of the samples, shape (n_p, 7, sets).
+
+        Returns:
+            Weighted residuals, shape (3 m, sets).
+        """
+        share = self.share[:, None, None]
+        predicted = (1 - share) * pose[self.place, :3] + share * pose[self.place + 1, :3]
+        error = (self.position[:, :, None] - predicted).reshape(-1, pose.shape[-1]) / self.spread
+        result: FloatArray = error - self.basis @ (self.basis.T @ error)
+        return result
+
+
+def tool_data(tool: ToolRecord, pose: FloatArray, counted: BoolArray, sample_time: float, spread: float) -> ToolData:
+    """Bring a tool measurement to the frame of a prediction.
+
+    Args:
+        tool: What the tracker saw.
+        pose: Poses that the nominal model predicts, shape (n, 7).
+        counted: Samples whose prediction errors count, shape (n,).
+        sample_time: Time between two samples [s].
+        spread: Standard deviation of the measurement [m].
+
+    Raises:
+        InputError: There are too few poses within the record.
+    """
+    thin = slice(None, None, -(-len(tool.time) // MOST_POSES) or 1)
+    tool = ToolRecord(tool.time[thin], tool.position[thin])
+    turns = np.ptp(pose[:, 3:], axis=0).max() > 1e-6
+    corrected = correct_tool(tool, pose[:, :3], sample_time, pose[:, 3:] if turns else None)
+    place = corrected.time / sample_time
+    sample = np.clip(place.astype(int), 0, len(pose) - 2)
+    kept = counted[sample] & np.all(np.isfinite(corrected.position), axis=1)
+    rows = np.repeat(kept, 3)
+    basis = np.linalg.qr(corrected.basis[rows])[0] if corrected.basis.size else corrected.basis[rows]
+    sample, share = sample[kept], (place - sample)[kept]
+    samples = np.unique(np.concatenate([sample, sample + 1]))
+    return ToolData(samples, np.searchsorted(samples, sample), share, corrected.position[kept], basis, spread)

@@ -1,0 +1,115 @@
+"""Weights of prediction errors: what noise alone makes of them, sample by sample."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.gap.lattice import encoder_quantization
+from flexros.gap.noise import measure_noise
+from flexros.gap.rough_signals import bridged, smooth_motion
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.gap.gain import ObserverGain
+    from flexros.gap.lattice import Quantization
+    from flexros.gap.record import GapRecord
+    from flexros.robot import Robot
+
+AS_DECLARED = 0.06
+"""Relative difference up to which measured noise counts as that of the robot file [1] (chosen)."""
+MEASURED_ERROR = 0.01
+"""Relative error of the variance of measured noise [1] (chosen: some 10 s at rest)."""
+LEAST_JITTER = 0.3
+"""Least jitter that counts: at the largest speed it adds this share of the encoder noise [1] (chosen)."""
+SMOOTH_CUTOFF = 40.0
+"""Highest frequency of the motion whose speed tells what jitter does [Hz] (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """What the encoders of a log do to a position.
+
+    Attributes:
+        deviation: Standard deviation of the noise [rad or m], quantization included, shape (M,).
+        whitening: Filter 1 + a_1 z^-1 + ... that makes the noise white, per motor, shape (M, order + 1).
+        driving: Standard deviation of that white noise [rad or m], shape (M,).
+        jitter: Standard deviation of the sampling instants [s].
+        quantizations: Encoders whose rounding matters.
+        floor_error: Relative standard deviation of the variance of the noise [1]; zero where it is as declared.
+        warnings: What was noticed, a sentence each.
+    """
+
+    deviation: FloatArray
+    whitening: FloatArray
+    driving: FloatArray
+    jitter: float
+    quantizations: tuple[Quantization, ...]
+    floor_error: float
+    warnings: tuple[str, ...]
+
+
+def measurement_of(record: GapRecord, robot: Robot) -> Measurement:
+    """Find out what the encoders of a log do.
+
+    Noise that is as the robot file declares it is taken from there, which is the more exact.
+
+    Args:
+        record: The log.
+        robot: The nominal robot.
+    """
+    noise = measure_noise(record, robot)
+    declared = robot.encoder_noise
+    plain = not noise.autoregression.size or not np.any(noise.autoregression)
+    near = np.abs(noise.standard_deviation / declared - 1) < AS_DECLARED
+    deviation = np.where(near, declared, noise.standard_deviation)
+    quantizations = encoder_quantization(record, robot)
+    for one in quantizations:
+        deviation[one.motor] = np.hypot(declared[one.motor], one.step / np.sqrt(12))
+    whitening = np.hstack([np.ones((robot.n_motors, 1)), -noise.autoregression])
+    return Measurement(
+        deviation=deviation,
+        whitening=whitening,
+        driving=deviation / np.array([_amplification(row) for row in whitening]),
+        jitter=noise.jitter,
+        quantizations=quantizations,
+        floor_error=0.0 if plain and bool(np.all(near)) else MEASURED_ERROR,
+        warnings=noise.warnings,
+    )
+
+
+def spread_of(record: GapRecord, gain: ObserverGain, measurement: Measurement) -> FloatArray:
+    """Compute the standard deviation of every whitened prediction error without gap.
+
+    Args:
+        record: The log.
+        gain: Gain of the predictor, with the spread that it gives to noise.
+        measurement: Noise of the encoders.
+
+    Returns:
+        Standard deviations [rad or m], infinite where samples do not count, shape (n, M).
+    """
+    spread = np.repeat((gain.spread / gain.noise * measurement.driving)[None], record.n_samples, axis=0)
+    if measurement.jitter > 0:
+        position = bridged(record.position, record.valid)
+        speed = smooth_motion(position, record.sample_time, min(SMOOTH_CUTOFF, 0.1 / record.sample_time))[1]
+        added = np.abs(speed) * measurement.jitter
+        if np.any(added.max(axis=0) > LEAST_JITTER * measurement.deviation):
+            spread = np.hypot(spread, added * np.sqrt((measurement.whitening**2).sum(axis=1)))
+    spread[: min(gain.settling, record.n_samples // 4)] = np.inf
+    missing = ~record.valid
+    for later in range(measurement.whitening.shape[1]):  # the filter carries a missing sample on
+        spread[np.roll(missing, later)] = np.inf
+    return spread
+
+
+def _amplification(whitening: FloatArray) -> float:
+    """Return the standard deviation of coloured noise over that of the white noise that drives it."""
+    response = np.zeros(400)
+    response[0] = 1.0
+    for k in range(1, len(response)):
+        past = response[max(0, k - len(whitening) + 1) : k][::-1]
+        response[k] = -whitening[1 : 1 + len(past)] @ past
+    return float(np.sqrt(np.sum(response**2)))
