@@ -21,7 +21,7 @@ def test_degrees_are_named(found, healthy) -> None:
 
 def test_one_joint_in_degrees_is_named(found, healthy, scaled) -> None:
     text = refusal(found("e12", position=scaled(healthy("e12").position, 1, np.degrees(1.0))))
-    assert "motor_2: 0.01" in text
+    assert "motor_2: 0.0" in text
     assert "degrees" in text
     assert "motor_1" not in text
 
