@@ -61,7 +61,10 @@ def run(
     scenario: str = typer.Argument(help="Shipped scenario, or path of a scenario YAML."),
     model: str = typer.Option("", "--model", help="Robot instead of the scenario's: name, YAML or patch.yaml."),
     effect: list[str] = typer.Option(
-        [], "--effect", help="Effect in the plant, NAME@LOCATION:parameter=value,... (may be repeated)."
+        [],
+        "--effect",
+        help="Effect in the plant, NAME@LOCATION:parameter=value,... (may be repeated); a size may be given in noise "
+        "floors of the robot, level=12floors.",
     ),
     setting: list[str] = typer.Option(
         [], "--set", help="Change a key of the scenario, e.g. sample_time=0.001 or plant.values.body_3.mass=190."
