@@ -52,7 +52,13 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "relative": Range(
-                "relative", 1e-3, 0.95, 4, signed=True, source="catalogues: K3/K1 of 1.3 to 2; rest chosen"
+                "relative",
+                0.01,
+                10.0,
+                6,
+                signed=True,
+                source="catalogues: K3/K1 of 1.3 to 2; bounds chosen",
+                negative=0.95,
             ),
             "knee": Range("deflection", 0.01, 1.0, 4, source="chosen: from small motion to the largest deflection"),
         }

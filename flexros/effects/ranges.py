@@ -33,6 +33,7 @@ class Range:
         starts: Number of starts between them: logarithmic, or where `signed` is set of both signs.
         signed: Whether the parameter may also be negative (the bounds hold of its magnitude).
         source: Where the range comes from.
+        negative: Largest size of negative values of a signed parameter; None: as large as the positive ones.
     """
 
     yardstick: Yardstick
@@ -41,3 +42,4 @@ class Range:
     starts: int = 5
     signed: bool = False
     source: str = "chosen"
+    negative: float | None = None

@@ -29,6 +29,7 @@ class FreeParameter:
         high: Largest size [its unit].
         signed: Whether it may be negative; then it is fitted as it is, in multiples of `high`.
         starts: Values from which the fit starts [its unit].
+        negative: Largest size of negative values, not above `high` [its unit]; None: `high`.
     """
 
     name: str
@@ -36,6 +37,7 @@ class FreeParameter:
     high: float
     signed: bool
     starts: tuple[float, ...]
+    negative: float | None = None
 
     def encode(self, value: float) -> float:
         """Turn a value into the number that the fit moves."""
@@ -48,7 +50,9 @@ class FreeParameter:
     @property
     def bounds(self) -> tuple[float, float]:
         """Bounds of the number that the fit moves."""
-        return (-1.0, 1.0) if self.signed else (float(np.log(self.low)), float(np.log(self.high)))
+        if not self.signed:
+            return float(np.log(self.low)), float(np.log(self.high))
+        return -min(1.0, (self.high if self.negative is None else self.negative) / self.high), 1.0
 
 
 @dataclass(frozen=True)
@@ -103,14 +107,17 @@ def free_parameter(name: str, allowed: Range, yardstick: float) -> FreeParameter
         yardstick: What the bounds of the range multiply.
     """
     low, high = allowed.low * yardstick, allowed.high * yardstick
+    negative = high if allowed.negative is None else allowed.negative * yardstick
     if allowed.signed:
         half = np.geomspace(low, high, max(1, (allowed.starts + 1) // 2) + 1)[:-1]
-        starts = tuple(float(sign * size) for size in half for sign in (1.0, -1.0))
+        starts = tuple(
+            float(sign * min(size, limit)) for size in half for sign, limit in ((1.0, high), (-1.0, negative))
+        )
     else:
         # the middle of equal parts of the logarithmic range
         parts = (np.arange(allowed.starts) + 0.5) / allowed.starts
         starts = tuple(float(x) for x in low * (high / low) ** parts)
-    return FreeParameter(name, low, high, allowed.signed, starts)
+    return FreeParameter(name, low, high, allowed.signed, starts, negative)
 
 
 def suspects(robot: Robot, yardsticks: Yardsticks) -> tuple[Suspect, ...]:

@@ -171,4 +171,4 @@ def _free(name: str, value: float, allowed: Range) -> FreeParameter:
     low, high = size / ROOM, size * ROOM
     if allowed.yardstick in WITHOUT_LOG:
         low, high = max(low, min(allowed.low, size)), min(high, max(allowed.high, size))
-    return FreeParameter(name, low, high, allowed.signed, (value,))
+    return FreeParameter(name, low, high, allowed.signed, (value,), allowed.negative)
