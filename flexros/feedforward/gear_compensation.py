@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import casadi as ca
 import numpy as np
@@ -13,7 +14,7 @@ from flexros.effects.gear_law import AbstractGearLaw, GearState
 from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.effects import PlacedLaw
@@ -97,10 +98,10 @@ class _Gear:
         return replace(motion, momentum=momentum, **arrays)
 
     def _make_functions(self) -> None:
-        """Make functions of x = [deflection, the one before, arm, the one before], own states and the torque needed."""
-        deflection, before, arm, arm_before = (ca.SX.sym(name) for name in ("d", "d_before", "a", "a_before"))
-        x, needed = ca.vertcat(deflection, before, arm, arm_before), ca.SX.sym("needed")
+        """Make functions of y = [deflection, the one before, arm, the one before, torque needed, own states]."""
+        deflection, before, arm, arm_before, needed = (ca.SX.sym(name) for name in ("d", "d_", "a", "a_", "needed"))
         own = [ca.SX.sym("own", effect.n_states) for effect in self._effects]
+        y = ca.vertcat(deflection, before, arm, arm_before, needed, *own)
         rate = (deflection - before) / self._step
         gears, gear = [], self._nominal(deflection, rate, arm, (arm - arm_before) / self._step)
         for effect, states in zip(self._effects, own):  # each law sees what those before it made of the spring
@@ -112,21 +113,16 @@ class _Gear:
             added, beside = added + torques.arm, beside - torques.arm - torques.motor
             following.append(self._next(effect, gear))
             at_rest.append(effect.rest(gear, effect.numbers))
-        states, plain = ca.vertcat(ca.SX(0, 1), *own), self._spring(deflection) + self._damping * rate
+        plain = self._spring(deflection) + self._damping * rate
         errors = [plain - needed, plain + added - needed]
         resting = [ca.substitute(error, before, deflection) for error in errors]
+        self._y = np.zeros(y.numel())
         self._errors, self._resting = (
-            [
-                ca.Function(
-                    "error", [x, states, needed], [ca.densify(error), ca.densify(ca.jacobian(error, deflection))]
-                )
-                for error in row
-            ]
+            [_Evaluator(ca.vertcat(one, ca.jacobian(one, deflection)), y, self._y) for one in row]
             for row in (errors, resting)
         )
-        self._beside = ca.Function("beside", [x, states], [ca.densify(beside)])
-        self._following = ca.Function("following", [x, states], [ca.densify(ca.vertcat(*following))])
-        self._rest = ca.Function("rest", [x, states], [ca.densify(ca.vertcat(*at_rest))])
+        self._beside = _Evaluator(beside, y, self._y)
+        self._following, self._rest = (_Evaluator(ca.vertcat(*row), y, self._y) for row in (following, at_rest))
 
     def _nominal(self, deflection: ca.SX, rate: ca.SX, arm: ca.SX, arm_speed: ca.SX) -> GearState:
         return GearState(
@@ -156,21 +152,43 @@ class _Gear:
     def _followed(self, arm: FloatArray, needed: FloatArray, laws: bool) -> tuple[FloatArray, FloatArray]:
         """Find the deflection at every sample, and the torque that the laws take from the motor beside that."""
         deflection, beside = np.zeros(len(arm)), np.zeros(len(arm))
-        own, x = np.zeros(sum(effect.n_states for effect in self._effects)), np.array([0.0, 0.0, arm[0], arm[0]])
-        for _ in range(REST_PASSES if laws and len(own) else 1):  # own states and deflection depend on each other
-            x[:2] = _root(self._resting[laws], x, own, float(needed[0]))
-            own = np.array(self._rest(x, own)).ravel() if laws else own
+        y = self._y
+        y[:] = 0.0
+        y[2:5] = arm[0], arm[0], needed[0]
+        for _ in range(REST_PASSES):  # own states and deflection depend on each other
+            y[:2] = _root(self._resting[laws], y)
+            y[5:] = self._rest() if laws else 0.0
+        error = self._errors[laws]
         for k in range(len(arm)):
-            x[1], x[2], x[3] = x[0], arm[k], arm[max(k - 1, 0)]
-            x[0] = deflection[k] = _root(self._errors[laws], x, own, float(needed[k]))
+            y[1:5] = y[0], arm[k], arm[max(k - 1, 0)], needed[k]
+            y[0] = deflection[k] = _root(error, y)
             if laws:
-                beside[k] = float(self._beside(x, own))
-                own = np.array(self._following(x, own)).ravel()
+                beside[k] = self._beside()[0]
+                y[5:] = self._following()
         return deflection, beside
 
 
-def _with_slope(value: ca.SX, by: ca.SX, arguments: list[ca.SX]) -> ca.Function:
-    return ca.Function("error", arguments, [ca.densify(value), ca.densify(ca.jacobian(value, by))])
+class _Evaluator:
+    """A function whose argument lies in an array that stays in place, for many calls.
+
+    Args:
+        value: What is evaluated, SX column.
+        argument: Its argument, SX column.
+        array: Numbers of the argument.
+    """
+
+    def __init__(self, value: ca.SX, argument: ca.SX, array: FloatArray) -> None:
+        self._result = np.zeros(value.numel())
+        function = ca.Function("value", [argument], [ca.densify(value)], {"cse": True})
+        self._buffer, self._evaluate = cast("tuple[Any, Callable[[], None]]", function.buffer())
+        self._buffer.set_arg(0, memoryview(array.data))
+        self._buffer.set_res(0, memoryview(self._result.data))
+
+    def __call__(self) -> FloatArray:
+        """Evaluate at the present numbers; the result is overwritten by the next call."""
+        if len(self._result):
+            self._evaluate()
+        return self._result
 
 
 def _rows(column: ca.SX, count: int) -> list[ca.SX]:
@@ -178,21 +196,24 @@ def _rows(column: ca.SX, count: int) -> list[ca.SX]:
     return [column[place] for place in range(count)]
 
 
-def _root(error: ca.Function, x: FloatArray, own: FloatArray, needed: float) -> float:
-    """Find the deflection, the first of x, at which an error that rises with it is zero: Newton, kept in a bracket."""
-    x, low, high = x.copy(), -np.inf, np.inf
+def _root(error: _Evaluator, y: FloatArray) -> float:
+    """Find the deflection, the first of y, at which an error that rises with it is zero: Newton, kept in a bracket."""
+    low, high, here = -math.inf, math.inf, float(y[0])
     for _ in range(MOST_ITERATIONS):
-        value, slope = (float(one) for one in error(x, own, needed))
-        low, high = (low, x[0]) if value > 0 else (x[0], high)
-        step = -value / slope if slope > 0 else (np.inf if value < 0 else -np.inf)
+        y[0] = here
+        value, slope = error().tolist()
+        if value == 0.0:  # anywhere in a gap without load, so here
+            return here
+        low, high = (low, here) if value > 0 else (here, high)
+        step = -value / slope if slope > 0 else math.copysign(math.inf, -value)
         if abs(step) <= ACCURACY:
-            return float(x[0] + step)
-        goal = x[0] + step
-        if not low <= goal <= high or not np.isfinite(goal):
-            width = max(abs(x[0]), LEAST_WIDTH)
-            goal = 0.5 * (low + high) if np.isfinite(high - low) else x[0] + np.sign(-value) * width
-        x[0] = goal
-    return float(x[0])
+            return here + step
+        goal = here + step
+        if not low <= goal <= high or not math.isfinite(goal):
+            width = math.copysign(max(abs(here), LEAST_WIDTH), -value)
+            goal = 0.5 * (low + high) if math.isfinite(high - low) else here + width
+        here = goal
+    return here
 
 
 def _smoothed(values: FloatArray, sample_time: float) -> FloatArray:
