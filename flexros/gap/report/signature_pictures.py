@@ -50,17 +50,17 @@ def _figure(signature: Signature) -> go.Figure:
     figure = stacked([""], height=_HEIGHT)
     clouds = {name: curve for name, curve in signature.series.items() if curve.style == "points"}
     lines = {name: curve for name, curve in signature.series.items() if curve.style != "points"}
-    for colours, curves in ((_POINTS, clouds), (_COLOURS, lines)):
+    for colours, curves in ((_POINTS if lines else _COLOURS, clouds), (_COLOURS, lines)):
         for place, (name, curve) in enumerate(curves.items()):
-            figure.add_trace(_trace(name, curve, colours[place % len(colours)]))
+            figure.add_trace(_trace(name, curve, colours[place % len(colours)], 3 if lines else 6))
     figure.update_xaxes(title_text=signature.x_label, type="log" if signature.log_x else "linear")
     title = "<br>".join(textwrap.wrap(signature.y_label, _ACROSS))
-    figure.update_yaxes(title_text=title, type="log" if signature.log_y else "linear")
-    figure.update_layout(showlegend=len(signature.series) > 1, legend_itemsizing="constant")
+    figure.update_yaxes(title_text=title, title_standoff=12, type="log" if signature.log_y else "linear")
+    figure.update_layout(showlegend=len(signature.series) > 1, legend_itemsizing="constant", margin_l=104)
     return figure
 
 
-def _trace(name: str, curve: Curve, colour: str) -> go.Scatter | go.Bar:
+def _trace(name: str, curve: Curve, colour: str, size: int) -> go.Scatter | go.Bar:
     import plotly.graph_objects as go
 
     from flexros.analysis.report.theme import compact
@@ -70,6 +70,6 @@ def _trace(name: str, curve: Curve, colour: str) -> go.Scatter | go.Bar:
     if curve.style == "bars":
         return go.Bar(x=x, y=y, name=name, marker={"color": colour}, hovertemplate=hover)
     if curve.style == "points":
-        marker = {"color": colour, "size": 3}
+        marker = {"color": colour, "size": size}
         return go.Scatter(x=x, y=y, name=name, mode="markers", marker=marker, hovertemplate=hover)
     return go.Scatter(x=x, y=y, name=name, mode="lines", line={"color": colour, "width": 1.8}, hovertemplate=hover)

@@ -187,8 +187,9 @@ def closed_words(share: float) -> str:
     """Write a share of the gap that is closed, with a decimal where it is nearly all, e.g. "83 %", "99.7 %".
 
     Args:
-        share: The share [1]; below zero where the repair makes it worse.
+        share: The share [1]; below zero where the repair makes it worse; what chance puts above 1 is written as 1.
     """
+    share = min(share, 1.0)
     return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < _ALL else f"{round(100 * share)} %"
 
 
