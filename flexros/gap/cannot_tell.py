@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from flexros.gap.answer import Findings
+    from flexros.gap.findings import Findings
 
 
 def cannot_tell(found: Findings) -> tuple[str, ...]:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import RobotWithEffects
-from flexros.gap.answer import Findings, result_of
+from flexros.gap.answer import result_of
 from flexros.gap.explain import explain
+from flexros.gap.findings import Findings
 from flexros.gap.fit_data import FitData
 from flexros.gap.gain import observer_gain
 from flexros.gap.predictor import Predictor
@@ -45,6 +46,7 @@ class DiagnosisSettings:
         threads: Fits at the same time; 0: as many as there are cores.
         seed: Seed of the simulated logs without gap.
         where: Whether the places of the gap are looked for.
+        next_experiment: Whether an experiment is chosen where the answer is ambiguous.
     """
 
     level: float = 1e-3
@@ -52,6 +54,7 @@ class DiagnosisSettings:
     threads: int = 0
     seed: int = 1
     where: bool = True
+    next_experiment: bool = True
 
 
 def diagnose(

@@ -43,6 +43,10 @@ class AheadErrors:
         """The gap E: mean over windows and motors; 1 without gap."""
         return float(self.squares.mean())
 
+    def over(self, floor: FloatArray) -> AheadErrors:
+        """Refer the errors to another floor [rad or m], shape (M,)."""
+        return AheadErrors(self.squares * (self.floor / floor) ** 2, self.starts, floor)
+
 
 def errors_ahead(found: Fit, data: FitData) -> AheadErrors:
     """Predict a log a tenth of a second ahead, again and again.

@@ -9,6 +9,7 @@ import numpy as np
 from flexros.compile.prediction_loop import Prediction, PredictionLoop
 from flexros.effects import PlacedLaw
 from flexros.effects.delay import Delay
+from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.effects.law import AbstractLaw
 from flexros.effects.model_change import AbstractChangedValues
 from flexros.simulate.loop import feed_through
@@ -63,7 +64,7 @@ class Predictor:
         self._values = [one for one in hypothesis if issubclass(one.effect, AbstractChangedValues) and not _delays(one)]
         changed = [name for one in self._values for name in _changed(robot, one)]
         self._robot_names = sorted({*changed, *tolerance.names})
-        self.model = PlantModel(robot, (*model.laws, *laws), [*self._robot_names, *self._law_names])
+        self.model = PlantModel(robot, (*_felt(model.laws), *laws), [*self._robot_names, *self._law_names])
         self.loop = PredictionLoop(
             self.model.functions(feed_through(robot.n_motors)),
             sample_time=sample_time,
@@ -250,6 +251,11 @@ def _law(place: int, suspect: Suspect) -> PlacedLaw:
     placed = suspect.typical()
     assert isinstance(placed.effect, AbstractLaw)
     return PlacedLaw(f"suspect {place}", placed.effect, placed.location)
+
+
+def _felt(laws: Sequence[PlacedLaw]) -> list[PlacedLaw]:
+    """Leave out rounding, which is part of the noise of a predictor."""
+    return [law for law in laws if not isinstance(law.effect, EncoderQuantization)]
 
 
 def _delays(suspect: Suspect) -> bool:

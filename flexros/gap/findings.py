@@ -1,0 +1,176 @@
+"""What was found in a log: verdict, rivals, groups, probabilities, and how far the gap shrinks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects import PlacedEffect
+from flexros.effects.encoder_quantization import EncoderQuantization
+from flexros.gap.diagnosis_file import GapNumbers, Place
+from flexros.gap.explain import RIVAL, UNEXPLAINED
+from flexros.gap.fitted_numbers import placed
+from flexros.gap.how_far import closed_fraction, errors_ahead
+from flexros.gap.hypothesis import name_of
+from flexros.gap.predictions import prediction_of
+from flexros.gap.result import Explanation
+from flexros.gap.signal_gaps import signal_gaps
+
+if TYPE_CHECKING:
+    from flexros.effects import RobotWithEffects
+    from flexros.gap.diagnosis_file import Verdict
+    from flexros.gap.explain import Explanations
+    from flexros.gap.fit import Fit
+    from flexros.gap.fit_data import FitData
+    from flexros.gap.how_far import AheadErrors
+    from flexros.gap.lattice import Quantization
+    from flexros.gap.result import SignalGap
+
+METRIC = "mean squared prediction error 0.1 s ahead over its floor variance"
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """What was found in a log, with the log that was set aside.
+
+    Attributes:
+        model: The nominal model.
+        data: The log that was fitted to.
+        held: The log that was set aside.
+        explanations: All fits.
+    """
+
+    model: RobotWithEffects
+    data: FitData
+    held: FitData
+    explanations: Explanations
+    _errors: dict[int, AheadErrors] = field(default_factory=dict)
+
+    def explanation(self, one: Fit) -> Explanation:
+        """Predict both logs with a fitted model."""
+        return Explanation(
+            name_of(one.predictor.hypothesis), prediction_of(one, self.data), prediction_of(one, self.held), placed(one)
+        )
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """The answer in a word."""
+        found = self.explanations
+        if not found.detected:
+            if found.evidence.significant(found.chosen):
+                return "unknown_effect"
+            return "explained" if self.quantized else "no_gap"
+        if found.left > UNEXPLAINED:
+            return "unknown_effect"
+        return "ambiguous" if len(self.rivals) else "explained"
+
+    @cached_property
+    def quantized(self) -> tuple[Quantization, ...]:
+        """Encoders whose rounding matters and is not in the nominal model."""
+        known = {law.location for law in self.model.laws if isinstance(law.effect, EncoderQuantization)}
+        names = self.model.robot.joint_names
+        return tuple(one for one in self.data.measurement.quantizations if names[one.motor] not in known)
+
+    @cached_property
+    def rivals(self) -> tuple[Fit, ...]:
+        """Explanations within a factor of the chosen one, with other effects."""
+        found = self.explanations
+        if not found.detected:
+            return ()
+        of_chosen = dict(zip(map(id, found.rivals), found.probabilities))[id(found.chosen)]
+        return tuple(
+            one
+            for one, probability in zip(found.rivals, found.probabilities)
+            if one is not found.chosen and probability * RIVAL >= of_chosen
+        )
+
+    @cached_property
+    def best_rival(self) -> Fit | None:
+        """The best explanation with other effects than the chosen one."""
+        found = self.explanations
+        if not found.detected:
+            return None
+        return next((one for one in found.rivals if one is not found.chosen), None)
+
+    def groups(self) -> tuple[tuple[Place, ...], ...]:
+        """Collect effects that stand for one another in rival explanations."""
+        mine = {suspect.name: suspect for suspect in self.explanations.chosen.predictor.hypothesis}
+        groups: dict[str, list[Place]] = {}
+        for rival in self.rivals:
+            theirs = {suspect.name: suspect for suspect in rival.predictor.hypothesis}
+            for name in mine.keys() - theirs.keys():
+                group = groups.setdefault(name, [place_of(mine[name].name)])
+                group += [
+                    place_of(other) for other in sorted(theirs.keys() - mine.keys()) if place_of(other) not in group
+                ]
+        return tuple(tuple(group) for group in groups.values() if len(group) > 1)
+
+    def probability(self, name: str) -> float:
+        """Add up the probabilities of all explanations that contain an effect at a place."""
+        pairs = zip(self.explanations.rivals, self.explanations.probabilities)
+        return float(
+            min(1.0, sum(p for one, p in pairs if name in {suspect.name for suspect in one.predictor.hypothesis}))
+        )
+
+    def errors(self, one: Fit) -> AheadErrors:
+        """Predict the held-out log a tenth of a second ahead with a fitted model."""
+        if id(one) not in self._errors:
+            self._errors[id(one)] = errors_ahead(one, self.held)
+        return self._errors[id(one)]
+
+    @cached_property
+    def patch(self) -> tuple[PlacedEffect, ...]:
+        """The effects that repair the model."""
+        names = self.model.robot.joint_names
+        rounding = tuple(PlacedEffect(EncoderQuantization(step=one.step), names[one.motor]) for one in self.quantized)
+        return (*placed(self.explanations.chosen), *rounding)
+
+    @cached_property
+    def errors_before(self) -> AheadErrors:
+        """Errors of the nominal model on held-out data, over the floor of encoders that do not round."""
+        errors = self.errors(self.explanations.evidence.nothing)
+        declared = np.array(self.held.gain.noise)
+        for one in self.quantized:
+            declared[one.motor] = self.model.robot.encoder_noise[one.motor]
+        return errors.over(np.sqrt(errors.floor**2 - self.held.gain.noise**2 + declared**2))
+
+    @cached_property
+    def signals(self) -> tuple[SignalGap, ...]:
+        """The gap of each motor in its own unit, on held-out data."""
+        chosen = self.explanations.chosen if self.patch else None
+        after, rival = (None if one is None else self.errors(one) for one in (chosen, self.best_rival))
+        return signal_gaps(self.model.robot, self.errors_before, after, rival)
+
+    def closed(self, one: Fit) -> float:
+        """Compute the share of the gap that a model closes on held-out data."""
+        share, _ = closed_fraction(self.errors_before, self.errors(one), self.held.record.sample_time)
+        return share
+
+    @cached_property
+    def gap(self) -> GapNumbers:
+        """How far the gap shrinks on held-out data."""
+        before = self.errors_before
+        if not self.explanations.detected and not self.quantized:
+            return GapNumbers(metric=METRIC, unit="1", before=before.mean, noise_floor=1.0)
+        after = self.errors(self.explanations.chosen)
+        share, interval = closed_fraction(before, after, self.held.record.sample_time)
+        rival = None if self.best_rival is None else self.errors(self.best_rival).mean
+        return GapNumbers(
+            metric=METRIC,
+            unit="1",
+            before=before.mean,
+            after=after.mean,
+            noise_floor=1.0,
+            best_rival=rival,
+            closed_fraction=share,
+            interval=interval,
+        )
+
+
+def place_of(name: str) -> Place:
+    """Split the name of a suspect, effect@location."""
+    effect, _, location = name.partition("@")
+    return Place(effect=effect, location=location)
