@@ -41,6 +41,9 @@ DIFFERS = 0.2
 JITTER_SEEN = 5.0
 """Slope of the noise power over the squared speed, in standard deviations, from which it is jitter (chosen)."""
 
+LEAST_JITTER = 1e-3
+"""Jitter in samples from which it matters (chosen)."""
+
 SIGNAL_TOLERANCE = 0.05
 """Share of the rms of a signal that logs of real machines are allowed, where nothing was repeated (design)."""
 
@@ -178,7 +181,8 @@ def _above_band(
     if not np.all(seen):  # a clock jitters for all motors alike; the rest is fast motion of one
         return variance, 0.0
     weight = 1 / np.maximum(np.array(spreads), 1e-300) ** 2
-    return variance, float(np.sqrt(max(float(weight @ np.array(slopes) / weight.sum()), 0.0)))
+    jitter = float(np.sqrt(max(float(weight @ np.array(slopes) / weight.sum()), 0.0)))
+    return variance, jitter if jitter > LEAST_JITTER * sample_time else 0.0
 
 
 def _line(square: FloatArray, power: FloatArray) -> tuple[float, float, float]:
