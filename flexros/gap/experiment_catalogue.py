@@ -69,7 +69,7 @@ def _loaded(robot: Robot) -> Mapping[str, Any]:
 CATALOGUE = (
     CatalogueEntry(
         "standard",
-        "repeat the diagnosis experiment with another seed: twice the data",
+        "run the diagnosis experiment, which excites all effects of the library, or repeat it with another seed",
         lambda _: {},
     ),
     CatalogueEntry(

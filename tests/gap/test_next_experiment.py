@@ -13,6 +13,7 @@ from flexros.errors import RunError
 from flexros.gap import next_experiment as module
 from flexros.gap.experiment_catalogue import CATALOGUE, CatalogueEntry
 from flexros.gap.next_experiment import Separated, command_of, next_experiment, separated
+from flexros.gap.separation import Explained, separation, trial
 from flexros.robot import load_robot
 from flexros.simulate.experiment import Experiment
 
@@ -36,6 +37,33 @@ def gain(survivors: list[list[PlacedEffect]], entry: str, name: str = "four_mass
 def test_a_band_of_high_frequencies_tells_a_lag_from_a_delay_better() -> None:
     survivors = [placed("delay@all:time=0.00015"), placed("actuator_lag@motor_1:time_constant=0.00015")]
     assert gain(survivors, "high_band") > 3 * gain(survivors, "standard")
+
+
+@pytest.mark.parametrize(
+    ("truth", "rival", "log"),
+    [
+        (
+            "torque_gain_error@motor_1:relative=2e-4",
+            "motor_inertia_error@motor_1:relative=-1e-3",
+            {"diagnosis.length": 10, "diagnosis.parts": ["moves"], "diagnosis.intensity": 0.3, "diagnosis.poses": 1},
+        ),
+        (
+            "actuator_lag@motor_1:time_constant=1.2e-4",
+            "delay@all:time=1.2e-4",
+            {"diagnosis.length": 10, "diagnosis.parts": ["creep"], "diagnosis.poses": 1},
+        ),
+    ],
+)
+def test_running_the_proposed_experiment_separates_what_the_log_did_not(
+    truth: str, rival: str, log: dict[str, Any]
+) -> None:
+    true, other = (Explained(model(), tuple(placed(text))) for text in (truth, rival))
+    assert separation(true, other, trial(true, log, 7)) < 3.0
+    entries = [ENTRIES["standard"], ENTRIES["high_band"]]
+    proposed = next_experiment(model(), [true.placed, other.placed], entries=entries)
+    assert proposed is not None
+    run = trial(true, ENTRIES[proposed.name].keys(true.model.robot), 55)
+    assert separation(true, other, run) > 10.0
 
 
 def test_a_known_load_tells_motor_inertia_from_torque_gain_better_than_rest() -> None:
