@@ -53,6 +53,10 @@ class FrictionDrift(AbstractMotorTorque, AbstractDryFriction):
         """Whether neither friction changes."""
         return self.coulomb == 0 and self.viscous == 0
 
+    def states_of_time(self, time: float) -> tuple[float, ...]:
+        """Return the time itself."""
+        return (time,)
+
     def rates(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
         """Let the time run."""
         del motor, values

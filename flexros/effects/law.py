@@ -40,3 +40,15 @@ class AbstractLaw(AbstractEffect):
     def n_states(self) -> int:
         """Number of states of its own."""
         return self.smooth_states + self.stepwise_states
+
+    def states_of_time(self, time: float) -> tuple[float, ...]:
+        """Give own states that follow from the time alone.
+
+        Args:
+            time: Time since the begin of the run [s].
+
+        Returns:
+            The first own states; empty where none is of this kind.
+        """
+        del time
+        return ()

@@ -104,7 +104,12 @@ class PlantModel:
         return self._rest_finder.find(np.array(near[: self.model.n_coordinates], dtype=float), wanted)
 
     def start(
-        self, state: FloatArray, torque: FloatArray | None = None, parameters: FloatArray | None = None
+        self,
+        state: FloatArray,
+        torque: FloatArray | None = None,
+        parameters: FloatArray | None = None,
+        *,
+        time: float = 0.0,
     ) -> FloatArray:
         """Put the states of the effects behind a state of the robot, as they are when it has been at rest there.
 
@@ -112,6 +117,7 @@ class PlantModel:
             state: State of the robot [q, v], shape (2 nq,).
             torque: Commands that have been acting [Nm or N], shape (M,); default: those that hold the robot there.
             parameters: Values of the free parameters (SI), shape (n_parameters,); default: `nominal_values`.
+            time: Time since the begin of the run [s], for what changes with time.
 
         Returns:
             State of the plant, shape (n_states,).
@@ -127,6 +133,9 @@ class PlantModel:
                 held = self._rest_finder.holding_torque(np.asarray(state[: self.model.n_coordinates]), wanted)
                 torque = self.command_at_rest(state, held, values)
         plain[self._plant.friction_end :] = self._own_at_rest(plain, torque, values).full().ravel()
+        for law in self.laws:
+            begin, timed = self._plant.place(law).start, law.effect.states_of_time(time)
+            plain[begin : begin + len(timed)] = timed
         return plain
 
     def command_at_rest(self, state: FloatArray, torque: FloatArray, parameters: FloatArray) -> FloatArray:

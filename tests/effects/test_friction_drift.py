@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.effects.single_mass import MASS, plant, states
+from flexros.compile.loop import compile_loop
+from flexros.compile.loop_arrays import LoopInputs
+from flexros.effects import parse_effect, place_effects
+from flexros.simulate.loop import feed_through
+from flexros.simulate.plant_model import PlantModel
+from tests.effects.single_mass import MASS, SLIDE, T, plant, states
 
 
 def test_coulomb_part_grows_to_its_level() -> None:
@@ -31,6 +36,17 @@ def test_negative_change_eases_the_coulomb_friction_down_to_none() -> None:
     assert np.ptp(speed[int(free * 1000) + 2 :]) < 1e-12
     impulse = 10 * free - 40 * (free - 0.1 * (1 - np.exp(-free / 0.1)))
     assert MASS * (0.5 - speed[-1]) == pytest.approx(impulse, rel=1e-3)
+
+
+def test_drift_goes_on_where_a_run_is_taken_up_later() -> None:
+    effect = parse_effect("friction_drift@motor_1:coulomb=10,viscous=20,time_constant=0.2", "test")
+    model = PlantModel(SLIDE, place_effects(SLIDE, [effect]).laws)
+    kernel = compile_loop(model.functions(feed_through(1)), sample_time=T)
+    rest = LoopInputs(reference=np.zeros((1, 3)), gains=np.zeros(0))
+    whole = kernel.run(kernel.initial_state(model.start(np.array([0.0, 0.5]))), 200, rest, record_states=True)
+    assert whole.states is not None
+    later = kernel.initial_state(model.start(whole.states[120, :2], time=120 * T))
+    np.testing.assert_allclose(kernel.run(later, 80, rest).encoder, whole.encoder[120:], atol=1e-13)
 
 
 def test_substeps_converge_with_order_two() -> None:
