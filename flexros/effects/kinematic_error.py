@@ -24,7 +24,8 @@ class KinematicError(AbstractToolError):
 
     The length vector of the body is longer by `length` (along the x axis where it has none), and the coordinate by
     which the body turns (the one with the motor, else the first) counts from an angle that is wrong by `angle`: the
-    measured tool pose is that of the arm with l + length and q + angle.
+    measured tool pose is that of the arm with l + length and q + angle. A tool point that the robot file states apart
+    (`tool.position`) does not move with the length of the last body.
 
     Reference: Hollerbach, Khalil, Gautier 2016, Springer Handbook of Robotics, chapter 8: model calibration.
     """
