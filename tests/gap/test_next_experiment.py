@@ -144,8 +144,8 @@ def test_progress_ends_at_one(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.name)
-@pytest.mark.parametrize("name", ["four_mass", "elbow"])
-def test_every_command_can_be_run(entry: CatalogueEntry, name: str) -> None:
+def test_every_command_can_be_run(entry: CatalogueEntry) -> None:
+    name = "elbow"
     words = shlex.split(command_of(entry.keys(load_robot(name)), name, 7))
     assert words[:5] == ["flexros", "run", "diagnosis", "--model", name]
     assert words[5:7] == ["--seed", "7"]

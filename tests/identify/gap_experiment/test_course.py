@@ -74,8 +74,16 @@ def test_creep_turns_the_rotor_more_than_twice_both_ways() -> None:
     assert np.ptp(way) > 4 * np.pi
 
 
-@pytest.mark.parametrize("name", ["four_mass_linear", "four_mass", "elbow", "emps"])
-@pytest.mark.parametrize(("seed", "length"), [(2, 20.0), (3, 40.0)])
+@pytest.mark.parametrize(
+    ("name", "seed", "length"),
+    [
+        ("four_mass_linear", 2, 20.0),
+        ("four_mass_linear", 3, 40.0),
+        ("four_mass", 4, 40.0),
+        ("elbow", 2, 20.0),
+        ("emps", 3, 40.0),
+    ],
+)
 def test_nominal_robot_keeps_its_torque_limits(name: str, seed: int, length: float) -> None:
     scenario = load_scenario("diagnosis").with_values({"robot": name, "seed": seed, "diagnosis.length": length})
     experiment = Experiment.prepare(scenario)
