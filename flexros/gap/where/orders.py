@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.fft import next_fast_len, rfft
-from scipy.ndimage import median_filter
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
@@ -111,8 +111,13 @@ class OrderGrid:
         """
         if not self.groups:
             return np.zeros((0, len(self.orders)))
-        count = np.array([np.bincount(place, minlength=self.n_bins) for place in self.places])
-        return self._of_sums(np.sqrt(count.astype(float)) * random.standard_normal(count.shape))
+        return self._of_sums(self._spread * random.standard_normal(self._spread.shape))
+
+    @cached_property
+    def _spread(self) -> FloatArray:
+        """Standard deviation of the sum of white noise over each part of the angle, shape (groups, n_bins)."""
+        count = [np.bincount(place, minlength=self.n_bins) for place in self.places]
+        return np.sqrt(np.array(count, dtype=float))
 
     def _of_sums(self, sums: FloatArray) -> FloatArray:
         spectrum = rfft(sums, axis=1)[:, self.first : self.first + len(self.orders)]
@@ -126,12 +131,16 @@ def prominence(power: FloatArray) -> FloatArray:
     What repeats in time, and not in angle, lies at other orders at other speeds and does not add up.
 
     Args:
-        power: Order spectra, shape (groups, K).
+        power: Order spectra, shape (groups, K), of at least `BACKGROUND` orders.
 
     Returns:
         Prominence [1], shape (K,).
     """
-    around = median_filter(power, size=(1, BACKGROUND), mode="nearest")
+    count = power.shape[1]
+    # blocks of neighbours, the last one as long as the others
+    first = np.minimum(np.arange(0, count, BACKGROUND), count - BACKGROUND)
+    medians = np.median(power[:, first[:, None] + np.arange(BACKGROUND)], axis=2)
+    around = np.repeat(medians, BACKGROUND, axis=1)[:, :count]
     return np.asarray(np.log1p(power / np.maximum(around, 1e-300)).sum(axis=0))
 
 
