@@ -117,7 +117,7 @@ class OrderGrid:
     def _spread(self) -> FloatArray:
         """Standard deviation of the sum of white noise over each part of the angle, shape (groups, n_bins)."""
         count = [np.bincount(place, minlength=self.n_bins) for place in self.places]
-        return np.sqrt(np.array(count, dtype=float))
+        return np.asarray(np.sqrt(np.array(count, dtype=float)))
 
     def _of_sums(self, sums: FloatArray) -> FloatArray:
         spectrum = rfft(sums, axis=1)[:, self.first : self.first + len(self.orders)]
