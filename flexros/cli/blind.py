@@ -68,12 +68,14 @@ def run(
     scheduler: str = typer.Option("", "--scheduler", help=SCHEDULER),
 ) -> None:
     """Diagnose cases from logs and nominal models alone; those that are diagnosed already are kept."""
-    from flexros.gap.blind.run import case_folders, diagnose_case, waiting
+    from flexros.gap.blind.run import case_folders, diagnose_case, failures, waiting
 
     wanted = set(part_of(case_folders(logs), cases))
     folders = [folder for folder in waiting(logs) if folder in wanted]
     _work(scheduler, diagnose_case, [(folder, keep_logs) for folder in folders], "cases diagnosed")
     say(f"{len(folders)} cases diagnosed, {len(waiting(logs))} of {len(case_folders(logs))} are left in {logs}")
+    for name, reason in failures(logs).items():
+        say(f"{name}: {reason} (remove its failure.txt to try again)")
 
 
 def score(

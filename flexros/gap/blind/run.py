@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import time
+import traceback
 from typing import TYPE_CHECKING, Any
 
 from flexros.errors import FlexrosError, InputError
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 FAILURE_FILE, TIME_FILE = "failure.txt", "seconds.txt"
-"""Files of a case: the sentence with which a diagnosis refused a log; how long the diagnosis took [s]."""
+"""Files of a case: why there is no diagnosis; how long the diagnosis took [s]."""
 
 
 def case_folders(logs: Path) -> tuple[Path, ...]:
@@ -47,10 +48,16 @@ def waiting(logs: Path) -> tuple[Path, ...]:
     return tuple(folder for folder in case_folders(logs) if not any((folder / name).exists() for name in done))
 
 
+def failures(logs: Path) -> dict[str, str]:
+    """Tell why cases have no diagnosis: the last line of the reason by name of the case."""
+    files = sorted(logs.glob(f"*/{FAILURE_FILE}"))
+    return {file.parent.name: file.read_text(encoding="utf-8").strip().splitlines()[-1] for file in files}
+
+
 def diagnose_case(folder: Path, keep_logs: bool = True) -> None:
     """Diagnose a case and write the result beside its logs.
 
-    A log that the diagnosis refuses is a result as well: its sentence is kept.
+    A log that the diagnosis refuses is a result as well, and so is a fault of it: the text is kept, the others go on.
 
     Args:
         folder: Folder of the case.
@@ -62,6 +69,8 @@ def diagnose_case(folder: Path, keep_logs: bool = True) -> None:
         text = json_text(diagnosed(folder, case).diagnosis.model_dump(mode="json", by_alias=True))
     except FlexrosError as error:
         write_whole(folder / FAILURE_FILE, f"{error}\n")
+    except Exception:  # noqa: BLE001 - counted with the refused logs and shown with its traceback
+        write_whole(folder / FAILURE_FILE, traceback.format_exc())
     else:
         write_whole(folder / TIME_FILE, f"{time.perf_counter() - started:.1f}\n")
         write_whole(folder / DIAGNOSIS_FILE, text)

@@ -131,6 +131,19 @@ def test_log_that_is_refused_is_an_answer(made: Path, tmp_path: Path, monkeypatc
     assert [one.diagnosis for one in read_answers(folder / "logs", folder / "truth")] == [None]
 
 
+def test_fault_of_the_diagnosis_is_kept_with_its_traceback(
+    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(folder: Path, case: object) -> DiagnosisResult:
+        raise ZeroDivisionError("of the diagnosis")
+
+    monkeypatch.setattr(blind_run, "diagnosed", fail)
+    logs = copied(made, tmp_path) / "logs"
+    diagnose_case(logs / "case_0000")
+    assert "Traceback" in (logs / "case_0000" / "failure.txt").read_text()
+    assert blind_run.failures(logs) == {"case_0000": "ZeroDivisionError: of the diagnosis"}
+
+
 @pytest.mark.usefixtures("quick")
 def test_changed_truth_is_refused(made: Path, tmp_path: Path) -> None:
     folder = copied(made, tmp_path)
