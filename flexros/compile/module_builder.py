@@ -27,6 +27,7 @@ arithmetic and loops without counting value names by hand.
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from flexros.compile.elementary import routine_text
@@ -100,7 +101,7 @@ class ModuleBuilder:
         Args:
             level: Effort of the code generator, 0 to 3.
         """
-        return MachineCode(self.text(), level)
+        return _compiled(self.text(), level)
 
     def text(self) -> str:
         """Return the module as LLVM text."""
@@ -113,6 +114,12 @@ class ModuleBuilder:
         if symbol in self._texts:
             raise InputError(f"the module has a function '{symbol}' already: give the second one another name")
         return symbol
+
+
+@lru_cache(maxsize=128)
+def _compiled(text: str, level: int) -> MachineCode:
+    """Compile a module once; many logs of one robot need the same ones."""
+    return MachineCode(text, level)
 
 
 def check_lanes(lanes: int) -> None:

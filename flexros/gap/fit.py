@@ -106,6 +106,9 @@ def fit(predictor: Predictor, data: FitData, start: FloatArray, iterations: int 
         chi2, information = line.chi2, line.information
         if not np.isfinite(chi2) or not len(theta):
             break
+        if _promised(line) < ENOUGH:
+            converged = True
+            break
         trials = np.stack([_trial(theta, line, damping, low, high) for damping in DAMPINGS], axis=-1)
         values = chi2_of(predictor, data, trials)
         best = int(np.argmin(values))
@@ -166,6 +169,11 @@ def linearise(predictor: Predictor, data: FitData, theta: FloatArray) -> Lineari
         J = np.where(np.isfinite(J), J, 0.0)
     chi2 = float(_sums(predictor, base[:, None], theta[:, None])[0])
     return Linearised(chi2, base, J, J.T @ base + prior * theta, J.T @ J + np.diag(prior))
+
+
+def _promised(line: Linearised) -> float:
+    """Return by how much the sum of squares would fall with the best step of linear theory."""
+    return float(line.gradient @ np.linalg.lstsq(line.information, line.gradient, rcond=1e-12)[0])
 
 
 def _trial(theta: FloatArray, line: Linearised, damping: float, low: FloatArray, high: FloatArray) -> FloatArray:
