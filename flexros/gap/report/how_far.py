@@ -9,7 +9,7 @@ from flexros.analysis.figures_table import number
 from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
 from flexros.gap.report.base import AbstractDiagnosisSection
 from flexros.gap.report.innovations import innovation_picture
-from flexros.gap.report.words import closed_words, interval_words
+from flexros.gap.report.words import closed_words, interval_words, shows
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -38,7 +38,7 @@ class HowFarSection(AbstractDiagnosisSection):
 
 def _sentence(gap: GapNumbers) -> str:
     text = f"The gap number is {gap.metric}; 'floor' is what it would be without any gap."
-    if gap.closed_fraction is None:
+    if gap.closed_fraction is None or not shows(gap):
         return text
     within = interval_words(gap.interval).replace("(", "(95 % interval ")
     return f"{text} The repaired model closes {closed_words(gap.closed_fraction)} of it{within}."
@@ -89,7 +89,7 @@ def _whisker(gap: GapNumbers) -> go.Scatter | None:
     """Return the interval of the gap that remains, from that of the closed fraction."""
     import plotly.graph_objects as go
 
-    if gap.interval is None or gap.after is None:
+    if gap.interval is None or gap.after is None or not shows(gap):
         return None
     span = gap.before - gap.noise_floor
     low, high = (max(gap.before - share * span, 1e-12) for share in (gap.interval[1], gap.interval[0]))

@@ -8,7 +8,7 @@ from flexros.analysis.figures_table import number
 from flexros.analysis.report.base import Block, Paragraph, Tiles
 from flexros.gap.report.base import AbstractDiagnosisSection
 from flexros.gap.report.verdict import told_causes, verdict_sentence
-from flexros.gap.report.words import capital, closed_words, named, p_value_words, share_words, where_words
+from flexros.gap.report.words import capital, closed_words, named, p_value_words, share_words, shows, where_words
 
 if TYPE_CHECKING:
     from flexros.gap.diagnosis_file import Diagnosis
@@ -39,7 +39,7 @@ def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
     tiles = [_cause_tile(diagnosis)]
     unit = "" if gap.unit == "1" else gap.unit
     floor = f"floor {number(gap.noise_floor, 3)}"
-    if gap.closed_fraction is None or gap.after is None:
+    if gap.closed_fraction is None or gap.after is None or not shows(gap):
         tiles.append(("Gap", number(gap.before, 3), unit, floor))
     else:
         shrunk = f"{number(gap.before, 3)} before, {number(gap.after, 3)} after, {floor}"

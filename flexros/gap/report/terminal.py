@@ -15,6 +15,7 @@ from flexros.gap.report.words import (
     named,
     p_value_words,
     share_words,
+    shows,
     where_words,
 )
 
@@ -83,7 +84,7 @@ def gap_line(gap: GapNumbers) -> str:
         told.insert(1, f"{number(gap.after, 4)} after")
     if gap.best_rival is not None:
         told.append(f"best rival {number(gap.best_rival, 4)}")
-    if gap.closed_fraction is not None:
+    if gap.closed_fraction is not None and shows(gap):
         told.append(f"{closed_words(gap.closed_fraction)} closed{interval_words(gap.interval)}")
     return f"Gap ({gap.metric}): {', '.join(told)}"
 

@@ -14,6 +14,7 @@ from flexros.gap.report.words import (
     named,
     p_value_words,
     share_words,
+    shows,
     where_words,
 )
 
@@ -112,6 +113,8 @@ def _closed(gap: GapNumbers) -> str:
     sizes = (
         f"{_size(gap, gap.before)} before, {number(gap.after, 3)} after, {number(gap.noise_floor, 3)} without any gap"
     )
+    if not shows(gap):
+        return f"It is too small to show in predictions of held-out data: {sizes}."
     if gap.closed_fraction <= 0:
         return f"On held-out data the repaired model does not close the gap: {sizes}."
     within = interval_words(gap.interval)

@@ -11,7 +11,7 @@ from flexros.gap.where.words import sentence
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from flexros.gap.diagnosis_file import Cause, CauseParameter, GapPlace, Place
+    from flexros.gap.diagnosis_file import Cause, CauseParameter, GapNumbers, GapPlace, Place
     from flexros.gap.result import Candidate
 
 _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck"}
@@ -191,6 +191,15 @@ def closed_words(share: float) -> str:
     """
     share = min(share, 1.0)
     return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < _ALL else f"{round(100 * share)} %"
+
+
+def shows(gap: GapNumbers) -> bool:
+    """Tell whether a gap is large enough to show in the gap number; a share of it says something only then.
+
+    Args:
+        gap: The gap numbers.
+    """
+    return gap.before > gap.noise_floor
 
 
 def interval_words(interval: tuple[float, float] | None) -> str:

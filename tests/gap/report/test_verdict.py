@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from flexros.gap.diagnosis_file import Place
+from flexros.gap.report.terminal import gap_line
 from flexros.gap.report.verdict import told_causes, verdict_sentence
 from flexros.gap.result import DiagnosisResult
 
@@ -64,3 +65,13 @@ def test_of_many_rivals_the_most_probable_are_told(diagnosed: Diagnosed) -> None
         "cannot tell hysteresis at motor_1 (56 %), backlash at motor_1 (43 %), torque bias at motor_1 (0 %) from 2"
         in text
     )
+
+
+def test_no_share_is_told_of_a_gap_below_the_floor(diagnosed: Diagnosed) -> None:
+    diagnosis = diagnosed("explained").diagnosis
+    gap = diagnosis.gap.model_copy(update={"before": 0.8, "after": 0.7, "closed_fraction": 1.0})
+    text = verdict_sentence(diagnosis.model_copy(update={"gap": gap}))
+    assert text.endswith(
+        "too small to show in predictions of held-out data: 0.800 before, 0.700 after, 1 without any gap."
+    )
+    assert gap_line(gap).endswith("0.8000 before, 0.7000 after, floor 1, best rival 2.900")
