@@ -40,6 +40,15 @@ def test_log_equals_the_direct_simulation(scenario: str, tmp_path: Path, log_dif
     assert summary.samples == len(log.joint_states.stamp)
 
 
+def test_hidden_effects_and_a_patch_go_over_topics_too(tmp_path: Path, log_differences: Differences) -> None:
+    patch = tmp_path / "patch.yaml"
+    patch.write_text("robot: e12\neffects: [{effect: coulomb_friction, location: motor_1, parameters: {level: 100}}]\n")
+    effects = ["coulomb_friction@motor_1:level=100", "backlash@motor_2:gap=0.0003", "delay@motor_1:time=0.0013"]
+    scenario = load_scenario("circle_dae2").with_values({"plant.effects": effects, "feedforward_model": str(patch)})
+    assert run_scenario(scenario, tmp_path / "log").exit_code == 0
+    assert log_differences(closed_loop(Experiment.prepare(scenario)), read_log(tmp_path / "log")) == []
+
+
 def test_lost_messages_are_counted_and_change_nothing(tmp_path: Path, log_differences: Differences) -> None:
     loss = {"drop_fraction": 0.01}
     summary = run_scenario("circle_dae", tmp_path / "log", parameters={"plant": loss, "controller": loss})
