@@ -6,6 +6,7 @@ import json
 import shlex
 from dataclasses import dataclass
 from itertools import combinations
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flexros.effects import RobotWithEffects
@@ -54,6 +55,7 @@ def next_experiment(
     *,
     name: str = "",
     tool_measured: bool = False,
+    tolerance: Mapping[str, float] | None = None,
     done: Collection[str] = (),
     seed: int = SEED,
     entries: Sequence[CatalogueEntry] = CATALOGUE,
@@ -66,6 +68,7 @@ def next_experiment(
         survivors: Explanations that are left with their fitted numbers, the most probable one first.
         name: Robot as the user names it, for the command; default: where it was loaded from.
         tool_measured: Whether the log has tool positions already, so that measuring them is no news.
+        tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
         done: Names of experiments that were run already.
         seed: Seed of the experiments.
         entries: Experiments to choose from.
@@ -75,13 +78,13 @@ def next_experiment(
         The experiment; None where there are fewer than two explanations, or none of the experiments can be run.
     """
     model = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
-    left = tuple(tuple(one) for one in survivors)[:MOST]
+    left = [Explained(model, tuple(one), tolerance or {}) for one in survivors][:MOST]
     if len(left) < 2:
         return None
     chosen = [entry for entry in entries if entry.name not in done and not (entry.tool and tool_measured)]
     possible: list[Separated] = []
     for number, entry in enumerate(chosen, 1):
-        result = separated(model, left, entry, seed)
+        result = separated(left, entry, seed)
         possible += [] if result is None else [result]
         plenty = result is not None and result.gain >= PLENTY
         if progress is not None:
@@ -92,8 +95,8 @@ def next_experiment(
         return None
     most = max(one.gain for one in possible)
     best = next(one for one in possible if one.gain >= min(ENOUGH * most, PLENTY))
-    command = command_of(best.entry.keys(model.robot), name or model.robot.source, seed)
-    places = {(one.effect.name, one.location): None for number in best.closest for one in left[number]}
+    command = command_of(best.entry.keys(model.robot), name or _name_of(model.robot), seed)
+    places = {(one.effect.name, one.location): None for number in best.closest for one in left[number].placed}
     return NextExperiment(
         name=best.entry.name,
         description=best.entry.description,
@@ -103,24 +106,21 @@ def next_experiment(
     )
 
 
-def separated(
-    model: RobotWithEffects, survivors: Sequence[Sequence[PlacedEffect]], entry: CatalogueEntry, seed: int = SEED
-) -> Separated | None:
+def separated(survivors: Sequence[Explained], entry: CatalogueEntry, seed: int = SEED) -> Separated | None:
     """Simulate an experiment with every explanation and compare all of them.
 
     Args:
-        model: The nominal model.
-        survivors: Explanations with their fitted numbers, two at least.
+        survivors: Explanations of one nominal model with their fitted numbers, two at least.
         entry: The experiment.
         seed: Its seed.
 
     Returns:
         How well it separates the two closest; None where it would break off with one of them.
     """
-    keys = entry.keys(model.robot)
+    keys = entry.keys(survivors[0].model.robot)
     known = {key.removeprefix("model.values."): value for key, value in keys.items() if key.startswith("model.values.")}
     keys = {key: value for key, value in keys.items() if not key.startswith("model.values.")}
-    explained = [Explained(model, tuple(one)).with_values(known) for one in survivors]
+    explained = [one.with_values(known) for one in survivors]
     try:
         made = [trial(one, keys, seed, tool=entry.tool) for one in explained]
     except RunError:
@@ -149,3 +149,8 @@ def command_of(keys: Mapping[str, Any], name: str, seed: int) -> str:
     for key, value in keys.items():
         words += ["--set", f"{key}={json.dumps(value)}"]
     return shlex.join(words)
+
+
+def _name_of(robot: Robot) -> str:
+    """Name a robot as a command does: by the file that it came from, else by its name."""
+    return robot.source if Path(robot.source).is_file() else robot.name

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +13,7 @@ from flexros.gap.fit import chi2_of, fit
 from flexros.gap.hypothesis import FreeParameter, Suspect
 from flexros.gap.predictor import Predictor
 from flexros.gap.read_record import read_record
-from flexros.gap.tolerance import Tolerance
+from flexros.gap.tolerance import tolerance_of
 from flexros.identify.design.default_controller import default_controller
 from flexros.identify.gap_experiment.course import diagnosis_course
 from flexros.simulate.closed_loop import closed_loop
@@ -46,10 +46,12 @@ class Explained:
     Attributes:
         model: The nominal model.
         placed: Its effects with the numbers that were fitted.
+        tolerance: Relative tolerance of stiffness, inertia and damping [1]; those of the robot file where left out.
     """
 
     model: RobotWithEffects
     placed: tuple[PlacedEffect, ...]
+    tolerance: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def plant(self) -> RobotWithEffects:
@@ -67,7 +69,7 @@ class Explained:
         if not values:
             return self
         robot = self.model.robot.with_values(values, "values of the experiment")
-        return Explained(RobotWithEffects(robot, self.model.laws), self.placed)
+        return replace(self, model=RobotWithEffects(robot, self.model.laws))
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +130,7 @@ def separation(truth: Explained, rival: Explained, made: Trial) -> float:
 
     Args:
         truth: The explanation that was simulated.
-        rival: The other one; its numbers are fitted to the experiment.
+        rival: The other one; its numbers, and what the model leaves open, are fitted to the experiment.
         made: The experiment on the truth.
 
     Returns:
@@ -151,8 +153,10 @@ def predictor_of(explained: Explained, sample_time: float) -> tuple[Predictor, F
         Predictor, and the numbers of the fit at which it has the fitted values, shape (n_fitted,).
     """
     hypothesis = explained.hypothesis
+    tolerance = tolerance_of(explained.model.robot, explained.tolerance)
     numbers = [one.encode(one.starts[0]) for suspect in hypothesis for one in suspect.free]
-    return Predictor(explained.model, hypothesis, Tolerance(), sample_time), np.array(numbers, dtype=float)
+    numbers += [0.0] * len(tolerance.names)
+    return Predictor(explained.model, hypothesis, tolerance, sample_time), np.array(numbers, dtype=float)
 
 
 def _suspect(placed: PlacedEffect) -> Suspect:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,6 +16,7 @@ from flexros.gap.experiment_catalogue import CATALOGUE, CatalogueEntry
 from flexros.gap.next_experiment import Separated, command_of, next_experiment, separated
 from flexros.gap.separation import Explained, separation, trial
 from flexros.robot import load_robot
+from flexros.robot.robot import LIBRARY
 from flexros.simulate.experiment import Experiment
 
 ENTRIES = {entry.name: entry for entry in CATALOGUE}
@@ -29,7 +31,7 @@ def model(name: str = "four_mass_linear") -> RobotWithEffects:
 
 
 def gain(survivors: list[list[PlacedEffect]], entry: str, name: str = "four_mass_linear") -> float:
-    found = separated(model(name), survivors, ENTRIES[entry])
+    found = separated([Explained(model(name), tuple(one)) for one in survivors], ENTRIES[entry])
     assert found is not None
     return found.gain
 
@@ -104,8 +106,8 @@ def test_an_experiment_that_separates_by_far_ends_the_search(monkeypatch: pytest
     asked: list[str] = []
 
     def found(*arguments: Any) -> Separated:
-        asked.append(arguments[2].name)
-        return Separated(arguments[2], gains[arguments[2].name], (0, 1))
+        asked.append(arguments[1].name)
+        return Separated(arguments[1], gains[arguments[1].name], (0, 1))
 
     monkeypatch.setattr(module, "separated", found)
     survivors = [placed("delay@all:time=0.001"), placed("delay@all:time=0.002")]
@@ -157,3 +159,14 @@ def test_every_command_can_be_run(entry: CatalogueEntry) -> None:
 def test_names_of_experiments_are_given_once() -> None:
     assert len(ENTRIES) == len(CATALOGUE)
     assert all(entry.description and not entry.description.endswith(".") for entry in CATALOGUE)
+
+
+def test_command_names_the_file_of_the_robot_or_its_name(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(module, "separated", lambda _, entry, __: Separated(entry, 5.0, (0, 1)))
+    own = tmp_path / "own.yaml"
+    own.write_bytes((LIBRARY / "four_mass.yaml").read_bytes())
+    survivors = [placed("delay@all:time=0.001"), placed("delay@all:time=0.002")]
+    for robot, name in ((load_robot(own), str(own)), (load_robot("e12").with_values({"body_3.mass": 190}), "e12")):
+        proposed = next_experiment(robot, survivors)
+        assert proposed is not None
+        assert shlex.split(proposed.command)[4] == name

@@ -86,3 +86,15 @@ def test_a_tool_that_is_measured_adds_to_the_separation() -> None:
     true, rival = (explained(f"kinematic_error@body_{body}:length=0.001", "elbow") for body in (1, 2))
     assert separation(true, rival, trial(true, KEYS, 3)) == pytest.approx(0.0, abs=1e-6)
     assert separation(true, rival, trial(true, KEYS, 3, tool=True)) > 100.0
+
+
+def test_what_lies_within_the_tolerance_of_the_model_is_not_separated() -> None:
+    """A load off by a tenth of its tolerance looks like none at all."""
+    model = RobotWithEffects(load_robot("four_mass_linear"), ())
+    load = (parse_effect("payload_error@tool:relative=0.002", "test"),)
+    apart = []
+    for tolerance in ({}, {"inertia": 0.02}):
+        true, other = Explained(model, load, tolerance), Explained(model, (), tolerance)
+        apart.append(separation(true, other, trial(true, KEYS, 7)))
+    assert apart[0] > 1000.0
+    assert apart[1] < 0.05 * apart[0]
