@@ -35,6 +35,10 @@ MOST_ORDER = 4
 WHITE = 3.5
 """Autocorrelation at lag one to four, in standard deviations, from which noise is coloured (chosen)."""
 
+IMPLAUSIBLE = 0.3
+"""Measured over stated noise below which positions of a real machine were filtered or rounded, and the stated one is
+kept (chosen)."""
+
 DIFFERS = 0.2
 """Relative difference from the robot file that is told (chosen)."""
 
@@ -68,7 +72,7 @@ class Noise:
         autoregression: Coefficients a of e_k = sum a_j e_(k-j) + w_k, shape (M, p); p = 0 for white noise.
         jitter: Standard deviation of the sampling instants about even ones [s].
         source: Where each deviation comes from: "standstill", "above the band" or "robot file", length M.
-        signal_tolerance: Share of the rms of a signal that counts as no gap; 0 for logs of this program's plant.
+        signal_tolerance: Share of the rms of a torque that counts as no gap; 0 but for logs imported from real machines.
         warnings: What was noticed, a sentence each.
     """
 
@@ -110,14 +114,16 @@ def measure_noise(record: GapRecord, robot: Robot) -> Noise:
             deviation[motor], source[motor] = rest[0], "standstill"
         elif not deviation[motor] > 0:
             deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
+    kept = () if record.simulated else _kept_as_stated(deviation, source, robot)
+    warnings = (*kept, *_warnings(deviation, colours, jitter, source, robot))
     order = max(len(colour) for colour in colours)
     return Noise(
         standard_deviation=deviation,
         autoregression=np.stack([np.pad(colour, (0, order - len(colour))) for colour in colours]),
         jitter=jitter,
         source=tuple(source),
-        signal_tolerance=0.0 if record.simulated else SIGNAL_TOLERANCE,
-        warnings=_warnings(deviation, colours, jitter, source, robot),
+        signal_tolerance=SIGNAL_TOLERANCE if record.imported else 0.0,
+        warnings=warnings,
     )
 
 
@@ -137,6 +143,20 @@ def _warnings(
             found.append(f"the encoder noise of {name} is not white (autoregression {listed})")
     if jitter > 0:
         found.append(f"the sampling instants jitter by {1e6 * jitter:.3g} us rms, as the noise grows with speed")
+    return tuple(found)
+
+
+def _kept_as_stated(deviation: FloatArray, source: list[str], robot: Robot) -> tuple[str, ...]:
+    """Take the noise of the robot file where the log of a real machine shows implausibly little; changes both lists."""
+    found = []
+    for motor, name in enumerate(robot.joint_names):
+        stated = float(robot.encoder_noise[motor])
+        if deviation[motor] < IMPLAUSIBLE * stated:
+            found.append(
+                f"the positions of {name} show a noise of {deviation[motor]:.2g} only, so they were filtered or "
+                f"rounded; the {stated:.2g} of the robot file are used"
+            )
+            deviation[motor], source[motor] = stated, "robot file"
     return tuple(found)
 
 

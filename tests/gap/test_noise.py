@@ -91,3 +91,13 @@ def test_log_without_noise_takes_that_of_the_robot_file(robot: Robot) -> None:
     noise = measure_noise(constant, robot)
     assert noise.source == ("robot file",)
     assert noise.standard_deviation[0] == robot.encoder_noise[0]
+
+
+def test_implausibly_quiet_positions_of_a_real_machine_get_the_noise_of_the_robot_file(robot: Robot) -> None:
+    noise = measure_noise(record_of(white(0.1 * SIGMA), still=True, simulated=False), robot)
+    assert noise.standard_deviation[0] == robot.encoder_noise[0]
+    assert noise.source == ("robot file",)
+    assert len(noise.warnings) == 1
+    assert "so they were filtered or rounded; the 0.0001 of the robot file are used" in noise.warnings[0]
+    simulated = measure_noise(record_of(white(0.1 * SIGMA), still=True), robot)
+    assert simulated.standard_deviation[0] == pytest.approx(0.1 * SIGMA, rel=0.1)
