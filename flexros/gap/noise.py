@@ -72,7 +72,7 @@ class Noise:
         autoregression: Coefficients a of e_k = sum a_j e_(k-j) + w_k, shape (M, p); p = 0 for white noise.
         jitter: Standard deviation of the sampling instants about even ones [s].
         source: Where each deviation comes from: "standstill", "above the band" or "robot file", length M.
-        signal_tolerance: Share of the rms of a torque that counts as no gap; 0 but for logs imported from real machines.
+        signal_tolerance: Share of the rms of a torque that counts as no gap; 0 but for logs of real machines.
         warnings: What was noticed, a sentence each.
     """
 
