@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import ceil
 from typing import TYPE_CHECKING
 
 import casadi as ca
@@ -12,7 +13,8 @@ from flexros.effects.delay import Delay
 from flexros.effects.tool_error import AbstractToolError
 from flexros.feedforward.arm_forces import acts_at_once
 from flexros.feedforward.encoder_reading import encoder_reading
-from flexros.feedforward.gear_compensation import with_gear_laws
+from flexros.feedforward.gear_compensation import SMOOTHING_TIME, with_gear_laws
+from flexros.feedforward.hold import samples_ahead
 from flexros.feedforward.motor_compensation import with_motor_laws
 
 if TYPE_CHECKING:
@@ -21,6 +23,9 @@ if TYPE_CHECKING:
     from flexros.effects import PlacedLaw
     from flexros.feedforward.motion import Motion
     from flexros.robot import Robot
+
+RATES = 3
+"""Samples beyond the present one on which rates of change of rates of change by central differences depend."""
 
 
 def compensated(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], sample_time: float) -> Motion:
@@ -59,6 +64,21 @@ def motor_delays(robot: Robot, laws: Sequence[PlacedLaw]) -> tuple[float, ...]:
         if isinstance(law.effect, Delay):
             delays[law.location] += law.effect.time
     return tuple(delays.values())
+
+
+def look_ahead(robot: Robot, laws: Sequence[PlacedLaw], sample_time: float) -> int:
+    """Number of samples beyond the present one that a reference may depend on.
+
+    Args:
+        robot: The robot, with the delay of all motors.
+        laws: Laws on it that are made up for.
+        sample_time: Distance of the samples [s].
+
+    Returns:
+        Samples that the hold looks ahead; with laws also those of a jump that is led through and of a rate of change.
+    """
+    ahead = samples_ahead(sample_time, max(motor_delays(robot, laws)))
+    return ahead + ceil(SMOOTHING_TIME / sample_time) + RATES if laws else ahead
 
 
 def laws_of_the_arm(laws: Sequence[PlacedLaw]) -> tuple[PlacedLaw, ...]:

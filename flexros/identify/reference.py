@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.feedforward.hold import samples_ahead
+from flexros.feedforward.compensation import look_ahead
 from flexros.feedforward.motion import Reference
 from flexros.feedforward.reference import compute_reference
 from flexros.identify.excursion import excursion
@@ -75,7 +75,7 @@ def identification_reference(
     Raises:
         InputError: Feedforward and robot do not go together.
     """
-    rows = _rows(plan, robot)
+    rows = _rows(plan, look_ahead(robot, laws, plan.sample_time) + 1)
     moves = compute_reference(
         robot,
         moves_of(plan),
@@ -105,12 +105,11 @@ def _moving(visit: Visit, plan: ExperimentPlan) -> int:
     return min(visit.lead + round(SETTLED / plan.sample_time), visit.end)
 
 
-def _rows(plan: ExperimentPlan, robot: Robot) -> IntArray:
+def _rows(plan: ExperimentPlan, ahead: int) -> IntArray:
     """Give the row of the moves' reference that holds at every sample, shape (n_samples,).
 
-    The last rows of a rest look ahead to the next move; the row before them is held during the stay.
+    The last rows of a rest look `ahead` to the next move; the row before them is held during the stay.
     """
-    ahead = samples_ahead(plan.sample_time, robot.delay) + 1
     rows, begin = np.empty(plan.n_samples, dtype=np.int64), 0
     for visit in plan.visits:
         computed = _moving(visit, plan) - visit.begin

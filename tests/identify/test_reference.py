@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from flexros.config.scenario import Scenario
+from flexros.effects import parse_effect, place_effects
 from flexros.feedforward.motion import Reference
+from flexros.feedforward.specification import FeedforwardSpecification
 from flexros.identify.plan import ExperimentPlan
 from flexros.identify.reference import identification_reference, moves_of
 from flexros.robot import load_robot
@@ -24,9 +26,8 @@ BURST = {"kind": "burst", "duration": 0.8, "rest_before": 0.1, "rest_after": 0.3
 
 
 def reference_of(plan: ExperimentPlan, method: str = "flexible_joint") -> Reference:
-    from flexros.feedforward.specification import FeedforwardSpecification
-
-    return identification_reference(plan, load_robot("e12"), FeedforwardSpecification(method=method))
+    settings = FeedforwardSpecification.model_validate({"method": method})
+    return identification_reference(plan, load_robot("e12"), settings)
 
 
 @pytest.mark.parametrize("slow", SLOW, ids=lambda slow: str(slow["kind"]))
@@ -152,3 +153,15 @@ def test_experiment_gives_this_reference(scenario_of: Scenarios) -> None:
     assert np.array_equal(experiment.reference.motor_velocity, reference_of(experiment.plan).motor_velocity)
     unaided = Experiment.prepare(scenario_of().with_values({"feedforward_torque": False}))
     assert not np.any(unaided.reference.torque)
+
+
+def test_torque_held_during_a_stay_has_no_part_of_the_next_move(plan_of: Plans) -> None:
+    plan, robot = plan_of(), load_robot("e12")
+    effects = ("delay@motor_1:time=0.02", "delay@motor_2:time=0.02", "backlash@motor_1:gap=0.001")
+    laws = place_effects(robot, [parse_effect(text, "test") for text in effects]).laws
+    reference = identification_reference(plan, robot, FeedforwardSpecification(method="flexible_joint"), laws=laws)
+    largest = np.abs(reference.torque).max()
+    stays = [slice(visit.lead + 2, visit.end - 2 * round(0.1 / plan.sample_time)) for visit in plan.visits]
+    held = [np.abs(reference.torque[stay]).max() for stay in stays]
+    assert len(held) > 1
+    assert max(held) < 1e-9 * largest
