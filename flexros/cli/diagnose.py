@@ -119,6 +119,8 @@ def _print(result: DiagnosisResult, files: list[Path]) -> None:
     if result.ranking and diagnosis.verdict != "no_gap":
         console.print()
         console.print(terminal.ranking_table(result))
+        if diagnosis.verdict == "unknown_effect":
+            console.print("(probabilities among the known effects only, none of which explains the gap)")
     for heading, lines in (
         ("Where it shows:", terminal.where_lines(result)),
         ("", (terminal.gap_line(diagnosis.gap), *terminal.group_lines(diagnosis), *terminal.next_lines(diagnosis))),

@@ -68,6 +68,12 @@ def test_bars_of_probability_hold_nothing_too(diagnosed: Diagnosed) -> None:
     assert bars["x"][-1] == pytest.approx(99.4)
 
 
+def test_probabilities_of_an_unknown_cause_are_told_as_those_of_the_known(diagnosed: Diagnosed) -> None:
+    told = "the probabilities are those among the known effects only"
+    assert told in page(diagnosed("unknown_effect"))
+    assert told not in page(diagnosed("explained"))
+
+
 def test_rivals_of_a_group_have_a_colour_of_their_own(diagnosed: Diagnosed) -> None:
     bars = pictures(page(diagnosed("ambiguous")))[2]["figure"]["data"][0]  # type: ignore[index]
     colours = bars["marker"]["color"]
