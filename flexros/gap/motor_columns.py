@@ -10,6 +10,7 @@ from flexros.errors import InputError
 if TYPE_CHECKING:
     from flexros.robot import Robot
 
+_MOTOR = re.compile(r"motor_\d+")
 _NUMBERED = re.compile(r".*?(\d+)\D*")
 
 
@@ -27,12 +28,18 @@ def motor_columns(names: tuple[str, ...], robot: Robot, place: str, warnings: li
         warnings: Receives what was assumed.
 
     Returns:
-        Column of each motor, length M.
+        Column of each motor, length M; further joints, as of a gripper, are passed over.
 
     Raises:
-        InputError: There are too few joints, or names of which only some are those of the robot.
+        InputError: There are too few joints or too many motors, or names of which only some are those of the robot.
     """
     wanted = robot.joint_names
+    beyond = [name for name in names if _MOTOR.fullmatch(name) and name not in wanted]
+    if beyond:
+        raise InputError(
+            f"{place} has the motors {', '.join(name for name in names if _MOTOR.fullmatch(name))}, but robot "
+            f"{robot.name} has {len(wanted)} ({', '.join(wanted)}); give the robot of the log"
+        )
     if all(name in names for name in wanted):
         return [names.index(name) for name in wanted]
     if len(names) != len(wanted) or any(name in wanted for name in names):

@@ -228,3 +228,14 @@ def test_checks_are_asked(emps: Robot) -> None:
     )
     with pytest.raises(InputError, match="^cut: the log is too short: it has 0.799 s"):
         read_record(short, emps, name="cut")
+
+
+def test_log_with_more_motors_than_the_robot_is_refused(emps: Robot) -> None:
+    stamp = stamps_ns(N, T)
+    values = np.random.default_rng(1).normal(size=(N, 2))
+    names = ("motor_1", "motor_2")
+    log = Log(JointSeries(stamp, names, position=values), JointSeries(stamp, names, effort=values))
+    with pytest.raises(
+        InputError, match=r"^log: joint_states has the motors motor_1, motor_2, but robot emps has 1 \(motor_1\)"
+    ):
+        read(log, emps)
