@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
 import json
 import re
 from collections.abc import Callable
@@ -10,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plotly.offline import get_plotlyjs
 
 from flexros.gap.report import diagnosis_report, write_diagnosis_report
 from flexros.gap.result import DiagnosisResult
@@ -46,6 +49,14 @@ def test_sections_follow_the_verdict(diagnosed: Diagnosed, verdict: str) -> None
 def test_page_needs_nothing_from_outside(diagnosed: Diagnosed) -> None:
     html = page(diagnosed("explained"))
     assert not re.search(r'(src|href)="(?!data:)', html)
+
+
+def test_page_is_small_and_holds_the_whole_plotting_library(diagnosed: Diagnosed) -> None:
+    html = diagnosis_report(diagnosed("explained"), patch=PATCH)
+    packed = re.search(r'id="library">(.*?)</script>', html)
+    assert packed is not None
+    assert gzip.decompress(base64.b64decode(packed[1])).decode() == get_plotlyjs()
+    assert len(html) < 3_000_000
 
 
 def test_the_patch_can_be_copied_as_it_is(diagnosed: Diagnosed) -> None:
