@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
@@ -52,8 +52,10 @@ class ExtraMode(AbstractArmLaw):
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "frequency": Range("frequency", 2.0, 120.0, 25, source="facts on modes; ratio of starts below 1.18"),
-            "ratio": Range("relative", 1e-3, 10.0, 2),
-            "inertia_ratio": Range("relative", 1e-3, 10.0, 1),
+            "ratio": Range(
+                "relative", 1e-6, 10.0, 3, source="chosen: from no effect; a base from 1e-3, to be integrable"
+            ),
+            "inertia_ratio": Range("relative", 1e-6, 10.0, 2, source="chosen: from no effect"),
             "damping": Range("relative", 1e-3, 0.5, 1, source="2 to 4 % seen on robots; bounds chosen"),
         }
     )
@@ -83,9 +85,12 @@ class ExtraMode(AbstractArmLaw):
         return tool if rigid else (*tool, "base")
 
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
-        """List the ranges; only a tool with a mass has an inertia that turns beside it."""
+        """List the ranges; only a tool with a mass has an inertia that turns beside it, and no base is very light."""
         both = location == "tool" and _load_mass(robot) > 0 and _turning(robot) is not None
-        return {name: allowed for name, allowed in self.ranges.items() if both or name != "inertia_ratio"}
+        found = {name: allowed for name, allowed in self.ranges.items() if both or name != "inertia_ratio"}
+        if location == "base":
+            found["ratio"] = replace(found["ratio"], low=1e-3)
+        return found
 
     def force(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
         """Pull the tool, or shift the deflection of the first spring."""

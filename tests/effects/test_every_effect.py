@@ -37,7 +37,7 @@ def typical(name: str) -> PlacedEffect:
     """Put an effect at its last place on the robot, with numbers in the middle of their ranges."""
     kind = effects()[name]
     numbers = dict(UNFITTED.get(name, {}))
-    for parameter, allowed in kind.ranges.items():
+    for parameter, allowed in kind().fitted(ROBOT, kind().locations(ROBOT)[-1]).items():
         numbers[parameter] = float(np.sqrt(allowed.low * allowed.high)) * SIZES.get(allowed.yardstick, 1.0)
     return PlacedEffect(kind(**numbers), kind().locations(ROBOT)[-1])
 
