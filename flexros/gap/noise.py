@@ -114,7 +114,7 @@ def measure_noise(record: GapRecord, robot: Robot) -> Noise:
             deviation[motor], source[motor] = rest[0], "standstill"
         elif not deviation[motor] > 0:
             deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
-    kept = () if record.simulated else _kept_as_stated(deviation, source, robot)
+    kept = _kept_as_stated(deviation, source, robot) if record.imported else ()
     warnings = (*kept, *_warnings(deviation, colours, jitter, source, robot))
     order = max(len(colour) for colour in colours)
     return Noise(

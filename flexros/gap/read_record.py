@@ -72,6 +72,7 @@ def read_record(log: Log, robot: Robot, *, name: str, check: bool = True) -> Gap
         tool=_tool(log, grid, rows),
         measured_torque=measured,
         simulated=bool(log.provenance.get("scenario")),
+        imported=bool(log.provenance.get("import")),
         warnings=tuple(dict.fromkeys(warnings)),
     )
     return check_record(record, robot) if check else record

@@ -49,6 +49,7 @@ def test_measured_log_passes_the_checks(robot: Robot, name: str) -> None:
     assert (record.n_samples, record.sample_time) == (24841, 1e-3)
     assert record.valid.all()
     assert not record.simulated
+    assert record.imported
     assert record.reference is not None
     assert not any("robot emps" in text or "torque" in text for text in record.warnings)
     checked = CheckedRecord(record, robot)

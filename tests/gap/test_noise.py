@@ -17,7 +17,7 @@ def robot() -> Robot:
     return load_robot("four_mass_linear")  # its file says SIGMA
 
 
-def record_of(noise: np.ndarray, still: bool, jitter: float = 0.0, simulated: bool = True, seed: int = 3) -> GapRecord:
+def record_of(noise: np.ndarray, still: bool, jitter: float = 0.0, imported: bool = False, seed: int = 3) -> GapRecord:
     """Slow swings, standing still in the first quarter where asked for."""
     time = np.arange(N) * T
     seen = time + jitter * np.random.default_rng(seed).normal(size=N)
@@ -29,7 +29,7 @@ def record_of(noise: np.ndarray, still: bool, jitter: float = 0.0, simulated: bo
         position=(motion + noise)[:, None],
         torque=np.zeros((N, 1)),
         valid=np.ones(N, dtype=bool),
-        simulated=simulated,
+        imported=imported,
     )
 
 
@@ -81,8 +81,8 @@ def test_jitter_of_the_clock_grows_with_speed(robot: Robot, still: bool) -> None
 
 
 def test_only_logs_of_real_machines_get_a_signal_tolerance(robot: Robot) -> None:
-    assert measure_noise(record_of(white(), still=True, simulated=True), robot).signal_tolerance == 0.0
-    assert measure_noise(record_of(white(), still=True, simulated=False), robot).signal_tolerance == SIGNAL_TOLERANCE
+    assert measure_noise(record_of(white(), still=True, imported=False), robot).signal_tolerance == 0.0
+    assert measure_noise(record_of(white(), still=True, imported=True), robot).signal_tolerance == SIGNAL_TOLERANCE
 
 
 def test_log_without_noise_takes_that_of_the_robot_file(robot: Robot) -> None:
@@ -94,7 +94,7 @@ def test_log_without_noise_takes_that_of_the_robot_file(robot: Robot) -> None:
 
 
 def test_implausibly_quiet_positions_of_a_real_machine_get_the_noise_of_the_robot_file(robot: Robot) -> None:
-    noise = measure_noise(record_of(white(0.1 * SIGMA), still=True, simulated=False), robot)
+    noise = measure_noise(record_of(white(0.1 * SIGMA), still=True, imported=True), robot)
     assert noise.standard_deviation[0] == robot.encoder_noise[0]
     assert noise.source == ("robot file",)
     assert len(noise.warnings) == 1
