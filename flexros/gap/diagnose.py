@@ -92,7 +92,7 @@ def diagnose(
     found = Findings(model, data, fit_data(held, model, numbers), explanations)
     stages.begin("places", 1.0)
     before = found.explanation(explanations.evidence.nothing)
-    places = where(before.fit, fitted, model.robot, numbers.seed) if numbers.where else None
+    places = where(before.fit, data.record, model.robot, numbers.seed) if numbers.where else None
     stages.end()
     return result_of(found, before, places, {**asdict(numbers), **dict(tolerance or {})}, stages.timings)
 
@@ -122,8 +122,10 @@ def fit_data(record: GapRecord, model: RobotWithEffects, settings: DiagnosisSett
     pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
     measurement = measurement_of(record, robot)
 
+    tolerated = measurement.signal_tolerance * np.std(record.torque, axis=0) if measurement.signal_tolerance else None
+
     def gain_at(level: float) -> ObserverGain:
-        return observer_gain(robot, record.sample_time, level, measurement.deviation, pose)
+        return observer_gain(robot, record.sample_time, level, measurement.deviation, pose, tolerated=tolerated)
 
     nominal = Predictor(model, (), Tolerance(), record.sample_time, measured_torque=record.measured_torque)
     start = robot.equilibrium(motor_position=record.position[0])

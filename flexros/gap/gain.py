@@ -26,10 +26,11 @@ class ObserverGain:
 
     Attributes:
         gain: K, shape (2 n, M) for the state [q, v] of n coordinates.
-        spread: Standard deviation of the prediction errors when there is measurement noise alone [rad or m], (M,).
+        spread: Standard deviation of the prediction errors without gap [rad or m], shape (M,).
         transition: Matrix of the error dynamics, e_x <- F (e_x) per sample, shape (2 n, 2 n).
         motion: Matrix of the motion over a sample without correction, shape (2 n, 2 n).
-        error: Covariance of the corrected states when there is measurement noise alone, shape (2 n, 2 n).
+        taken: Covariance that tolerated torques add to the states per sample, shape (2 n, 2 n).
+        error: Covariance of the corrected states without gap, shape (2 n, 2 n).
         readout: Matrix from states to motor positions, shape (M, 2 n).
         noise: Standard deviation of the measurement noise [rad or m], shape (M,).
         settling: Samples until an error of the start has decayed to a thousandth.
@@ -39,6 +40,7 @@ class ObserverGain:
     spread: FloatArray
     transition: FloatArray
     motion: FloatArray
+    taken: FloatArray
     error: FloatArray
     readout: FloatArray
     noise: FloatArray
@@ -53,13 +55,21 @@ class ObserverGain:
         Returns:
             Standard deviations [rad or m], shape (M,).
         """
-        C = self.readout @ np.linalg.matrix_power(self.motion, samples)
-        result: FloatArray = np.sqrt(np.diag(C @ self.error @ C.T) + self.noise**2)
+        covariance = self.error
+        for _ in range(samples):
+            covariance = self.motion @ covariance @ self.motion.T + self.taken
+        result: FloatArray = np.sqrt(np.diag(self.readout @ covariance @ self.readout.T) + self.noise**2)
         return result
 
 
 def observer_gain(
-    robot: Robot, sample_time: float, level: float, noise: FloatArray, q_a: FloatArray | None = None
+    robot: Robot,
+    sample_time: float,
+    level: float,
+    noise: FloatArray,
+    q_a: FloatArray | None = None,
+    *,
+    tolerated: FloatArray | None = None,
 ) -> ObserverGain:
     """Compute the gain of the stationary Kalman filter.
 
@@ -73,6 +83,8 @@ def observer_gain(
         level: Level of the torque noise [1]; the smaller, the finer the effects that show.
         noise: Standard deviation of the encoder noise [rad or m], shape (M,).
         q_a: Arm coordinates of the pose [rad or m], shape (N,); default: home.
+        tolerated: White torque noise at the motors that counts as no gap [Nm or N], shape (M,); it replaces that of the
+            level where it is larger, and is part of the spread. None for an exact model.
 
     Returns:
         Gain and error dynamics.
@@ -85,14 +97,19 @@ def observer_gain(
     C = measurement[:M]
     share = np.where(np.arange(n) < robot.n_arm, ARM_SHARE, 1.0)
     torque = level * np.diag(model.mass) / sample_time**2 * share * np.sqrt(REFERENCE_STEP / sample_time)
-    G = np.vstack([np.zeros((n, n)), np.linalg.inv(model.mass) * torque * sample_time])
+    allowed = np.zeros(n)
+    if tolerated is not None:
+        allowed[list(robot.chain.motor_places)] = tolerated / unit
+    torque = np.maximum(torque, allowed)
+    inverse = np.linalg.inv(model.mass) * sample_time
+    G, taken = (np.vstack([np.zeros((n, n)), inverse * size]) for size in (torque, allowed))
     F = expm(A * sample_time)
     R = np.diag((np.asarray(noise, dtype=float) / unit) ** 2)
     P = solve_discrete_are(F.T, C.T, G @ G.T, R)
     K = P @ C.T @ np.linalg.inv(C @ P @ C.T + R)
     keep = np.eye(2 * n) - K @ C
     transition = F @ keep
-    predicted = solve_discrete_lyapunov(transition, F @ K @ R @ K.T @ F.T)
+    predicted = solve_discrete_lyapunov(transition, F @ K @ R @ K.T @ F.T + taken @ taken.T)
     corrected = keep @ predicted @ keep.T + K @ R @ K.T
     spread = unit * np.sqrt(np.diag(C @ predicted @ C.T + R))
     slowest = float(np.abs(np.linalg.eigvals(transition)).max())
@@ -101,6 +118,7 @@ def observer_gain(
         spread=spread,
         transition=transition,
         motion=F,
+        taken=unit**2 * taken @ taken.T,
         error=unit**2 * corrected,
         readout=C,
         noise=np.asarray(noise, dtype=float),

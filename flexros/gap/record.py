@@ -36,6 +36,7 @@ class GapRecord:
         tool: What a tool tracker saw; None where there was none.
         measured_torque: Whether the torques were measured at the motor, so that no delay lies before them.
         simulated: Whether the log was made by this program's plant, as its provenance says.
+        imported: Whether the log was imported from files of a real machine, whose model is never exact.
         warnings: What was repaired or is doubtful, a sentence each.
     """
 
@@ -48,6 +49,7 @@ class GapRecord:
     tool: ToolRecord | None = None
     measured_torque: bool = False
     simulated: bool = False
+    imported: bool = False
     warnings: tuple[str, ...] = ()
 
     @property
@@ -86,5 +88,6 @@ class GapRecord:
             tool=tool,
             measured_torque=self.measured_torque,
             simulated=self.simulated,
+            imported=self.imported,
             warnings=self.warnings,
         )

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from flexros.gap.hypothesis import Hypothesis, Suspect
     from flexros.gap.yardsticks import Yardsticks
 
+HUGE = 1e200
+"""Sum of squared changes beyond which a start has run away [1]."""
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 FEW, MANY = 4, 20
@@ -191,13 +193,14 @@ class Search:
         best, place = -np.inf, 0
         for begin in range(0, starts.shape[1], 8):
             errors = self.data.residuals(predictor, starts[:, begin : begin + 8])
-            change = np.where(np.isfinite(errors), errors, 0.0) - residual[:, None]
+            finite = np.all(np.isfinite(errors), axis=0)
+            change = np.where(finite, errors, residual[:, None]) - residual[:, None]
             change -= (
                 slopes @ np.linalg.lstsq(slopes.T @ slopes, slopes.T @ change, rcond=None)[0] if slopes.size else 0
             )
             along = -(residual @ change)
-            length = np.einsum("ij,ij->j", change, change) + 1e-12
-            gains = np.where(along > 0, along**2 / length, 0.0)
+            length = np.einsum("ij,ij->j", change, change)
+            gains = np.where((along > 0) & (length < HUGE), along**2 / np.maximum(length, 1e-12), 0.0)
             # a start that already lowers the sum counts for what it does, a far one for what its direction promises
             if gains.max() > best:
                 best, place = float(gains.max()), begin + int(np.argmax(gains))

@@ -39,6 +39,7 @@ class Measurement:
         jitter: Standard deviation of the sampling instants [s].
         quantizations: Encoders whose rounding matters.
         floor_error: Relative standard deviation of the variance of the noise [1]; zero where it is as declared.
+        signal_tolerance: Share of the rms of a torque that counts as no gap [1].
         warnings: What was noticed, a sentence each.
     """
 
@@ -48,6 +49,7 @@ class Measurement:
     jitter: float
     quantizations: tuple[Quantization, ...]
     floor_error: float
+    signal_tolerance: float
     warnings: tuple[str, ...]
 
 
@@ -76,6 +78,7 @@ def measurement_of(record: GapRecord, robot: Robot) -> Measurement:
         jitter=noise.jitter,
         quantizations=quantizations,
         floor_error=0.0 if plain and bool(np.all(near)) else MEASURED_ERROR,
+        signal_tolerance=noise.signal_tolerance,
         warnings=noise.warnings,
     )
 
