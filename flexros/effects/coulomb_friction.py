@@ -23,7 +23,8 @@ class CoulombFriction(AbstractDryFriction):
     """Coulomb friction at a motor, with true sticking.
 
     With level F and asymmetry a the torque on a moving motor is -F (1 + a/2) forward and +F (1 - a/2) backward; at
-    standstill it balances all other torques between these bounds.
+    standstill it balances all other torques between these bounds. A diagnosis finds an asymmetry as a torque bias beside
+    the friction, which is the same but at standstill.
     """
 
     name: ClassVar[str] = "coulomb_friction"
@@ -33,12 +34,7 @@ class CoulombFriction(AbstractDryFriction):
         "a missing torque of constant size against the motion, which changes sign at each reversal, and a motor that "
         "stops dead there"
     )
-    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
-        {
-            "level": Range("torque", 1e-5, 1.0, starts=8),
-            "asymmetry": Range("relative", 0.05, 2.0, starts=1, signed=True),
-        }
-    )
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({"level": Range("torque", 1e-5, 1.0, starts=8)})
 
     level: float = Field(0.0, ge=0.0, description="mean of both directions [Nm or N]")
     asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="(forward - backward) / mean [1]")

@@ -28,6 +28,7 @@ class MotorState:
         speed: Rate of the motor coordinate [rad/s or m/s], SX.
         torque: Torque that the motor gives now, behind saturation, gain and lag, disturbances included [Nm or N], SX.
         own: States of the law itself, SX (n_states, 1).
+        viscous_friction: Nominal viscous friction of the motor [Nm s/rad or N s/m].
     """
 
     position: ca.SX
@@ -35,6 +36,7 @@ class MotorState:
     speed: ca.SX
     torque: ca.SX
     own: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    viscous_friction: Value = 0.0
 
 
 class AbstractMotorLaw(AbstractLaw):

@@ -19,10 +19,11 @@ if TYPE_CHECKING:
 
 
 class ViscousFriction(AbstractMotorTorque):
-    """Viscous friction at a motor, beyond the nominal one.
+    """Viscous friction at a motor beyond the nominal one, and different friction in the two directions.
 
-    With coefficient f and asymmetry a the torque on the motor is -f (1 + a/2) v forward and -f (1 - a/2) v backward,
-    which is -f (v + a/2 |v|): the mean of the directions is f, their difference a f.
+    With coefficient f beside the nominal f_0 and asymmetry a, the whole friction torque on the motor is
+    -(f_0 + f) (1 + a/2) v forward and -(f_0 + f) (1 - a/2) v backward: the mean of the directions is f_0 + f, and their
+    difference a (f_0 + f). Nominal friction that differs in the two directions is an asymmetry without coefficient.
     """
 
     name: ClassVar[str] = "viscous_friction"
@@ -36,9 +37,15 @@ class ViscousFriction(AbstractMotorTorque):
         }
     )
 
-    coefficient: float = Field(0.0, ge=0.0, description="mean of both directions [Nm s/rad or N s/m]")
-    asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="(forward - backward) / mean [1]")
+    coefficient: float = Field(0.0, ge=0.0, description="beyond the nominal one, mean of both [Nm s/rad or N s/m]")
+    asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="of the whole friction: (forward - backward) / mean [1]")
+
+    @property
+    def neutral(self) -> bool:
+        """Whether the friction is the nominal one."""
+        return self.coefficient == 0 and self.asymmetry == 0
 
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
         """Brake in proportion to the speed."""
-        return -values["coefficient"] * (motor.speed + values["asymmetry"] / 2 * ca.fabs(motor.speed))
+        whole = motor.viscous_friction + values["coefficient"]
+        return -(values["coefficient"] * motor.speed + whole * values["asymmetry"] / 2 * ca.fabs(motor.speed))

@@ -72,7 +72,8 @@ class _Motor:
         self._sample_time = sample_time
         q, v, u = self._symbols = [ca.SX.sym(name) for name in "qvu"]
         turns = robot.chain.motor(number).gear_ratio.value if robot.spec.coordinates == "arm" else 1.0
-        self._state = MotorState(q, turns * q, v, u)
+        friction = robot.parameters[f"{robot.joint_names[number]}.viscous_friction"].value
+        self._state = MotorState(q, turns * q, v, u, viscous_friction=friction)
 
     @property
     def direction(self) -> FloatArray:

@@ -12,6 +12,7 @@ from flexros.effects.delay import Delay
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.effects.law import AbstractLaw
 from flexros.effects.model_change import AbstractChangedValues
+from flexros.gap.fractional_delay import delayed
 from flexros.simulate.loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 
@@ -219,27 +220,6 @@ class Predictor:
                     shifted = delayed(shifted, numbers["time"] / self.sample_time, motors)
             lanes.append(shifted)
         return np.stack(lanes, axis=-1)
-
-
-def delayed(torque: FloatArray, samples: float, motors: Sequence[int]) -> FloatArray:
-    """Delay torques by any number of samples; a sample gets the mean of what acts in it.
-
-    Args:
-        torque: Torques, each held from its sample to the next [Nm or N], shape (n, M).
-        samples: The delay [samples], zero or more.
-        motors: Numbers of the motors whose torques are delayed (0-based).
-
-    Returns:
-        Delayed torques, shape (n, M).
-    """
-    whole = int(np.floor(samples))
-    fraction = samples - whole
-    rows = np.arange(len(torque)) - whole
-    result = np.array(torque)
-    for motor in motors:
-        one = torque[:, motor]
-        result[:, motor] = (1 - fraction) * one[np.maximum(rows, 0)] + fraction * one[np.maximum(rows - 1, 0)]
-    return result
 
 
 def _is_law(suspect: Suspect) -> bool:

@@ -118,7 +118,9 @@ class PlantSymbols:
         number = law.motor
         place = self.robot.chain.motor_places[number]
         position, speed = self.q[place], self.v[place]
-        return MotorState(position, self.turns(number) * position, speed, torque[number], self.own(law))
+        angle = self.turns(number) * position
+        friction = self.robot_value(f"{law.location}.viscous_friction")
+        return MotorState(position, angle, speed, torque[number], self.own(law), friction)
 
     def joint(self, law: PlacedLaw) -> tuple[int, Joint]:
         """Return the arm coordinate at which a law of a spring sits, by its motor's or by its own name."""
