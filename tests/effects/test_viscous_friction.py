@@ -10,13 +10,35 @@ from flexros.robot import load_robot
 from flexros.simulate.plant import Plant
 
 
-@pytest.mark.parametrize(("speed", "coefficient"), [(0.5, 50 * 1.2), (-0.5, 50 * 0.8)])
-def test_speed_decays_with_the_coefficient_of_its_direction(speed: float, coefficient: float) -> None:
+def friction_beyond_nominal(speed: float, parameters: str) -> float:
+    """Coast from a speed: friction beyond the nominal one, relative to it."""
     robot = load_robot("emps")
     nominal = robot.parameters["motor_1.viscous_friction"].value
     mass = robot.parameters["motor_1.inertia"].value + robot.parameters["body_1.mass"].value
-    placed = place_effects(robot, [parse_effect("viscous_friction@motor_1:coefficient=50,asymmetry=0.4", "test")])
+    placed = place_effects(robot, [parse_effect(f"viscous_friction@motor_1:{parameters}", "test")])
     plant = Plant(placed.robot, 1e-3, np.array([0.0, speed]), laws=placed.laws)
     for _ in range(500):
         plant.advance([0.0])
-    assert plant.state[1] == pytest.approx(speed * np.exp(-(nominal + coefficient) / mass * 0.5), rel=1e-9)
+    whole = -mass * np.log(plant.state[1] / speed) / 0.5
+    return float(whole / nominal - 1)
+
+
+@pytest.mark.parametrize("speed", [0.5, -0.5])
+def test_coefficient_comes_on_top_of_the_nominal_one(speed: float) -> None:
+    nominal = load_robot("emps").parameters["motor_1.viscous_friction"].value
+    assert friction_beyond_nominal(speed, f"coefficient={0.25 * nominal}") == pytest.approx(0.25, rel=1e-8)
+
+
+@pytest.mark.parametrize(("speed", "sign"), [(0.5, 1), (-0.5, -1)])
+def test_asymmetry_is_of_the_whole_friction(speed: float, sign: int) -> None:
+    nominal = load_robot("emps").parameters["motor_1.viscous_friction"].value
+    relative = friction_beyond_nominal(speed, f"coefficient={0.25 * nominal},asymmetry=0.4")
+    assert 1 + relative == pytest.approx(1.25 * (1 + 0.2 * sign), rel=1e-8)
+
+
+@pytest.mark.parametrize(("speed", "sign"), [(0.5, 1), (-0.5, -1)])
+def test_asymmetry_without_coefficient_makes_the_nominal_friction_differ_in_the_directions(
+    speed: float, sign: int
+) -> None:
+    assert friction_beyond_nominal(speed, "asymmetry=0.4") == pytest.approx(0.2 * sign, rel=1e-7)
+    assert friction_beyond_nominal(speed, "asymmetry=-0.4") == pytest.approx(-0.2 * sign, rel=1e-7)
