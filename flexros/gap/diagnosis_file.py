@@ -54,7 +54,9 @@ class GapNumbers(Settings):
     after: float | None = Field(default=None, description="with the repaired model")
     noise_floor: float = Field(description="without any gap")
     best_rival: float | None = Field(default=None, description="with the best explanation that was not chosen")
-    closed_fraction: float | None = Field(default=None, description="(before - after) / (before - floor) [1]")
+    closed_fraction: float | None = Field(
+        default=None, description="(before - after) / (before - floor) [1]; none where the gap does not show"
+    )
     interval: tuple[float, float] | None = Field(default=None, description="95 % interval of the closed fraction [1]")
 
 

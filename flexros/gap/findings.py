@@ -144,10 +144,10 @@ class Findings:
         after, rival = (None if one is None else self.errors(one) for one in (chosen, self.best_rival))
         return signal_gaps(self.model.robot, self.errors_before, after, rival)
 
-    def closed(self, one: Fit) -> float:
-        """Compute the share of the gap that a model closes on held-out data."""
-        share, _ = closed_fraction(self.errors_before, self.errors(one), self.held.record.sample_time)
-        return share
+    def closed(self, one: Fit) -> float | None:
+        """Compute the share of the gap that a model closes on held-out data; None where the gap does not show there."""
+        share = closed_fraction(self.errors_before, self.errors(one), self.held.record.sample_time)
+        return None if share is None else share.value
 
     @cached_property
     def gap(self) -> GapNumbers:
@@ -156,7 +156,7 @@ class Findings:
         if not self.explanations.detected and not self.quantized:
             return GapNumbers(metric=METRIC, unit="1", before=before.mean, noise_floor=1.0)
         after = self.errors(self.explanations.chosen)
-        share, interval = closed_fraction(before, after, self.held.record.sample_time)
+        share = closed_fraction(before, after, self.held.record.sample_time)
         rival = None if self.best_rival is None else self.errors(self.best_rival).mean
         return GapNumbers(
             metric=METRIC,
@@ -165,8 +165,8 @@ class Findings:
             after=after.mean,
             noise_floor=1.0,
             best_rival=rival,
-            closed_fraction=share,
-            interval=interval,
+            closed_fraction=None if share is None else share.value,
+            interval=None if share is None else share.interval,
         )
 
 

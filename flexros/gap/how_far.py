@@ -22,6 +22,8 @@ BLOCK = 1.0
 """Length of the blocks that the interval is drawn from [s] (chosen)."""
 DRAWS = 400
 BOOTSTRAP_STREAM = 20
+SHOWS = 4.0
+"""Standard deviations of E without gap by which a gap must exceed the floor to be told in shares (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,11 +34,13 @@ class AheadErrors:
         squares: Squared errors, each over its floor, shape (n_windows, M).
         starts: Samples at which the predictions start, shape (n_windows,).
         floor: Standard deviation of the errors without gap [rad or m], shape (M,).
+        floor_error: Relative standard deviation of the variance of the noise [1]; zero where it is as declared.
     """
 
     squares: FloatArray
     starts: FloatArray
     floor: FloatArray
+    floor_error: float = 0.0
 
     @property
     def mean(self) -> float:
@@ -45,7 +49,7 @@ class AheadErrors:
 
     def over(self, floor: FloatArray) -> AheadErrors:
         """Refer the errors to another floor [rad or m], shape (M,)."""
-        return AheadErrors(self.squares * (self.floor / floor) ** 2, self.starts, floor)
+        return AheadErrors(self.squares * (self.floor / floor) ** 2, self.starts, floor, self.floor_error)
 
 
 def errors_ahead(found: Fit, data: FitData) -> AheadErrors:
@@ -69,13 +73,27 @@ def errors_ahead(found: Fit, data: FitData) -> AheadErrors:
     positions = predictor.ahead(found.theta, record, prediction.states[:, :, 0], starts, horizon)
     floor = data.gain.ahead(horizon)
     squares = ((record.position[starts + horizon] - positions) / floor) ** 2
-    return AheadErrors(squares, starts, floor)
+    return AheadErrors(squares, starts, floor, data.measurement.floor_error)
 
 
-def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float) -> tuple[float, tuple[float, float]]:
+@dataclass(frozen=True)
+class ClosedShare:
+    """The share of a gap that a repair closes.
+
+    Attributes:
+        value: (E_before - E_after) / (E_before - 1) [1].
+        interval: Its 95 % interval [1].
+    """
+
+    value: float
+    interval: tuple[float, float]
+
+
+def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float) -> ClosedShare | None:
     """Compute the share of the gap that is closed, with a 95 % interval from blocks of the log drawn anew.
 
-    (E_before - E_after) / (E_before - 1), both of the same log.
+    (E_before - E_after) / (E_before - 1), both of the same log. A gap that exceeds the floor by no more than
+    noise may make it has no share: the quotient would be one of two noises.
 
     Args:
         before: Errors of the nominal model.
@@ -83,7 +101,7 @@ def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float)
         sample_time: Time between two samples [s].
 
     Returns:
-        The share and its interval.
+        The share and its interval; None where the gap does not show in these errors.
     """
     of_blocks = (before.starts * sample_time / BLOCK).astype(int)
     blocks = np.unique(of_blocks)
@@ -91,10 +109,18 @@ def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float)
     counts = np.array([np.sum(of_blocks == block) for block in blocks], dtype=float)
     draws = generator(0, BOOTSTRAP_STREAM).integers(0, len(blocks), size=(DRAWS, len(blocks)))
     means = (sums * counts)[:, draws].sum(axis=-1) / counts[draws].sum(axis=-1)
-    shares = (means[0] - means[1]) / np.maximum(means[0] - 1.0, 1e-12)
-    low, high = np.quantile(shares, [0.025, 0.975])
-    return _share(before.mean, after.mean), (float(low), float(high))
+    least = SHOWS * _sampling_error(before)
+    if before.mean - 1.0 <= least:
+        return None
+    means = means[:, means[0] - 1.0 > least]
+    low, high = np.quantile((means[0] - means[1]) / (means[0] - 1.0), [0.025, 0.975])
+    return ClosedShare((before.mean - after.mean) / (before.mean - 1.0), (float(low), float(high)))
 
 
-def _share(before: float, after: float) -> float:
-    return (before - after) / max(before - 1.0, 1e-12)
+def _sampling_error(errors: AheadErrors) -> float:
+    """Return the standard deviation of E without gap, from noise and the error of the floor.
+
+    Windows that overlap count as one, which is on the safe side: most of the error is noise of the last sample.
+    """
+    independent = max(errors.squares.size * SPACING / HORIZON, 1.0)
+    return float(np.hypot(np.sqrt(2.0 / independent), errors.floor_error))

@@ -63,15 +63,15 @@ def measure_gap(
         numbers = GapNumbers(metric=METRIC, unit="1", before=before.mean, noise_floor=1.0)
         return MeasuredGap(numbers, significant)
     after, significant = _errors(repaired, data, tolerance or {})
-    share, interval = closed_fraction(before, after, record.sample_time)
+    share = closed_fraction(before, after, record.sample_time)
     numbers = GapNumbers(
         metric=METRIC,
         unit="1",
         before=before.mean,
         after=after.mean,
         noise_floor=1.0,
-        closed_fraction=share,
-        interval=interval,
+        closed_fraction=None if share is None else share.value,
+        interval=None if share is None else share.interval,
     )
     return MeasuredGap(numbers, significant)
 

@@ -27,7 +27,8 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
         truth: What is hidden in it.
 
     Returns:
-        Closed fraction [1]; None where nothing, or more than one effect, or one that is no matter of fitting is hidden.
+        Closed fraction [1]; None where nothing, or more than one effect, or one that is no matter of fitting is hidden,
+        or where the gap does not show on the second log.
     """
     from flexros.gap.diagnose import fit_data
     from flexros.gap.how_far import closed_fraction, errors_ahead
@@ -50,7 +51,8 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     if not fits:
         return None
     before, after = errors_ahead(nothing, held), errors_ahead(fits[0], held)
-    return closed_fraction(before, after, held.record.sample_time)[0]
+    share = closed_fraction(before, after, held.record.sample_time)
+    return None if share is None else share.value
 
 
 def _true(search: Search, among: Sequence[Suspect], truth: Truth) -> list[Suspect]:

@@ -38,7 +38,9 @@ class HowFarSection(AbstractDiagnosisSection):
 
 def _sentence(gap: GapNumbers) -> str:
     text = f"The gap number is {gap.metric}; 'floor' is what it would be without any gap."
-    if gap.closed_fraction is None or not shows(gap):
+    if gap.after is not None and (gap.closed_fraction is None or not shows(gap)):
+        return f"{text} The gap before is within its own sampling error of the floor, so no share of it is told."
+    if gap.closed_fraction is None:
         return text
     within = interval_words(gap.interval).replace("(", "(95 % interval ")
     return f"{text} The repaired model closes {closed_words(gap.closed_fraction)} of it{within}."

@@ -108,12 +108,12 @@ def _in(cause: Cause, places: Sequence[Place]) -> bool:
 
 
 def _closed(gap: GapNumbers) -> str:
-    if gap.after is None or gap.closed_fraction is None:
+    if gap.after is None:
         return ""
     sizes = (
         f"{_size(gap, gap.before)} before, {number(gap.after, 3)} after, {number(gap.noise_floor, 3)} without any gap"
     )
-    if not shows(gap):
+    if gap.closed_fraction is None or not shows(gap):
         return f"It is too small to show in predictions of held-out data: {sizes}."
     if gap.closed_fraction <= 0:
         return f"On held-out data the repaired model does not close the gap: {sizes}."

@@ -75,3 +75,12 @@ def test_no_share_is_told_of_a_gap_below_the_floor(diagnosed: Diagnosed) -> None
         "too small to show in predictions of held-out data: 0.800 before, 0.700 after, 1 without any gap."
     )
     assert gap_line(gap).endswith("0.8000 before, 0.7000 after, floor 1, best rival 2.900")
+
+
+def test_no_share_is_told_of_a_gap_within_its_sampling_error(diagnosed: Diagnosed) -> None:
+    diagnosis = diagnosed("explained").diagnosis
+    gap = diagnosis.gap.model_copy(update={"before": 1.04, "after": 1.01, "closed_fraction": None, "interval": None})
+    text = verdict_sentence(diagnosis.model_copy(update={"gap": gap}))
+    assert text.endswith(
+        "too small to show in predictions of held-out data: 1.04 before, 1.01 after, 1 without any gap."
+    )
