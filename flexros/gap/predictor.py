@@ -137,7 +137,7 @@ class Predictor:
         """
         sets = [np.asarray(thetas)[:, min(lane, np.shape(thetas)[1] - 1)] for lane in range(LANES)]
         columns = np.stack([self._column(theta) for theta in sets], axis=-1)
-        plant = self.model.start(start, record.torque[0], columns[:, 0])
+        plant = self.model.start(start, record.torque[0], columns[:, 0], time=record.begin)
         return self.loop.run(
             plant,
             columns,

@@ -37,6 +37,7 @@ class GapRecord:
         measured_torque: Whether the torques were measured at the motor, so that no delay lies before them.
         simulated: Whether the log was made by this program's plant, as its provenance says.
         imported: Whether the log was imported from files of a real machine, whose model is never exact.
+        begin: Time of the first sample since the log began [s], for what changes with time; zero but for a part.
         warnings: What was repaired or is doubtful, a sentence each.
     """
 
@@ -50,6 +51,7 @@ class GapRecord:
     measured_torque: bool = False
     simulated: bool = False
     imported: bool = False
+    begin: float = 0.0
     warnings: tuple[str, ...] = ()
 
     @property
@@ -70,7 +72,7 @@ class GapRecord:
             end: Sample behind its last.
 
         Returns:
-            The part; its time starts at zero again.
+            The part; its time starts at zero again, and it knows when it began.
         """
         tool = self.tool
         if tool is not None:
@@ -89,5 +91,6 @@ class GapRecord:
             measured_torque=self.measured_torque,
             simulated=self.simulated,
             imported=self.imported,
+            begin=self.begin + first * self.sample_time,
             warnings=self.warnings,
         )
