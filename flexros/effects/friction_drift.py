@@ -40,7 +40,7 @@ class FrictionDrift(AbstractMotorTorque, AbstractDryFriction):
         {
             "coulomb": Range("torque", 1e-3, 0.5, starts=1, signed=True),
             "viscous": Range("torque/speed", 1e-3, 0.5, starts=1, signed=True),
-            "time_constant": Range("time", 1.0, 1000.0, starts=3),
+            "time_constant": Range("time", 3.0, 1000.0, starts=3),
         }
     )
 

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.effects.command_law import AbstractCommandLaw
+from flexros.effects.gravity_error import GravityError
 from flexros.effects.model_change import AbstractChangedValues
+from flexros.effects.tool_error import AbstractToolError
+from flexros.effects.torque_bias import TorqueBias
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,6 +27,8 @@ TEMPER_PLAIN = 2e-4
 """Share of the gap by which effects that are one number of the model may be wrong in form [1] (development seeds)."""
 TEMPER_SHAPED = 2e-3
 """The same for effects with a law of their own: friction, gap, spring law, ripple [1] (development seeds)."""
+PLAIN = (AbstractChangedValues, AbstractCommandLaw, AbstractToolError, TorqueBias, GravityError)
+"""Kinds of effects without a shape of their own."""
 SIGNIFICANT = 4.0
 """Standard deviations of V without gap beyond which something is left [1] (development seeds)."""
 DETECTED = 6.0
@@ -87,8 +94,8 @@ class Evidence:
     def probabilities(self, among: Sequence[Fit]) -> FloatArray:
         """Distribute probability over rival explanations.
 
-        ln p = -(V - V_min) / (2 V_min / N + eps G) - 3 p, with the gap G = V_0 - V_min and eps as the form of the
-        effect allows: the stronger the gap, the more of it may be error of form.
+        ln p = -(V - V_min) / (2 V_min / N + eps G) - 3 p: the gap G is what the effects close in which an explanation
+        differs from the best one, and eps is the share of it that may be error of their form.
 
         Args:
             among: The rivals; the nominal model may be one of them.
@@ -96,21 +103,38 @@ class Evidence:
         Returns:
             Probabilities that add up to 1, shape (len(among),).
         """
+        best = min(among, key=lambda one: one.chi2)
         levels = np.array([self.level(one) for one in among])
-        lowest = float(levels.min())
-        gap = max(self.level(self.nothing) - lowest, 0.0)
-        temper = np.array([0.0 if not one.predictor.hypothesis else self._temper(one) for one in among])
+        lowest = self.level(best)
+        temper = np.array([self._temper(one, best) for one in among])
         costs = np.array([one.predictor.n_effect for one in among])
-        logarithm = -(levels - lowest) / (2 * lowest / self.n_values + temper * gap) - PER_PARAMETER * costs
+        logarithm = -(levels - lowest) / (2 * lowest / self.n_values + temper) - PER_PARAMETER * costs
         weights = np.exp(logarithm - logarithm.max())
         probabilities: FloatArray = weights / weights.sum()
         return probabilities
 
-    def _temper(self, one: Fit) -> float:
-        plain = all(is_plain(suspect) for suspect in one.predictor.hypothesis)
-        return TEMPER_PLAIN if plain else TEMPER_SHAPED
+    def ranked(self, among: Sequence[Fit]) -> list[Fit]:
+        """Sort explanations by probability, those of none by their sums of squares."""
+        probabilities = self.probabilities(among)
+        order = np.lexsort((np.array([one.chi2 for one in among]), -probabilities))
+        return [among[place] for place in order]
+
+    def _temper(self, one: Fit, best: Fit) -> float:
+        """Return the error of form that the effects may have in which two explanations differ."""
+        mine, theirs = ({suspect.name: suspect for suspect in fit.predictor.hypothesis} for fit in (one, best))
+        differing = [{**mine, **theirs}[name] for name in mine.keys() ^ theirs.keys()]
+        if not mine or not differing:
+            return 0.0
+        common = self._fits_by_names.get(frozenset(mine.keys() & theirs.keys()), self.nothing)
+        gap = max(self.level(common) - self.level(best), 0.0)
+        return gap * (TEMPER_PLAIN if all(is_plain(suspect) for suspect in differing) else TEMPER_SHAPED)
+
+    @cached_property
+    def _fits_by_names(self) -> dict[frozenset[str], Fit]:
+        found = {frozenset(suspect.name for suspect in one.predictor.hypothesis): one for one in reversed(self.fits)}
+        return {**found, frozenset(): self.nothing}
 
 
 def is_plain(suspect: Suspect) -> bool:
-    """Tell whether an effect is a wrong number of the model, without a law of its own."""
-    return issubclass(suspect.effect, AbstractChangedValues)
+    """Tell whether an effect is one number of the model or of the signals, without a shape of its own."""
+    return issubclass(suspect.effect, PLAIN)

@@ -11,6 +11,7 @@ import numpy as np
 from flexros.effects import PlacedEffect
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.diagnosis_file import GapNumbers, Place
+from flexros.gap.evidence import SIGNIFICANT, Evidence
 from flexros.gap.explain import RIVAL, UNEXPLAINED
 from flexros.gap.fitted_numbers import placed
 from flexros.gap.how_far import closed_fraction, errors_ahead
@@ -60,12 +61,20 @@ class Findings:
         """The answer in a word."""
         found = self.explanations
         if not found.detected:
-            if found.evidence.significant(found.chosen):
+            if found.evidence.significant(found.chosen) or self.held_out_gap:
                 return "unknown_effect"
             return "explained" if self.quantized else "no_gap"
         if found.left > UNEXPLAINED:
             return "unknown_effect"
         return "ambiguous" if len(self.rivals) else "explained"
+
+    @cached_property
+    def held_out_gap(self) -> bool:
+        """Whether the nominal model leaves more than noise in the held-out log."""
+        nothing = self.explanations.evidence.nothing
+        residual = self.held.residuals(nothing.predictor, nothing.theta[:, None])
+        held = Evidence(nothing, (), self.held.n_values, self.held.measurement.floor_error)
+        return float(np.sum(residual**2)) / self.held.n_values - 1.0 > SIGNIFICANT * held.spread
 
     @cached_property
     def quantized(self) -> tuple[Quantization, ...]:

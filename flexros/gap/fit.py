@@ -86,7 +86,13 @@ def starts_of(predictor: Predictor, known: FloatArray | None = None) -> FloatArr
     return np.vstack([first, grid, np.zeros((len(predictor.tolerance.names), grid.shape[1]))])
 
 
-def fit(predictor: Predictor, data: FitData, start: FloatArray, iterations: int = 12) -> Fit:
+def fit(
+    predictor: Predictor,
+    data: FitData,
+    start: FloatArray,
+    iterations: int = 12,
+    tolerance_slopes: FloatArray | None = None,
+) -> Fit:
     """Find the numbers of least squares near a start (Levenberg 1944, Marquardt 1963).
 
     Derivatives are differences, side by side in the lanes of the predictor; eight dampings are tried at once.
@@ -96,13 +102,15 @@ def fit(predictor: Predictor, data: FitData, start: FloatArray, iterations: int 
         data: Log and weights.
         start: Numbers to start from, shape (n_fitted,).
         iterations: Most iterations.
+        tolerance_slopes: Derivatives to the tolerated deviations that are held, which saves most of the work, shape
+            (n_values, n_tolerated); None to compute them anew in each iteration.
     """
     theta, low, high = np.array(start, dtype=float), *predictor.bounds
     theta = np.clip(theta, low, high)
     chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
     while done < iterations:
         done += 1
-        line = linearise(predictor, data, theta)
+        line = linearise(predictor, data, theta, tolerance_slopes)
         chi2, information = line.chi2, line.information
         if not np.isfinite(chi2) or not len(theta):
             break
@@ -140,15 +148,18 @@ class Linearised:
     information: FloatArray
 
 
-def linearise(predictor: Predictor, data: FitData, theta: FloatArray) -> Linearised:
+def linearise(
+    predictor: Predictor, data: FitData, theta: FloatArray, tolerance_slopes: FloatArray | None = None
+) -> Linearised:
     """Linearise the prediction errors by differences.
 
     Args:
         predictor: The hypothesis.
         data: Log and weights.
         theta: Numbers, shape (n_fitted,).
+        tolerance_slopes: As for `fit`.
     """
-    P = len(theta)
+    P = len(theta) if tolerance_slopes is None else predictor.n_effect
     _, high = predictor.bounds
     signs = np.where(theta + STEP > high, -1.0, 1.0)
     base: FloatArray | None = None
@@ -163,7 +174,8 @@ def linearise(predictor: Predictor, data: FitData, theta: FloatArray) -> Lineari
         slopes += [signs[number] / STEP * (residual[:, lane + 1] - base) for lane, number in enumerate(group)]
     assert base is not None
     J = np.stack(slopes, axis=-1) if slopes else np.zeros((len(base), 0))
-    prior = np.zeros(P)
+    J = J if tolerance_slopes is None else np.hstack([J, tolerance_slopes])
+    prior = np.zeros(len(theta))
     prior[predictor.n_effect :] = 1.0
     if not np.all(np.isfinite(J)):
         J = np.where(np.isfinite(J), J, 0.0)

@@ -22,6 +22,8 @@ ENTRIES: dict[str, tuple[tuple[Entry, tuple[tuple[str, bool], ...]], ...]] = {
     "transmission_error": (("gear", ()),),
 }
 """Where the wave of each periodic effect enters, and what else is set with it."""
+LARGEST_PROPORTIONAL = 0.99
+"""Largest amplitude of a ripple relative to the torque; such ripples are below 1 [1] (chosen)."""
 
 
 def periodic_suspects(
@@ -48,14 +50,16 @@ def periodic_suspects(
         for location in effect().locations(robot):
             for entry, fixed in ways:
                 waves = search.search(robot.joint_names.index(location), entry, number)
-                found += [Suspect(effect, location, _free(wave), fixed) for wave in waves]
+                most = LARGEST_PROPORTIONAL if fixed else float("inf")
+                found += [Suspect(effect, location, _free(wave, most), fixed) for wave in waves]
     return tuple(found)
 
 
-def _free(wave: PeriodicFit) -> tuple[FreeParameter, ...]:
-    amplitude = max(wave.amplitude, 1e-15)
+def _free(wave: PeriodicFit, most: float) -> tuple[FreeParameter, ...]:
+    amplitude = min(max(wave.amplitude, 1e-15), most)
+    high = min(amplitude * 1e4, most)
     return (
-        FreeParameter("amplitude", amplitude * 1e-4, amplitude * 1e4, signed=False, starts=(amplitude,)),
+        FreeParameter("amplitude", amplitude * 1e-4, high, signed=False, starts=(amplitude,)),
         FreeParameter("order", wave.order / 1.5, wave.order * 1.5, signed=False, starts=(wave.order,)),
         FreeParameter("phase", 0.0, 2 * np.pi, signed=True, starts=(wave.phase,)),
     )

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from flexros.effects.tool_error import AbstractToolError
-from flexros.gap.fit import Fit, best_of, chi2_of, fit, linearise, starts_of
+from flexros.gap.fit import Fit, Linearised, best_of, chi2_of, fit, linearise, starts_of
 from flexros.gap.hypothesis import suspects
 from flexros.gap.periodic_suspects import periodic_suspects
-from flexros.gap.predictor import Predictor
+from flexros.gap.predictor import LANES, Predictor
 from flexros.gap.tolerance import Tolerance
 from flexros.gap.yardsticks import yardsticks
 
@@ -30,11 +30,11 @@ HUGE = 1e200
 """Sum of squared changes beyond which a start has run away [1]."""
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-FEW, MANY = 4, 20
-"""Iterations of a fit at first, and where it is among the best (chosen)."""
+FEW, SOME, MANY = 4, 8, 20
+"""Iterations of a fit at first, of several effects together, and where it is among the best (chosen)."""
 SETTLED = 3
 """A fit that needs no more iterations than this needs no second start (chosen)."""
-FINISHED = 8
+FINISHED = 6
 """Fits that are carried to their end (chosen)."""
 FIRSTS = 3
 """Best single effects that others are added to (chosen)."""
@@ -52,6 +52,8 @@ class Search:
         tolerance: Numbers of the robot that are known with a tolerance only.
         progress: Called with the name of the stage and the share of it that is done.
         threads: Fits at the same time.
+        tolerance_slopes: Derivatives of the prediction errors of the nominal model to its tolerated deviations, from
+            the fit of single effects on, shape (n_values, n_tolerated); None where nothing is tolerated.
     """
 
     model: RobotWithEffects
@@ -59,6 +61,7 @@ class Search:
     tolerance: Tolerance = field(default_factory=Tolerance)
     progress: Callable[[str, float], None] | None = None
     threads: int = field(default_factory=lambda: os.cpu_count() or 1)
+    tolerance_slopes: FloatArray | None = None
 
     def predictor(self, hypothesis: Hypothesis) -> Predictor:
         """Build the predictor of a hypothesis for this log."""
@@ -112,6 +115,8 @@ class Search:
             Fits, the best first.
         """
         deviations = nothing.theta[nothing.predictor.n_effect :]
+        if len(deviations):
+            self.tolerance_slopes = linearise(nothing.predictor, self.data, nothing.theta).slopes
 
         def one(suspect: Suspect) -> Fit:
             predictor = self.predictor((suspect,))
@@ -141,10 +146,10 @@ class Search:
     def _from_grid(self, predictor: Predictor, starts: FloatArray) -> Fit:
         """Fit from the best start for a few iterations, and from the second best where it is not far worse."""
         order = np.argsort(chi2_of(predictor, self.data, starts))[:2]
-        first = fit(predictor, self.data, starts[:, order[0]], FEW)
+        first = self._quick(predictor, starts[:, order[0]])
         if len(order) < 2 or (first.converged and first.iterations <= SETTLED):
             return first
-        return best_of([first, fit(predictor, self.data, starts[:, order[1]], FEW)])
+        return best_of([first, self._quick(predictor, starts[:, order[1]])])
 
     def _finished(self, found: Sequence[Fit]) -> list[Fit]:
         """Carry the best fits to their end."""
@@ -152,59 +157,74 @@ class Search:
         best = self._parallel("best effects", self._continued, ranked[:FINISHED])
         return sorted([*best, *ranked[FINISHED:]], key=lambda one: one.chi2)
 
-    def _continued(self, one: Fit) -> Fit:
-        return one if one.converged else fit(one.predictor, self.data, one.theta, MANY)
+    def _quick(self, predictor: Predictor, start: FloatArray) -> Fit:
+        """Fit for a few iterations, with derivatives to tolerated deviations as they are without effects."""
+        return fit(predictor, self.data, start, FEW, self.tolerance_slopes)
 
-    def beside(self, first: Fit, sizes: Yardsticks) -> list[Fit]:
-        """Fit every promising suspect beside what was found.
+    def _continued(self, one: Fit) -> Fit:
+        if one.converged and self.tolerance_slopes is None:
+            return one
+        return fit(one.predictor, self.data, one.theta, MANY)
+
+    def beside(self, firsts: Sequence[Fit], nothing: Fit, sizes: Yardsticks) -> list[Fit]:
+        """Fit the most promising suspects beside each of some explanations.
 
         Args:
-            first: The fitted hypothesis.
+            firsts: Fitted explanations, the best first.
+            nothing: The fitted nominal model.
             sizes: Largest torques, speeds and deflections of the log.
 
         Returns:
-            Fits of both together, the best first.
+            Fits of each together with another suspect, the best first.
         """
-        residual, slopes = self.residual(first), directions(first, self.data)
-        among = self.suspects(first, sizes)
+        lines = [linearise(first.predictor, self.data, first.theta) for first in firsts]
+        plain = self.residual(nothing)
 
-        def promise(suspect: Suspect) -> tuple[float, Fit]:
-            return self._promise(first, residual, slopes, suspect)
+        def promises(suspect: Suspect) -> list[tuple[float, FloatArray]]:
+            return self._promises(suspect, nothing, plain, lines)
 
-        screened = self._parallel("second effects", promise, among)
-        screened.sort(key=lambda one: -one[0])
+        among = self.suspects(firsts[0], sizes)
+        screened = self._parallel("further effects", promises, among)
+        pairs: list[tuple[Fit, Suspect, FloatArray]] = []
+        for place, first in enumerate(firsts):
+            held = {suspect.name for suspect in first.predictor.hypothesis}
+            order = np.argsort([-found[place][0] for found in screened], kind="stable")
+            others = [number for number in order if among[number].name not in held][:SECONDS]
+            pairs += [(first, among[number], screened[number][place][1]) for number in others]
+        return self._finished(self._parallel("effects together", lambda pair: self._together(*pair), pairs))
 
-        def both(start: Fit) -> Fit:
-            return fit(start.predictor, self.data, start.theta)
-
-        fits = self._parallel("pairs", both, [start for _, start in screened[:SECONDS]])
-        return sorted(fits, key=lambda one: one.chi2)
-
-    def _promise(self, first: Fit, residual: FloatArray, slopes: FloatArray, suspect: Suspect) -> tuple[float, Fit]:
+    def _promises(
+        self, suspect: Suspect, nothing: Fit, plain: FloatArray, lines: Sequence[Linearised]
+    ) -> list[tuple[float, FloatArray]]:
         """Estimate the fall of the sum of squares when a suspect is added, by linear theory, and where to start.
 
-        Every start of the suspect gives a direction, how the errors change with it; the part of it that the fitted
-        numbers cannot imitate is what counts.
+        Every start of the suspect gives a direction, how the errors of the nominal model change with it; the part of it
+        that the numbers fitted so far cannot imitate is what counts. The best direction at any length tells what is
+        promised, the direction that lowers the sum most as it is tells where to start.
         """
+        predictor = self.predictor((suspect,))
+        starts = starts_of(predictor)
+        starts[predictor.n_effect :] = nothing.theta[nothing.predictor.n_effect :, None]
+        promised, lowered = np.zeros(len(lines)), np.full(len(lines), -np.inf)
+        chosen = [starts[: predictor.n_effect, 0]] * len(lines)
+        for begin in range(0, starts.shape[1], LANES):
+            errors = self.data.residuals(predictor, starts[:, begin : begin + LANES])
+            finite = np.all(np.isfinite(errors), axis=0)
+            change = np.where(finite, errors, plain[:, None]) - plain[:, None]
+            for place, line in enumerate(lines):
+                gains, falls = _gains(change, line)
+                lane = int(np.argmax(falls))
+                promised[place] = max(promised[place], float(gains.max()))
+                if falls[lane] > lowered[place]:
+                    lowered[place], chosen[place] = falls[lane], starts[: predictor.n_effect, begin + lane]
+        return list(zip(promised.tolist(), chosen))
+
+    def _together(self, first: Fit, suspect: Suspect, start: FloatArray) -> Fit:
+        """Fit an explanation together with another suspect."""
         predictor = self.predictor((*first.predictor.hypothesis, suspect))
         n_first = first.predictor.n_effect
-        starts = starts_of(predictor, first.theta[:n_first])
-        starts[predictor.n_effect :] = first.theta[n_first:, None]
-        best, place = -np.inf, 0
-        for begin in range(0, starts.shape[1], 8):
-            errors = self.data.residuals(predictor, starts[:, begin : begin + 8])
-            finite = np.all(np.isfinite(errors), axis=0)
-            change = np.where(finite, errors, residual[:, None]) - residual[:, None]
-            change -= (
-                slopes @ np.linalg.lstsq(slopes.T @ slopes, slopes.T @ change, rcond=None)[0] if slopes.size else 0
-            )
-            along = -(residual @ change)
-            length = np.einsum("ij,ij->j", change, change)
-            gains = np.where((along > 0) & (length < HUGE), along**2 / np.maximum(length, 1e-12), 0.0)
-            # a start that already lowers the sum counts for what it does, a far one for what its direction promises
-            if gains.max() > best:
-                best, place = float(gains.max()), begin + int(np.argmax(gains))
-        return best, Fit(predictor, starts[:, place], np.inf)
+        theta = np.concatenate([first.theta[:n_first], start, first.theta[n_first:]])
+        return fit(predictor, self.data, theta, SOME, self.tolerance_slopes)
 
     def _parallel(self, stage: str, work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
         results: list[Result] = []
@@ -222,14 +242,17 @@ def _extends(suspect: Suspect, simple: Fit) -> bool:
     return other.effect.name in suspect.effect.extends and other.location == suspect.location
 
 
-def directions(found: Fit, data: FitData) -> FloatArray:
-    """Compute how the weighted prediction errors change with the fitted numbers.
-
-    Args:
-        found: A fitted hypothesis.
-        data: Log and weights.
+def _gains(change: FloatArray, line: Linearised) -> tuple[FloatArray, FloatArray]:
+    """Return by how much directions may lower the sum of squares of a fit, its own numbers refitted.
 
     Returns:
-        Derivatives, shape (M n, n_fitted).
+        At the best length, and as long as they are, shape (n_directions,) each.
     """
-    return linearise(found.predictor, data, found.theta).slopes
+    slopes, residual = line.slopes, line.residual
+    if slopes.shape[1]:
+        change = change - slopes @ np.linalg.lstsq(line.information, slopes.T @ change, rcond=1e-12)[0]
+    along = -(residual @ change)
+    length = np.einsum("ij,ij->j", change, change)
+    usable = (along > 0) & (length < HUGE)
+    gains = np.where(usable, along**2 / np.maximum(length, 1e-12), 0.0)
+    return gains, np.where(length < HUGE, 2 * along - length, -np.inf)

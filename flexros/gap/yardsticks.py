@@ -56,7 +56,7 @@ def yardsticks(robot: Robot, states: FloatArray, torque: FloatArray) -> Yardstic
     n, places = robot.n_coordinates, robot.chain.motor_places
     names = robot.joint_names
     position, speed = states[:, :n], states[:, n : 2 * n]
-    torques = {name: _largest(torque[:, motor]) for motor, name in enumerate(names)}
+    torques = {name: max(float(np.abs(torque[:, motor]).max()), 1e-9) for motor, name in enumerate(names)}
     speeds = {name: _largest(speed[:, place]) for name, place in zip(names, places)}
     angles = {name: float(np.ptp(position[:, place])) for name, place in zip(names, places)}
     deflections: dict[str, float] = {}
