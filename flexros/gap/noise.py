@@ -58,6 +58,10 @@ MOST_MOVED, LEAST_COLOUR = 1.3, 0.25
 """Noise at standstill over that above the band, and autocorrelation at lag one, up to which more noise at standstill
 counts as motion under control, not as colour of the noise (chosen)."""
 
+AS_STATED = 0.05
+"""Relative difference of noise above the band from the robot file up to which slow noise at standstill is motion
+(chosen)."""
+
 _BLOCK = 32  # samples over which the power of high differences is averaged
 _LOOK = 50.0  # Hz, corner below which motion is looked for
 _TREND = 3  # polynomial coefficients that are taken off each stretch of a standstill
@@ -107,6 +111,9 @@ def measure_noise(record: GapRecord, robot: Robot) -> Noise:
         if motor in coarse:
             deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
         elif rest is not None:
+            stated = float(robot.encoder_noise[motor])
+            if rest[1].size and abs(deviation[motor] - stated) < AS_STATED * stated:
+                continue
             if rest[1].size and (abs(rest[1][0]) > LEAST_COLOUR or rest[0] > MOST_MOVED * deviation[motor]):
                 colours[motor] = rest[1]
             elif rest[1].size:

@@ -26,7 +26,7 @@ def one_lane(loop: PredictionLoop, torque: np.ndarray, position: np.ndarray, **g
     gain = np.random.default_rng(5).normal(size=(10, 2)) * 0.05
     keys: dict[str, object] = {"gain": gain, "valid": np.ones(len(position)), "start": STATE, **given}
     parameters = keys.pop("parameters", np.repeat(PARAMETERS[:, None], loop.lanes, axis=1))
-    return loop.run(keys.pop("start"), parameters, keys.pop("gain"), torque, position, keys.pop("valid"), **keys)  # type: ignore[arg-type]
+    return loop.run(keys.pop("start"), parameters, keys.pop("gain"), torque, position, keys.pop("valid"), **keys)
 
 
 @pytest.fixture(scope="module")

@@ -52,7 +52,9 @@ def suspects_of(*effects: str) -> dict[str, Suspect]:
     return {one.name: one for one in suspects(ROBOT, search.yardsticks(nothing))}
 
 
-def predictor_of(*hypothesis: Suspect, tolerance: Tolerance | None = None, model: RobotWithEffects = MODEL) -> Predictor:
+def predictor_of(
+    *hypothesis: Suspect, tolerance: Tolerance | None = None, model: RobotWithEffects = MODEL
+) -> Predictor:
     """Build a predictor for such logs."""
     placed: Hypothesis = hypothesis
     return Predictor(model, placed, tolerance or Tolerance(), ROBOT.sample_time)

@@ -101,3 +101,12 @@ def test_implausibly_quiet_positions_of_a_real_machine_get_the_noise_of_the_robo
     assert "so they were filtered or rounded; the 0.0001 of the robot file are used" in noise.warnings[0]
     simulated = measure_noise(record_of(white(0.1 * SIGMA), still=True), robot)
     assert simulated.standard_deviation[0] == pytest.approx(0.1 * SIGMA, rel=0.1)
+
+
+def test_a_small_swing_at_rest_is_no_colour_where_the_band_above_shows_the_stated_noise(robot: Robot) -> None:
+    time = np.arange(N) * T
+    swing = 4e-4 * np.sin(2 * np.pi * 5.0 * time)
+    position = (swing + SIGMA * np.random.default_rng(7).normal(size=N))[:, None]
+    noise = measure_noise(GapRecord("log", T, position, np.zeros_like(position), np.ones(N, bool)), robot)
+    assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.03)
+    assert not noise.autoregression.size
