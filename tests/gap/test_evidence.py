@@ -1,0 +1,104 @@
+"""Evidence: probabilities of rival explanations, and what counts as an effect."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.gap.evidence import Evidence, is_plain
+from flexros.gap.fit import Fit
+from flexros.gap.hypothesis import Suspect
+
+from .diagnosis_logs import predictor_of, suspects_of
+
+N = 20_000
+COULOMB, STRIBECK, STIFFNESS = (
+    "coulomb_friction@motor_1", "stribeck_friction@motor_1", "stiffness_error@body_2.rz",
+)  # fmt: skip
+
+
+def fitted(level: float, *names: str) -> Fit:
+    """A fit that leaves a mean squared weighted error."""
+    hypothesis = tuple(suspects_of()[name] for name in names)
+    predictor = predictor_of(*hypothesis)
+    return Fit(predictor, np.zeros(predictor.n_fitted), level * N)
+
+
+def evidence(nothing: float, *fits: Fit, floor_error: float = 0.0) -> Evidence:
+    return Evidence(fitted(nothing), fits, N, floor_error)
+
+
+def test_probabilities_add_up_and_follow_the_sums_of_squares() -> None:
+    fits = [fitted(1.0, COULOMB), fitted(1.002, STIFFNESS), fitted(1.4, "delay@all")]
+    found = evidence(2.0, *fits)
+    probabilities = found.probabilities([found.nothing, *fits])
+    assert probabilities.sum() == pytest.approx(1.0)
+    assert probabilities[1] > probabilities[2] > probabilities[3]
+    assert probabilities[0] < 1e-6
+
+
+def test_ranked_are_the_probable_ones_first() -> None:
+    fits = [fitted(1.4, "delay@all"), fitted(1.0, COULOMB), fitted(1.002, STIFFNESS)]
+    found = evidence(2.0, *fits)
+    assert found.ranked(fits) == [fits[1], fits[2], fits[0]]
+
+
+def test_equal_explanations_share_the_probability_and_more_numbers_cost() -> None:
+    one, same, richer = fitted(1.0, COULOMB), fitted(1.0, STIFFNESS), fitted(1.0, STRIBECK)
+    found = evidence(2.0, one, same, richer)
+    probabilities = found.probabilities([one, same, richer])
+    assert probabilities[0] == pytest.approx(probabilities[1])
+    assert probabilities[2] < 0.2 * probabilities[0]
+
+
+def test_a_strong_gap_does_not_decide_by_a_trifle() -> None:
+    """The same difference that decides a small gap may be an error of form of a large one."""
+    one, other = fitted(1.0, COULOMB), fitted(1.01, "hysteresis@motor_1")
+
+    def of_other(nothing: float) -> float:
+        return float(evidence(nothing, one, other).probabilities([one, other])[1])
+
+    assert of_other(1e4) > 100 * of_other(1.1)
+
+
+def test_nothing_wins_where_nothing_gains_more_than_chance() -> None:
+    fits = [fitted(1.0 - 2.0 / N, COULOMB), fitted(1.0 - 4.0 / N, STRIBECK)]
+    found = evidence(1.0, *fits)
+    assert not found.detected
+    assert found.probabilities([found.nothing, *fits])[0] > 0.5
+
+
+def test_an_effect_that_is_worth_its_numbers_is_detected() -> None:
+    assert evidence(1.0, fitted(1.0 - 40.0 / N, COULOMB)).detected
+
+
+def test_gain_is_twice_the_gain_in_likelihood_less_the_information_criterion() -> None:
+    one = fitted(1.0, STRIBECK)
+    found = evidence(1.2, one)
+    assert found.gain(one) == pytest.approx(N * np.log(1.2))
+    assert found.penalty(one) == pytest.approx(2 * np.log(N))
+    assert found.score(one) == pytest.approx(found.gain(one) - found.penalty(one))
+
+
+def test_what_noise_leaves_is_not_significant() -> None:
+    exact = np.sqrt(2 / N)
+    assert not evidence(1.0).significant(fitted(1 + 2 * exact, COULOMB))
+    assert evidence(1.0).significant(fitted(1 + 8 * exact, COULOMB))
+    assert not evidence(1.0, floor_error=0.1).significant(fitted(1 + 8 * exact, COULOMB))
+
+
+def test_shares_of_the_gap() -> None:
+    half, closed = fitted(6.0, COULOMB), fitted(1.0, COULOMB, STIFFNESS)
+    found = evidence(11.0, half, closed)
+    assert found.left(half) == pytest.approx(0.5)
+    assert found.left(closed) == 0.0
+    assert found.removed(half, closed) == pytest.approx(1.0)
+    assert found.removed(found.nothing, half) == pytest.approx(0.5)
+
+
+def test_numbers_of_the_model_are_plain_and_laws_are_not() -> None:
+    def one(name: str) -> Suspect:
+        return suspects_of()[name]
+
+    assert all(is_plain(one(name)) for name in (STIFFNESS, "motor_inertia_error@motor_1", "payload_error@tool"))
+    assert not any(is_plain(one(name)) for name in (COULOMB, "backlash@motor_1", "extra_mode@tool"))
