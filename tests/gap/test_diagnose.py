@@ -1,0 +1,204 @@
+"""Diagnoses of short logs: without gap, with one effect, with two, with one that no effect explains."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.effects import place_effects
+from flexros.gap import search
+from flexros.gap.diagnose import DiagnosisSettings, Stages, diagnose, fit_data, split
+from flexros.gap.hypothesis import Suspect, suspects
+from flexros.gap.record import GapRecord
+from flexros.gap.result import DiagnosisResult
+from flexros.gap.yardsticks import Yardsticks
+from flexros.robot import Robot
+
+from .diagnosis_logs import MODEL, ROBOT, predictor_of, record_of
+
+SETTINGS = DiagnosisSettings(threads=1, where=False, next_experiment=False)
+LONG = 10.0
+FEW = ("coulomb_friction", "viscous_friction", "stiffness_error", "motor_inertia_error", "torque_bias", "backlash")
+FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"
+
+
+def diagnosed(*effects: str, tool: bool = False, settings: DiagnosisSettings = SETTINGS) -> DiagnosisResult:
+    record, holdout = (record_of(*effects, length=LONG, seed=seed, tool=tool) for seed in (1, 2))
+    return diagnose(record, ROBOT, holdout=holdout, settings=settings)
+
+
+def causes(result: DiagnosisResult) -> list[str]:
+    return [f"{one.effect}@{one.location}" for one in result.diagnosis.causes]
+
+
+@pytest.fixture(scope="module")
+def null() -> DiagnosisResult:
+    return diagnosed(tool=True)
+
+
+@pytest.fixture(scope="module")
+def single() -> DiagnosisResult:
+    return diagnosed(FRICTION)
+
+
+@contextmanager
+def few_suspects() -> Iterator[None]:
+    """Look for some effects only, which makes searches for several of them short."""
+
+    def some(robot: Robot, sizes: Yardsticks) -> tuple[Suspect, ...]:
+        return tuple(one for one in suspects(robot, sizes) if one.effect.name in FEW)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search, "suspects", some)
+        patch.setattr(search, "periodic_suspects", lambda *_: ())
+        yield
+
+
+@pytest.fixture(scope="module")
+def pair() -> DiagnosisResult:
+    with few_suspects():
+        return diagnosed(FRICTION, SOFT)
+
+
+@pytest.fixture(scope="module")
+def unknown() -> DiagnosisResult:
+    """Torques that come and go without relation to the motion."""
+    logs = []
+    for seed in (1, 2):
+        record = record_of(length=LONG, seed=seed)
+        time = np.arange(record.n_samples) * record.sample_time
+        wandering = np.cumsum(np.random.default_rng(seed).normal(size=record.n_samples)) * 2e-3
+        logs.append(replace(record, torque=record.torque + (wandering * np.sin(2 * np.pi * 1.7 * time**1.1))[:, None]))
+    with few_suspects():
+        return diagnose(logs[0], ROBOT, holdout=logs[1], settings=SETTINGS)
+
+
+def test_a_log_without_gap_has_none_though_the_frame_of_the_tool_is_unknown(null: DiagnosisResult) -> None:
+    assert null.diagnosis.verdict == "no_gap"
+    assert null.diagnosis.causes == ()
+    assert null.patch == ()
+    assert null.diagnosis.gap.before == pytest.approx(1.0, abs=0.3)
+    assert null.diagnosis.gap.closed_fraction is None
+
+
+def test_one_effect_is_named_with_its_numbers(single: DiagnosisResult) -> None:
+    assert single.diagnosis.verdict == "explained"
+    (cause,) = single.diagnosis.causes
+    assert (cause.effect, cause.location) == ("coulomb_friction", "motor_1")
+    level = cause.parameters["level"]
+    assert level.value == pytest.approx(0.05, abs=4 * level.std)
+    assert level.std < 0.005
+    assert level.unit == "Nm"
+    assert cause.probability > 0.9
+
+
+def test_the_repair_closes_the_gap_of_a_log_that_was_not_fitted(single: DiagnosisResult) -> None:
+    gap = single.diagnosis.gap
+    assert gap.before > 10
+    assert gap.after == pytest.approx(1.0, abs=0.35)
+    assert gap.closed_fraction == pytest.approx(1.0, abs=0.02)
+    assert gap.interval is not None
+    assert gap.interval[0] <= gap.closed_fraction <= gap.interval[1]
+
+
+def test_the_patch_of_a_diagnosis_is_the_effect(single: DiagnosisResult) -> None:
+    (placed,) = single.patch
+    assert str(placed).startswith("coulomb_friction@motor_1:level=0.0")
+    assert single.after is not None
+    assert single.after.effects == single.patch
+
+
+def test_what_the_model_knows_already_is_not_told_again(single: DiagnosisResult) -> None:
+    record, holdout = (record_of(FRICTION, length=LONG, seed=seed) for seed in (1, 2))
+    repaired = place_effects(ROBOT, single.patch)
+    assert diagnose(record, repaired, holdout=holdout, settings=SETTINGS).diagnosis.verdict == "no_gap"
+
+
+def test_two_effects_are_found_together(pair: DiagnosisResult) -> None:
+    assert set(causes(pair)) == {"coulomb_friction@motor_1", "stiffness_error@body_2.rz"}
+    numbers = {one.effect: one.parameters for one in pair.diagnosis.causes}
+    assert numbers["coulomb_friction"]["level"].value == pytest.approx(0.05, rel=0.02)
+    assert numbers["stiffness_error"]["relative"].value == pytest.approx(-0.05, rel=0.05)
+    assert pair.diagnosis.verdict == "explained"
+    assert len(pair.covariance_of) == 2
+
+
+def test_what_no_effect_explains_is_unknown(unknown: DiagnosisResult) -> None:
+    assert unknown.diagnosis.verdict == "unknown_effect"
+    assert unknown.ranking
+
+
+def test_probabilities_of_the_ranking_are_shares(single: DiagnosisResult, pair: DiagnosisResult) -> None:
+    for result in (single, pair):
+        probabilities = [one.probability for one in result.ranking]
+        assert probabilities == sorted(probabilities, reverse=True)
+        assert all(0 <= one <= 1 for one in (*probabilities, result.nothing))
+        assert result.nothing < 1e-6
+
+
+def test_covariance_belongs_to_the_numbers_in_their_units(pair: DiagnosisResult) -> None:
+    assert pair.covariance is not None
+    stated = {
+        f"{one.effect}@{one.location}.{name}": number.std
+        for one in pair.diagnosis.causes
+        for name, number in one.parameters.items()
+    }
+    assert dict(zip(pair.covariance_of, np.sqrt(np.diag(pair.covariance)), strict=True)) == pytest.approx(stated)
+
+
+def test_a_coarse_encoder_is_named_and_no_gap_is_left() -> None:
+    with few_suspects():
+        result = diagnosed("encoder_quantization@motor_1:step=0.002")
+    assert causes(result) == ["encoder_quantization@motor_1"]
+    assert result.diagnosis.causes[0].parameters["step"].value == pytest.approx(0.002, rel=1e-3)
+    assert result.diagnosis.verdict == "explained"
+
+
+def test_stages_are_timed_and_progress_is_a_share_of_all() -> None:
+    told: list[tuple[str, float]] = []
+    record, holdout = (record_of(length=LONG, seed=seed) for seed in (1, 2))
+    with few_suspects():
+        result = diagnose(
+            record, ROBOT, holdout=holdout, settings=SETTINGS, progress=lambda name, share: told.append((name, share))
+        )
+    shares = [share for _, share in told]
+    assert min(shares) == 0.0
+    assert 0.9 < max(shares) <= 1.0
+    stages = ["causes", "held-out data", "places"]
+    assert [name for name, _ in told if name in stages] == stages
+    assert list(result.timings) == stages
+
+
+def test_the_last_part_of_a_log_is_set_aside() -> None:
+    record = record_of()
+    first, second = split(record, 0.75)
+    assert first.n_samples + second.n_samples == record.n_samples
+    assert first.n_samples / record.n_samples == pytest.approx(0.75, abs=1e-4)
+    np.testing.assert_array_equal(np.vstack([first.position, second.position]), record.position)
+
+
+def test_a_log_that_begins_in_motion_starts_with_its_state() -> None:
+    """Errors of a guess of the state would last for seconds."""
+    record = record_of(length=LONG)
+    fast = int(np.argmax(np.abs(np.gradient(record.position[: record.n_samples // 2, 0]))))
+    part: GapRecord = record.part(fast, record.n_samples)
+    data = fit_data(part, MODEL, SETTINGS)
+    residual = data.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
+    assert data.record.n_samples < part.n_samples
+    assert residual @ residual / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
+
+
+def test_stages_tell_their_share_of_all() -> None:
+    told: list[tuple[str, float]] = []
+    stages = Stages(lambda name, share: told.append((name, share)))
+    stages.begin("first", 0.5)
+    stages.inner("part of it", 0.5)
+    stages.begin("second", 1.0)
+    stages.inner("part of it", 0.5)
+    stages.end()
+    assert told == [("first", 0.0), ("part of it", 0.25), ("second", 0.5), ("part of it", 0.75)]
+    assert set(stages.timings) == {"first", "second"}
