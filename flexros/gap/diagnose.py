@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import RobotWithEffects
+from flexros.errors import InputError
 from flexros.gap.answer import result_of
 from flexros.gap.explain import explain
 from flexros.gap.findings import Findings
@@ -24,6 +25,7 @@ from flexros.gap.where.find import where
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from flexros.compile.prediction_loop import Prediction
     from flexros.gap.gain import ObserverGain
     from flexros.gap.record import GapRecord
     from flexros.gap.result import DiagnosisResult
@@ -32,6 +34,8 @@ if TYPE_CHECKING:
 
 STARTING_LEVEL = 0.3
 """Torque noise that the predictor allows for while it finds the state of a log that begins in motion [1] (chosen)."""
+RUN_AWAY = 1e6
+"""Largest prediction error over the largest motion of the log; beyond it the prediction has run away [1] (chosen)."""
 REST = 0.02
 """Time at the begin of a log that tells whether the robot stands still [s] (chosen)."""
 
@@ -83,13 +87,13 @@ def diagnose(
     model = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
     stages = Stages(progress)
     fitted, held = (record, holdout) if holdout is not None else split(record, numbers.fitted_share)
-    data = fit_data(fitted, model, numbers)
+    data, held_data = (fit_data(one, model, numbers) for one in (fitted, held))
     search = Search(model, data, tolerance_of(model.robot, tolerance or {}), stages.inner)
     search.threads = numbers.threads or search.threads
     stages.begin("causes", 0.85)
     explanations = explain(search)
     stages.begin("held-out data", 0.95)
-    found = Findings(model, data, fit_data(held, model, numbers), explanations)
+    found = Findings(model, data, held_data, explanations)
     stages.begin("places", 1.0)
     before = found.explanation(explanations.evidence.nothing)
     places = where(before.fit, data.record, model.robot, numbers.seed) if numbers.where else None
@@ -117,6 +121,9 @@ def fit_data(record: GapRecord, model: RobotWithEffects, settings: DiagnosisSett
         record: The log.
         model: The nominal model.
         settings: Numbers of the diagnosis.
+
+    Raises:
+        InputError: The prediction of the nominal model runs away.
     """
     robot = model.robot
     pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
@@ -137,14 +144,26 @@ def fit_data(record: GapRecord, model: RobotWithEffects, settings: DiagnosisSett
         start, record = found.final[: len(start), 0], record.part(cut, record.n_samples)
     gain = gain_at(settings.level)
     spread = spread_of(record, gain, measurement)
+    samples = None if record.tool is None else np.arange(record.n_samples)
+    predicted = nominal.predict(np.zeros((0, 1)), record, gain, start, pose_samples=samples)
+    _check_bounded(predicted, record)
     tool = None
     if record.tool is not None:
-        samples = np.arange(record.n_samples)
-        predicted = nominal.predict(np.zeros((0, 1)), record, gain, start, pose_samples=samples)
         assert predicted.tool_pose is not None
         counted = np.all(np.isfinite(spread), axis=1, keepdims=False)
         tool = tool_data(record.tool, predicted.tool_pose[:, :, 0], counted, record.sample_time, robot.tool_noise)
     return FitData(record, gain, start, spread, measurement, tool)
+
+
+def _check_bounded(predicted: Prediction, record: GapRecord) -> None:
+    """Refuse a log that the nominal model cannot follow at all, as that of a loop which was not stable."""
+    farthest = float(np.ptp(record.position, axis=0).max())
+    if not np.all(np.abs(predicted.innovation[:, :, 0]) <= RUN_AWAY * farthest):
+        raise InputError(
+            f"{record.name}: the prediction of the nominal model runs away from this log, in which motors move by up "
+            f"to {farthest:.3g} rad or m; check units, signs and order of the motors, and whether the control loop was "
+            "stable, or give the log of another run"
+        )
 
 
 class Stages:

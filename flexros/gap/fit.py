@@ -24,6 +24,8 @@ LONGEST = 1.5
 ENOUGH = 0.1
 """The fit ends when the sum of squares falls by less than this [1] (chosen; the null needs it so fine)."""
 DAMPINGS = 10.0 ** np.arange(-4.0, 4.0)
+RUN_AWAY = 1e100
+"""Derivatives of this size are of predictions that run away; their squares would leave the range of numbers."""
 MOST_STARTS = 96
 """Largest number of starts of one hypothesis (chosen)."""
 
@@ -177,10 +179,10 @@ def linearise(
     J = J if tolerance_slopes is None else np.hstack([J, tolerance_slopes])
     prior = np.zeros(len(theta))
     prior[predictor.n_effect :] = 1.0
-    if not np.all(np.isfinite(J)):
-        J = np.where(np.isfinite(J), J, 0.0)
+    J = np.where(np.abs(J) < RUN_AWAY, J, 0.0)
     chi2 = float(_sums(predictor, base[:, None], theta[:, None])[0])
-    return Linearised(chi2, base, J, J.T @ base + prior * theta, J.T @ J + np.diag(prior))
+    gradient = J.T @ base if np.isfinite(chi2) else np.zeros(len(theta))
+    return Linearised(chi2, base, J, gradient + prior * theta, J.T @ J + np.diag(prior))
 
 
 def _promised(line: Linearised) -> float:

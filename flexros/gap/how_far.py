@@ -22,6 +22,8 @@ BLOCK = 1.0
 """Length of the blocks that the interval is drawn from [s] (chosen)."""
 DRAWS = 400
 BOOTSTRAP_STREAM = 20
+RUN_AWAY = 1e15
+"""What a prediction counts that has run away: its error over the floor [1] (chosen)."""
 SHOWS = 4.0
 """Standard deviations of E without gap by which a gap must exceed the floor to be told in shares (chosen)."""
 
@@ -72,7 +74,8 @@ def errors_ahead(found: Fit, data: FitData) -> AheadErrors:
     starts = starts[counts[starts + horizon + 1] == counts[starts]]
     positions = predictor.ahead(found.theta, record, prediction.states[:, :, 0], starts, horizon)
     floor = data.gain.ahead(horizon)
-    squares = ((record.position[starts + horizon] - positions) / floor) ** 2
+    errors = (record.position[starts + horizon] - positions) / floor
+    squares = np.where(np.abs(errors) < RUN_AWAY, errors, RUN_AWAY) ** 2
     return AheadErrors(squares, starts, floor, data.measurement.floor_error)
 
 

@@ -1,0 +1,60 @@
+"""Logs that the model cannot follow at all, as those of an unstable loop, are refused in a sentence."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.effects import place_effects
+from flexros.errors import InputError
+from flexros.gap.diagnose import DiagnosisSettings, diagnose, fit_data
+from flexros.gap.fit import linearise
+from flexros.gap.measure_gap import measure_gap
+from flexros.gap.predictor import Predictor
+from flexros.gap.record import GapRecord
+from flexros.gap.tolerance import tolerance_of
+from flexros.robot import load_robot
+
+T = 5e-4
+ELBOW = load_robot("elbow")
+
+
+def swinging_up(largest: float, n: int = 4000) -> GapRecord:
+    """A log of motors that swing up until they move by a largest amplitude [rad]."""
+    time = np.arange(n) * T
+    size = 1e-3 * (largest / 1e-3) ** (time / time[-1])
+    phase = 2 * np.pi * 6 * time[:, None] + np.arange(ELBOW.n_motors)
+    noise = ELBOW.encoder_noise * np.random.default_rng(1).standard_normal(phase.shape)
+    torque = np.clip(20 * size[:, None] * np.sin(phase + 2), -20, 20)
+    return GapRecord("bags/wild", T, size[:, None] * np.sin(phase) + noise, torque, np.ones(n, dtype=bool))
+
+
+def test_a_log_from_which_the_prediction_runs_away_is_refused() -> None:
+    with pytest.raises(InputError, match="bags/wild: the prediction of the nominal model runs away from this log") as e:
+        measure_gap(swinging_up(3500.0), place_effects(ELBOW, ()))
+    assert "motors move by up to 5.05e+03 rad or m; check units, signs and order of the motors" in str(e.value)
+
+
+def test_such_a_log_is_refused_as_holdout_before_the_search() -> None:
+    told: list[str] = []
+    with pytest.raises(InputError, match="whether the control loop was stable"):
+        diagnose(
+            swinging_up(0.1),
+            ELBOW,
+            holdout=swinging_up(3500.0),
+            settings=DiagnosisSettings(where=False),
+            progress=lambda stage, share: told.append(stage),
+        )
+    assert not told
+
+
+def test_derivatives_stay_finite_where_a_prediction_runs_away() -> None:
+    model = place_effects(ELBOW, ())
+    data = fit_data(swinging_up(0.1), model, DiagnosisSettings())
+    tolerance = tolerance_of(ELBOW, {"stiffness": 0.01})
+    predictor = Predictor(model, (), tolerance, T)
+    wild = np.full(len(tolerance.names), 1e9)
+    line = linearise(predictor, data, wild)
+    assert np.all(np.isfinite(line.information))
+    assert line.chi2 == np.inf
+    assert np.all(np.isfinite(line.gradient))
