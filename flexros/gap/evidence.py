@@ -29,6 +29,8 @@ TEMPER_SHAPED = 2e-3
 """The same for effects with a law of their own: friction, gap, spring law, ripple [1] (development seeds)."""
 PLAIN = (AbstractChangedValues, AbstractCommandLaw, AbstractToolError, TorqueBias, GravityError)
 """Kinds of effects without a shape of their own."""
+REFERRED = 6
+"""Times that the reference of the probabilities is moved to the most probable explanation [1] (chosen)."""
 SIGNIFICANT = 4.0
 """Standard deviations of V without gap beyond which something is left [1] (development seeds)."""
 DETECTED = 6.0
@@ -94,8 +96,9 @@ class Evidence:
     def probabilities(self, among: Sequence[Fit]) -> FloatArray:
         """Distribute probability over rival explanations.
 
-        ln p = -(V - V_min) / (2 V_min / N + eps G) - 3 p: the gap G is what the effects close in which an explanation
-        differs from the best one, and eps is the share of it that may be error of their form.
+        ln p = -(V - V_ref) / (2 V_ref / N + eps G) - 3 p, with reference to the most probable one: the gap G is what
+        the effects close in which an explanation differs from it, and eps is the share of it that may be error of their
+        form.
 
         Args:
             among: The rivals; the nominal model may be one of them.
@@ -103,12 +106,18 @@ class Evidence:
         Returns:
             Probabilities that add up to 1, shape (len(among),).
         """
-        best = min(among, key=lambda one: one.chi2)
         levels = np.array([self.level(one) for one in among])
-        lowest = self.level(best)
-        temper = np.array([self._temper(one, best) for one in among])
         costs = np.array([one.predictor.n_effect for one in among])
-        logarithm = -(levels - lowest) / (2 * lowest / self.n_values + temper) - PER_PARAMETER * costs
+        place = int(np.argmin(levels))
+        logarithm = np.zeros(len(among))
+        for _ in range(REFERRED):
+            reference = among[place]
+            temper = np.array([self._temper(one, reference) for one in among])
+            scale = 2 * levels.min() / self.n_values + temper
+            logarithm = -(levels - levels[place]) / scale - PER_PARAMETER * costs
+            if int(np.argmax(logarithm)) == place:
+                break
+            place = int(np.argmax(logarithm))
         weights = np.exp(logarithm - logarithm.max())
         probabilities: FloatArray = weights / weights.sum()
         return probabilities
@@ -123,10 +132,10 @@ class Evidence:
         """Return the error of form that the effects may have in which two explanations differ."""
         mine, theirs = ({suspect.name: suspect for suspect in fit.predictor.hypothesis} for fit in (one, best))
         differing = [{**mine, **theirs}[name] for name in mine.keys() ^ theirs.keys()]
-        if not mine or not differing:
+        if not differing:
             return 0.0
         common = self._fits_by_names.get(frozenset(mine.keys() & theirs.keys()), self.nothing)
-        gap = max(self.level(common) - self.level(best), 0.0)
+        gap = max(self.level(common) - min(self.level(one), self.level(best)), 0.0)
         return gap * (TEMPER_PLAIN if all(is_plain(suspect) for suspect in differing) else TEMPER_SHAPED)
 
     @cached_property
