@@ -1,0 +1,60 @@
+"""Logs as a fit sees them: weighted errors of motors and tool."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from .diagnosis_logs import data_of, numbers, predictor_of, suspects_of
+
+
+def test_errors_that_do_not_count_are_zero() -> None:
+    data = data_of()
+    residual = data.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
+    counted = np.isfinite(data.spread[:, 0])
+    assert not np.any(residual[~counted])
+    assert np.all(residual[counted] != 0.0)
+    assert data.n_values == counted.sum()
+
+
+def test_weighted_errors_are_errors_over_their_spread() -> None:
+    data = data_of()
+    errors = np.random.default_rng(0).normal(size=(data.record.n_samples, 1, 3))
+    counted = np.isfinite(data.spread[:, 0])
+    expected = errors[counted, 0] / data.spread[counted]
+    np.testing.assert_allclose(data.weighted(errors)[counted], expected)
+
+
+def test_coloured_noise_becomes_white() -> None:
+    data = data_of()
+    whitening = np.array([[1.0, -0.6]])
+    coloured = replace(
+        data, spread=np.ones_like(data.spread), measurement=replace(data.measurement, whitening=whitening)
+    )
+    white = np.random.default_rng(0).normal(size=data.record.n_samples)
+    noise = lfilter([1.0], whitening[0], white)
+    np.testing.assert_allclose(coloured.weighted(noise[:, None, None])[:, 0], white, atol=1e-9)
+
+
+def test_errors_of_the_tool_stand_behind_those_of_the_motors() -> None:
+    motors, both = data_of(), data_of(tool=True)
+    assert both.tool is not None
+    theta = np.zeros((0, 1))
+    residual = both.residuals(predictor_of(), theta)[:, 0]
+    n = both.record.n_samples
+    np.testing.assert_allclose(residual[:n], motors.residuals(predictor_of(), theta)[:, 0])
+    assert len(residual) == n + both.tool.position.size
+    assert both.n_values == motors.n_values + both.tool.position.size - both.tool.basis.shape[1]
+    assert residual @ residual / both.n_values == pytest.approx(1.0, abs=4 * np.sqrt(2 / both.n_values))
+
+
+def test_sets_have_residuals_of_their_own() -> None:
+    friction = suspects_of()["coulomb_friction@motor_1"]
+    predictor, data = predictor_of(friction), data_of()
+    thetas = np.array([numbers(friction, level=level) for level in (0.01, 0.1)]).T
+    together = data.residuals(predictor, thetas)
+    for k in range(2):
+        np.testing.assert_allclose(together[:, k], data.residuals(predictor, thetas[:, k : k + 1])[:, 0])
