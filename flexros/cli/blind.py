@@ -81,7 +81,9 @@ def run(
 def score(
     logs: Path = typer.Argument(help="Folder of the logs, with the diagnoses beside them."),
     truth: Path = typer.Option(..., "--truth", help="Folder of the sealed truths."),
-    oracle: bool = typer.Option(False, "--oracle", help="Fit the true effect as well, where the logs were kept."),
+    oracle: bool = typer.Option(
+        False, "--oracle", help="Fit the true effect, and try the patches on third logs, where the logs were kept."
+    ),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Open the truths of all cases that were diagnosed, check their seals, and count."""

@@ -105,5 +105,7 @@ def case_row(one: Answer) -> dict[str, Any]:
         "causes": [[cause.effect, cause.location, round(cause.probability, 4)] for cause in one.causes[:3]],
         "group_size": one.group_size,
         "closed": one.closed,
+        "closed_rival": one.closed_rival,
+        "closed_third": one.closed_third,
         "seconds": one.seconds,
     }

@@ -12,6 +12,7 @@ from flexros.gap.blind.make import MakeSettings, make_case
 from flexros.gap.blind.oracle import oracle_fraction
 from flexros.gap.blind.run import FAILURE_FILE, TIME_FILE, diagnose_case
 from flexros.gap.blind.seal import DIAGNOSIS_FILE, Truth, read_case, sha256
+from flexros.gap.blind.third_log import ThirdLog, third_log
 from flexros.gap.diagnosis_file import Diagnosis
 
 if TYPE_CHECKING:
@@ -29,7 +30,8 @@ def case_part(settings: MakeSettings, case: Case) -> dict[str, Any]:
 
     Returns:
         For JSON: `seal`, `truth` (text), `diagnosis` (text or None), `failure` (text or None), `seconds`, and `oracle`:
-        the closed fraction of the true effect where it is a single one well above the noise.
+        the closed fraction of the true effect where it is a single one well above the noise; `third`: the gap of the
+        third log with the patch of the diagnosis, or None.
     """
     with TemporaryDirectory(prefix="flexros_logs_") as logs, TemporaryDirectory(prefix="flexros_truth_") as truths:
         make_case(case, settings, Path(logs), Path(truths))
@@ -43,6 +45,7 @@ def case_part(settings: MakeSettings, case: Case) -> dict[str, Any]:
             "diagnosis": _text(folder / DIAGNOSIS_FILE),
             "failure": _text(folder / FAILURE_FILE),
             "seconds": _text(folder / TIME_FILE),
+            "third": _third(folder) if answered else None,
             "oracle": oracle_fraction(folder, read_case(folder), truth) if answered else None,
         }
 
@@ -71,7 +74,13 @@ def answer_of(name: str, part: Mapping[str, Any]) -> Answer:
         None if text is None else Diagnosis.model_validate_json(text),
         None if seconds is None else float(seconds),
         part["oracle"],
+        None if part["third"] is None else ThirdLog.model_validate(part["third"]),
     )
+
+
+def _third(folder: Path) -> dict[str, Any] | None:
+    found = third_log(folder, read_case(folder))
+    return None if found is None else found.model_dump(mode="json")
 
 
 def _text(file: Path) -> str | None:

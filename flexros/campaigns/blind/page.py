@@ -76,10 +76,11 @@ def _introduction(answers: Sequence[Answer], planned: int, settings: BlindSettin
         f"Written by `flexros campaign blind`: {len(answers)} of {planned} planned cases, seed {settings.seed} of the "
         "stream of evaluation, which was not looked at in development. Every case is a robot with something hidden in "
         "it, simulated by other equations, laws and time steps than those of the diagnosis; the diagnosis gets a log "
-        f"of {settings.durations[0]:g} s, a second one of {settings.durations[1]:g} s and the nominal model. The truth "
-        "was sealed before. Shares have 95 % intervals (Wilson). Effects are well above the noise when the expected "
-        f"gain in log-likelihood of the true model is at least {VISIBLE:g}; shares of effects are of those, detection "
-        "curves of all. Nested effects, of which one holds the other as a special case, are counted apart.",
+        f"of {settings.durations[0]:g} s, a second one of {settings.durations[1]:g} s and the nominal model. The "
+        f"patch that it gives is then held against a third log of {settings.durations[2]:g} s that it has not seen. "
+        "The truth was sealed before. Shares have 95 % intervals (Wilson). Effects are well above the noise when the "
+        f"expected gain in log-likelihood of the true model is at least {VISIBLE:g}; shares of effects are of those, "
+        "detection curves of all. Nested effects, of which one holds the other as a special case, are counted apart.",
     ]
 
 

@@ -22,4 +22,4 @@ class BlindSettings:
 
     seed: int = SEED
     plan: PlanSettings = field(default_factory=PlanSettings)
-    durations: tuple[float, float, float] = (40.0, 20.0, 4.0)
+    durations: tuple[float, float, float] = (40.0, 20.0, 8.0)

@@ -9,6 +9,7 @@ from flexros.gap.blind.nested import same, same_place
 
 if TYPE_CHECKING:
     from flexros.gap.blind.seal import Truth
+    from flexros.gap.blind.third_log import ThirdLog
     from flexros.gap.diagnosis_file import Cause, Diagnosis
 
 VISIBLE = 50.0
@@ -26,12 +27,14 @@ class Answer:
         diagnosis: What was said; None where the log was refused.
         seconds: How long the diagnosis took [s]; None where not known.
         oracle: Closed fraction of the true structure, refitted [1]; None where not computed.
+        third: Gap of the third log with the patch; None where not measured, or where there is no patch.
     """
 
     truth: Truth
     diagnosis: Diagnosis | None
     seconds: float | None = None
     oracle: float | None = None
+    third: ThirdLog | None = None
 
     @property
     def causes(self) -> tuple[Cause, ...]:
@@ -117,3 +120,16 @@ class Answer:
     def closed(self) -> float | None:
         """Closed fraction that the diagnosis states [1]."""
         return None if self.diagnosis is None else self.diagnosis.gap.closed_fraction
+
+    @property
+    def closed_third(self) -> float | None:
+        """Closed fraction of the patch on the log that neither fit nor check has seen [1]."""
+        return None if self.third is None else self.third.closed_fraction
+
+    @property
+    def closed_rival(self) -> float | None:
+        """Closed fraction of the best impostor: the best explanation that was not chosen [1]."""
+        gap = None if self.diagnosis is None else self.diagnosis.gap
+        if gap is None or gap.closed_fraction is None or gap.best_rival is None:
+            return None
+        return (gap.before - gap.best_rival) / (gap.before - gap.noise_floor)

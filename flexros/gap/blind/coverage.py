@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
+from flexros.effects import effects
 from flexros.gap.blind.nested import same_place
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from flexros.gap.blind.answer import Answer
+    from flexros.gap.diagnosis_file import CauseParameter
 
 COMPARABLE: Mapping[str, str] = {
     "stiffness_error": "relative",
@@ -47,5 +50,20 @@ def covered(answers: Sequence[Answer]) -> Iterator[bool]:
         hidden, name = one.truth.deviations[0], COMPARABLE.get(one.first.effect, "")
         right = one.first.effect == hidden.effect
         if right and same_place(one.truth.robot, hidden.location, one.first.location) and name in one.first.parameters:
-            fitted = one.first.parameters[name]
-            yield abs(fitted.value - hidden.parameters[name]) <= WIDTH * fitted.std
+            yield covers(one.first.effect, name, one.first.parameters[name], hidden.parameters[name])
+
+
+def covers(effect: str, name: str, fitted: CauseParameter, true: float) -> bool:
+    """Tell whether the 95 % interval of a fitted number covers the truth.
+
+    A number that cannot be negative is fitted by its logarithm, in which its interval is symmetric.
+
+    Args:
+        effect: Name of the effect.
+        name: Name of the number.
+        fitted: Its value and standard deviation.
+        true: The truth, in its unit.
+    """
+    if effects()[effect].ranges[name].signed:
+        return abs(fitted.value - true) <= WIDTH * fitted.std
+    return true > 0 and abs(math.log(fitted.value / true)) <= WIDTH * fitted.std / fitted.value

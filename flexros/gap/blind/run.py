@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from flexros.errors import FlexrosError, InputError
 from flexros.gap.blind.seal import CASE_FILE, DIAGNOSIS_FILE, ROBOT_FILE, OpenCase, read_case
+from flexros.gap.repair import write_patch
 from flexros.json_text import json_text
 from flexros.whole_file import write_whole
 
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
     from flexros.robot import Robot
 
-FAILURE_FILE, TIME_FILE = "failure.txt", "seconds.txt"
-"""Files of a case: why there is no diagnosis; how long the diagnosis took [s]."""
+FAILURE_FILE, TIME_FILE, PATCH_FILE = "failure.txt", "seconds.txt", "patch.yaml"
+"""Files of a case: why there is no diagnosis; how long it took [s]; the patch that it gives."""
 
 
 def case_folders(logs: Path) -> tuple[Path, ...]:
@@ -66,7 +67,10 @@ def diagnose_case(folder: Path, keep_logs: bool = True) -> None:
     case = read_case(folder)
     started = time.perf_counter()  # told beside the result, which does not depend on it
     try:
-        text = json_text(diagnosed(folder, case).diagnosis.model_dump(mode="json", by_alias=True))
+        result = diagnosed(folder, case)
+        text = json_text(result.diagnosis.model_dump(mode="json", by_alias=True))
+        if result.patch:
+            write_patch(result, folder / ROBOT_FILE, folder / PATCH_FILE)
     except FlexrosError as error:
         write_whole(folder / FAILURE_FILE, f"{error}\n")
     except Exception:  # noqa: BLE001 - counted with the refused logs and shown with its traceback

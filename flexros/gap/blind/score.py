@@ -15,11 +15,15 @@ from flexros.gap.blind.oracle import oracle_fraction
 from flexros.gap.blind.run import FAILURE_FILE, TIME_FILE, case_folders
 from flexros.gap.blind.seal import DIAGNOSIS_FILE, ROBOT_FILE, read_case, read_truth
 from flexros.gap.blind.statistics import Calibration, DetectionCurve, Share, calibration, detection_curve, share
+from flexros.gap.blind.third_log import third_log
 from flexros.gap.diagnosis_file import Diagnosis
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
+
+MOST = 0.95
+"""Share of the gap of a third log that a patch must close to be counted as closing it [1] (chosen)."""
 
 
 def read_answers(logs: Path, truths: Path, oracle: bool = False) -> list[Answer]:
@@ -28,7 +32,8 @@ def read_answers(logs: Path, truths: Path, oracle: bool = False) -> list[Answer]
     Args:
         logs: Folder of all logs, with the diagnoses beside them.
         truths: Folder of all truths.
-        oracle: Whether the true structure is fitted where the logs are still there.
+        oracle: Whether the true structure is fitted, and the patch held against the third log, where the logs are
+            still there.
 
     Returns:
         The cases, by name.
@@ -44,7 +49,8 @@ def read_answers(logs: Path, truths: Path, oracle: bool = False) -> list[Answer]
         truth = read_truth(case, truths, (folder / ROBOT_FILE).read_bytes())
         fitted = oracle and all((folder / log).exists() for log in case.logs[:2])
         closed = oracle_fraction(folder, case, truth) if fitted else None
-        answers.append(Answer(truth, _diagnosis(folder), _seconds(folder), closed))
+        third = third_log(folder, case) if oracle and (folder / case.logs[2]).exists() else None
+        answers.append(Answer(truth, _diagnosis(folder), _seconds(folder), closed, third))
     if not answers:
         raise InputError(f"no case in '{logs}' is diagnosed yet; run `flexros blind run {logs}` first")
     return answers
@@ -86,6 +92,10 @@ class Score:
         naming: The right name came first (nested ones too), against the expected gain, over all single effects.
         closed: Median closed fraction of visible single effects.
         closed_oracle: Median of the closed fraction over that of the true structure refitted.
+        closed_rival: Median closed fraction of the best impostor, the best explanation that was not chosen.
+        margin: Median closed fraction less that of the best impostor.
+        closed_third: Median closed fraction of the patches on third logs, which neither fit nor check has seen.
+        third_95: Visible single effects whose patch closes 95 % of the gap or more there.
         seconds: Median time of a diagnosis [s].
     """
 
@@ -110,6 +120,10 @@ class Score:
     naming: DetectionCurve
     closed: float
     closed_oracle: float
+    closed_rival: float
+    margin: float
+    closed_third: float
+    third_95: Share
     seconds: float
 
 
@@ -151,6 +165,10 @@ def score(answers: Sequence[Answer]) -> Score:
         naming=_curve(of["single"], lambda one: one.named(1, nested=True)),
         closed=_median([one.closed for one in seen]),
         closed_oracle=_median([one.closed / one.oracle for one in seen if one.closed is not None and one.oracle]),
+        closed_rival=_median([one.closed_rival for one in seen]),
+        margin=_median([_margin(one) for one in seen]),
+        closed_third=_median([one.closed_third for one in seen]),
+        third_95=share((one.closed_third or 0.0) >= MOST for one in seen if _tried(one)),
         seconds=_median([one.seconds for one in answers]),
     )
 
@@ -159,6 +177,15 @@ def _curve(answers: Sequence[Answer], found: Callable[[Answer], bool]) -> Detect
     return detection_curve(
         np.array([one.truth.gain for one in answers]), np.array([found(one) for one in answers], dtype=float)
     )
+
+
+def _tried(one: Answer) -> bool:
+    """Tell whether there was a patch to be tried on the third log, and a gap to be closed there."""
+    return one.third is not None and (one.closed_third is not None or bool(one.third.failure))
+
+
+def _margin(one: Answer) -> float | None:
+    return None if one.closed is None or one.closed_rival is None else one.closed - one.closed_rival
 
 
 def _mean(values: Sequence[float]) -> float:

@@ -30,6 +30,7 @@ ROWS = (
     ("both effects of a pair first", "pairs"),
     ("the same, nested effects counted", "pairs_nested"),
     ("size in its 95 % interval", "covered"),
+    ("patch closes 95 % of the gap of a third log", "third_95"),
     ("logs refused", "refused"),
 )
 """Shares by what they are; visible deviations only where nothing else is said."""
@@ -79,6 +80,9 @@ def figure_rows(scores: dict[str, Score]) -> list[list[str]]:
     rows.append(["gain at which 90 % are named [nats]", *[_number(one.naming.at_90) for one in columns]])
     rows.append(["median closed fraction", *[_number(one.closed) for one in columns]])
     rows.append(["median closed fraction over the oracle's", *[_number(one.closed_oracle) for one in columns]])
+    rows.append(["median closed fraction of the best impostor", *[_number(one.closed_rival) for one in columns]])
+    rows.append(["median closed fraction less the impostor's", *[_number(one.margin) for one in columns]])
+    rows.append(["median closed fraction of third logs", *[_number(one.closed_third) for one in columns]])
     rows.append(["median time of a diagnosis [s]", *[_number(one.seconds) for one in columns]])
     rows.append(["logs", *[str(one.cases) for one in columns]])
     return [row for row in rows if any(text for text in row[1:])]

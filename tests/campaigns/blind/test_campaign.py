@@ -32,6 +32,7 @@ class Answered:
     """What stands for the result of a diagnosis."""
 
     diagnosis = diagnosis("no_gap")
+    patch = ()
 
 
 def answers() -> list[Answer]:
@@ -88,7 +89,15 @@ def sealed_null(settings: MakeSettings, case: Case) -> dict[str, Any]:
     """Give a case without logs and without answer."""
     del settings
     text = truth("null", name=case.name).model_dump_json()
-    return {"seal": sha256(text), "truth": text, "diagnosis": None, "failure": None, "seconds": None, "oracle": None}
+    return {
+        "seal": sha256(text),
+        "truth": text,
+        "diagnosis": None,
+        "failure": None,
+        "seconds": None,
+        "oracle": None,
+        "third": None,
+    }
 
 
 def test_larger_number_of_cases_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
