@@ -31,7 +31,7 @@ def test_the_patch_of_a_diagnosis_brings_the_tool_back_to_the_path_without_effec
     )
     model = load_model(ROBOT)
     record = read_record(closed_loop(Experiment.prepare(experiment)), model.robot, name="hidden")
-    result = diagnose(record, model, settings=DiagnosisSettings(where=False))
+    result = diagnose(record, model, settings=DiagnosisSettings(where=False, next_experiment=False))
     assert result.diagnosis.causes[0].effect == "coulomb_friction"
     patch = tmp_path / "patch.yaml"
     write_patch(result, ROBOT, patch)

@@ -1,0 +1,49 @@
+"""The gap of a log without a diagnosis."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexros.effects import parse_effect, place_effects
+from flexros.gap.measure_gap import measure_gap
+
+from .diagnosis_logs import MODEL, ROBOT, record_of
+
+FRICTION = "coulomb_friction@motor_1:level=0.05"
+
+
+def test_without_gap_it_is_one_and_not_significant() -> None:
+    found = measure_gap(record_of(), MODEL)
+    assert found.numbers.before == pytest.approx(1.0, abs=0.3)
+    assert found.numbers.after is None
+    assert not found.significant
+
+
+def test_a_hidden_effect_is_significant() -> None:
+    found = measure_gap(record_of(FRICTION), MODEL)
+    assert found.numbers.before > 20
+    assert found.significant
+
+
+def test_a_repaired_model_closes_it() -> None:
+    repaired = place_effects(ROBOT, [parse_effect(FRICTION, "test")])
+    found = measure_gap(record_of(FRICTION), MODEL, repaired=repaired)
+    assert found.numbers.closed_fraction == pytest.approx(1.0, abs=0.02)
+    assert found.numbers.after == pytest.approx(1.0, abs=0.3)
+    assert not found.significant
+
+
+def test_a_wrong_repair_stays_significant() -> None:
+    wrong = place_effects(ROBOT, [parse_effect("coulomb_friction@motor_1:level=0.03", "test")])
+    found = measure_gap(record_of(FRICTION), MODEL, repaired=wrong)
+    assert found.numbers.closed_fraction is not None
+    assert 0.5 < found.numbers.closed_fraction < 0.99
+    assert found.significant
+
+
+def test_what_the_tolerance_allows_is_no_gap() -> None:
+    record = record_of("stiffness_error@body_2.rz:relative=-0.05")
+    assert measure_gap(record, MODEL).significant
+    tolerated = measure_gap(record, MODEL, tolerance={"stiffness": 0.05})
+    assert not tolerated.significant
+    assert tolerated.numbers.before == pytest.approx(1.0, abs=0.3)
