@@ -66,6 +66,15 @@ class AbstractEffect(Settings, ABC):
             Names of motors, springs or bodies, or "tool", "base", "all".
         """
 
+    def visible(self, noise: float) -> bool:
+        """Tell whether the effect, with its numbers, is more than the simpler ones that it extends.
+
+        Args:
+            noise: Noise of the encoder at its place [rad or m].
+        """
+        del noise
+        return True
+
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
         """Give the ranges of the parameters that count at a place; by default all.
 

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from flexros.robot.kinematics import Value
 
 
+SEEN = 3.0
+"""Least deflection of the bristles at breakaway over the noise of the encoder that is seen [1] (chosen)."""
+
+
 class PreslidingFriction(AbstractBristleFriction):
     """LuGre friction at a motor, without its viscous term (Canudas de Wit 1995; Moberg 2007, eq. 3.15).
 
@@ -72,3 +76,7 @@ class PreslidingFriction(AbstractBristleFriction):
         """Evaluate the Stribeck curve."""
         level = values["level"] + hump(speed, values["extra"], values["velocity"])
         return Bristle(ca.SX(level), values["stiffness"], values["damping"])
+
+    def visible(self, noise: float) -> bool:
+        """Tell whether the bristles bend farther than the encoder can miss: else it is Coulomb friction."""
+        return self.level + self.extra > SEEN * noise * self.stiffness

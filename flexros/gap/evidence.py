@@ -128,15 +128,19 @@ class Evidence:
         order = np.lexsort((np.array([one.chi2 for one in among]), -probabilities))
         return [among[place] for place in order]
 
-    def _temper(self, one: Fit, best: Fit) -> float:
-        """Return the error of form that the effects may have in which two explanations differ."""
-        mine, theirs = ({suspect.name: suspect for suspect in fit.predictor.hypothesis} for fit in (one, best))
-        differing = [{**mine, **theirs}[name] for name in mine.keys() ^ theirs.keys()]
-        if not differing:
+    def _temper(self, one: Fit, reference: Fit) -> float:
+        """Return the error of form that an explanation may have where it differs from another.
+
+        It is a share of the gap that its own effects close; those that both have are off by the same. An explanation
+        that the other one only adds to may be off by the form of all its effects, which the addition would imitate.
+        """
+        mine, theirs = ({suspect.name: suspect for suspect in fit.predictor.hypothesis} for fit in (one, reference))
+        own = mine.keys() - theirs.keys() or mine.keys()
+        if not own or mine.keys() == theirs.keys():
             return 0.0
-        common = self._fits_by_names.get(frozenset(mine.keys() & theirs.keys()), self.nothing)
-        gap = max(self.level(common) - min(self.level(one), self.level(best)), 0.0)
-        return gap * (TEMPER_PLAIN if all(is_plain(suspect) for suspect in differing) else TEMPER_SHAPED)
+        without = self._fits_by_names.get(frozenset(mine.keys() - own), self.nothing)
+        gap = max(self.level(without) - self.level(one), 0.0)
+        return gap * (TEMPER_PLAIN if all(is_plain(mine[name]) for name in own) else TEMPER_SHAPED)
 
     @cached_property
     def _fits_by_names(self) -> dict[frozenset[str], Fit]:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Entry = Literal["torque", "proportional torque", "gear", "encoder"]
 """Where a wave enters: torque at the motor, the same relative to the torque, torsion of the gear, encoder."""
 
-HIGHEST = 130.0
+HIGHEST = 1000.0
 """Highest order that is looked for [periods per turn] (chosen)."""
 MOST_SPEED = 0.4
 """Highest frequency of an order at the largest speed, relative to the sampling frequency [1] (chosen)."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from flexros.effects.tool_error import AbstractToolError
 from flexros.gap.fit import Fit, Linearised, best_of, chi2_of, fit, linearise, starts_of
+from flexros.gap.fitted_numbers import placed
 from flexros.gap.hypothesis import suspects
 from flexros.gap.periodic_suspects import periodic_suspects
 from flexros.gap.predictor import LANES, Predictor
@@ -129,7 +130,14 @@ class Search:
         simple = [fitted for fitted in found if nothing.chi2 - fitted.chi2 > worth]
         pairs = [(suspect, fitted) for suspect in among for fitted in simple if _extends(suspect, fitted)]
         found += self._parallel("richer effects", lambda pair: self._extended(*pair), pairs)
-        return self._finished(found)
+        return self._visible(self._finished(found))
+
+    def _visible(self, found: Sequence[Fit]) -> list[Fit]:
+        """Leave out fits of rich effects that are no more than a simpler one, which is fitted as well."""
+        robot = self.model.robot
+        noise = dict(zip(robot.joint_names, robot.encoder_noise))
+        least = float(robot.encoder_noise.min())
+        return [one for one in found if all(put.effect.visible(noise.get(put.location, least)) for put in placed(one))]
 
     def _extended(self, suspect: Suspect, simple: Fit) -> Fit:
         """Fit an effect from the numbers of a simpler one that it contains."""
@@ -191,7 +199,9 @@ class Search:
             order = np.argsort([-found[place][0] for found in screened], kind="stable")
             others = [number for number in order if among[number].name not in held][:SECONDS]
             pairs += [(first, among[number], screened[number][place][1]) for number in others]
-        return self._finished(self._parallel("effects together", lambda pair: self._together(*pair), pairs))
+        return self._visible(
+            self._finished(self._parallel("effects together", lambda pair: self._together(*pair), pairs))
+        )
 
     def _promises(
         self, suspect: Suspect, nothing: Fit, plain: FloatArray, lines: Sequence[Linearised]
