@@ -23,8 +23,8 @@ class CoulombFriction(AbstractDryFriction):
     """Coulomb friction at a motor, with true sticking.
 
     With level F and asymmetry a the torque on a moving motor is -F (1 + a/2) forward and +F (1 - a/2) backward; at
-    standstill it balances all other torques between these bounds. A diagnosis finds an asymmetry as a torque bias beside
-    the friction, which is the same but at standstill.
+    standstill it balances all other torques between these bounds. A diagnosis finds an asymmetry as a torque bias
+    beside the friction, which is the same but at standstill.
     """
 
     name: ClassVar[str] = "coulomb_friction"

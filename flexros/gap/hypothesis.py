@@ -128,7 +128,8 @@ def suspects(robot: Robot, yardsticks: Yardsticks) -> tuple[Suspect, ...]:
         yardsticks: Largest torques, speeds and deflections of the log.
 
     Returns:
-        Suspects; effects without ranges are left out, and those that repeat with the rotor, whose orders are sought apart.
+        Suspects; effects without ranges are left out, and those that repeat with the rotor, whose orders are sought
+        apart.
     """
     found: list[Suspect] = []
     for effect in effects().values():
