@@ -34,6 +34,7 @@ def diagnose(
 ) -> int:
     """Say where robot and model differ, which effect causes it, and how far the gap shrinks with it."""
     from flexros.effects.patched_robot import load_model
+    from flexros.gap.closed_loop_gap import with_closed_loop
     from flexros.gap.diagnose import diagnose as diagnosed
     from flexros.gap.read_record import read_record
     from flexros.gap.report.files import check_folder, write_diagnosis
@@ -42,20 +43,20 @@ def diagnose(
     check_folder(out)
     tolerances = parse_tolerance(tolerance)
     known = load_model(model)
-    record, held = (
-        None if path is None else read_record(read_log(path, namespace=namespace or None), known.robot, name=path.name)
-        for path in (bag, holdout)
-    )
-    assert record is not None
+    logs = [read_log(path, namespace=namespace or None) for path in (bag, holdout) if path is not None]
+    paths = [path for path in (bag, holdout) if path is not None]
+    record, *others = [read_record(log, known.robot, name=path.name) for log, path in zip(logs, paths)]
     with progress_bar() as bar:
         task = bar.add_task("reading", total=1.0)
         result = diagnosed(
             record,
             known,
-            holdout=held,
+            holdout=others[0] if others else None,
             tolerance=tolerances,
             progress=_told_by(bar, task),
         )
+        bar.update(task, description="closed loop")
+        result = with_closed_loop(result, known, logs[-1])
         bar.update(task, description="writing")
         files = write_diagnosis(result, model, out)
     if as_json:
