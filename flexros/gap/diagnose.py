@@ -36,6 +36,8 @@ STARTING_LEVEL = 0.3
 """Torque noise that the predictor allows for while it finds the state of a log that begins in motion [1] (chosen)."""
 RUN_AWAY = 1e6
 """Largest prediction error over the largest motion of the log; beyond it the prediction has run away [1] (chosen)."""
+FIRST_STEP = 0.5
+"""Share of a stage that its first step counts for, and of the rest the next ones [1] (chosen)."""
 REST = 0.02
 """Time at the begin of a log that tells whether the robot stands still [s] (chosen)."""
 
@@ -177,17 +179,22 @@ class Stages:
         self.timings: dict[str, float] = {}
         self._progress = progress
         self._name, self._from, self._to, self._begin = "", 0.0, 0.0, time.monotonic()
+        self._step, self._done, self._span = "", 0.0, 1.0
 
     def begin(self, name: str, share: float) -> None:
         """Begin a stage that ends when `share` of all is done."""
         self.end()
         self._name, self._from, self._to, self._begin = name, self._to, share, time.monotonic()
+        self._step, self._done, self._span = name, 0.0, FIRST_STEP
         self.inner(name, 0.0)
 
     def inner(self, name: str, share: float) -> None:
-        """Tell the share of the present stage that is done."""
+        """Tell how far a step of the present stage is; as many steps may come, each counts for half of what is left."""
+        if name != self._step:
+            self._step, self._done = name, self._done + self._span
+            self._span = FIRST_STEP * (1.0 - self._done)
         if self._progress is not None:
-            self._progress(name, self._from + share * (self._to - self._from))
+            self._progress(name, self._from + (self._done + share * self._span) * (self._to - self._from))
 
     def end(self) -> None:
         """End the present stage."""
