@@ -11,10 +11,9 @@ if TYPE_CHECKING:
 
 
 NOTES = {
-    "backlash, hysteresis": "A gap takes stiffness away near zero torque, and hysteresis adds some after every reversal: "
-    "on a robot whose model is exact one explains nothing of the other, so that the sizes here, just above those at "
-    "which the log shows them, are named at once. The same held with springs, dampers and inertias free within 20, 50 "
-    "and 10 %, and in small slow reversals.",
+    "backlash, hysteresis": "A gap takes stiffness away near zero torque, hysteresis adds some after every reversal: one "
+    "explains nothing of the other, so sizes just above those that the log shows are named at once. Fits of these two "
+    "alone say the same with springs, dampers and inertias free within 20, 50 and 10 %.",
 }
 """What else was learnt of a pair (development seeds)."""
 
