@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 
 
 NOTES = {
-    "backlash, hysteresis": "A gap takes stiffness away near zero torque, hysteresis adds some after every reversal: one "
-    "explains nothing of the other, so sizes just above those that the log shows are named at once. Fits of these two "
-    "alone say the same with springs, dampers and inertias free within 20, 50 and 10 %.",
+    "backlash, hysteresis": "A gap takes stiffness away near zero torque, hysteresis adds some after every reversal: "
+    "one explains nothing of the other, so sizes just above those that the log shows are named at once. Fits of these "
+    "two alone say the same with springs, dampers and inertias free within 20, 50 and 10 %.",
 }
 """What else was learnt of a pair (development seeds)."""
 
@@ -35,8 +35,9 @@ def pairs_page(
         "# Effects that a log cannot tell apart, and the experiment that does",
         "",
         f"Written by `flexros campaign hard_pairs`. The robot is {settings.robot}; one effect is hidden in it, of a "
-        f"size near that at which the first log shows it. That log is {settings.duration:g} s of gentle moves: two "
-        "thirds are fitted, the last third is held out. Where the answer is ambiguous, the experiment that the "
+        "size chosen near that at which the first log shows it, where a pair is hardest. That log is "
+        f"{settings.duration:g} s of gentle moves: two thirds are fitted, the last third is held out. Where the answer "
+        "is ambiguous, the experiment that the "
         "diagnosis proposes is run on the same robot, and its log is diagnosed alone, with nothing known of the first.",
     ]
     for pair, parts in by_pair.items():
