@@ -55,7 +55,7 @@ class DiagnosisSettings:
         next_experiment: Whether an experiment is chosen where the answer is ambiguous.
     """
 
-    level: float = 1e-3
+    level: float = 2e-4
     fitted_share: float = 2 / 3
     threads: int = 0
     seed: int = 1

@@ -31,8 +31,8 @@ HUGE = 1e200
 """Sum of squared changes beyond which a start has run away [1]."""
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-FEW, SOME, MANY = 4, 8, 20
-"""Iterations of a fit at first, of several effects together, and where it is among the best (chosen)."""
+NULL, FEW, SOME, MANY = 40, 4, 8, 20
+"""Iterations of the fit of the nominal model; of others at first, of several together, and of the best (chosen)."""
 SETTLED = 3
 """A fit that needs no more iterations than this needs no second start (chosen)."""
 FINISHED = 6
@@ -75,7 +75,7 @@ class Search:
         """Fit the nominal model; what moves is what is known with a tolerance only."""
         predictor = self.predictor(())
         start = np.zeros(predictor.n_fitted)
-        return fit(predictor, self.data, start, 6)
+        return fit(predictor, self.data, start, NULL)
 
     def states(self, found: Fit) -> FloatArray:
         """Predict the states of a fitted hypothesis, shape (n, n_states)."""
