@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from flexros.gap.result import Explanation
     from flexros.gap.where.find import Where
 
+LIKELY = 0.01
+"""Probability of an explanation from which the errors of its numbers are computed with care [1] (chosen)."""
 STEP_ERROR = 1e-3
 """Relative standard deviation of a step that is read off a lattice [1] (chosen)."""
 
@@ -47,7 +49,7 @@ def result_of(
     explanations, evidence = found.explanations, found.explanations.evidence
     chosen = explanations.chosen
     rival = found.best_rival
-    names, covariance = covariance_of(chosen, evidence.level(chosen))
+    names, covariance = covariance_of(chosen, found.data)
     after = found.explanation(chosen) if found.patch else None
     tolerated = chosen.theta[chosen.predictor.n_effect :]
     return DiagnosisResult(
@@ -97,7 +99,7 @@ def _causes(found: Findings) -> tuple[Cause, ...]:
     if not explanations.detected:
         return tuple(causes.values())
     for one in (explanations.chosen, *found.rivals):
-        numbers = parameters_of(one, explanations.evidence.level(one))
+        numbers = parameters_of(one, found.data)
         for suspect, parameters in zip(one.predictor.hypothesis, numbers):
             if suspect.name not in causes:
                 alone = next(
@@ -135,8 +137,10 @@ def _ranking(found: Findings) -> tuple[Candidate, ...]:
     """List every effect in its best explanation."""
     explanations, evidence = found.explanations, found.explanations.evidence
     best: dict[str, Candidate] = {}
-    for one in explanations.rivals:
-        numbers = parameters_of(one, evidence.level(one)) if one.predictor.hypothesis else []
+    for one, probability in zip(explanations.rivals, explanations.probabilities):
+        if all(suspect.name in best for suspect in one.predictor.hypothesis):
+            continue
+        numbers = parameters_of(one, found.data if probability > LIKELY else None)
         for suspect, parameters in zip(one.predictor.hypothesis, numbers):
             if suspect.name in best:
                 continue

@@ -21,8 +21,9 @@ STEP = 1e-3
 """Step of the differences that make the derivatives, in the numbers that the fit moves [1] (chosen)."""
 LONGEST = 1.5
 """Longest step of one number in one iteration: a factor of 4.5 where it is a logarithm [1] (chosen)."""
-ENOUGH = 0.1
-"""The fit ends when the sum of squares falls by less than this [1] (chosen; the null needs it so fine)."""
+ENOUGH, EXACTLY = 0.1, 1e-3
+"""The fit ends when the sum of squares falls by less than this [1]: the null needs it so fine, and the intervals of
+slow effects, whose errors are smaller than white prediction errors tell, finer (chosen)."""
 DAMPINGS = 10.0 ** np.arange(-4.0, 4.0)
 RUN_AWAY = 1e100
 """Derivatives of this size are of predictions that run away; their squares would leave the range of numbers."""
@@ -94,6 +95,7 @@ def fit(
     start: FloatArray,
     iterations: int = 12,
     tolerance_slopes: FloatArray | None = None,
+    enough: float = ENOUGH,
 ) -> Fit:
     """Find the numbers of least squares near a start (Levenberg 1944, Marquardt 1963).
 
@@ -106,6 +108,7 @@ def fit(
         iterations: Most iterations.
         tolerance_slopes: Derivatives to the tolerated deviations that are held, which saves most of the work, shape
             (n_values, n_tolerated); None to compute them anew in each iteration.
+        enough: The fit ends when the sum of squares falls by less than this [1].
     """
     theta, low, high = np.array(start, dtype=float), *predictor.bounds
     theta = np.clip(theta, low, high)
@@ -116,7 +119,7 @@ def fit(
         chi2, information = line.chi2, line.information
         if not np.isfinite(chi2) or not len(theta):
             break
-        if _promised(line) < ENOUGH:
+        if _promised(line) < enough:
             converged = True
             break
         trials = np.stack([_trial(theta, line, damping, low, high) for damping in DAMPINGS], axis=-1)
@@ -125,7 +128,7 @@ def fit(
         fall = chi2 - values[best]
         if fall > 0:
             theta, chi2 = trials[:, best], float(values[best])
-        if fall < ENOUGH:
+        if fall < enough:
             converged = True
             break
     return Fit(predictor, theta, float(chi2), information, done, converged)

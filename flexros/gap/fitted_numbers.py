@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.diagnosis_file import CauseParameter
+from flexros.gap.parameter_covariance import parameter_covariance
 from flexros.gap.units import unit_of_parameter
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects import PlacedEffect
     from flexros.gap.fit import Fit
+    from flexros.gap.fit_data import FitData
 
 
 def placed(one: Fit) -> tuple[PlacedEffect, ...]:
@@ -21,26 +23,27 @@ def placed(one: Fit) -> tuple[PlacedEffect, ...]:
     return tuple(suspect.placed(numbers) for suspect, numbers in zip(one.predictor.hypothesis, values))
 
 
-def covariance_of(one: Fit, level: float) -> tuple[tuple[str, ...], FloatArray]:
+def covariance_of(one: Fit, data: FitData | None = None) -> tuple[tuple[str, ...], FloatArray]:
     """Compute the covariance of the fitted numbers of the effects, in their units.
 
     Args:
         one: The fit.
-        level: Mean squared weighted prediction error V of it; above 1 the covariance is widened by it [1].
+        data: The log that it was fitted to; without it errors that are not white do not count, which is quick.
 
     Returns:
         Names, e.g. "coulomb_friction@motor_1.level", and covariance, shape (p, p).
     """
     number = one.predictor.n_effect
-    covariance = np.linalg.pinv(one.information)[:number, :number] * max(level, 1.0)
+    whole = np.linalg.pinv(one.information) if data is None else parameter_covariance(one, data)
+    covariance = whole[:number, :number]
     slopes = one.predictor.slopes(one.theta)
     names = tuple(f"{suspect.name}.{free.name}" for suspect in one.predictor.hypothesis for free in suspect.free)
     return names, covariance * np.outer(slopes, slopes)
 
 
-def parameters_of(one: Fit, level: float) -> list[dict[str, CauseParameter]]:
+def parameters_of(one: Fit, data: FitData | None = None) -> list[dict[str, CauseParameter]]:
     """Return the numbers of every effect of a fit with their standard deviations."""
-    _, covariance = covariance_of(one, level)
+    _, covariance = covariance_of(one, data)
     spread = iter(np.sqrt(np.maximum(np.diag(covariance), 0.0)))
     values = one.predictor.values(one.theta)
     return [

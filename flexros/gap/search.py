@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from flexros.effects.tool_error import AbstractToolError
-from flexros.gap.fit import Fit, Linearised, best_of, chi2_of, fit, linearise, starts_of
+from flexros.gap.fit import EXACTLY, Fit, Linearised, best_of, chi2_of, fit, linearise, starts_of
 from flexros.gap.fitted_numbers import placed
 from flexros.gap.hypothesis import suspects
 from flexros.gap.periodic_suspects import periodic_suspects
@@ -170,9 +170,7 @@ class Search:
         return fit(predictor, self.data, start, FEW, self.tolerance_slopes)
 
     def _continued(self, one: Fit) -> Fit:
-        if one.converged and self.tolerance_slopes is None:
-            return one
-        return fit(one.predictor, self.data, one.theta, MANY)
+        return fit(one.predictor, self.data, one.theta, MANY, enough=EXACTLY)
 
     def beside(self, firsts: Sequence[Fit], nothing: Fit, sizes: Yardsticks) -> list[Fit]:
         """Fit the most promising suspects beside each of some explanations.
