@@ -116,7 +116,7 @@ class ModuleBuilder:
         return symbol
 
 
-@lru_cache(maxsize=128)
+@lru_cache(maxsize=64)
 def _compiled(text: str, level: int) -> MachineCode:
     """Compile a module once; many logs of one robot need the same ones."""
     return MachineCode(text, level)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +16,7 @@ from flexros.gap.findings import Findings
 from flexros.gap.fit_data import FitData
 from flexros.gap.gain import observer_gain
 from flexros.gap.predictor import Predictor
+from flexros.gap.record import ToolRecord
 from flexros.gap.search import Search
 from flexros.gap.tolerance import Tolerance, tolerance_of
 from flexros.gap.tool_data import tool_data
@@ -28,7 +29,8 @@ if TYPE_CHECKING:
     from flexros.compile.prediction_loop import Prediction
     from flexros.gap.gain import ObserverGain
     from flexros.gap.record import GapRecord
-    from flexros.gap.result import DiagnosisResult
+    from flexros.gap.result import DiagnosisResult, Explanation
+    from flexros.gap.where.find import Where
     from flexros.robot import Robot
 
 
@@ -38,6 +40,8 @@ RUN_AWAY = 1e6
 """Largest prediction error over the largest motion of the log; beyond it the prediction has run away [1] (chosen)."""
 FIRST_STEP = 0.5
 """Share of a stage that its first step counts for, and of the rest the next ones [1] (chosen)."""
+SEEN_BY_TOOL = 1e-3
+"""Least rms of a tool error that is more than rounding, over the noise of the tracker [1] (chosen)."""
 REST = 0.02
 """Time at the begin of a log that tells whether the robot stands still [s] (chosen)."""
 
@@ -98,9 +102,23 @@ def diagnose(
     found = Findings(model, data, held_data, explanations)
     stages.begin("places", 1.0)
     before = found.explanation(explanations.evidence.nothing)
-    places = where(before.fit, data.record, model.robot, numbers.seed) if numbers.where else None
+    places = _places(found, before, numbers.seed) if numbers.where else None
     stages.end()
     return result_of(found, before, places, {**asdict(numbers), **dict(tolerance or {})}, stages.timings)
+
+
+def _places(found: Findings, before: Explanation, seed: int) -> Where:
+    """Look where the gap shows, with what the tool tracker adds."""
+    data, nothing = found.data, found.explanations.evidence.nothing
+    if data.tool is None:
+        return where(before.fit, data.record, found.model.robot, seed)
+    residual = data.residuals(nothing.predictor, nothing.theta[:, None])[data.spread.size :, 0]
+    tool = data.tool
+    time_of = (tool.samples[tool.place] + tool.share) * data.record.sample_time
+    record = replace(data.record, tool=ToolRecord(time_of, tool.position))
+    error = tool.spread * residual.reshape(-1, 3)
+    error[:, np.sqrt(np.mean(error**2, axis=0)) < SEEN_BY_TOOL * tool.spread] = 0.0
+    return where(before.fit, record, found.model.robot, seed, tool_error=error)
 
 
 def split(record: GapRecord, share: float) -> tuple[GapRecord, GapRecord]:

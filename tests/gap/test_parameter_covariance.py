@@ -9,6 +9,7 @@ from flexros.gap.fit import EXACTLY, chi2_of, fit, starts_of
 from flexros.gap.fitted_numbers import parameters_of
 from flexros.gap.parameter_covariance import smoothed
 from flexros.random_streams import generator
+
 from .diagnosis_logs import data_of, predictor_of, suspects_of
 
 LEVEL = 0.03
