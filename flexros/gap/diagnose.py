@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from flexros.gap.gain import ObserverGain
     from flexros.gap.record import GapRecord
     from flexros.gap.result import DiagnosisResult, Explanation
+    from flexros.gap.weights import Measurement
     from flexros.gap.where.find import Where
     from flexros.robot import Robot
 
@@ -93,7 +94,9 @@ def diagnose(
     model = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
     stages = Stages(progress)
     fitted, held = (record, holdout) if holdout is not None else split(record, numbers.fitted_share)
-    data, held_data = (fit_data(one, model, numbers) for one in (fitted, held))
+    data = fit_data(fitted, model, numbers)
+    same_clock = abs(held.sample_time / fitted.sample_time - 1) < 1e-6
+    held_data = fit_data(held, model, numbers, data.measurement if same_clock else None)
     search = Search(model, data, tolerance_of(model.robot, tolerance or {}), stages.inner)
     search.threads = numbers.threads or search.threads
     stages.begin("causes", 0.85)
@@ -132,7 +135,12 @@ def split(record: GapRecord, share: float) -> tuple[GapRecord, GapRecord]:
     return record.part(0, border), record.part(border, record.n_samples)
 
 
-def fit_data(record: GapRecord, model: RobotWithEffects, settings: DiagnosisSettings) -> FitData:
+def fit_data(
+    record: GapRecord,
+    model: RobotWithEffects,
+    settings: DiagnosisSettings,
+    measurement: Measurement | None = None,
+) -> FitData:
     """Give a log gain, start and weights.
 
     A log that begins in motion loses its first part, in which a predictor of high gain finds the state.
@@ -141,13 +149,14 @@ def fit_data(record: GapRecord, model: RobotWithEffects, settings: DiagnosisSett
         record: The log.
         model: The nominal model.
         settings: Numbers of the diagnosis.
+        measurement: Noise of the encoders as another log of the same robot shows it; None to measure it in this one.
 
     Raises:
         InputError: The prediction of the nominal model runs away.
     """
     robot = model.robot
     pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
-    measurement = measurement_of(record, robot)
+    measurement = measurement_of(record, robot) if measurement is None else measurement
 
     tolerated = measurement.signal_tolerance * np.std(record.torque, axis=0) if measurement.signal_tolerance else None
 

@@ -33,6 +33,8 @@ REFERRED = 6
 """Times that the reference of the probabilities is moved to the most probable explanation [1] (chosen)."""
 SIGNIFICANT = 4.0
 """Standard deviations of V without gap beyond which something is left [1] (development seeds)."""
+ROUNDED = 0.02
+"""Gain per value that coarse rounding of an encoder may pretend [1] (chosen)."""
 DETECTED = 6.0
 """What a fitted effect must gain beyond its penalty to be detected [1] (development seeds)."""
 
@@ -46,12 +48,14 @@ class Evidence:
         fits: All other fits.
         n_values: Number of prediction errors that count.
         floor_error: Relative standard deviation of the variance of the noise [1].
+        rounding: Share of rounding in the variance of the noise, which no model of noise tells exactly [1].
     """
 
     nothing: Fit
     fits: tuple[Fit, ...]
     n_values: int
     floor_error: float = 0.0
+    rounding: float = 0.0
 
     def level(self, one: Fit) -> float:
         """Return the mean squared weighted prediction error V of a fit; 1 without gap."""
@@ -91,7 +95,12 @@ class Evidence:
     @property
     def detected(self) -> bool:
         """Whether some effect is worth its numbers beyond what the best of many gains by chance."""
-        return any(self.score(one) > DETECTED for one in self.fits)
+        return any(self.score(one) > self.least for one in self.fits)
+
+    @property
+    def least(self) -> float:
+        """What an effect must gain beyond its penalty to be detected."""
+        return DETECTED + ROUNDED * self.rounding * self.n_values
 
     def probabilities(self, among: Sequence[Fit]) -> FloatArray:
         """Distribute probability over rival explanations.

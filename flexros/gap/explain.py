@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.evidence import DETECTED, Evidence
+from flexros.gap.evidence import Evidence
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -104,7 +104,7 @@ def _worth(search: Search, evidence: Evidence, before: Fit, after: Fit) -> bool:
 
     On a real machine, where the floor is a matter of tolerance, it must remove a good part of all.
     """
-    if evidence.score(after) - evidence.score(before) < DETECTED:
+    if evidence.score(after) - evidence.score(before) < evidence.least:
         return False
     if search.data.record.imported:
         return evidence.level(after) < (1 - REMOVED_OF_ALL) * evidence.level(before)
@@ -112,7 +112,8 @@ def _worth(search: Search, evidence: Evidence, before: Fit, after: Fit) -> bool:
 
 
 def _evidence(search: Search, nothing: Fit, fits: Sequence[Fit]) -> Evidence:
-    return Evidence(nothing, tuple(fits), search.data.n_values, search.data.measurement.floor_error)
+    measurement = search.data.measurement
+    return Evidence(nothing, tuple(fits), search.data.n_values, measurement.floor_error, measurement.rounding)
 
 
 def unique(fits: list[Fit]) -> list[Fit]:

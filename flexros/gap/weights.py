@@ -20,8 +20,12 @@ if TYPE_CHECKING:
 
 AS_DECLARED = 0.06
 """Relative difference up to which measured noise counts as that of the robot file [1] (chosen)."""
-MEASURED_ERROR = 0.01
-"""Relative error of the variance of measured noise [1] (chosen: some 10 s at rest)."""
+MEASURED_ERROR, COLOURED_ERROR = 0.01, 0.03
+"""Relative error of the variance of measured noise, white and coloured [1] (development seeds)."""
+ROUNDING_ERROR = 0.1
+"""Relative error of the variance that rounding is taken to add: it is not white where a motor is slow [1] (chosen)."""
+COLOURED_BELOW = 0.6
+"""Power above the band over that of the declared noise below which the noise is taken for coloured [1] (chosen)."""
 LEAST_JITTER = 0.3
 """Least jitter that counts: at the largest speed it adds this share of the encoder noise [1] (chosen)."""
 SMOOTH_CUTOFF = 40.0
@@ -38,6 +42,7 @@ class Measurement:
         driving: Standard deviation of that white noise [rad or m], shape (M,).
         jitter: Standard deviation of the sampling instants [s].
         quantizations: Encoders whose rounding matters.
+        rounding: Largest share of rounding in the variance of the noise of an encoder [1].
         floor_error: Relative standard deviation of the variance of the noise [1]; zero where it is as declared.
         signal_tolerance: Share of the rms of a torque that counts as no gap [1].
         warnings: What was noticed, a sentence each.
@@ -48,6 +53,7 @@ class Measurement:
     driving: FloatArray
     jitter: float
     quantizations: tuple[Quantization, ...]
+    rounding: float
     floor_error: float
     signal_tolerance: float
     warnings: tuple[str, ...]
@@ -56,7 +62,10 @@ class Measurement:
 def measurement_of(record: GapRecord, robot: Robot) -> Measurement:
     """Find out what the encoders of a log do.
 
-    Noise that is as the robot file declares it is taken from there, which is the more exact.
+    Noise that is as the robot file declares it is taken from there, which is the more exact. A log without rest shows
+    noise above the band of the motion only: where that is far less than declared, it is taken for the upper end of a
+    first-order autoregression a of the declared power, which has the share (1 - a) / (1 + a) of it at half the
+    sampling rate.
 
     Args:
         record: The log.
@@ -64,20 +73,29 @@ def measurement_of(record: GapRecord, robot: Robot) -> Measurement:
     """
     noise = measure_noise(record, robot)
     declared = robot.encoder_noise
-    plain = not noise.autoregression.size or not np.any(noise.autoregression)
+    autoregression = np.zeros((robot.n_motors, max(1, noise.autoregression.shape[1])))
+    autoregression[:, : noise.autoregression.shape[1]] = noise.autoregression
     near = np.abs(noise.standard_deviation / declared - 1) < AS_DECLARED
     deviation = np.where(near, declared, noise.standard_deviation)
+    for motor, source in enumerate(noise.source):
+        share = float((noise.standard_deviation[motor] / declared[motor]) ** 2)
+        if source == "above the band" and share < COLOURED_BELOW and not np.any(autoregression[motor]):
+            deviation[motor], autoregression[motor, 0] = declared[motor], (1 - share) / (1 + share)
     quantizations = encoder_quantization(record, robot)
     for one in quantizations:
         deviation[one.motor] = np.hypot(declared[one.motor], one.step / np.sqrt(12))
-    whitening = np.hstack([np.ones((robot.n_motors, 1)), -noise.autoregression])
+    rounding = max((1 - (declared[one.motor] / deviation[one.motor]) ** 2 for one in quantizations), default=0.0)
+    coloured = bool(np.any(autoregression))
+    error = COLOURED_ERROR if coloured else 0.0 if bool(np.all(near)) else MEASURED_ERROR
+    whitening = np.hstack([np.ones((robot.n_motors, 1)), -autoregression[:, : None if coloured else 0]])
     return Measurement(
         deviation=deviation,
         whitening=whitening,
         driving=deviation / np.array([_amplification(row) for row in whitening]),
         jitter=noise.jitter,
         quantizations=quantizations,
-        floor_error=0.0 if plain and bool(np.all(near)) else MEASURED_ERROR,
+        rounding=float(rounding),
+        floor_error=float(np.hypot(error, ROUNDING_ERROR * rounding)),
         signal_tolerance=noise.signal_tolerance,
         warnings=noise.warnings,
     )
