@@ -87,8 +87,15 @@ def _diagnosis(found: Findings, places: Where | None, settings: Mapping[str, Any
         where=() if places is None else places.places,
         gap=found.gap,
         next_experiment=_next(found) if settings.get("next_experiment") else None,
-        warnings=(*found.data.record.warnings, *found.data.measurement.warnings, *_warnings(found)),
-        provenance={"log": found.data.record.name, "robot": found.model.robot.name, **versions(), **dict(settings)},
+        warnings=tuple(dict.fromkeys((*_of_logs(found), *found.data.measurement.warnings, *_warnings(found)))),
+        provenance={
+            "log": found.data.record.name,
+            "holdout": found.held.record.name,
+            "robot": found.model.robot.name,
+            "robot_hash": found.model.robot.model_hash,
+            **versions(),
+            **dict(settings),
+        },
     )
 
 
@@ -164,6 +171,12 @@ def _next(found: Findings) -> NextExperiment | None:
         return None
     survivors = [placed(one) for one in (found.explanations.chosen, *found.rivals)]
     return next_experiment(found.model, survivors, tool_measured=found.data.tool is not None)
+
+
+def _of_logs(found: Findings) -> list[str]:
+    """Give the warnings of the log, and those that only the held-out one has."""
+    fitted, held = found.data.record.warnings, found.held.record.warnings
+    return [*fitted, *(f"held-out log: {text}" for text in held if text not in fitted)]
 
 
 def _warnings(found: Findings) -> list[str]:

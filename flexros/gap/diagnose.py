@@ -43,6 +43,8 @@ FIRST_STEP = 0.5
 """Share of a stage that its first step counts for, and of the rest the next ones [1] (chosen)."""
 SEEN_BY_TOOL = 1e-3
 """Least rms of a tool error that is more than rounding, over the noise of the tracker [1] (chosen)."""
+SAME_RATE = 1e-3
+"""Relative difference of sample times up to which two logs have the same rate [1] (chosen)."""
 REST = 0.02
 """Time at the begin of a log that tells whether the robot stands still [s] (chosen)."""
 
@@ -94,9 +96,9 @@ def diagnose(
     model = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
     stages = Stages(progress)
     fitted, held = (record, holdout) if holdout is not None else split(record, numbers.fitted_share)
+    _check_alike(fitted, held)
     data = fit_data(fitted, model, numbers)
-    same_clock = abs(held.sample_time / fitted.sample_time - 1) < 1e-6
-    held_data = fit_data(held, model, numbers, data.measurement if same_clock else None)
+    held_data = fit_data(held, model, numbers, data.measurement)
     search = Search(model, data, tolerance_of(model.robot, tolerance or {}), stages.inner)
     search.threads = numbers.threads or search.threads
     stages.begin("causes", 0.85)
@@ -181,7 +183,18 @@ def fit_data(
         assert predicted.tool_pose is not None
         counted = np.all(np.isfinite(spread), axis=1, keepdims=False)
         tool = tool_data(record.tool, predicted.tool_pose[:, :, 0], counted, record.sample_time, robot.tool_noise)
-    return FitData(record, gain, start, spread, measurement, tool)
+    return FitData(record, gain, start, spread, measurement, tool, pose)
+
+
+def _check_alike(fitted: GapRecord, held: GapRecord) -> None:
+    """Refuse a holdout that was recorded in another way, which the predictors of the fit do not fit."""
+    ways = [
+        f"{one.name} has {1 / one.sample_time:.6g} samples per second and "
+        f"{'measured' if one.measured_torque else 'commanded'} torques"
+        for one in (held, fitted)
+    ]
+    if abs(held.sample_time / fitted.sample_time - 1) > SAME_RATE or held.measured_torque != fitted.measured_torque:
+        raise InputError(f"{ways[0]}, but {ways[1]}; give a holdout that was recorded like the log, or none")
 
 
 def _check_bounded(predicted: Prediction, record: GapRecord) -> None:

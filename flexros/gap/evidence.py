@@ -31,6 +31,8 @@ PLAIN = (AbstractChangedValues, AbstractCommandLaw, AbstractToolError, TorqueBia
 """Kinds of effects without a shape of their own."""
 REFERRED = 6
 """Times that the reference of the probabilities is moved to the most probable explanation [1] (chosen)."""
+LEAST_LEVEL = 0.5
+"""Level below which a log has less noise than anything could be told from [1] (chosen)."""
 SIGNIFICANT = 4.0
 """Standard deviations of V without gap beyond which something is left [1] (development seeds)."""
 ROUNDED = 0.02
@@ -63,7 +65,8 @@ class Evidence:
 
     def gain(self, one: Fit) -> float:
         """Return twice the gain in log-likelihood over the nominal model, with the noise estimated: N ln(V0 / V)."""
-        return self.n_values * float(np.log(self.nothing.chi2 / one.chi2))
+        before, after = (max(self.level(fit), LEAST_LEVEL) for fit in (self.nothing, one))
+        return self.n_values * float(np.log(before / after))
 
     def penalty(self, one: Fit) -> float:
         """Return what the fitted numbers cost by the Bayesian information criterion (Schwarz 1978): p ln N."""
@@ -122,7 +125,7 @@ class Evidence:
         for _ in range(REFERRED):
             reference = among[place]
             temper = np.array([self._temper(one, reference) for one in among])
-            scale = 2 * levels.min() / self.n_values + temper
+            scale = 2 * max(levels.min(), LEAST_LEVEL) / self.n_values + temper
             logarithm = -(levels - levels[place]) / scale - PER_PARAMETER * costs
             if int(np.argmax(logarithm)) == place:
                 break

@@ -66,7 +66,7 @@ def explain(search: Search) -> Explanations:
     """
     nothing = search.nothing()
     sizes = search.yardsticks(nothing)
-    singles = search.singles(nothing, search.suspects(nothing, sizes))
+    singles = unique(search.singles(nothing, search.suspects(nothing, sizes)))
     evidence = _evidence(search, nothing, singles)
     if not evidence.detected:
         return _explanations(evidence, nothing, detected=False)
@@ -74,6 +74,8 @@ def explain(search: Search) -> Explanations:
     chosen, found = level[0], list(singles)
     while len(chosen.predictor.hypothesis) < MOST_EFFECTS and _left(search, evidence, chosen):
         level = unique(search.beside(level[:FIRSTS], nothing, sizes))
+        if not level:
+            break
         found += level
         evidence = _evidence(search, nothing, unique(found))
         level = evidence.ranked(level)

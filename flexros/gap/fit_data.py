@@ -29,6 +29,7 @@ class FitData:
         spread: Standard deviation of a prediction error without gap [rad or m], shape (n, M); infinite where a sample
             was not measured or the start has not decayed.
         measurement: Noise of the encoders.
+        pose: Arm coordinates at which the gain was computed [rad or m], shape (N,); None for home.
         tool: What a tool tracker saw; None where there was none.
     """
 
@@ -38,6 +39,7 @@ class FitData:
     spread: FloatArray
     measurement: Measurement
     tool: ToolData | None = None
+    pose: FloatArray | None = None
 
     @property
     def n_values(self) -> int:

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.errors import InputError
 from flexros.random_streams import generator
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import FloatArray, IntArray
     from flexros.gap.fit import Fit
     from flexros.gap.fit_data import FitData
 
@@ -40,7 +41,7 @@ class AheadErrors:
     """
 
     squares: FloatArray
-    starts: FloatArray
+    starts: IntArray
     floor: FloatArray
     floor_error: float = 0.0
 
@@ -63,6 +64,9 @@ def errors_ahead(found: Fit, data: FitData) -> AheadErrors:
 
     Returns:
         Squared errors over their floor.
+
+    Raises:
+        InputError: The log is too short.
     """
     record, predictor = data.record, found.predictor
     horizon = max(1, round(HORIZON / record.sample_time))
@@ -71,7 +75,14 @@ def errors_ahead(found: Fit, data: FitData) -> AheadErrors:
     first = max(min(data.gain.settling, record.n_samples // 4), predictor.loop.line_length)
     starts = np.arange(first, record.n_samples - horizon, max(1, round(SPACING / record.sample_time)))
     counts = np.concatenate([[0], np.cumsum(~record.valid)])
-    starts = starts[counts[starts + horizon + 1] == counts[starts]]
+    whole = starts[counts[starts + horizon + 1] == counts[starts]]
+    # a log with losses everywhere has no whole stretch; then both ends count
+    starts = whole if len(whole) else starts[record.valid[starts] & record.valid[starts + horizon]]
+    if not len(starts):
+        raise InputError(
+            f"{record.name}: there is no stretch of {HORIZON:g} s behind the first {first * record.sample_time:.3g} s, "
+            f"which the predictor needs to settle; the log has {record.duration:.3g} s, record a longer one"
+        )
     positions = predictor.ahead(found.theta, record, prediction.states[:, :, 0], starts, horizon)
     floor = data.gain.ahead(horizon)
     errors = (record.position[starts + horizon] - positions) / floor

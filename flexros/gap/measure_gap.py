@@ -79,4 +79,6 @@ def measure_gap(
 def _errors(model: RobotWithEffects, data: FitData, tolerance: Mapping[str, float]) -> tuple[AheadErrors, bool]:
     """Predict with a model; also tells whether its prediction errors exceed noise and tolerance."""
     found = Search(model, data, tolerance_of(model.robot, tolerance)).nothing()
-    return errors_ahead(found, data), Evidence(found, (), data.n_values).significant(found)
+    measurement = data.measurement
+    evidence = Evidence(found, (), data.n_values, measurement.floor_error, measurement.rounding)
+    return errors_ahead(found, data), evidence.significant(found)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 from scipy.linalg import expm
 from scipy.ndimage import median_filter
-from scipy.signal import lfilter
+from scipy.signal import find_peaks, lfilter
 
 from flexros.robot.linearise import linear_model
 
@@ -30,7 +30,7 @@ POINTS = 8
 """Points of the grid of angles per shortest period [1] (chosen)."""
 PADDING = 4
 """How much finer than their resolution the orders lie [1] (chosen)."""
-TRIED = 2
+TRIED = 5
 """Orders that are fitted, of those that stand out of their surroundings and of the largest, each [1] (chosen)."""
 
 
@@ -96,14 +96,10 @@ class OrderSearch:
         orders, score = angle_spectrum(backward, angle, highest)
         orders, score = orders[orders >= lowest], score[orders >= lowest]
         level = median_filter(score, size=min(len(score), 101), mode="nearest")
-        chosen: list[float] = []
-        for ranked in (np.argsort(score / np.maximum(level, 1e-300)), np.argsort(score)):
-            for place in ranked[: -4 * PADDING : -1]:
-                if all(abs(orders[place] - other) > 0.8 * lowest for other in chosen):
-                    chosen.append(float(orders[place]))
-                if len(chosen) % (TRIED + 1) == TRIED:
-                    break
-        fits = [self.fit(motor, entry, order) for order in chosen]
+        peaks = find_peaks(score, distance=PADDING)[0]
+        ranked = (np.argsort(-values[peaks]) for values in (score / np.maximum(level, 1e-300), score))
+        chosen = {int(peaks[place]) for order in ranked for place in order[:TRIED]}
+        fits = [self.fit(motor, entry, float(orders[place])) for place in sorted(chosen)]
         return tuple(sorted(fits, key=lambda one: -one.gain)[:number])
 
     def fit(self, motor: int, entry: Entry, order: float) -> PeriodicFit:

@@ -41,7 +41,7 @@ def periodic_suspects(
     Returns:
         Suspects, each with one start: the wave of its order that fits best.
     """
-    search = OrderSearch(robot, data, residual, states)
+    search = OrderSearch(robot, data, residual, states, data.pose)
     found: list[Suspect] = []
     for name, ways in ENTRIES.items():
         if name not in effects():

@@ -70,7 +70,7 @@ class Predictor:
             self.model.functions(feed_through(robot.n_motors)),
             sample_time=sample_time,
             delay=0.0 if measured_torque else self.model.delay,
-            substeps=max(1, round(sample_time / LONGEST_STEP)),
+            substeps=max(1, int(np.ceil(sample_time / LONGEST_STEP - 1e-9))),
             lanes=LANES,
         )
 
@@ -137,7 +137,9 @@ class Predictor:
         """
         sets = [np.asarray(thetas)[:, min(lane, np.shape(thetas)[1] - 1)] for lane in range(LANES)]
         columns = np.stack([self._column(theta) for theta in sets], axis=-1)
-        plant = self.model.start(start, record.torque[0], columns[:, 0], time=record.begin)
+        torque, time = record.torque[0], record.begin
+        plants = [self.model.start(start, torque, columns[:, lane], time=time) for lane in range(LANES)]
+        plant = np.stack(plants, axis=-1)
         return self.loop.run(
             plant,
             columns,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.errors import InputError
 from flexros.gap.lattice import encoder_quantization
 from flexros.gap.noise import measure_noise
 from flexros.gap.rough_signals import bridged, smooth_motion
@@ -70,11 +71,20 @@ def measurement_of(record: GapRecord, robot: Robot) -> Measurement:
     Args:
         record: The log.
         robot: The nominal robot.
+
+    Raises:
+        InputError: There is no noise.
     """
     noise = measure_noise(record, robot)
     declared = robot.encoder_noise
     autoregression = np.zeros((robot.n_motors, max(1, noise.autoregression.shape[1])))
     autoregression[:, : noise.autoregression.shape[1]] = noise.autoregression
+    if not np.all((declared > 0) & (noise.standard_deviation > 0)):
+        raise InputError(
+            f"{record.name}: robot {robot.name} states encoder noise of {declared.tolist()} rad or m and the log shows "
+            f"{noise.standard_deviation.tolist()}, but both must be above zero, or nothing can be told from noise; "
+            "give sensors.encoder_noise in the robot file"
+        )
     near = np.abs(noise.standard_deviation / declared - 1) < AS_DECLARED
     deviation = np.where(near, declared, noise.standard_deviation)
     for motor, source in enumerate(noise.source):

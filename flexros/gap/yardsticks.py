@@ -58,7 +58,7 @@ def yardsticks(robot: Robot, states: FloatArray, torque: FloatArray) -> Yardstic
     position, speed = states[:, :n], states[:, n : 2 * n]
     torques = {name: max(float(np.abs(torque[:, motor]).max()), 1e-9) for motor, name in enumerate(names)}
     speeds = {name: _largest(speed[:, place]) for name, place in zip(names, places)}
-    angles = {name: float(np.ptp(position[:, place])) for name, place in zip(names, places)}
+    angles = {name: max(float(np.ptp(position[:, place])), 1e-9) for name, place in zip(names, places)}
     deflections: dict[str, float] = {}
     for index, joint in enumerate(robot.chain.joints):
         value = position[:, index]

@@ -201,5 +201,5 @@ def test_stages_tell_their_share_of_all() -> None:
     stages.begin("second", 1.0)
     stages.inner("part of it", 0.5)
     stages.end()
-    assert told == [("first", 0.0), ("part of it", 0.25), ("second", 0.5), ("part of it", 0.75)]
+    assert told == [("first", 0.0), ("part of it", 0.3125), ("second", 0.5), ("part of it", 0.8125)]
     assert set(stages.timings) == {"first", "second"}

@@ -45,8 +45,8 @@ def test_a_band_of_high_frequencies_tells_a_lag_from_a_delay_better() -> None:
     ("truth", "rival", "log"),
     [
         (
-            "torque_gain_error@motor_1:relative=2e-4",
-            "motor_inertia_error@motor_1:relative=-1e-3",
+            "torque_gain_error@motor_1:relative=4e-5",
+            "motor_inertia_error@motor_1:relative=-2e-4",
             {"diagnosis.length": 10, "diagnosis.parts": ["moves"], "diagnosis.intensity": 0.3, "diagnosis.poses": 1},
         ),
         (

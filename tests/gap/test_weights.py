@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.gap import weights
 from flexros.gap.gain import observer_gain
+from flexros.gap.noise import Noise
 from flexros.gap.weights import Measurement, measurement_of, spread_of
 
 from .diagnosis_logs import ROBOT, record_of
@@ -16,7 +18,7 @@ NOISE = np.array([1e-4])
 
 
 def measurement(whitening: np.ndarray, jitter: float = 0.0) -> Measurement:
-    return Measurement(NOISE, whitening, NOISE, jitter, (), 0.0, 0.0, ())
+    return Measurement(NOISE, whitening, NOISE, jitter, (), 0.0, 0.0, 0.0, ())
 
 
 def test_noise_as_declared_is_that_of_the_file_and_exact() -> None:
@@ -80,3 +82,15 @@ def test_jitter_adds_noise_where_the_motor_is_fast() -> None:
     assert jittered[fast] == pytest.approx(np.hypot(plain[fast], 2e-5 * speed[fast - 25 : fast + 26].mean()), rel=0.1)
     still = np.isfinite(plain) & (np.abs(record.position[:, 0] - record.position[0, 0]) < 1e-3)
     assert np.median(jittered[still] / plain[still]) < 1.2
+
+
+def test_little_noise_above_the_band_of_a_log_without_rest_is_coloured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An autoregression of 0.75 and the declared power has 0.38 of the declared deviation at the upper end."""
+    declared = ROBOT.encoder_noise
+    seen = Noise(0.378 * declared, np.zeros((1, 0)), 0.0, ("above the band",))
+    monkeypatch.setattr(weights, "measure_noise", lambda record, robot: seen)
+    found = weights.measurement_of(record_of(), ROBOT)
+    assert found.deviation == pytest.approx(declared)
+    assert found.whitening[0, 1] == pytest.approx(-0.75, abs=0.01)
+    assert found.driving == pytest.approx(declared * np.sqrt(1 - 0.75**2), rel=0.01)
+    assert found.floor_error == weights.COLOURED_ERROR
