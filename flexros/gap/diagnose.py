@@ -19,7 +19,7 @@ from flexros.gap.predictor import Predictor
 from flexros.gap.record import ToolRecord
 from flexros.gap.search import Search
 from flexros.gap.tolerance import Tolerance, tolerance_of
-from flexros.gap.tool_data import tool_data
+from flexros.gap.tool_data import tool_data, tracker_noise
 from flexros.gap.weights import measurement_of, spread_of
 from flexros.gap.where.find import where
 
@@ -182,7 +182,8 @@ def fit_data(
     if record.tool is not None:
         assert predicted.tool_pose is not None
         counted = np.all(np.isfinite(spread), axis=1, keepdims=False)
-        tool = tool_data(record.tool, predicted.tool_pose[:, :, 0], counted, record.sample_time, robot.tool_noise)
+        noise = tracker_noise(record.tool, robot.tool_noise)
+        tool = tool_data(record.tool, predicted.tool_pose[:, :, 0], counted, record.sample_time, noise)
     return FitData(record, gain, start, spread, measurement, tool, pose)
 
 

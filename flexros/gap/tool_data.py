@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.errors import InputError
 from flexros.gap.record import ToolRecord
 from flexros.gap.tool_frame import correct_tool
 
@@ -14,6 +15,10 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
 
 
+LEAST_RATE = 200.0
+"""Poses per second from which differences of fourth order show noise and no motion [Hz] (chosen)."""
+NEAR = 0.2
+"""Relative difference up to which the noise of a tracker counts as declared [1] (chosen)."""
 MOST_POSES = 3000
 """Most measurements of the tool that count; of more of them every second, third ... is taken (chosen)."""
 
@@ -52,6 +57,31 @@ class ToolData:
         error = (self.position[:, :, None] - predicted).reshape(-1, pose.shape[-1]) / self.spread
         result: FloatArray = error - self.basis @ (self.basis.T @ error)
         return result
+
+
+def tracker_noise(tool: ToolRecord, declared: float) -> float:
+    """Tell the noise of a tracker: as declared where the log agrees, else as its fourth differences show it.
+
+    Args:
+        tool: What the tracker saw; where it saw fewer than 200 poses per second, motion would pass for noise.
+        declared: Standard deviation that the robot file states [m].
+
+    Returns:
+        Standard deviation [m].
+
+    Raises:
+        InputError: There is no noise.
+    """
+    rate = (len(tool.time) - 1) / max(float(tool.time[-1] - tool.time[0]), 1e-9) if len(tool.time) > 1 else 0.0
+    if rate >= LEAST_RATE:
+        moving = tool.position[:, np.ptp(tool.position, axis=0) > 0]
+        differences = np.abs(np.diff(moving, 4, axis=0)) / np.sqrt(70.0)
+        measured = 1.4826 * float(np.median(differences)) if differences.size else 0.0
+        if measured > 0 and not abs(measured - declared) < NEAR * declared:
+            return measured
+    if declared <= 0:
+        raise InputError("the robot file states no noise of the tool tracker; give sensors.tool_noise in it")
+    return declared
 
 
 def tool_data(tool: ToolRecord, pose: FloatArray, counted: BoolArray, sample_time: float, spread: float) -> ToolData:

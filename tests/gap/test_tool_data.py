@@ -7,7 +7,8 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.gap.record import ToolRecord
-from flexros.gap.tool_data import MOST_POSES, ToolData, tool_data
+from flexros.gap.tool_data import MOST_POSES, ToolData, tool_data, tracker_noise
+from flexros.random_streams import generator
 
 T, N, SPREAD = 1e-3, 8000, 2e-5
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -77,3 +78,11 @@ def test_too_few_poses_are_refused() -> None:
     tool = measured()
     with pytest.raises(InputError, match="pose"):
         tool_data(ToolRecord(tool.time[:3], tool.position[:3]), poses(), COUNTED, T, SPREAD)
+
+
+@pytest.mark.parametrize(("true", "told"), [(2.1e-5, 2e-5), (1e-4, 1e-4)])
+def test_noise_of_the_tracker_is_as_declared_or_as_the_log_shows(true: float, told: float) -> None:
+    time = np.arange(4000) / 500
+    path = np.stack([0.1 * np.sin(6 * time), np.zeros_like(time), 0.1 * np.cos(6 * time)], axis=-1)
+    noise = true * generator(5, 901).normal(size=path.shape)
+    assert tracker_noise(ToolRecord(time, path + noise), 2e-5) == pytest.approx(told, rel=0.1)
