@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexros.config.validation import validate
+from flexros.effects.base import PlacedEffect
 from flexros.effects.law import AbstractLaw
 from flexros.effects.model_change import AbstractModelChange
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from flexros.effects.base import PlacedEffect
     from flexros.robot import Robot
 
 
@@ -67,6 +67,18 @@ class RobotWithEffects:
 
     robot: Robot
     laws: tuple[PlacedLaw, ...]
+
+    def with_effects(self, placed: Iterable[PlacedEffect]) -> RobotWithEffects:
+        """Put more effects on top; laws of one kind at one place get names of their own.
+
+        Args:
+            placed: Effects with their places.
+
+        Raises:
+            InputError: The robot has no such place.
+        """
+        known = [PlacedEffect(law.effect, law.location) for law in self.laws]
+        return place_effects(self.robot, [*known, *placed])
 
 
 def place_effects(robot: Robot, placed: Iterable[PlacedEffect], *, as_laws: bool = False) -> RobotWithEffects:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects import RobotWithEffects, place_effects
+from flexros.effects import RobotWithEffects
 from flexros.errors import InputError, RunError
 from flexros.gap.result import SignalGap
 from flexros.logs.time_series import BASE_FRAME
@@ -68,8 +68,7 @@ def with_closed_loop(result: DiagnosisResult, model: RobotWithEffects, log: Log)
     """
     repaired = None
     if result.patch:
-        changed = place_effects(model.robot, result.patch)
-        repaired = RobotWithEffects(changed.robot, (*model.laws, *changed.laws))
+        repaired = model.with_effects(result.patch)
     begin = 0.0 if result.holdout is None else result.holdout.begin
     return replace(result, signals=(*result.signals, *closed_loop_gap(log, model, repaired, begin=begin)))
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.config.scenario import load_scenario
-from flexros.effects import RobotWithEffects, place_effects
+from flexros.effects import RobotWithEffects
 from flexros.gap.fit import chi2_of, fit
 from flexros.gap.hypothesis import FreeParameter, Suspect
 from flexros.gap.predictor import Predictor
@@ -56,8 +56,7 @@ class Explained:
     @property
     def plant(self) -> RobotWithEffects:
         """The robot as it would be if this were the truth."""
-        changed = place_effects(self.model.robot, self.placed)
-        return RobotWithEffects(changed.robot, (*self.model.laws, *changed.laws))
+        return self.model.with_effects(self.placed)
 
     @property
     def hypothesis(self) -> Hypothesis:
