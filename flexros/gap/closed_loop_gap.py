@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects import RobotWithEffects
 from flexros.errors import InputError, RunError
 from flexros.gap.result import SignalGap
 from flexros.logs.time_series import BASE_FRAME
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
+    from flexros.effects import RobotWithEffects
     from flexros.gap.result import DiagnosisResult
     from flexros.logs.time_series import Log
     from flexros.simulate.experiment import Experiment
