@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import islice, product
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -71,22 +71,21 @@ def chi2_of(predictor: Predictor, data: FitData, thetas: FloatArray) -> FloatArr
     return result
 
 
-def starts_of(predictor: Predictor, known: FloatArray | None = None) -> FloatArray:
-    """List the starts of a hypothesis: all combinations of those of its numbers.
+def starts_of(predictor: Predictor) -> FloatArray:
+    """List the starts of a hypothesis: all combinations of those of its numbers, or as many as allowed, evenly spread.
 
     Args:
         predictor: The hypothesis.
-        known: Numbers of its first suspects that are held, and nothing for the others, shape (n_known,).
 
     Returns:
         Numbers, shape (n_fitted, starts); tolerated deviations are zero.
     """
-    held = np.zeros(0) if known is None else known
     numbers = [[one.encode(value) for value in one.starts] for suspect in predictor.hypothesis for one in suspect.free]
-    grid = np.array(list(islice(product(*numbers[len(held) :]), MOST_STARTS)), dtype=float)
-    grid = grid.reshape(-1, predictor.n_effect - len(held)).T
-    first = np.repeat(held[:, None], grid.shape[1], axis=1)
-    return np.vstack([first, grid, np.zeros((len(predictor.tolerance.names), grid.shape[1]))])
+    combinations = list(product(*numbers))
+    grid = np.array(combinations, dtype=float).reshape(len(combinations), predictor.n_effect)
+    kept = np.unique(np.linspace(0, len(grid) - 1, min(len(grid), MOST_STARTS)).round().astype(int))
+    starts = grid[kept].T
+    return np.vstack([starts, np.zeros((len(predictor.tolerance.names), starts.shape[1]))])
 
 
 def fit(

@@ -37,8 +37,6 @@ SETTLED = 3
 """A fit that needs no more iterations than this needs no second start (chosen)."""
 FINISHED = 6
 """Fits that are carried to their end (chosen)."""
-FIRSTS = 3
-"""Best single effects that others are added to (chosen)."""
 SECONDS = 5
 """Effects that are fitted beside each of them: those that promise most to linear theory (chosen)."""
 
@@ -95,19 +93,17 @@ class Search:
         """Take the largest torques, speeds and deflections from the log."""
         return yardsticks(self.model.robot, self.states(found), self.data.record.torque)
 
-    def suspects(self, found: Fit, sizes: Yardsticks, *, held: bool = True) -> tuple[Suspect, ...]:
+    def suspects(self, found: Fit, sizes: Yardsticks) -> tuple[Suspect, ...]:
         """List what may be there: by ranges, and by orders that the errors of what was found repeat with.
 
         Args:
             found: What was found.
             sizes: Largest torques, speeds and deflections of the log.
-            held: Whether effects that were found are left out.
         """
-        left_out = {suspect.name for suspect in found.predictor.hypothesis} if held else set()
         waves = periodic_suspects(self.model.robot, self.data, self.residual(found), self.states(found))
         among = (*suspects(self.model.robot, sizes), *waves)
-        seen = [one for one in among if self.data.tool is not None or not issubclass(one.effect, AbstractToolError)]
-        return tuple(one for one in seen if one.name not in left_out)
+        tool = self.data.tool is not None
+        return tuple(one for one in among if tool or not issubclass(one.effect, AbstractToolError))
 
     def singles(self, nothing: Fit, among: Sequence[Suspect]) -> list[Fit]:
         """Fit every suspect alone: all for a few iterations, the best ones to the end.
@@ -195,7 +191,7 @@ class Search:
         def promises(suspect: Suspect) -> list[tuple[float, FloatArray]]:
             return self._promises(suspect, nothing, plain, lines)
 
-        among = self.suspects(firsts[0], sizes, held=False)
+        among = self.suspects(firsts[0], sizes)
         screened = self._parallel("further effects", promises, among)
         pairs: list[tuple[Fit, Suspect, FloatArray]] = []
         for place, first in enumerate(firsts):

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
-from flexros.gap.fit import Fit, best_of, chi2_of, fit, linearise, starts_of
+from flexros.gap.fit import MOST_STARTS, Fit, best_of, chi2_of, fit, linearise, starts_of
 from flexros.gap.fit_data import FitData
+from flexros.gap.hypothesis import FreeParameter
 from flexros.gap.predictor import Predictor
 from flexros.gap.tolerance import Tolerance
 
@@ -126,7 +127,7 @@ def test_slopes_are_derivatives_of_the_weighted_errors() -> None:
     np.testing.assert_allclose(line.information, line.slopes.T @ line.slopes)
 
 
-def test_starts_are_all_combinations_beside_what_is_held() -> None:
+def test_starts_are_all_combinations() -> None:
     pair = [suspects_of()[name] for name in ("coulomb_friction@motor_1", "stiffness_error@body_2.rz")]
     counts = [len(one.free[0].starts) for one in pair]
     tolerance = Tolerance(("body_1.rz.stiffness",), (0.02,))
@@ -134,9 +135,16 @@ def test_starts_are_all_combinations_beside_what_is_held() -> None:
     assert free.shape == (3, counts[0] * counts[1])
     assert len(np.unique(free, axis=1).T) == counts[0] * counts[1]
     assert not free[2].any()
-    held = starts_of(predictor_of(*pair, tolerance=tolerance), np.array([-3.0]))
-    assert held.shape == (3, counts[1])
-    assert np.all(held[0] == -3.0)
+
+
+def test_more_starts_than_allowed_are_thinned_over_their_whole_range() -> None:
+    sizes = tuple(float(size) for size in np.geomspace(1e-4, 1.0, 2 * MOST_STARTS))
+    suspect = suspects_of()["coulomb_friction@motor_1"]
+    many = replace(suspect, free=(FreeParameter("level", 1e-4, 1.0, signed=False, starts=sizes),))
+    starts = starts_of(predictor_of(many))[0]
+    assert len(starts) == MOST_STARTS
+    np.testing.assert_allclose(starts[[0, -1]], np.log([1e-4, 1.0]), atol=1e-12)
+    assert np.diff(starts).max() < 3.01 * np.log(sizes[1] / sizes[0])  # of two or three combinations one is kept
 
 
 def test_the_nominal_model_has_nothing_to_fit() -> None:
