@@ -35,12 +35,17 @@ def test_every_effect_with_ranges_is_a_suspect_but_those_of_an_unmeasured_tool()
     assert {"torque_ripple", "encoder_eccentricity", "transmission_error"} <= listed
 
 
-def test_what_was_found_is_no_suspect_any_more() -> None:
+def test_what_was_found_is_not_put_beside_itself() -> None:
     search = search_of(FRICTION)
+    nothing = search.nothing()
     friction = suspects_of()["coulomb_friction@motor_1"]
     found = fit(search.predictor((friction,)), search.data, np.array(numbers(friction, level=0.05)))
-    among = search.suspects(found, search.yardsticks(search.nothing()))
-    assert friction.name not in {one.name for one in among}
+    together = search.beside([found], nothing, search.yardsticks(nothing))
+    assert together
+    for one in together:
+        names = [suspect.name for suspect in one.predictor.hypothesis]
+        assert names[0] == friction.name
+        assert friction.name not in names[1:]
 
 
 @pytest.mark.parametrize("threads", [1, 3])
