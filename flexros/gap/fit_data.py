@@ -9,13 +9,29 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.signal import lfilter
 
+from flexros.errors import InputError
+from flexros.gap.gain import observer_gain
+from flexros.gap.predictor import Predictor
+from flexros.gap.tolerance import Tolerance
+from flexros.gap.tool_data import tool_data, tracker_noise
+from flexros.gap.weights import measurement_of, spread_of
+
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
+    from flexros.compile.prediction_loop import Prediction
+    from flexros.effects import RobotWithEffects
     from flexros.gap.gain import ObserverGain
-    from flexros.gap.predictor import Predictor
     from flexros.gap.record import GapRecord
+    from flexros.gap.settings import DiagnosisSettings
     from flexros.gap.tool_data import ToolData
     from flexros.gap.weights import Measurement
+
+STARTING_LEVEL = 0.3
+"""Torque noise that the predictor allows for while it finds the state of a log that begins in motion [1] (chosen)."""
+RUN_AWAY = 1e6
+"""Largest prediction error over the largest motion of the log; beyond it the prediction has run away [1] (chosen)."""
+REST = 0.02
+"""Time at the begin of a log that tells whether the robot stands still [s] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,3 +104,64 @@ class FitData:
     @cached_property
     def _weight(self) -> FloatArray:
         return 1.0 / self.spread
+
+
+def fit_data(
+    record: GapRecord,
+    model: RobotWithEffects,
+    settings: DiagnosisSettings,
+    measurement: Measurement | None = None,
+) -> FitData:
+    """Give a log gain, start and weights.
+
+    A log that begins in motion loses its first part, in which a predictor of high gain finds the state.
+
+    Args:
+        record: The log.
+        model: The nominal model.
+        settings: Numbers of the diagnosis.
+        measurement: Noise of the encoders as another log of the same robot shows it; None to measure it in this one.
+
+    Raises:
+        InputError: The prediction of the nominal model runs away.
+    """
+    robot = model.robot
+    pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
+    measurement = measurement_of(record, robot) if measurement is None else measurement
+
+    tolerated = measurement.signal_tolerance * np.std(record.torque, axis=0) if measurement.signal_tolerance else None
+
+    def gain_at(level: float) -> ObserverGain:
+        return observer_gain(robot, record.sample_time, level, measurement.deviation, pose, tolerated=tolerated)
+
+    nominal = Predictor(model, (), Tolerance(), record.sample_time, measured_torque=record.measured_torque)
+    start = robot.equilibrium(motor_position=record.position[0])
+    fast = gain_at(STARTING_LEVEL)
+    first = np.ptp(record.position[: max(round(REST / record.sample_time), 2)], axis=0)
+    if np.any(first > 10 * measurement.deviation):
+        cut = min(2 * fast.settling, record.n_samples // 4)
+        found = nominal.predict(np.zeros((0, 1)), record.part(0, cut), fast, start)
+        start, record = found.final[: len(start), 0], record.part(cut, record.n_samples)
+    gain = gain_at(settings.level)
+    spread = spread_of(record, gain, measurement)
+    samples = None if record.tool is None else np.arange(record.n_samples)
+    predicted = nominal.predict(np.zeros((0, 1)), record, gain, start, pose_samples=samples)
+    _check_bounded(predicted, record)
+    tool = None
+    if record.tool is not None:
+        assert predicted.tool_pose is not None
+        counted = np.all(np.isfinite(spread), axis=1, keepdims=False)
+        noise = tracker_noise(record.tool, robot.tool_noise)
+        tool = tool_data(record.tool, predicted.tool_pose[:, :, 0], counted, record.sample_time, noise)
+    return FitData(record, gain, start, spread, measurement, tool, pose)
+
+
+def _check_bounded(predicted: Prediction, record: GapRecord) -> None:
+    """Refuse a log that the nominal model cannot follow at all, as that of a loop which was not stable."""
+    farthest = float(np.ptp(record.position, axis=0).max())
+    if not np.all(np.abs(predicted.innovation[:, :, 0]) <= RUN_AWAY * farthest):
+        raise InputError(
+            f"{record.name}: the prediction of the nominal model runs away from this log, in which motors move by up "
+            f"to {farthest:.3g} rad or m; check units, signs and order of the motors, and whether the control loop was "
+            "stable, or give the log of another run"
+        )

@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flexros.gap.diagnose import DiagnosisSettings, fit_data
 from flexros.gap.diagnosis_file import GapNumbers
 from flexros.gap.evidence import Evidence
 from flexros.gap.findings import METRIC
+from flexros.gap.fit_data import fit_data
 from flexros.gap.how_far import closed_fraction, errors_ahead
 from flexros.gap.search import Search
+from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.tolerance import tolerance_of
 
 if TYPE_CHECKING:

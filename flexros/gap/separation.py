@@ -10,9 +10,11 @@ import numpy as np
 from flexros.config.scenario import load_scenario
 from flexros.effects import RobotWithEffects
 from flexros.gap.fit import chi2_of, fit
+from flexros.gap.fit_data import fit_data
 from flexros.gap.hypothesis import FreeParameter, Suspect
 from flexros.gap.predictor import Predictor
 from flexros.gap.read_record import read_record
+from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.tolerance import tolerance_of
 from flexros.identify.design.default_controller import default_controller
 from flexros.identify.gap_experiment.course import diagnosis_course
@@ -99,11 +101,6 @@ def trial(truth: Explained, keys: Mapping[str, Any], seed: int, *, tool: bool = 
     Raises:
         DivergedRunError: The robot would not be held.
     """
-    from flexros.gap.diagnose import (
-        DiagnosisSettings,
-        fit_data,
-    )  # here, because a diagnosis asks for the next experiment
-
     robot = truth.model.robot
     law = default_controller(robot, robot.sample_time)
     given = {"seed": seed, "controller": {"kind": law.kind, **law.model_dump(mode="json")}, **keys}

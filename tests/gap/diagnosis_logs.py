@@ -7,13 +7,13 @@ from functools import cache
 
 from flexros.config.scenario import load_scenario
 from flexros.effects import RobotWithEffects
-from flexros.gap.diagnose import DiagnosisSettings, fit_data
-from flexros.gap.fit_data import FitData
+from flexros.gap.fit_data import FitData, fit_data
 from flexros.gap.hypothesis import FreeParameter, Hypothesis, Suspect, suspects
 from flexros.gap.predictor import Predictor
 from flexros.gap.read_record import read_record
 from flexros.gap.record import GapRecord
 from flexros.gap.search import Search
+from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.tolerance import Tolerance
 from flexros.robot import load_robot
 from flexros.simulate.closed_loop import closed_loop

@@ -9,9 +9,10 @@ import numpy as np
 
 from flexros.config.scenario import Scenario, load_scenario
 from flexros.effects.patched_robot import load_model
-from flexros.gap.diagnose import DiagnosisSettings, diagnose
+from flexros.gap.diagnose import diagnose
 from flexros.gap.read_record import read_record
 from flexros.gap.repair import write_patch
+from flexros.gap.settings import DiagnosisSettings
 from flexros.simulate.closed_loop import closed_loop
 from flexros.simulate.experiment import Experiment
 

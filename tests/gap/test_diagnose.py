@@ -11,14 +11,14 @@ import pytest
 
 from flexros.effects import place_effects
 from flexros.gap import search
-from flexros.gap.diagnose import DiagnosisSettings, Stages, diagnose, fit_data, split
+from flexros.gap.diagnose import diagnose, split
 from flexros.gap.hypothesis import Suspect, suspects
-from flexros.gap.record import GapRecord
 from flexros.gap.result import DiagnosisResult
+from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.yardsticks import Yardsticks
 from flexros.robot import Robot
 
-from .diagnosis_logs import MODEL, ROBOT, predictor_of, record_of
+from .diagnosis_logs import ROBOT, record_of
 
 SETTINGS = DiagnosisSettings(threads=1, where=False, next_experiment=False)
 LONG = 10.0
@@ -180,26 +180,3 @@ def test_the_last_part_of_a_log_is_set_aside() -> None:
     assert first.n_samples + second.n_samples == record.n_samples
     assert first.n_samples / record.n_samples == pytest.approx(0.75, abs=1e-4)
     np.testing.assert_array_equal(np.vstack([first.position, second.position]), record.position)
-
-
-def test_a_log_that_begins_in_motion_starts_with_its_state() -> None:
-    """Errors of a guess of the state would last for seconds."""
-    record = record_of(length=LONG)
-    fast = int(np.argmax(np.abs(np.gradient(record.position[: record.n_samples // 2, 0]))))
-    part: GapRecord = record.part(fast, record.n_samples)
-    data = fit_data(part, MODEL, SETTINGS)
-    residual = data.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
-    assert data.record.n_samples < part.n_samples
-    assert residual @ residual / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
-
-
-def test_stages_tell_their_share_of_all() -> None:
-    told: list[tuple[str, float]] = []
-    stages = Stages(lambda name, share: told.append((name, share)))
-    stages.begin("first", 0.5)
-    stages.inner("part of it", 0.5)
-    stages.begin("second", 1.0)
-    stages.inner("part of it", 0.5)
-    stages.end()
-    assert told == [("first", 0.0), ("part of it", 0.3125), ("second", 0.5), ("part of it", 0.8125)]
-    assert set(stages.timings) == {"first", "second"}

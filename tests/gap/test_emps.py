@@ -13,10 +13,11 @@ import pytest
 from flexros.errors import InputError
 from flexros.gap import explain
 from flexros.gap.checked_record import CheckedRecord
-from flexros.gap.diagnose import DiagnosisSettings, diagnose
+from flexros.gap.diagnose import diagnose
 from flexros.gap.noise import SIGNAL_TOLERANCE, measure_noise
 from flexros.gap.read_record import read_record
 from flexros.gap.record import GapRecord
+from flexros.gap.settings import DiagnosisSettings
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
 from flexros.logs.time_series import Log

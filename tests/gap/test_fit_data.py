@@ -8,7 +8,11 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from .diagnosis_logs import data_of, numbers, predictor_of, suspects_of
+from flexros.gap.fit_data import fit_data
+from flexros.gap.record import GapRecord
+from flexros.gap.settings import DiagnosisSettings
+
+from .diagnosis_logs import MODEL, data_of, numbers, predictor_of, record_of, suspects_of
 
 
 def test_errors_that_do_not_count_are_zero() -> None:
@@ -58,3 +62,14 @@ def test_sets_have_residuals_of_their_own() -> None:
     together = data.residuals(predictor, thetas)
     for k in range(2):
         np.testing.assert_allclose(together[:, k], data.residuals(predictor, thetas[:, k : k + 1])[:, 0])
+
+
+def test_a_log_that_begins_in_motion_starts_with_its_state() -> None:
+    """Errors of a guess of the state would last for seconds."""
+    record = record_of(length=10.0)
+    fast = int(np.argmax(np.abs(np.gradient(record.position[: record.n_samples // 2, 0]))))
+    part: GapRecord = record.part(fast, record.n_samples)
+    data = fit_data(part, MODEL, DiagnosisSettings())
+    residual = data.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
+    assert data.record.n_samples < part.n_samples
+    assert residual @ residual / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))

@@ -7,11 +7,13 @@ import pytest
 
 from flexros.effects import place_effects
 from flexros.errors import InputError
-from flexros.gap.diagnose import DiagnosisSettings, diagnose, fit_data
+from flexros.gap.diagnose import diagnose
 from flexros.gap.fit import linearise
+from flexros.gap.fit_data import fit_data
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.predictor import Predictor
 from flexros.gap.record import GapRecord
+from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.tolerance import tolerance_of
 from flexros.robot import load_robot
 

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 from flexros.config.scenario import load_scenario
 from flexros.effects.patched_robot import load_model
 from flexros.errors import InputError
-from flexros.gap.diagnose import DiagnosisSettings, diagnose
+from flexros.gap.diagnose import diagnose
 from flexros.gap.read_record import read_record
+from flexros.gap.settings import DiagnosisSettings
 from flexros.robot import load_robot
 from flexros.simulate.closed_loop import closed_loop
 from flexros.simulate.experiment import Experiment

@@ -30,7 +30,7 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
         Closed fraction [1]; None where nothing, or more than one effect, or one that is no matter of fitting is hidden,
         or where the gap does not show on the second log.
     """
-    from flexros.gap.diagnose import fit_data
+    from flexros.gap.fit_data import fit_data
     from flexros.gap.how_far import closed_fraction, errors_ahead
     from flexros.gap.search import Search
     from flexros.gap.tolerance import tolerance_of

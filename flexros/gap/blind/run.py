@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from distributed import Client
 
-    from flexros.gap.diagnose import DiagnosisSettings
     from flexros.gap.record import GapRecord
     from flexros.gap.result import DiagnosisResult
+    from flexros.gap.settings import DiagnosisSettings
     from flexros.robot import Robot
 
 FAILURE_FILE, TIME_FILE, PATCH_FILE = "failure.txt", "seconds.txt", "patch.yaml"
@@ -101,7 +101,7 @@ def diagnosed(folder: Path, case: OpenCase) -> DiagnosisResult:
 
 def case_settings() -> DiagnosisSettings:
     """Give the settings of a diagnosis: the usual ones, on one core because cases run side by side, without a map."""
-    from flexros.gap.diagnose import DiagnosisSettings
+    from flexros.gap.settings import DiagnosisSettings
 
     return DiagnosisSettings(threads=1, where=False)
 

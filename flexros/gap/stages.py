@@ -1,0 +1,47 @@
+"""How far a diagnosis is, and how long its stages took."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+FIRST_STEP = 0.5
+"""Share of a stage that its first step counts for, and of the rest the next ones [1] (chosen)."""
+
+
+class Stages:
+    """Tells how far the work is, and keeps the time of every stage.
+
+    Args:
+        progress: Called with the name of the stage and the share of all that is done.
+    """
+
+    def __init__(self, progress: Callable[[str, float], None] | None) -> None:
+        self.timings: dict[str, float] = {}
+        self._progress = progress
+        self._name, self._from, self._to, self._begin = "", 0.0, 0.0, time.monotonic()
+        self._step, self._done, self._span = "", 0.0, 1.0
+
+    def begin(self, name: str, share: float) -> None:
+        """Begin a stage that ends when `share` of all is done."""
+        self.end()
+        self._name, self._from, self._to, self._begin = name, self._to, share, time.monotonic()
+        self._step, self._done, self._span = name, 0.0, FIRST_STEP
+        self.inner(name, 0.0)
+
+    def inner(self, name: str, share: float) -> None:
+        """Tell how far a step of the present stage is; as many steps may come, each counts for half of what is left."""
+        if name != self._step:
+            self._step, self._done = name, self._done + self._span
+            self._span = FIRST_STEP * (1.0 - self._done)
+        if self._progress is not None:
+            self._progress(name, self._from + (self._done + share * self._span) * (self._to - self._from))
+
+    def end(self) -> None:
+        """End the present stage."""
+        if self._name:
+            self.timings[self._name] = time.monotonic() - self._begin
+            self._name = ""
