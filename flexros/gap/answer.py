@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from flexros.effects.encoder_quantization import EncoderQuantization
@@ -20,12 +21,15 @@ if TYPE_CHECKING:
 
     from flexros.gap.diagnosis_file import NextExperiment
     from flexros.gap.findings import Findings
+    from flexros.gap.fit import Fit
     from flexros.gap.lattice import Quantization
     from flexros.gap.result import Explanation
     from flexros.gap.where.find import Where
 
 LIKELY = 0.01
 """Probability of an explanation from which the errors of its numbers are computed with care [1] (chosen)."""
+CONFIRMED = 10
+"""Effects, the most probable ones, whose gain in the held-out log is computed (chosen)."""
 STEP_ERROR = 1e-3
 """Relative standard deviation of a step that is read off a lattice [1] (chosen)."""
 
@@ -141,9 +145,18 @@ def _rounding(found: Findings, one: Quantization) -> Cause:
 
 
 def _ranking(found: Findings) -> tuple[Candidate, ...]:
-    """List every effect in its best explanation."""
+    """List every effect in its best explanation, the first few with the gain where they were not fitted."""
+    ranked = sorted(_candidates(found), key=lambda pair: (-pair[0].probability, -pair[0].score))
+    return tuple(
+        replace(one, holdout_gain=found.held_gain(fit)) if place < CONFIRMED else one
+        for place, (one, fit) in enumerate(ranked)
+    )
+
+
+def _candidates(found: Findings) -> list[tuple[Candidate, Fit]]:
+    """List every effect with its best explanation."""
     explanations, evidence = found.explanations, found.explanations.evidence
-    best: dict[str, Candidate] = {}
+    best: dict[str, tuple[Candidate, Fit]] = {}
     for one, probability in zip(explanations.rivals, explanations.probabilities):
         if all(suspect.name in best for suspect in one.predictor.hypothesis):
             continue
@@ -152,7 +165,7 @@ def _ranking(found: Findings) -> tuple[Candidate, ...]:
             if suspect.name in best:
                 continue
             others = tuple(place_of(other.name) for other in one.predictor.hypothesis if other is not suspect)
-            best[suspect.name] = Candidate(
+            candidate = Candidate(
                 effect=suspect.effect.name,
                 location=suspect.location,
                 parameters=parameters,
@@ -162,7 +175,8 @@ def _ranking(found: Findings) -> tuple[Candidate, ...]:
                 remainder=evidence.left(one),
                 beside=others,
             )
-    return tuple(sorted(best.values(), key=lambda one: (-one.probability, -one.score)))
+            best[suspect.name] = (candidate, one)
+    return list(best.values())
 
 
 def _next(found: Findings) -> NextExperiment | None:

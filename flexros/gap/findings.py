@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ import numpy as np
 from flexros.effects import PlacedEffect
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.diagnosis_file import GapNumbers, Place
-from flexros.gap.evidence import SIGNIFICANT, Evidence
+from flexros.gap.evidence import Evidence
 from flexros.gap.explain import RIVAL, UNEXPLAINED
 from flexros.gap.fitted_numbers import placed
 from flexros.gap.how_far import closed_fraction, errors_ahead
@@ -48,7 +48,8 @@ class Findings:
     data: FitData
     held: FitData
     explanations: Explanations
-    _errors: dict[int, AheadErrors] = field(default_factory=dict)
+    _errors: dict[int, AheadErrors] = field(default_factory=dict, init=False)
+    _held_fits: dict[int, Fit] = field(default_factory=dict, init=False)
 
     def explanation(self, one: Fit) -> Explanation:
         """Predict both logs with a fitted model."""
@@ -71,10 +72,26 @@ class Findings:
     @cached_property
     def held_out_gap(self) -> bool:
         """Whether the nominal model leaves more than noise in the held-out log."""
-        nothing = self.explanations.evidence.nothing
-        residual = self.held.residuals(nothing.predictor, nothing.theta[:, None])
-        held = Evidence(nothing, (), self.held.n_values, self.held.measurement.floor_error)
-        return float(np.sum(residual**2)) / self.held.n_values - 1.0 > SIGNIFICANT * held.spread
+        return self._held_evidence.significant(self._held_evidence.nothing)
+
+    def held_gain(self, one: Fit) -> float:
+        """Return twice the gain in log-likelihood over the nominal model in the held-out log; -inf if it runs away."""
+        held = self._on_held(one)
+        return self._held_evidence.gain(held) if np.isfinite(held.chi2) else -np.inf
+
+    @cached_property
+    def _held_evidence(self) -> Evidence:
+        """The nominal model on the held-out log."""
+        nothing = self._on_held(self.explanations.evidence.nothing)
+        return Evidence(nothing, (), self.held.n_values, self.held.measurement.floor_error)
+
+    def _on_held(self, one: Fit) -> Fit:
+        """Take the sum of squares of a fit from the held-out log, with the numbers of the fitted one."""
+        if id(one) not in self._held_fits:
+            residual = self.held.residuals(one.predictor, one.theta[:, None])
+            squares = float(np.sum(residual**2))
+            self._held_fits[id(one)] = replace(one, chi2=squares if np.isfinite(squares) else np.inf)
+        return self._held_fits[id(one)]
 
     @cached_property
     def quantized(self) -> tuple[Quantization, ...]:

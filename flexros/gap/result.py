@@ -65,12 +65,9 @@ class Candidate:
         gain: Twice the gain in log-likelihood over the nominal model on the fit log [1].
         penalty: What its parameters cost, in the units of `gain` [1].
         probability: That this effect is part of the truth [1].
-        holdout_gain: The gain on the log that it was not fitted to [1]; None where there is none.
-        closed_fraction: Share of the gap that it closes on held-out data [1]; None where not computed.
+        holdout_gain: The gain on the log that it was not fitted to [1]; None where not computed.
         remainder: Share of the excess over the noise floor that it leaves in the fit log [1]; None where not computed.
         beside: Effects that were in the model together with it, found before.
-        speaks_for: What speaks for it beside these numbers, a sentence each.
-        speaks_against: What speaks against it beside these numbers, a sentence each.
     """
 
     effect: str
@@ -80,11 +77,8 @@ class Candidate:
     penalty: float
     probability: float
     holdout_gain: float | None = None
-    closed_fraction: float | None = None
     remainder: float | None = None
     beside: tuple[Place, ...] = ()
-    speaks_for: tuple[str, ...] = ()
-    speaks_against: tuple[str, ...] = ()
 
     @property
     def score(self) -> float:

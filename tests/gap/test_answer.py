@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.gap import answer
 from flexros.gap.answer import result_of
 from flexros.gap.evidence import Evidence
 from flexros.gap.explain import Explanations
@@ -59,6 +60,19 @@ def test_all_that_was_tried_is_ranked_with_what_it_leaves(result: DiagnosisResul
     assert [one.remainder for one in result.ranking] == [0.0, pytest.approx(19 / 49)]
     assert result.ranking[0].gain > result.ranking[1].gain
     assert result.nothing == 0.0
+
+
+def test_the_first_of_the_ranking_have_their_gain_in_the_held_out_log(
+    result: DiagnosisResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    right, wrong = (one.holdout_gain for one in result.ranking)
+    assert right is not None
+    assert wrong is not None
+    assert right > 1e4
+    assert wrong < 0.1 * right
+    monkeypatch.setattr(answer, "CONFIRMED", 1)
+    ranking = answered(fitted(1.0, COULOMB), fitted(20.0, STIFFNESS), probabilities=(0.95, 0.05)).ranking
+    assert [one.holdout_gain for one in ranking] == [right, None]
 
 
 def test_before_after_and_rival_are_told_apart(result: DiagnosisResult) -> None:

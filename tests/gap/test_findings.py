@@ -93,6 +93,28 @@ def test_gap_numbers_are_of_the_held_out_log() -> None:
     assert signal.after < 0.3 * signal.before
 
 
+def test_gain_in_the_held_out_log_is_of_its_own_errors() -> None:
+    chosen = fitted(1.0, COULOMB)
+    found = findings(chosen, [], [1.0], TRUTH)
+    held = data_of(TRUTH, seed=2)
+    squares = [
+        float(np.sum(held.residuals(one.predictor, one.theta[:, None]) ** 2))
+        for one in (found.explanations.evidence.nothing, chosen)
+    ]
+    assert found.held_gain(chosen) == pytest.approx(held.n_values * np.log(squares[0] / squares[1]))
+    assert found.held_gain(chosen) > 1e4
+
+
+def test_a_model_that_runs_away_in_the_held_out_log_gains_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    chosen = fitted(1.0, COULOMB)
+    found = findings(chosen, [], [1.0], TRUTH)
+    n = found.held.n_values
+    monkeypatch.setattr(
+        type(found.held), "residuals", lambda self, predictor, thetas: np.full((n, 1), np.nan if len(thetas) else 1.0)
+    )
+    assert found.held_gain(chosen) == -np.inf
+
+
 def test_without_gap_there_is_nothing_to_close() -> None:
     gap = findings(None, [], [], nothing=1.0).gap
     assert (gap.after, gap.closed_fraction, gap.best_rival) == (None, None, None)

@@ -73,7 +73,7 @@ def speaks_for(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
     clear = [name for name, value in one.parameters.items() if abs(value.value) > _CLEAR * value.std > 0]
     if clear:
         told.append(f"Clearly different from zero: {listed([_number(name, one) for name in clear])}.")
-    return (*told, *one.speaks_for)
+    return tuple(told)
 
 
 def speaks_against(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
@@ -107,7 +107,7 @@ def speaks_against(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
         told.append(f"This log cannot tell it from {first_few(list(rivals), 'or')}.")
     if one.probability < result.nothing:
         told.append(f"That there is {NOTHING} is more probable ({share_words(result.nothing)}).")
-    return (*told, *one.speaks_against)
+    return tuple(told)
 
 
 def _number(name: str, one: Candidate) -> str:

@@ -60,9 +60,7 @@ def parameters(effect: str) -> dict[str, CauseParameter]:
 
 def candidate(effect: str, location: str, probability: float, gain: float, remainder: float) -> Candidate:
     fitted = parameters(effect)
-    return Candidate(
-        effect, location, fitted, gain, 11.0 * len(fitted), probability, 0.4 * gain, 1 - remainder, remainder
-    )
+    return Candidate(effect, location, fitted, gain, 11.0 * len(fitted), probability, 0.4 * gain, remainder)
 
 
 RANKING = {

@@ -74,12 +74,5 @@ def test_an_effect_that_does_not_predict_is_told_so(diagnosed: Diagnosed) -> Non
     assert any("does not predict the data" in text for text in speaks_against(useless, result))
 
 
-def test_further_sentences_of_the_search_are_passed_on(diagnosed: Diagnosed) -> None:
-    result = diagnosed("explained")
-    one = replace(result.ranking[0], speaks_for=("Orders 2 and 4 stand out.",), speaks_against=("No reversal.",))
-    assert speaks_for(one, result)[-1] == "Orders 2 and 4 stand out."
-    assert speaks_against(one, result)[-1] == "No reversal."
-
-
 def test_without_a_gap_there_is_no_evidence(diagnosed: Diagnosed) -> None:
     assert EvidenceSection().blocks(diagnosed("no_gap")) == ()
