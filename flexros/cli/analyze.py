@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from flexros.cli.options import NamespaceOption
 from flexros.cli.output import console, print_json, say
 from flexros.errors import FlexrosError
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 def analyze(
     bag: list[Path] = typer.Argument(help="Log folder (rosbag2) or .mcap file; several are shown side by side."),
     model: str = typer.Option("", "--model", help="Robot of the run, for its limits; default: from the provenance."),
-    namespace: str = typer.Option("", "--namespace", help="Namespace of the topics, when the log holds several."),
+    namespace: NamespaceOption = "",
     report: Path = typer.Option(None, "--report", help="Write an HTML report that opens offline."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:

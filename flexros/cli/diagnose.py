@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from flexros.cli.options import KnownModelOption, NamespaceOption, ToleranceOption, parse_tolerance
 from flexros.cli.output import console, print_json, progress_bar, say
-from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,14 +22,12 @@ GAP_FOUND = 1
 
 
 def diagnose(
-    bag: Path = typer.Argument(help="Log folder (rosbag2) or .mcap file to fit effects to."),
-    model: str = typer.Option(..., "--model", help="Robot as it is thought to be: shipped name, YAML or patch.yaml."),
-    out: Path = typer.Option(..., "--out", help="Folder for diagnosis.json, patch.yaml and report.html."),
+    bag: Annotated[Path, typer.Argument(help="Log folder (rosbag2) or .mcap file to fit effects to.")],
+    model: KnownModelOption,
+    out: Annotated[Path, typer.Option("--out", help="Folder for diagnosis.json, patch.yaml and report.html.")],
     holdout: Path = typer.Option(None, "--holdout", help="Second log to check on; default: the last third of BAG."),
-    tolerance: str = typer.Option(
-        "", "--tolerance", help="Relative tolerances of the model, e.g. stiffness=0.03,inertia=0.03,damping=0.3."
-    ),
-    namespace: str = typer.Option("", "--namespace", help="Namespace of the topics, when a log holds several."),
+    tolerance: ToleranceOption = "",
+    namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print diagnosis.json."),
 ) -> int:
     """Say where robot and model differ, which effect causes it, and how far the gap shrinks with it."""
@@ -75,40 +73,6 @@ def _told_by(bar: Progress, task: TaskID) -> Callable[[str, float], None]:
         bar.update(task, description=stage, completed=share)
 
     return tell
-
-
-def parse_tolerance(text: str) -> dict[str, float]:
-    """Read relative tolerances as written on the command line.
-
-    Args:
-        text: KIND=SHARE,..., e.g. "stiffness=0.03,damping=0.3"; empty for those of the robot file.
-
-    Returns:
-        One standard deviation by kind, relative to the value [1].
-
-    Raises:
-        InputError: Wrong form, unknown kind, or a share that is not from 0 to below 1.
-    """
-    from flexros.gap.tolerance import KINDS
-
-    tolerances: dict[str, float] = {}
-    for part in (part.strip() for part in text.split(",") if part.strip()):
-        kind, is_pair, value = part.partition("=")
-        if not is_pair:
-            raise InputError(f"--tolerance is '{text}', but must be KIND=SHARE,..., for instance stiffness=0.03")
-        if kind not in KINDS:
-            raise unknown_name("kind", kind, KINDS, "--tolerance")
-        if kind in tolerances:
-            raise InputError(f"--tolerance gives {kind} twice; remove one of them")
-        try:
-            tolerances[kind] = float(value)
-        except ValueError:
-            raise InputError(
-                f"--tolerance gives {kind} as '{value}', but a relative deviation such as 0.03 is asked"
-            ) from None
-        if not 0 <= tolerances[kind] < 1:
-            raise InputError(f"--tolerance gives {kind} as {value}, allowed are relative deviations from 0 to below 1")
-    return tolerances
 
 
 def _print(result: DiagnosisResult, files: list[Path]) -> None:

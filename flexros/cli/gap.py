@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexros.cli.diagnose import GAP_FOUND, parse_tolerance
+from flexros.cli.diagnose import GAP_FOUND
+from flexros.cli.options import KnownModelOption, NamespaceOption, ToleranceOption, parse_tolerance
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError
 
@@ -17,13 +18,11 @@ if TYPE_CHECKING:
 
 
 def gap(
-    bag: Path = typer.Argument(help="Log folder (rosbag2) or .mcap file."),
-    model: str = typer.Option(..., "--model", help="Robot as it is thought to be: shipped name, YAML or patch.yaml."),
+    bag: Annotated[Path, typer.Argument(help="Log folder (rosbag2) or .mcap file.")],
+    model: KnownModelOption,
     patch: Path = typer.Option(None, "--patch", help="Patch of that robot, for the gap that it leaves."),
-    tolerance: str = typer.Option(
-        "", "--tolerance", help="Relative tolerances of the model, e.g. stiffness=0.03,inertia=0.03,damping=0.3."
-    ),
-    namespace: str = typer.Option("", "--namespace", help="Namespace of the topics, when a log holds several."),
+    tolerance: ToleranceOption = "",
+    namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print the numbers as JSON, as in diagnosis.json."),
 ) -> int:
     """Tell how far a model is from a log; the exit code is 1 where it, with the patch on it, leaves a gap."""

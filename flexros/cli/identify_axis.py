@@ -9,6 +9,7 @@ import typer
 from rich.table import Table
 
 from flexros.cli.model import linear_robot
+from flexros.cli.options import NamespaceOption
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.cli.run import key_and_value
 from flexros.errors import InputError, unknown_name
@@ -45,7 +46,7 @@ def axis(
     resonance: list[float] = typer.Option([], "--resonance", help="Peak of the response [Hz], as many."),
     start: list[str] = typer.Option([], "--start", help="Value to start from, e.g. gear_knee=0.002."),
     bound: list[str] = typer.Option([], "--bound", help="Bounds of a value, e.g. gear_knee=0.0005:0.01."),
-    namespace: str = typer.Option("", "--namespace", help="Namespace of the topics, when a log holds several."),
+    namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Identify gear, friction and masses of one axis from its motion, with a nonlinear and with a linear gear."""

@@ -10,6 +10,7 @@ import typer
 from rich.table import Table
 
 from flexros.cli.model import linear_robot
+from flexros.cli.options import NamespaceOption
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.cli.run import key_and_value
 
@@ -27,7 +28,7 @@ def frf(
     ),
     scenario: str = typer.Option("", "--scenario", help="Scenario of the experiment; default: from the provenance."),
     setting: list[str] = typer.Option([], "--set", help="Choice of the estimation, e.g. average=arithmetic."),
-    namespace: str = typer.Option("", "--namespace", help="Namespace of the topics, when the log holds several."),
+    namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Estimate the frequency responses in all positions of an experiment."""

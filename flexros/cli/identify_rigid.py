@@ -9,6 +9,7 @@ import typer
 
 from flexros.cli.identify_table import fitting_table
 from flexros.cli.model import linear_robot
+from flexros.cli.options import NamespaceOption
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError
 from flexros.json_text import json_text
@@ -32,7 +33,7 @@ def rigid(
     hold: bool = typer.Option(
         False, "--hold", help="Pair positions with the command as it acts (delayed, held), not with its samples."
     ),
-    namespace: str = typer.Option("", "--namespace", help="Namespace of the topics, when a log holds several."),
+    namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Identify masses, inertias and friction of the rigid robot by linear regression."""

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from flexros.cli.diagnose import parse_tolerance
 from flexros.config.scenario import load_scenario
 from flexros.effects.patched_robot import load_patched
-from flexros.errors import InputError, RunError
+from flexros.errors import RunError
 from flexros.gap import diagnose as diagnosis_module
 from flexros.gap import search
 from flexros.gap.diagnosis_file import Diagnosis
@@ -122,24 +121,3 @@ def test_a_log_that_is_not_there_is_bad_input(flexros, tmp_path: Path) -> None:
     ended = flexros("diagnose", str(tmp_path / "gone"), "--model", "four_mass_linear", "--out", str(tmp_path / "out"))
     assert ended.code == 2
     assert "there is no log at" in ended.err
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("stiffness", "--tolerance is 'stiffness', but must be KIND=SHARE,..., for instance stiffness=0.03"),
-        ("stifness=0.1", "unknown kind 'stifness' in --tolerance: did you mean 'stiffness'?"),
-        ("damping=0.1,damping=0.2", "--tolerance gives damping twice; remove one of them"),
-        ("damping=much", "--tolerance gives damping as 'much', but a relative deviation such as 0.03 is asked"),
-        ("damping=30", "--tolerance gives damping as 30, allowed are relative deviations from 0 to below 1"),
-    ],
-)
-def test_tolerances_are_checked(text: str, message: str) -> None:
-    with pytest.raises(InputError) as caught:
-        parse_tolerance(text)
-    assert str(caught.value).startswith(message)
-
-
-def test_no_tolerance_means_that_of_the_robot_file() -> None:
-    assert parse_tolerance("") == {}
-    assert parse_tolerance("stiffness=0.03, inertia=0") == {"stiffness": 0.03, "inertia": 0.0}
