@@ -18,6 +18,7 @@ from flexros.gap.how_far import closed_fraction, errors_ahead
 from flexros.gap.hypothesis import name_of
 from flexros.gap.predictions import prediction_of
 from flexros.gap.result import Explanation
+from flexros.gap.rounding import over_expected_floor, unknown_rounding
 from flexros.gap.signal_gaps import signal_gaps
 
 if TYPE_CHECKING:
@@ -96,9 +97,7 @@ class Findings:
     @cached_property
     def quantized(self) -> tuple[Quantization, ...]:
         """Encoders whose rounding matters and is not in the nominal model."""
-        known = {law.location for law in self.model.laws if isinstance(law.effect, EncoderQuantization)}
-        names = self.model.robot.joint_names
-        return tuple(one for one in self.data.measurement.quantizations if names[one.motor] not in known)
+        return unknown_rounding(self.model, self.data.measurement)
 
     @cached_property
     def rivals(self) -> tuple[Fit, ...]:
@@ -156,12 +155,8 @@ class Findings:
 
     @cached_property
     def errors_before(self) -> AheadErrors:
-        """Errors of the nominal model on held-out data, over the floor of encoders that do not round."""
-        errors = self.errors(self.explanations.evidence.nothing)
-        declared = np.array(self.held.gain.noise)
-        for one in self.quantized:
-            declared[one.motor] = self.model.robot.encoder_noise[one.motor]
-        return errors.over(np.sqrt(errors.floor**2 - self.held.gain.noise**2 + declared**2))
+        """Errors of the nominal model on held-out data, over the floor that it expects."""
+        return over_expected_floor(self.errors(self.explanations.evidence.nothing), self.model, self.held)
 
     @cached_property
     def signals(self) -> tuple[SignalGap, ...]:

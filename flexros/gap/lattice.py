@@ -40,12 +40,10 @@ class Quantization:
     Attributes:
         motor: Number of the motor (0-based).
         step: Step in the coordinate of the robot file [rad or m].
-        other_side: The same step on the other side of the gear [rad or m]; equal without a ratio.
     """
 
     motor: int
     step: float
-    other_side: float
 
 
 def lattice_step(values: FloatArray) -> float | None:
@@ -99,7 +97,7 @@ def encoder_quantization(record: GapRecord, robot: Robot) -> tuple[Quantization,
 
     Args:
         record: The record; positions that were interpolated have no lattice any more.
-        robot: The robot, for noise and gear ratios.
+        robot: The robot, for the noise of its encoders.
 
     Returns:
         Quantizations by motor, none where there is none.
@@ -109,7 +107,5 @@ def encoder_quantization(record: GapRecord, robot: Robot) -> tuple[Quantization,
         step = lattice_step(record.position[record.valid, motor])
         if step is None or step / np.sqrt(12) < MATTERS * float(robot.encoder_noise[motor]):
             continue
-        ratio = float(robot.chain.motor(motor).gear_ratio.value)
-        other = step * ratio if robot.spec.coordinates == "arm" else step / ratio
-        found.append(Quantization(motor, step, other))
+        found.append(Quantization(motor, step))
     return tuple(found)

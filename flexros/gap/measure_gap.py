@@ -10,6 +10,7 @@ from flexros.gap.evidence import Evidence
 from flexros.gap.findings import METRIC
 from flexros.gap.fit_data import fit_data
 from flexros.gap.how_far import closed_fraction, errors_ahead
+from flexros.gap.rounding import over_expected_floor, unknown_rounding
 from flexros.gap.search import Search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.tolerance import tolerance_of
@@ -29,7 +30,8 @@ class MeasuredGap:
 
     Attributes:
         numbers: The gap numbers.
-        significant: Whether the model, the repaired one where there is one, leaves more than noise and its tolerance.
+        significant: Whether the model, the repaired one where there is one, leaves more than noise and its tolerance, or
+            lacks the rounding of an encoder.
     """
 
     numbers: GapNumbers
@@ -78,8 +80,9 @@ def measure_gap(
 
 
 def _errors(model: RobotWithEffects, data: FitData, tolerance: Mapping[str, float]) -> tuple[AheadErrors, bool]:
-    """Predict with a model; also tells whether its prediction errors exceed noise and tolerance."""
+    """Predict with a model; also tells whether it leaves more than noise and tolerance, or lacks a rounding."""
     found = Search(model, data, tolerance_of(model.robot, tolerance)).nothing()
     measurement = data.measurement
     evidence = Evidence(found, (), data.n_values, measurement.floor_error, measurement.rounding)
-    return errors_ahead(found, data), evidence.significant(found)
+    errors = over_expected_floor(errors_ahead(found, data), model, data)
+    return errors, evidence.significant(found) or bool(unknown_rounding(model, measurement))

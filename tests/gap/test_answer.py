@@ -33,7 +33,7 @@ def answered(chosen: Fit, *rivals: Fit, probabilities: tuple[float, ...], rounde
     """The answer to a log with friction."""
     data, held = (data_of(TRUTH, seed=seed) for seed in (1, 2))
     if rounded:
-        data = replace(data, measurement=replace(data.measurement, quantizations=(Quantization(0, 1e-3, 1e-3),)))
+        data = replace(data, measurement=replace(data.measurement, quantizations=(Quantization(0, 1e-3),)))
     nothing = fitted(50.0)
     evidence = Evidence(nothing, (chosen, *rivals), data.n_values)
     explanations = Explanations(evidence, chosen, (chosen, *rivals, nothing), np.array([*probabilities, 0.0]), True)

@@ -45,7 +45,7 @@ def findings(
 
 
 def quantized(found: Findings) -> Findings:
-    measurement = replace(found.data.measurement, quantizations=(Quantization(0, 1e-3, 1e-3),))
+    measurement = replace(found.data.measurement, quantizations=(Quantization(0, 1e-3),))
     return replace(found, data=replace(found.data, measurement=measurement))
 
 

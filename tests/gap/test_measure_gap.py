@@ -41,6 +41,19 @@ def test_a_wrong_repair_stays_significant() -> None:
     assert found.significant
 
 
+def test_rounding_of_an_encoder_is_a_gap_until_the_model_has_it() -> None:
+    rounding = "encoder_quantization@motor_1:step=0.002"
+    repaired = place_effects(ROBOT, [parse_effect(rounding, "test")])
+    record = record_of(rounding)
+    before, after = measure_gap(record, MODEL), measure_gap(record, MODEL, repaired=repaired)
+    assert before.significant
+    assert before.numbers.before > 10
+    assert not after.significant
+    assert after.numbers.before == before.numbers.before
+    assert after.numbers.after == pytest.approx(1.0, abs=0.3)
+    assert after.numbers.closed_fraction == pytest.approx(1.0, abs=0.03)
+
+
 def test_what_the_tolerance_allows_is_no_gap() -> None:
     record = record_of("stiffness_error@body_2.rz:relative=-0.05")
     assert measure_gap(record, MODEL).significant
