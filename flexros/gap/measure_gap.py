@@ -30,8 +30,8 @@ class MeasuredGap:
 
     Attributes:
         numbers: The gap numbers.
-        significant: Whether the model, the repaired one where there is one, leaves more than noise and its tolerance, or
-            lacks the rounding of an encoder.
+        significant: Whether the model, the repaired one where there is one, leaves more than noise and its tolerance,
+            or lacks the rounding of an encoder.
     """
 
     numbers: GapNumbers

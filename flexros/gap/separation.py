@@ -168,7 +168,8 @@ def _suspect(placed: PlacedEffect) -> Suspect:
 def _free(name: str, value: float, allowed: Range) -> FreeParameter:
     """Free a number about its value, within its range where that does not depend on a log."""
     size = abs(value)
-    low, high = size / ROOM, size * ROOM
+    low, high, negative = size / ROOM, size * ROOM, None
     if allowed.yardstick in WITHOUT_LOG:
         low, high = max(low, min(allowed.low, size)), min(high, max(allowed.high, size))
-    return FreeParameter(name, low, high, allowed.signed, (value,), allowed.negative)
+        negative = None if allowed.negative is None else min(high, max(allowed.negative, size))
+    return FreeParameter(name, low, high, allowed.signed, (value,), negative)

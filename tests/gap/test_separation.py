@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect
+from flexros.effects.ranges import Range
+from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.fit import best_of, chi2_of, fit, starts_of
 from flexros.gap.hypothesis import suspects
 from flexros.gap.predictor import Predictor
-from flexros.gap.separation import Explained, Trial, predictor_of, separation, trial
+from flexros.gap.separation import ROOM, Explained, Trial, predictor_of, separation, trial
 from flexros.gap.tolerance import Tolerance
 from flexros.gap.yardsticks import yardsticks
 from flexros.robot import load_robot
@@ -74,6 +76,25 @@ def test_load_and_stiffness_of_two_links_under_gravity_are_told_apart() -> None:
 def test_an_explanation_is_not_separated_from_itself() -> None:
     true = explained("motor_inertia_error@motor_1:relative=0.003")
     assert separation(true, true, trial(true, KEYS, 3)) < 2.0
+
+
+def test_a_negative_number_may_be_fitted_as_far_as_its_range_says() -> None:
+    softening = explained("nonlinear_stiffness@body_1.rz:relative=-0.4,knee=1e-3")
+    predictor, theta = predictor_of(softening, SAMPLE_TIME)
+    (free,) = (one for one in predictor.hypothesis[0].free if one.name == "relative")
+    place = [one.name for one in predictor.hypothesis[0].free].index("relative")
+    low, _ = predictor.bounds
+    assert free.decode(low[place]) == pytest.approx(-0.95)
+    assert free.decode(theta[place]) == pytest.approx(-0.4)
+
+
+def test_a_bound_of_negative_numbers_in_units_of_a_log_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The largest torque of the log to come is not known."""
+    monkeypatch.setattr(TorqueBias, "ranges", {"level": Range("torque", 1e-3, 1.0, signed=True, negative=0.5)})
+    predictor, theta = predictor_of(explained("torque_bias@motor_1:level=-2"), SAMPLE_TIME)
+    low, high = predictor.bounds
+    np.testing.assert_allclose(predictor.hypothesis[0].free[0].decode(low), -2.0 * ROOM)
+    assert np.all((low < theta) & (theta < high))
 
 
 def test_known_values_are_part_of_the_nominal_robot() -> None:
