@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from flexros.gap.diagnosis_file import NextExperiment
     from flexros.gap.findings import Findings
     from flexros.gap.fit import Fit
+    from flexros.gap.fit_data import FitData
     from flexros.gap.lattice import Quantization
     from flexros.gap.result import Explanation
     from flexros.gap.where.find import Where
@@ -91,7 +92,7 @@ def _diagnosis(found: Findings, places: Where | None, settings: Mapping[str, Any
         where=() if places is None else places.places,
         gap=found.gap,
         next_experiment=_next(found) if settings.get("next_experiment") else None,
-        warnings=tuple(dict.fromkeys((*_of_logs(found), *found.data.measurement.warnings, *_warnings(found)))),
+        warnings=tuple(dict.fromkeys((*_of_logs(found), *_of_sensors(found.data), *_warnings(found)))),
         provenance={
             "log": found.data.record.name,
             "holdout": found.held.record.name,
@@ -191,6 +192,11 @@ def _of_logs(found: Findings) -> list[str]:
     """Give the warnings of the log, and those that only the held-out one has."""
     fitted, held = found.data.record.warnings, found.held.record.warnings
     return [*fitted, *(f"held-out log: {text}" for text in held if text not in fitted)]
+
+
+def _of_sensors(data: FitData) -> tuple[str, ...]:
+    """Give the warnings of encoders and tool tracker."""
+    return data.measurement.warnings if data.tool is None else (*data.measurement.warnings, *data.tool.warnings)
 
 
 def _warnings(found: Findings) -> list[str]:

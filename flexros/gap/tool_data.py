@@ -13,12 +13,15 @@ from flexros.gap.tool_frame import correct_tool
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
+    from flexros.gap.tool_frame import ToolFrame
 
 
 LEAST_RATE = 200.0
 """Poses per second from which differences of fourth order show noise and no motion [Hz] (chosen)."""
 NEAR = 0.2
 """Relative difference up to which the noise of a tracker counts as declared [1] (chosen)."""
+CERTAIN = 3.0
+"""Standard deviations by which a time offset must exceed a sample to be told [1] (chosen)."""
 MOST_POSES = 3000
 """Most measurements of the tool that count; of more of them every second, third ... is taken (chosen)."""
 
@@ -34,6 +37,7 @@ class ToolData:
         position: Measured positions in the frame of the prediction [m], shape (m, 3).
         basis: Orthonormal basis of what errors of frame, offsets and time add, shape (3 m, k).
         spread: Standard deviation of the measurement [m].
+        warnings: What was noticed, a sentence each.
     """
 
     samples: IntArray
@@ -42,6 +46,7 @@ class ToolData:
     position: FloatArray
     basis: FloatArray
     spread: float
+    warnings: tuple[str, ...] = ()
 
     def residuals(self, pose: FloatArray) -> FloatArray:
         """Weigh measured minus predicted positions, with what frame and offsets explain taken off.
@@ -108,4 +113,23 @@ def tool_data(tool: ToolRecord, pose: FloatArray, counted: BoolArray, sample_tim
     basis = np.linalg.qr(corrected.basis[rows])[0] if corrected.basis.size else corrected.basis[rows]
     sample, share = sample[kept], (place - sample)[kept]
     samples = np.unique(np.concatenate([sample, sample + 1]))
-    return ToolData(samples, np.searchsorted(samples, sample), share, corrected.position[kept], basis, spread)
+    return ToolData(
+        samples,
+        np.searchsorted(samples, sample),
+        share,
+        corrected.position[kept],
+        basis,
+        spread,
+        _of_time(corrected.frame, sample_time),
+    )
+
+
+def _of_time(frame: ToolFrame, sample_time: float) -> tuple[str, ...]:
+    """Warn of a tracker whose stamps are off by more than a sample, beyond doubt."""
+    late = frame.time_offset
+    if not abs(late) - CERTAIN * frame.deviation[9] > sample_time:
+        return ()
+    return (
+        f"the tool tracker seems to see the tool {1e3 * abs(late):.2g} ms {'later' if late > 0 else 'earlier'} than "
+        "its stamps say, which is taken off; check its clock, for where it is right this is a part of the gap",
+    )

@@ -15,6 +15,7 @@ from flexros.gap.findings import Findings
 from flexros.gap.fit import Fit
 from flexros.gap.lattice import Quantization
 from flexros.gap.result import DiagnosisResult
+from flexros.gap.tool_data import ToolData
 
 from .diagnosis_logs import MODEL, data_of, numbers, predictor_of, suspects_of
 
@@ -29,9 +30,12 @@ def fitted(level: float, *names: str) -> Fit:
     return Fit(predictor_of(*hypothesis), theta, level * data_of(TRUTH).n_values, 1e4 * np.eye(len(theta)))
 
 
-def answered(chosen: Fit, *rivals: Fit, probabilities: tuple[float, ...], rounded: bool = False) -> DiagnosisResult:
+def answered(
+    chosen: Fit, *rivals: Fit, probabilities: tuple[float, ...], rounded: bool = False, tool: ToolData | None = None
+) -> DiagnosisResult:
     """The answer to a log with friction."""
     data, held = (data_of(TRUTH, seed=seed) for seed in (1, 2))
+    data = replace(data, tool=tool)
     if rounded:
         data = replace(data, measurement=replace(data.measurement, quantizations=(Quantization(0, 1e-3),)))
     nothing = fitted(50.0)
@@ -110,6 +114,13 @@ def test_rounding_is_a_sure_cause_beside_others() -> None:
 def test_what_an_explanation_leaves_is_warned_of() -> None:
     found = answered(fitted(3.0, COULOMB), probabilities=(1.0,)).diagnosis
     assert any("leaves 4.1 % of the gap" in text for text in found.warnings)
+
+
+def test_what_was_noticed_of_the_tool_tracker_is_warned_of() -> None:
+    tool = data_of(TRUTH, tool=True).tool
+    assert tool is not None
+    found = answered(fitted(1.0, COULOMB), probabilities=(1.0,), tool=replace(tool, warnings=("late",))).diagnosis
+    assert "late" in found.warnings
 
 
 def test_an_explanation_that_does_not_hold_elsewhere_is_warned_of() -> None:

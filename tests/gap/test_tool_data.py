@@ -24,11 +24,11 @@ def poses() -> np.ndarray:
     return np.hstack([path(T * np.arange(N)), np.tile([0.0, 0.0, 0.0, 1.0], (N, 1))])
 
 
-def measured(rate: float = 130.0, error: np.ndarray | float = 0.0) -> ToolRecord:
+def measured(rate: float = 130.0, error: np.ndarray | float = 0.0, late: float = 0.0) -> ToolRecord:
     """What a tracker sees in a frame of its own, at instants between the samples."""
     time = np.arange(0.0017, (N - 2) * T, 1 / rate)
     noise = SPREAD * np.random.default_rng(0).normal(size=(len(time), 3))
-    return ToolRecord(time, (path(time) + error) @ TURN.T + np.array([1.0, 2.0, 3.0]) + noise)
+    return ToolRecord(time, (path(time + late) + error) @ TURN.T + np.array([1.0, 2.0, 3.0]) + noise)
 
 
 def residuals(data: ToolData, predicted: np.ndarray) -> np.ndarray:
@@ -72,6 +72,13 @@ def test_poses_count_where_the_samples_do() -> None:
     assert np.all(np.diff(data.samples) > 0)
     assert np.all((data.share >= 0) & (data.share <= 1))
     assert len(data.position) == len(data.place) == len(data.share)
+
+
+@pytest.mark.parametrize(("late", "word"), [(4e-3, "4 ms later"), (-2.5e-3, "2.5 ms earlier")])
+def test_a_clock_that_is_off_by_more_than_a_sample_is_warned_of(late: float, word: str) -> None:
+    (warning,) = tool_data(measured(late=late), poses(), COUNTED, T, SPREAD).warnings
+    assert warning.startswith(f"the tool tracker seems to see the tool {word} than its stamps say, which is taken off")
+    assert tool_data(measured(late=0.2 * late), poses(), COUNTED, T, SPREAD).warnings == ()
 
 
 def test_too_few_poses_are_refused() -> None:
