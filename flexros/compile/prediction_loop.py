@@ -122,39 +122,57 @@ class PredictionLoop:
         Returns:
             Prediction errors and what else was asked for.
         """
-        sizes, lanes, n = self.sizes, self.lanes, len(position)
         signal = np.ascontiguousarray(torque, dtype=float)
-        before = signal[:1] if past is None else np.asarray(past, dtype=float)
-        before = before[..., None] if before.ndim == 2 else before
-        plant = np.asarray(start, dtype=float)
-        plant = np.array(np.broadcast_to(plant[:, None] if plant.ndim == 1 else plant, (sizes.state, lanes)), order="C")
-        line = np.array(np.broadcast_to(before, (self.line_length, sizes.motors, lanes)), order="C")
-        innovation = np.full((n, sizes.motors, lanes), np.nan)
-        rows = np.full(n, -1, dtype=np.int64)
-        pose = None
-        if pose_samples is not None:
-            rows[pose_samples] = np.arange(len(pose_samples))
-            pose = np.full((len(pose_samples), sizes.pose, lanes), np.nan)
-        states = np.full((n, sizes.state, lanes), np.nan) if record_states else None
-        diverged = np.full(lanes, -1, dtype=np.int64)
-        arrays: list[FloatArray | IntArray | None] = [
-            plant,
-            line,
-            np.array(parameters, dtype=float, order="C").reshape(sizes.parameters, lanes),
-            np.array(gain, dtype=float, order="C").reshape(sizes.state, sizes.motors),
+        found = self._room(start, len(position), pose_samples, record_states)
+        arrays = [
+            found.final,
+            self._line(signal[:1] if past is None else past),
+            np.array(parameters, dtype=float, order="C").reshape(self.sizes.parameters, self.lanes),
+            np.array(gain, dtype=float, order="C").reshape(self.sizes.state, self.sizes.motors),
             signal,
             np.ascontiguousarray(position, dtype=float),
             np.ascontiguousarray(valid, dtype=float),
-            innovation,
-            rows,
-            pose,
-            states,
-            diverged,
+            found.innovation,
+            _pose_rows(len(position), pose_samples),
+            found.tool_pose,
+            found.states,
+            found.diverged,
         ]
+        self._call(len(position), arrays, torque_shared=signal.ndim == 2)
+        return found
+
+    def _room(self, start: FloatArray, n: int, pose_samples: IntArray | None, record_states: bool) -> Prediction:
+        """Make room for what the kernel fills in; the state begins with the start."""
+        sizes, lanes = self.sizes, self.lanes
+        state = np.asarray(start, dtype=float)
+        state = state[:, None] if state.ndim == 1 else state
+        return Prediction(
+            innovation=np.full((n, sizes.motors, lanes), np.nan),
+            tool_pose=None if pose_samples is None else np.full((len(pose_samples), sizes.pose, lanes), np.nan),
+            states=np.full((n, sizes.state, lanes), np.nan) if record_states else None,
+            final=np.array(np.broadcast_to(state, (sizes.state, lanes)), order="C"),
+            diverged=np.full(lanes, -1, dtype=np.int64),
+        )
+
+    def _line(self, past: FloatArray) -> FloatArray:
+        """Fill the line of commands that are under way, for every lane."""
+        before = np.asarray(past, dtype=float)
+        before = before[..., None] if before.ndim == 2 else before
+        return np.array(np.broadcast_to(before, (self.line_length, self.sizes.motors, self.lanes)), order="C")
+
+    def _call(self, n: int, arrays: Sequence[FloatArray | IntArray | None], *, torque_shared: bool) -> None:
+        """Run the kernel over n samples, with the arrays in the order of the fields of its job."""
         addresses = [0 if array is None else int(array.ctypes.data) for array in arrays]
-        entries = np.array([n, *addresses, int(signal.ndim == 2)], dtype=np.int64)
+        entries = np.array([n, *addresses, int(torque_shared)], dtype=np.int64)
         self._predict(entries.ctypes.data)
-        return Prediction(innovation, pose, states, plant, diverged)
+
+
+def _pose_rows(n: int, pose_samples: IntArray | None) -> IntArray:
+    """Return the row of the recorded poses for every sample, -1 where it is not wanted."""
+    rows = np.full(n, -1, dtype=np.int64)
+    if pose_samples is not None:
+        rows[pose_samples] = np.arange(len(pose_samples))
+    return rows
 
 
 def _predict_text(sizes: LoopSizes, lanes: int) -> str:

@@ -93,39 +93,57 @@ def observer_gain(
     """
     model = linear_model(robot, q_a)
     A, _, measurement, _ = model.matrices()
-    n, M = len(model.mass), robot.n_motors
+    F, C = expm(A * sample_time), measurement[: robot.n_motors]
     # all in units of the mean encoder noise, so that the equations stay within range
     unit = float(np.mean(noise))
-    C = measurement[:M]
-    share = np.where(np.arange(n) < robot.n_arm, ARM_SHARE, 1.0)
-    torque = level * np.diag(model.mass) / sample_time**2 * share * np.sqrt(REFERENCE_STEP / sample_time)
-    allowed = np.zeros(n)
+    R = np.diag((np.asarray(noise, dtype=float) / unit) ** 2)
+    allowed = np.zeros(len(model.mass))
     if tolerated is not None:
         allowed[list(robot.chain.motor_places)] = tolerated / unit
-    torque = np.maximum(torque, allowed)
-    inverse = np.linalg.inv(model.mass) * sample_time
-    G, taken = (np.vstack([np.zeros((n, n)), inverse * size]) for size in (torque, allowed))
-    F = expm(A * sample_time)
-    R = np.diag((np.asarray(noise, dtype=float) / unit) ** 2)
-    P = solve_discrete_are(F.T, C.T, G @ G.T, R)
-    K = P @ C.T @ np.linalg.inv(C @ P @ C.T + R)
-    keep = np.eye(2 * n) - K @ C
+    torque = np.maximum(_torque_noise(model.mass, robot.n_arm, sample_time, level), allowed)
+    G, taken = (_onto_states(model.mass, sample_time, size) for size in (torque, allowed))
+    K = _kalman_gain(F, C, G, R)
+    keep = np.eye(len(F)) - K @ C
     transition = F @ keep
     predicted = _stationary(transition, F @ K @ R @ K.T @ F.T + taken @ taken.T)
     corrected = keep @ predicted @ keep.T + K @ R @ K.T
-    spread = unit * np.sqrt(np.diag(C @ predicted @ C.T + R))
-    slowest = float(np.abs(np.linalg.eigvals(transition)).max())
     return ObserverGain(
         gain=K,
-        spread=spread,
+        spread=unit * np.sqrt(np.diag(C @ predicted @ C.T + R)),
         transition=transition,
         motion=F,
         taken=unit**2 * taken @ taken.T,
         error=unit**2 * corrected,
         readout=C,
         noise=np.asarray(noise, dtype=float),
-        settling=int(np.ceil(np.log(1e-3) / np.log(min(slowest, 1 - 1e-6)))),
+        settling=_settling(transition),
     )
+
+
+def _torque_noise(mass: FloatArray, n_arm: int, sample_time: float, level: float) -> FloatArray:
+    """Return the assumed torque noise on every coordinate, in units of the encoder noise, shape (n,)."""
+    share = np.where(np.arange(len(mass)) < n_arm, ARM_SHARE, 1.0)
+    torque: FloatArray = level * np.diag(mass) / sample_time**2 * share * np.sqrt(REFERENCE_STEP / sample_time)
+    return torque
+
+
+def _onto_states(mass: FloatArray, sample_time: float, torque: FloatArray) -> FloatArray:
+    """Return the matrix by which torque noise of a sample, shape (n,), moves the states, shape (2 n, n)."""
+    inverse = np.linalg.inv(mass) * sample_time
+    return np.vstack([np.zeros(mass.shape), inverse * torque])
+
+
+def _kalman_gain(F: FloatArray, C: FloatArray, G: FloatArray, R: FloatArray) -> FloatArray:
+    """Solve for the stationary gain that corrects the state x of x <- F x + G w, y = C x + v, v of covariance R."""
+    P = solve_discrete_are(F.T, C.T, G @ G.T, R)
+    gain: FloatArray = P @ C.T @ np.linalg.inv(C @ P @ C.T + R)
+    return gain
+
+
+def _settling(transition: FloatArray) -> int:
+    """Return the samples until the slowest motion has decayed to a thousandth."""
+    slowest = float(np.abs(np.linalg.eigvals(transition)).max())
+    return int(np.ceil(np.log(1e-3) / np.log(min(slowest, 1 - 1e-6))))
 
 
 def _stationary(transition: FloatArray, added: FloatArray) -> FloatArray:
