@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, Generic, TypeAlias, TypeVar
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import plotly.graph_objects as go
 
-    from flexros.analysis.run_analysis import Analysis
     from flexros.arrays import FloatArray
 
 
@@ -102,24 +99,28 @@ class Picture:
 Block: TypeAlias = "Paragraph | Heading | Listing | Tiles | TextTable | Picture"
 
 
-class AbstractSection(ABC):
+Shown = TypeVar("Shown", contravariant=True)
+"""What a report is of: runs, an identification, a diagnosis."""
+
+
+class AbstractSection(ABC, Generic[Shown]):
     """One section of a report.
 
     A new section is a class in a file of its own that
     1. sets `title`, the heading;
-    2. implements `blocks`, which turns analyses into blocks and returns none where the logs hold nothing for it;
-    3. takes every figure from the analyses and computes none of its own, so that report, table and JSON agree;
-    4. is listed in `write.RUN_SECTIONS`, in order of appearance.
+    2. implements `blocks`, which turns what is shown into blocks and returns none where it holds nothing for it;
+    3. takes every figure from what is shown and computes none of its own, so that report, table and JSON agree;
+    4. is listed, in order of appearance, in the module `write` beside it.
     """
 
     title: ClassVar[str]
 
     @abstractmethod
-    def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
+    def blocks(self, shown: Shown, /) -> tuple[Block, ...]:
         """Return the content of the section.
 
         Args:
-            analyses: The runs, at least one.
+            shown: The runs, at least one, or what was identified or found.
 
         Returns:
             Blocks in order; none where the section does not apply.

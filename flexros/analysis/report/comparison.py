@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _CAPTION = "Maximum path error by method and case, beside quoted figures; of several runs of one case the worst counts."
 
 
-class ComparisonSection(AbstractSection):
+class ComparisonSection(AbstractSection["Sequence[Analysis]"]):
     """Verdict over the methods, the table beside the quoted figures, and the caveats."""
 
     title: ClassVar[str] = ""
@@ -43,7 +43,7 @@ class ComparisonSection(AbstractSection):
         return (Paragraph(_verdict(rows), "lead"), table, *caveats)
 
 
-class OverlaySection(AbstractSection):
+class OverlaySection(AbstractSection["Sequence[Analysis]"]):
     """Paths and errors of all methods over each other, then each method with its own magnification."""
 
     title: ClassVar[str] = "Paths and errors"

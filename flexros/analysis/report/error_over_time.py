@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from flexros.analysis.run_analysis import Analysis
 
 
-class ErrorSection(AbstractSection):
+class ErrorSection(AbstractSection["Sequence[Analysis]"]):
     """Path error, time-synchronised error, orientation error, and tracking error of the motors."""
 
     title: ClassVar[str] = "Errors over time"

@@ -17,7 +17,7 @@ _COLUMNS = 4
 """Runs per table."""
 
 
-class FiguresSection(AbstractSection):
+class FiguresSection(AbstractSection["Sequence[Analysis]"]):
     """Every figure of every run, the same rows as in the terminal."""
 
     title: ClassVar[str] = "All figures"

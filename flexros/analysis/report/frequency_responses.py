@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flexros.identify.frf.frequency_response import FrequencyResponse
 
 
-class FrequencyResponseSection(AbstractSection):
+class FrequencyResponseSection(AbstractSection["Sequence[Analysis]"]):
     """Per run of an identification: measured responses by position, a table, distortions and what limits them."""
 
     title: ClassVar[str] = "Frequency responses"

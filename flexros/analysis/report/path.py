@@ -26,7 +26,7 @@ _SHOWN_SHARE = 0.12
 """The largest error is drawn about this large, relative to the size of the path."""
 
 
-class PathSection(AbstractSection):
+class PathSection(AbstractSection["Sequence[Analysis]"]):
     """Path with the error magnified; accuracy and repeatability along the path where there are cycles."""
 
     title: ClassVar[str] = "Path"

@@ -17,7 +17,7 @@ _LONGEST = 300
 """Longer texts are cut in the table."""
 
 
-class ProvenanceSection(AbstractSection):
+class ProvenanceSection(AbstractSection["Sequence[Analysis]"]):
     """Scenario, robot, seed, versions, model hash; warnings; how pictures are drawn."""
 
     title: ClassVar[str] = "Provenance and limits"

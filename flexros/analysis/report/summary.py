@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flexros.identify.frf.frequency_response import FrequencyResponse
 
 
-class SummarySection(AbstractSection):
+class SummarySection(AbstractSection["Sequence[Analysis]"]):
     """Verdict; tiles for a single run, a row per run for several."""
 
     title: ClassVar[str] = ""

@@ -24,7 +24,7 @@ _SHOWN = 3.0
 """The histogram of periods of receipt reaches to so many medians, or to twice the 99th percentile (chosen)."""
 
 
-class TimingSection(AbstractSection):
+class TimingSection(AbstractSection["Sequence[Analysis]"]):
     """Periods, jitter and missing samples of every topic."""
 
     title: ClassVar[str] = "Node timing"

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flexros.analysis.tracking import MotorTracking
 
 
-class TorqueSection(AbstractSection):
+class TorqueSection(AbstractSection["Sequence[Analysis]"]):
     """Commanded torque and feedforward of each motor, and the difference, which is the work of the feedback."""
 
     title: ClassVar[str] = "Torques against feedforward"

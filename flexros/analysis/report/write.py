@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from flexros.analysis.report.base import AbstractSection
     from flexros.analysis.run_analysis import Analysis
 
-RUN_SECTIONS: tuple[AbstractSection, ...] = (
+RUN_SECTIONS: tuple[AbstractSection[Sequence[Analysis]], ...] = (
     SummarySection(),
     PathSection(),
     ErrorSection(),

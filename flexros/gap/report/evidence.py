@@ -6,8 +6,7 @@ import math
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import Block, Heading, Paragraph
-from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.analysis.report.base import AbstractSection, Block, Heading, Paragraph
 from flexros.gap.report.ranking import NOTHING
 from flexros.gap.report.signature_pictures import signature_pictures
 from flexros.gap.report.words import capital, cause_words, first_few, listed, named, parameter_words, share_words
@@ -26,7 +25,7 @@ _DECISIVE = 10.0
 """Difference of twice the log-likelihood that is decisive (Kass and Raftery 1995: "very strong")."""
 
 
-class EvidenceSection(AbstractDiagnosisSection):
+class EvidenceSection(AbstractSection["DiagnosisResult"]):
     """For the first three effects: numbers, for, against, and the pictures of their signature."""
 
     title: ClassVar[str] = "The evidence"

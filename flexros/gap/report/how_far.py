@@ -6,8 +6,7 @@ import math
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
-from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.gap.report.innovations import innovation_picture
 from flexros.gap.report.words import closed_words, interval_words, shows
 
@@ -21,7 +20,7 @@ BEFORE, AFTER, RIVAL, FLOOR = "#d55e00", "#0072b2", "#e69f00", "#a9b4bf"
 """Colours of the nominal model, the repaired one, the best rival and the noise floor."""
 
 
-class HowFarSection(AbstractDiagnosisSection):
+class HowFarSection(AbstractSection["DiagnosisResult"]):
     """Bars of the gap numbers, gap by signal, and what the models miss over time."""
 
     title: ClassVar[str] = "How far apart, before and after"

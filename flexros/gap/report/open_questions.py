@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import Block, Listing, Paragraph, TextTable
-from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.analysis.report.base import AbstractSection, Block, Listing, Paragraph, TextTable
 from flexros.gap.report.words import listed, named
 
 if TYPE_CHECKING:
@@ -27,7 +26,7 @@ _NOTHING_TO_RUN = {
 }
 
 
-class OpenQuestionsSection(AbstractDiagnosisSection):
+class OpenQuestionsSection(AbstractSection["DiagnosisResult"]):
     """Limits of this log, the next experiment, and what was put down to the tolerance of the model."""
 
     title: ClassVar[str] = "What this log cannot tell, and what to run next"

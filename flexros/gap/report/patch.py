@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.report.base import Block, Listing, Paragraph
-from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.analysis.report.base import AbstractSection, Block, Listing, Paragraph
 
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
@@ -14,7 +13,7 @@ _USELESS = 0.1
 """A patch that closes less of the gap than this share is not recommended (chosen)."""
 
 
-class PatchSection(AbstractDiagnosisSection):
+class PatchSection(AbstractSection["DiagnosisResult"]):
     """The text of patch.yaml, and what to do with it."""
 
     title: ClassVar[str] = "The patch"

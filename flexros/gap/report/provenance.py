@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import Block, Paragraph, TextTable
-from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable
 
 if TYPE_CHECKING:
     from flexros.gap.record import GapRecord
@@ -17,7 +16,7 @@ _LONGEST = 160
 """Longer texts are cut in the table (chosen)."""
 
 
-class ProvenanceSection(AbstractDiagnosisSection):
+class ProvenanceSection(AbstractSection["DiagnosisResult"]):
     """Warnings; logs; versions, settings and times."""
 
     title: ClassVar[str] = "Provenance and limits"

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
-from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.gap.report.words import capital, first_few, listed, named, parameters_words, share_words
 
 if TYPE_CHECKING:
@@ -24,7 +23,7 @@ _CAUSE, _RIVAL, _REST, _NONE = "#0072b2", "#e69f00", "#a9b4bf", "#009e73"
 """Colours of causes, of effects in a group that cannot be told apart, of the others, and of 'nothing'."""
 
 
-class RankingSection(AbstractDiagnosisSection):
+class RankingSection(AbstractSection["DiagnosisResult"]):
     """Bars of probabilities, groups that cannot be told apart, table of the evidence."""
 
     title: ClassVar[str] = "Which effect"

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import Block, Paragraph, Tiles
-from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Tiles
 from flexros.gap.report.verdict import told_causes, verdict_sentence
 from flexros.gap.report.words import capital, closed_words, named, p_value_words, share_words, shows, where_words
 
@@ -18,7 +17,7 @@ _MANY_WARNINGS = 3
 """More warnings than this are told in the section on provenance only (chosen)."""
 
 
-class SummarySection(AbstractDiagnosisSection):
+class SummarySection(AbstractSection["DiagnosisResult"]):
     """Verdict, tiles, warnings."""
 
     title: ClassVar[str] = ""

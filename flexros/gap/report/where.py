@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
-from flexros.gap.report.base import AbstractDiagnosisSection
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.gap.report.words import band_words, p_value_words, share_words
 
 if TYPE_CHECKING:
@@ -28,7 +27,7 @@ _MOST_ROWS = 8
 _SCALE = [[0, "#ffffff"], [0.15, "#cfe2f0"], [1, "#0072b2"]]
 
 
-class WhereSection(AbstractDiagnosisSection):
+class WhereSection(AbstractSection["DiagnosisResult"]):
     """Heat maps of the excess by joint and band, and by joint and regime; the places as a table."""
 
     title: ClassVar[str] = "Where it shows"

@@ -19,11 +19,11 @@ from flexros.whole_file import write_result
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from flexros.gap.report.base import AbstractDiagnosisSection
+    from flexros.analysis.report.base import AbstractSection
     from flexros.gap.result import DiagnosisResult
 
 
-def sections(patch: str = "") -> tuple[AbstractDiagnosisSection, ...]:
+def sections(patch: str = "") -> tuple[AbstractSection[DiagnosisResult], ...]:
     """List the sections in order of appearance.
 
     Args:

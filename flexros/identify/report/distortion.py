@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+from flexros.analysis.report.base import AbstractSection
 from flexros.analysis.report.distortion_levels import distortion_blocks
-from flexros.identify.report.base import AbstractIdentificationSection
 
 if TYPE_CHECKING:
     from flexros.analysis.report.base import Block
     from flexros.identify.report.result import IdentificationResult
 
 
-class DistortionSection(AbstractIdentificationSection):
+class DistortionSection(AbstractSection["IdentificationResult"]):
     """One panel per motor, a menu of positions, and a table of medians."""
 
     title: ClassVar[str] = "Noise and nonlinear distortions"

@@ -8,10 +8,9 @@ import numpy as np
 import plotly.graph_objects as go
 
 from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import INK, run_colour, stacked
 from flexros.identify.design.experiment_design import SLOW
-from flexros.identify.report.base import AbstractIdentificationSection
 from flexros.identify.report.words import counted
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from flexros.identify.report.result import ExperimentFacts, IdentificationResult
 
 
-class ExperimentSection(AbstractIdentificationSection):
+class ExperimentSection(AbstractSection["IdentificationResult"]):
     """Robot time, blocks, periods; positions; gain of the design against random positions."""
 
     title: ClassVar[str] = "Experiment"

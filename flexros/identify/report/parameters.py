@@ -8,9 +8,8 @@ import numpy as np
 import plotly.graph_objects as go
 
 from flexros.analysis.figures_table import percent
-from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import INK, MUTED, stacked
-from flexros.identify.report.base import AbstractIdentificationSection
 from flexros.identify.report.verdict import covariance_text, kept_text
 from flexros.identify.report.words import (
     VERDICT_COLOURS,
@@ -37,7 +36,7 @@ _BIAS = (
 )
 
 
-class ParameterSection(AbstractIdentificationSection):
+class ParameterSection(AbstractSection["IdentificationResult"]):
     """Nominal and identified values, 95 % intervals, verdicts; where the truth is known, it too."""
 
     title: ClassVar[str] = "Parameters"

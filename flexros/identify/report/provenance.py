@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.report.base import Block, Paragraph, TextTable
-from flexros.identify.report.base import AbstractIdentificationSection
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable
 
 if TYPE_CHECKING:
     from flexros.identify.report.result import IdentificationResult
@@ -15,7 +14,7 @@ _LONGEST = 120
 """Longer texts are cut in the table (chosen)."""
 
 
-class ProvenanceSection(AbstractIdentificationSection):
+class ProvenanceSection(AbstractSection["IdentificationResult"]):
     """Warnings, scenario, seed, versions."""
 
     title: ClassVar[str] = "Provenance and limits"

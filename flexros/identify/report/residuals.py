@@ -8,9 +8,8 @@ import numpy as np
 import plotly.graph_objects as go
 
 from flexros.analysis.figures_table import number, percent
-from flexros.analysis.report.base import Block, Paragraph, Picture, TextTable
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.theme import stacked
-from flexros.identify.report.base import AbstractIdentificationSection
 from flexros.identify.report.verdict import advice
 
 if TYPE_CHECKING:
@@ -20,7 +19,7 @@ _WORST = 8
 """Rows of the table (chosen)."""
 
 
-class ResidualSection(AbstractIdentificationSection):
+class ResidualSection(AbstractSection["IdentificationResult"]):
     """Shares of the cost by position and element, and the places of the largest misfits."""
 
     title: ClassVar[str] = "What is left unexplained"

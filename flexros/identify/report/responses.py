@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.analysis.report.base import Block, Picture
+from flexros.analysis.report.base import AbstractSection, Block, Picture
 from flexros.analysis.report.response_picture import ModelCurve, response_picture
 from flexros.identify.graybox.response_noise import response_noise
-from flexros.identify.report.base import AbstractIdentificationSection
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -24,7 +23,7 @@ POINTS = 300
 """Frequencies at which the models are drawn: resonances between the lines show, and the page stays small (chosen)."""
 
 
-class ResponseSection(AbstractIdentificationSection):
+class ResponseSection(AbstractSection["IdentificationResult"]):
     """One panel per motor pair; menus choose position, and magnitude or phase."""
 
     title: ClassVar[str] = "Frequency responses"

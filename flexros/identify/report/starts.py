@@ -8,16 +8,15 @@ import numpy as np
 import plotly.graph_objects as go
 
 from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import Block, Paragraph, Picture
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture
 from flexros.analysis.report.theme import run_colour, stacked
-from flexros.identify.report.base import AbstractIdentificationSection
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.identify.report.result import IdentificationResult
 
 
-class StartSection(AbstractIdentificationSection):
+class StartSection(AbstractSection["IdentificationResult"]):
     """Cost of the fit from each start, sorted."""
 
     title: ClassVar[str] = "Local minima"

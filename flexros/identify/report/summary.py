@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.analysis.figures_table import number, percent
-from flexros.analysis.report.base import Block, Paragraph, Tiles
-from flexros.identify.report.base import AbstractIdentificationSection
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Tiles
 from flexros.identify.report.verdict import verdict
 from flexros.identify.report.words import counted
 
@@ -19,7 +18,7 @@ _MANY_WARNINGS = 4
 """More warnings than this are told in the section on provenance only (chosen)."""
 
 
-class SummarySection(AbstractIdentificationSection):
+class SummarySection(AbstractSection["IdentificationResult"]):
     """Verdict, tiles, warnings."""
 
     title: ClassVar[str] = ""

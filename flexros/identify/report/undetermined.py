@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.analysis.figures_table import number, percent
-from flexros.analysis.report.base import Block, Paragraph, TextTable
-from flexros.identify.report.base import AbstractIdentificationSection
+from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable
 from flexros.identify.report.remedies import Remedy, has_candidates, remedies
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ _HELPS = 0.7
 """An experiment that leaves more of the standard deviation than this share is told to help little (chosen)."""
 
 
-class UndeterminedSection(AbstractIdentificationSection):
+class UndeterminedSection(AbstractSection["IdentificationResult"]):
     """Combinations that the responses leave open, and the best further experiment for each."""
 
     title: ClassVar[str] = "What is not determined, and what would determine it"

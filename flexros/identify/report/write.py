@@ -19,10 +19,10 @@ from flexros.whole_file import write_result
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from flexros.identify.report.base import AbstractIdentificationSection
+    from flexros.analysis.report.base import AbstractSection
     from flexros.identify.report.result import IdentificationResult
 
-SECTIONS: tuple[AbstractIdentificationSection, ...] = (
+SECTIONS: tuple[AbstractSection[IdentificationResult], ...] = (
     SummarySection(),
     ParameterSection(),
     UndeterminedSection(),
