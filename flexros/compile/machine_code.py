@@ -49,6 +49,9 @@ class MachineCode:
             machine = target.create_target_machine(cpu=cpu, features=features, opt=level, jit=True)
             self._engine = llvm.create_mcjit_compiler(module, machine)
             self._engine.finalize_object()
+            # the code stays with the engine; the text it was made from is several times as large
+            self._engine.remove_module(module)
+            module.close()
 
     def address(self, symbol: str) -> int:
         """Return the address of a function.

@@ -122,6 +122,7 @@ def fit(
             converged = True
             break
         trials = np.stack([_trial(theta, line, damping, low, high) for damping in DAMPINGS], axis=-1)
+        del line  # slopes are the largest arrays of a fit
         values = chi2_of(predictor, data, trials)
         best = int(np.argmin(values))
         fall = chi2 - values[best]
@@ -166,22 +167,23 @@ def linearise(
     P = len(theta) if tolerance_slopes is None else predictor.n_effect
     _, high = predictor.bounds
     signs = np.where(theta + STEP > high, -1.0, 1.0)
-    base: FloatArray | None = None
-    slopes: list[FloatArray] = []
+    base, J = np.zeros(0), np.zeros((0, 0))
     for first in range(0, max(P, 1), LANES - 1):
         group = range(first, min(first + LANES - 1, P))
         sets = np.repeat(theta[:, None], len(group) + 1, axis=1)
         for lane, number in enumerate(group):
             sets[number, lane + 1] += signs[number] * STEP
         residual = data.residuals(predictor, sets)
-        base = residual[:, 0] if base is None else base
-        slopes += [signs[number] / STEP * (residual[:, lane + 1] - base) for lane, number in enumerate(group)]
-    assert base is not None
-    J = np.stack(slopes, axis=-1) if slopes else np.zeros((len(base), 0))
-    J = J if tolerance_slopes is None else np.hstack([J, tolerance_slopes])
+        if first == 0:
+            base = residual[:, 0].copy()
+            J = np.empty((len(base), len(theta)), order="F")
+            if tolerance_slopes is not None:
+                J[:, P:] = tolerance_slopes
+        for lane, number in enumerate(group):
+            slope = signs[number] / STEP * (residual[:, lane + 1] - base)
+            J[:, number] = np.where(np.abs(slope) < RUN_AWAY, slope, 0.0)
     prior = np.zeros(len(theta))
     prior[predictor.n_effect :] = 1.0
-    J = np.where(np.abs(J) < RUN_AWAY, J, 0.0)
     chi2 = float(_sums(predictor, base[:, None], theta[:, None])[0])
     gradient = J.T @ base if np.isfinite(chi2) else np.zeros(len(theta))
     return Linearised(chi2, base, J, gradient + prior * theta, J.T @ J + np.diag(prior))

@@ -81,12 +81,12 @@ class Search:
             found.theta[:, None], self.data.record, self.data.gain, self.data.start, record_states=True
         )
         assert prediction.states is not None
-        states: FloatArray = prediction.states[:, :, 0]
+        states: FloatArray = prediction.states[:, :, 0].copy()
         return states
 
     def residual(self, found: Fit) -> FloatArray:
         """Weigh the prediction errors of a fitted hypothesis, shape (M n,)."""
-        residual: FloatArray = self.data.residuals(found.predictor, found.theta[:, None])[:, 0]
+        residual: FloatArray = self.data.residuals(found.predictor, found.theta[:, None])[:, 0].copy()
         return residual
 
     def yardsticks(self, found: Fit) -> Yardsticks:
@@ -220,7 +220,8 @@ class Search:
         for begin in range(0, starts.shape[1], LANES):
             errors = self.data.residuals(predictor, starts[:, begin : begin + LANES])
             finite = np.all(np.isfinite(errors), axis=0)
-            change = np.where(finite, errors, plain[:, None]) - plain[:, None]
+            change = np.subtract(errors, plain[:, None], out=errors)
+            change[:, ~finite] = 0.0
             for place, line in enumerate(lines):
                 gains, falls = _gains(change, line)
                 lane = int(np.argmax(falls))
