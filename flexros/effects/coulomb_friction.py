@@ -34,7 +34,7 @@ class CoulombFriction(AbstractDryFriction):
         "a missing torque of constant size against the motion, which changes sign at each reversal, and a motor that "
         "stops dead there"
     )
-    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({"level": Range("torque", 1e-5, 1.0, starts=8)})
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({"level": Range("torque", 1e-6, 1.0, starts=8)})
 
     level: float = Field(0.0, ge=0.0, description="mean of both directions [Nm or N]")
     asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="(forward - backward) / mean [1]")

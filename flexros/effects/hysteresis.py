@@ -48,7 +48,7 @@ class Hysteresis(AbstractGearLaw):
     stepwise_states: ClassVar[int] = len(NODES)
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
-            "level": Range("torque", 1e-5, 1.0, 4, source="facts on lost motion of gears; bounds chosen"),
+            "level": Range("torque", 1e-6, 1.0, 4, source="facts on lost motion of gears; bounds chosen"),
             "angle": Range("deflection", 1e-3, 2.0, 4, source="chosen: from small loops to the largest deflection"),
             "spread": Range("relative", 0.25, 2.0, 1, source="chosen: around the curve of Dahl and Bouc-Wen"),
         }

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
+import numpy as np
 from pydantic import Field, model_validator
 
 from flexros.config.validation import validate
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
     from flexros.effects.gear_law import GearState, GearTorques
     from flexros.robot.kinematics import Value
 
+CORNER = (-8.0, -4.0, -2.0, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+"""Points of a rounded corner where its polygon in a robot file bends, in widths from the knee [1] (chosen)."""
+
 
 class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
     """A spring of the nominal stiffness up to a knee and of another one beyond: hardening or softening.
@@ -34,12 +38,15 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         k d                                     for |d| <= c,
         sign(d) (k c + (1 + r) k (|d| - c))     beyond: odd, continuous, with a corner at the knee.
 
-    A spring that is piecewise linear already has its stiffness scaled by 1 + r beyond the knee. The knee is given as a
-    deflection, or as the torque k c at which it lies. It acts between motor and arm for a gear, and on the arm
-    coordinate for the other springs; the damper stays as it is.
+    Real springs bend gradually: with a rounding s the corner becomes a hyperbola of width s c, r k (g(|d|) - g(0)) with
+    g(x) = (x - c + sqrt((x - c)^2 + (s c)^2)) / 2. A spring that is piecewise linear already has its stiffness scaled
+    by 1 + r beyond the knee, g being taken of its torque. The knee is given as a deflection, or as the torque k c at
+    which it lies. It acts between motor and arm for a gear, and on the arm coordinate for the other springs; the damper
+    stays as it is.
 
-    A simulated robot has the bent spring in its file, so that its rest, energy and linearisation include it; where the
-    numbers are to be free, as in a diagnosis, the same torques are a law beside the nominal spring.
+    A simulated robot has the bent spring in its file, so that its rest, energy and linearisation include it (a rounded
+    corner as a polygon); where the numbers are to be free, as in a diagnosis, the same torques are a law beside the
+    nominal spring.
 
     Reference: Piecewise stiffness K1, K2, K3 of gear catalogues; Moberg 2007, Paper C, section 4 (nonlinear gear
     elasticity).
@@ -61,6 +68,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
                 negative=0.95,
             ),
             "knee": Range("deflection", 0.01, 1.0, 4, source="chosen: from small motion to the largest deflection"),
+            "rounding": Range("relative", 0.01, 2.0, 1, source="chosen: from a corner to a gradual bend"),
         }
     )
     fingerprint: ClassVar[str] = (
@@ -71,6 +79,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
     relative: float = Field(0.0, gt=-1.0, le=100.0, description="change of stiffness beyond the knee [1]; > 0 hardens")
     knee: float = Field(0.0, ge=0.0, description="deflection at the knee [rad or m]; 0: knee_torque is given instead")
     knee_torque: float = Field(0.0, ge=0.0, description="torque at the knee [Nm or N]; 0: knee is given instead")
+    rounding: float = Field(0.0, ge=0.0, le=10.0, description="width of the corner over the knee [1]; 0: sharp")
 
     @model_validator(mode="after")
     def _one_knee(self) -> NonlinearStiffness:
@@ -122,25 +131,47 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         """Torque that the spring has more than the one without knee."""
         at_knee = ca.SX(values["knee_torque"]) if self.knee_torque else gear.spring(ca.SX(values["knee"]))
         torque = gear.spring(deflection)
-        return values["relative"] * (ca.fmax(torque - at_knee, 0) + ca.fmin(torque + at_knee, 0))
+        if not isinstance(values["rounding"], ca.SX) and values["rounding"] == 0:
+            return values["relative"] * (ca.fmax(torque - at_knee, 0) + ca.fmin(torque + at_knee, 0))
+        width = values["rounding"] * at_knee
+        return values["relative"] * ca.sign(torque) * (_ramp(ca.fabs(torque) - at_knee, width) - _ramp(-at_knee, width))
 
     def _law(self, spring: Spring, location: str) -> dict[str, Any]:
         """Compute knots and slopes with the knee among them."""
         law, stiffness = spring.piecewise_linear, spring.stiffness
         if law is None:
             assert stiffness is not None
-            knee = self.knee or self.knee_torque / stiffness.value
-            slopes: tuple[float, ...] = (stiffness.value, (1 + self.relative) * stiffness.value)
-            return {"knots": (knee,), "slopes": slopes, "source": stiffness.source, "tolerance": stiffness.tolerance}
-        knee = self.knee or _deflection(law, self.knee_torque, f"{self.name} at {location}")
-        knots = tuple(sorted({*law.knots, knee}))
-        slopes = tuple(_slope(law, begin) * (1 + self.relative * (begin >= knee)) for begin in (0.0, *knots))
-        return {"knots": knots, "slopes": slopes, "source": law.source, "tolerance": law.tolerance}
+            knee, k = self.knee or self.knee_torque / stiffness.value, stiffness.value
+            law = PiecewiseLinear(knots=(knee,), slopes=(k, k), source=stiffness.source, tolerance=stiffness.tolerance)
+        at_knee = self.knee_torque or _torque(law, self.knee)
+        bends = {self.knee or _deflection(law, at_knee, f"{self.name} at {location}")}
+        if self.rounding:
+            most = _torque(law, law.knots[-1]) if law.slopes[-1] == 0 else np.inf
+            corner = [at_knee * (1 + self.rounding * place) for place in CORNER]
+            bends |= {_deflection(law, torque, self.name) for torque in corner if 0 < torque < most}
+        knots = np.array(sorted({*law.knots, *bends}))
+        torques = np.array([_torque(law, knot) for knot in (0.0, *knots)])
+        width = self.rounding * at_knee
+        bent = torques + self.relative * (_ramp(torques - at_knee, width) - _ramp(-at_knee, width))
+        slopes = [*np.diff(bent) / np.diff([0.0, *knots]), law.slopes[-1] * (1 + self.relative)]
+        return {
+            "knots": tuple(knots.tolist()),
+            "slopes": tuple(map(float, slopes)),
+            "source": law.source,
+            "tolerance": law.tolerance,
+        }
 
 
-def _slope(law: PiecewiseLinear, deflection: float) -> float:
-    """Return the stiffness just beyond a deflection."""
-    return law.slopes[sum(knot <= deflection for knot in law.knots)]
+def _ramp(beyond: Any, width: Any) -> Any:
+    """Return what is above zero, with a corner of some width: a hyperbola."""
+    return (beyond + (beyond**2 + width**2) ** 0.5) / 2
+
+
+def _torque(law: PiecewiseLinear, deflection: float) -> float:
+    """Return the torque at a deflection that is not negative."""
+    begins = (0.0, *law.knots)
+    ends = (*law.knots, float("inf"))
+    return sum(slope * max(0.0, min(deflection, end) - begin) for begin, end, slope in zip(begins, ends, law.slopes))
 
 
 def _deflection(law: PiecewiseLinear, torque: float, source: str) -> float:

@@ -47,10 +47,10 @@ class PreslidingFriction(AbstractBristleFriction):
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
-            "level": Range("torque", 1e-5, 1.0, starts=4),
-            "extra": Range("torque", 1e-6, 1.0, starts=1),
+            "level": Range("torque", 1e-6, 1.0, starts=5),
+            "extra": Range("torque", 1e-7, 1.0, starts=1),
             "velocity": Range("speed", 1e-3, 1.0, starts=1),
-            "stiffness": Range("torque/angle", 1.0, 1e6, starts=4),
+            "stiffness": Range("torque/angle", 1e-3, 1e6, starts=5),
             "damping": Range("torque/speed", 1e-6, 1.0, starts=1),
         }
     )

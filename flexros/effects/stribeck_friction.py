@@ -41,7 +41,7 @@ class StribeckFriction(AbstractDryFriction):
         "friction torque against the motion at low speed only, most of it at standstill: stick and slip in slow motion"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
-        {"extra": Range("torque", 1e-5, 1.0, starts=5), "velocity": Range("speed", 1e-4, 0.3, starts=5)}
+        {"extra": Range("torque", 1e-6, 1.0, starts=5), "velocity": Range("speed", 1e-4, 0.3, starts=5)}
     )
 
     extra: float = Field(0.0, ge=0.0, description="level at standstill beyond that of high speed [Nm or N]")

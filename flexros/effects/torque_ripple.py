@@ -36,7 +36,7 @@ class TorqueRipple(AbstractMotorTorque):
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
-            "amplitude": Range("torque", 1e-5, 1.0, starts=3, source="0.5 to 3 % of the rated torque"),
+            "amplitude": Range("torque", 1e-6, 1.0, starts=3, source="0.5 to 3 % of the rated torque"),
             "order": Range("order", 0.5, 1000.0, starts=1),
             "phase": Range("phase", 0.5, 3.1416, starts=1, signed=True),
         }

@@ -32,7 +32,7 @@ class ViscousFriction(AbstractMotorTorque):
     fingerprint: ClassVar[str] = "a missing torque against the motion in proportion to the speed of the motor"
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
-            "coefficient": Range("torque/speed", 1e-5, 1.0, starts=5),
+            "coefficient": Range("torque/speed", 1e-6, 1.0, starts=5),
             "asymmetry": Range("relative", 0.05, 2.0, starts=1, signed=True),
         }
     )

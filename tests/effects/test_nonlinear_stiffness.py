@@ -180,3 +180,29 @@ def test_halving_the_step_converges() -> None:
 def test_neutral_law_is_left_out() -> None:
     robot = load_robot("two_mass")
     assert PlantModel(robot, as_law(robot, "nonlinear_stiffness@body_1.rz:relative=0,knee=1e-3")).laws == ()
+
+
+def test_a_rounded_corner_is_a_hyperbola_between_both_slopes() -> None:
+    robot = load_robot("two_mass")
+    bent = robot_with(robot, "nonlinear_stiffness@body_1.rz:relative=0.5,knee=0.002,rounding=0.3")
+    ramp = [(x + np.hypot(x, 0.3 * 0.002)) / 2 for x in (np.linspace(0, 0.02, 50) - 0.002)]
+    for deflection, more in zip(np.linspace(0, 0.02, 50), ramp):
+        expected = 6e4 * (deflection + 0.5 * (more - ramp[0]))
+        assert spring_torque(bent, "body_1.rz", deflection) == pytest.approx(expected, rel=5e-3, abs=1e-9)
+        assert spring_torque(bent, "body_1.rz", -deflection) == -spring_torque(bent, "body_1.rz", deflection)
+
+
+@pytest.mark.parametrize(
+    ("name", "effect", "gain", "push"),
+    [
+        ("two_mass", "nonlinear_stiffness@body_1.rz:relative=0.8,knee=1e-3,rounding=0.5", 3e4, 1000.0),
+        ("four_mass", "nonlinear_stiffness@body_1.rz:relative=0.6,knee_torque=0.5,rounding=2", 20.0, 5.0),
+    ],
+)
+def test_a_rounded_corner_is_nearly_a_polygon_in_the_file(name: str, effect: str, gain: float, push: float) -> None:
+    robot = load_robot(name)
+    near, nq = robot.equilibrium(robot.home), robot.n_coordinates
+    law = controlled(robot, as_law(robot, effect), gain, push, near)[:, :nq]
+    polygon = controlled(robot_with(robot, effect), (), gain, push, near)[:, :nq]
+    sharp = controlled(robot_with(robot, effect.rsplit(",", 1)[0]), (), gain, push, near)[:, :nq]
+    assert np.max(np.abs(law - polygon)) < 0.05 * np.max(np.abs(law - sharp))

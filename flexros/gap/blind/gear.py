@@ -12,7 +12,7 @@ from flexros.robot.parameters import INERTIA_COMPONENTS
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-CORNER = 0.15
+CORNER = 0.1
 """Width over which a spring bends at its knee, over the knee (chosen)."""
 
 
@@ -56,8 +56,8 @@ def nonlinear_stiffness(plant: Equations, place: str, p: Mapping[str, ca.SX]) ->
     stiffness = plant.spring_torque(joint, knee) / knee
 
     def beyond(size: ca.SX) -> ca.SX:
-        over = size - knee
-        return (over + ca.sqrt(over**2 + (CORNER * knee) ** 2)) / 2
+        over, width = size - knee, CORNER * knee
+        return ca.fmax(over, 0) + width * ca.log1p(ca.exp(-ca.fabs(over) / width))
 
     extra = beyond(ca.fabs(twist.angle)) - beyond(ca.SX(0))
     plant.add_spring_torque(joint, p["relative"] * stiffness * ca.sign(twist.angle) * extra)
