@@ -1,0 +1,137 @@
+"""Time and memory of a diagnosis of a log of 40 s at 2 kHz: all effects at all places.
+
+Prints a JSON list of rows. The log is that of the diagnosis experiment, with friction in the plant that the model
+lacks; a row tells whether the verdict names it. Every robot is diagnosed in a process of its own, whose largest memory
+counts. The peer of the prediction pass is the same predictor with one set of numbers at a time.
+
+`python -m tests.bench.bench_gap ROBOT` measures one robot only; six_axis takes minutes.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.compile.prediction_loop import PredictionLoop
+from flexros.config.scenario import load_scenario
+from flexros.effects import RobotWithEffects, effects
+from flexros.effects.law import AbstractLaw
+from flexros.gap.diagnose import diagnose, split
+from flexros.gap.fit_data import fit_data
+from flexros.gap.hypothesis import FreeParameter, Suspect
+from flexros.gap.predictor import LANES, Predictor
+from flexros.gap.read_record import read_record
+from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.tolerance import Tolerance
+from flexros.robot import load_robot
+from flexros.simulate.closed_loop import closed_loop
+from flexros.simulate.experiment import Experiment
+from flexros.simulate.loop import feed_through
+from tests.bench.bench_simulate import row, seconds
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flexros.gap.record import GapRecord
+    from flexros.robot import Robot
+
+HIDDEN = {"four_mass_linear": 0.05, "e12": 0.5, "six_axis": 2.0}
+"""Coulomb friction of the first motor that the model lacks, by robot [N or Nm]."""
+GOAL_S = {"four_mass_linear": 15.0, "e12": 60.0, "six_axis": 600.0}
+GOAL_GB = 1.5
+LENGTH = 40.0
+RUN_ALONE = "--alone"
+
+
+def log_of(robot: Robot) -> GapRecord:
+    """Record the diagnosis experiment, without disk."""
+    effect = f"coulomb_friction@{robot.joint_names[0]}:level={HIDDEN[robot.name]}"
+    keys = {"robot": robot.name, "seed": 1, "diagnosis.length": LENGTH, "plant.effects": [effect]}
+    scenario = load_scenario("diagnosis").with_values(keys)
+    return read_record(closed_loop(Experiment.prepare(scenario)), robot, name="log")
+
+
+def diagnosis_rows(robot: Robot) -> Iterator[dict[str, Any]]:
+    """Diagnose once, in this process, which must not have done anything else."""
+    record = log_of(robot)
+    wall, processor = time.perf_counter(), time.process_time()
+    found = diagnose(record, robot).diagnosis
+    wall, processor = time.perf_counter() - wall, time.process_time() - processor
+    memory = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    named = found.verdict == "explained" and [(cause.effect, cause.location) for cause in found.causes[:1]] == [
+        ("coulomb_friction", robot.joint_names[0])
+    ]
+    case = f"{robot.name}, {record.n_samples} samples"
+    yield row(case, "diagnosis", wall, "s", GOAL_S[robot.name])
+    yield row(case, "diagnosis, processor time", processor, "s")
+    yield row(case, "largest memory", memory / 1e9, "GB", GOAL_GB)
+    yield row(case, "verdict names the hidden effect alone (1: yes)", float(named), "1", 1.0)
+
+
+def pass_rows(robot: Robot) -> Iterator[dict[str, Any]]:
+    """Time predictions of the part of the log that is fitted to, with friction as the suspected effect."""
+    settings = DiagnosisSettings()
+    record, _ = split(replace(log_of(robot), tool=None), settings.fitted_share)
+    model = RobotWithEffects(robot, ())
+    data = fit_data(record, model, settings)
+    level = HIDDEN[robot.name]
+    free = FreeParameter("level", 0.1 * level, 10 * level, signed=False, starts=(level,))
+    suspect = Suspect(effects()["coulomb_friction"], robot.joint_names[0], (free,))
+    predictor = Predictor(model, (suspect,), Tolerance(), record.sample_time)
+    thetas = np.array([[free.encode(level * factor) for factor in np.linspace(0.5, 1.5, LANES)]])
+    case = f"{robot.name}, {data.record.n_samples} samples"
+    took = seconds(lambda: predictor.predict(thetas, data.record, data.gain, data.start), 10)
+    yield row(case, f"prediction pass of {LANES} lanes", 1e3 * took, "ms")
+    yield row(case, "the same per sample and lane", 1e9 * took / (data.record.n_samples * LANES), "ns")
+
+    functions = predictor.model.functions(feed_through(robot.n_motors))
+    loop = PredictionLoop(functions, sample_time=record.sample_time, delay=predictor.model.delay, lanes=1)
+    columns = [np.array(numbers_of(suspect, float(number))) for number in np.exp(thetas[0])]
+    start = predictor.model.start(data.start, record.torque[0], columns[0])
+    gain = np.zeros((loop.sizes.state, robot.n_motors))
+    gain[: len(data.gain.gain)] = data.gain.gain
+    valid = data.record.valid.astype(float)
+
+    def one_by_one() -> None:
+        for column in columns:
+            loop.run(start, column[:, None], gain, data.record.torque, data.record.position, valid)
+
+    yield row(case, f"{LANES} passes of one lane", 1e3 * seconds(one_by_one, 10), "ms")
+
+
+def numbers_of(suspect: Suspect, level: float) -> list[float]:
+    """List the parameters of the plant with friction of this level."""
+    law = suspect.placed({"level": level}).effect
+    assert isinstance(law, AbstractLaw)
+    return list(law.numbers.values())
+
+
+def diagnosed_apart(name: str) -> list[dict[str, Any]]:
+    """Diagnose in a process of its own."""
+    command = [sys.executable, "-m", "tests.bench.bench_gap", RUN_ALONE, name]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    rows: list[dict[str, Any]] = json.loads(done.stdout)
+    return rows
+
+
+def main(arguments: list[str]) -> None:
+    """Print all rows, or those of the robots given, as one JSON list."""
+    rows: list[dict[str, Any]] = []
+    if arguments[:1] == [RUN_ALONE]:
+        rows += diagnosis_rows(load_robot(arguments[1]))
+    else:
+        for name in arguments or list(HIDDEN):
+            rows += pass_rows(load_robot(name))
+            rows += diagnosed_apart(name)
+    print(json.dumps(rows, indent=1))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
