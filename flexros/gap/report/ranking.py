@@ -119,7 +119,7 @@ def _table(ranking: Sequence[Candidate]) -> TextTable:
     header = ("Effect", "fitted", "probability", "gain", "penalty", *(["gain, unseen"] if unseen else []), "leaves")
     caption = (
         "Gain: twice the gain in log-likelihood over the nominal model in the log that was fitted; penalty: what its "
-        f"parameters cost; {'gain, unseen: the same gain in the data that it has not seen; ' if unseen else ''}leaves: "
+        f"parameters cost; {'gain, unseen: the same, of the first few, in the data that it has not seen; ' if unseen else ''}leaves: "
         "share of the excess over noise that remains in the fitted log."
     )
     return TextTable(header, rows, caption, left=2)
