@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 LIKELY = 0.01
 """Probability of an explanation from which the errors of its numbers are computed with care [1] (chosen)."""
 CONFIRMED = 5
-"""Effects, the most probable ones, whose gain in the held-out log is computed: a second each on a large robot (chosen)."""
+"""Effects, the first of the ranking, whose gain in the held-out log is computed, a second each at most (chosen)."""
 STEP_ERROR = 1e-3
 """Relative standard deviation of a step that is read off a lattice [1] (chosen)."""
 

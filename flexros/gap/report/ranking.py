@@ -117,10 +117,10 @@ def _table(ranking: Sequence[Candidate]) -> TextTable:
         for one in ranking[:_MOST_ROWS]
     )
     header = ("Effect", "fitted", "probability", "gain", "penalty", *(["gain, unseen"] if unseen else []), "leaves")
+    told = "gain, unseen: the same, of the first few, in the data that they have not seen; " if unseen else ""
     caption = (
         "Gain: twice the gain in log-likelihood over the nominal model in the log that was fitted; penalty: what its "
-        f"parameters cost; {'gain, unseen: the same, of the first few, in the data that it has not seen; ' if unseen else ''}leaves: "
-        "share of the excess over noise that remains in the fitted log."
+        f"parameters cost; {told}leaves: share of the excess over noise that remains in the fitted log."
     )
     return TextTable(header, rows, caption, left=2)
 
