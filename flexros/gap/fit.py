@@ -13,14 +13,14 @@ from flexros.gap.predictor import LANES
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flexros.arrays import FloatArray
+    from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.fit_data import FitData
     from flexros.gap.predictor import Predictor
 
 STEP = 1e-3
 """Step of the differences that make the derivatives, in the numbers that the fit moves [1] (chosen)."""
 LONGEST = 1.5
-"""Longest step of one number in one iteration: a factor of 4.5 where it is a logarithm [1] (chosen)."""
+"""Longest step of a number of an effect in one iteration: a factor of 4.5 where it is a logarithm [1] (chosen)."""
 ENOUGH, EXACTLY = 0.1, 1e-3
 """The fit ends when the sum of squares falls by less than this [1]: the null needs it so fine, and the intervals of
 slow effects, whose errors are smaller than white prediction errors tell, finer (chosen)."""
@@ -109,8 +109,7 @@ def fit(
             (n_values, n_tolerated); None to compute them anew in each iteration.
         enough: The fit ends when the sum of squares falls by less than this [1].
     """
-    theta, low, high = np.array(start, dtype=float), *predictor.bounds
-    theta = np.clip(theta, low, high)
+    theta = np.clip(np.array(start, dtype=float), *predictor.bounds)
     chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
     while done < iterations:
         done += 1
@@ -118,10 +117,10 @@ def fit(
         chi2, information = line.chi2, line.information
         if not np.isfinite(chi2) or not len(theta):
             break
-        if _promised(line) < enough:
+        if _promised(line, _free(predictor, theta, line)) < enough:
             converged = True
             break
-        trials = np.stack([_trial(theta, line, damping, low, high) for damping in DAMPINGS], axis=-1)
+        trials = np.stack([_trial(predictor, theta, line, damping) for damping in DAMPINGS], axis=-1)
         del line  # slopes are the largest arrays of a fit
         values = chi2_of(predictor, data, trials)
         best = int(np.argmin(values))
@@ -189,18 +188,28 @@ def linearise(
     return Linearised(chi2, base, J, gradient + prior * theta, J.T @ J + np.diag(prior))
 
 
-def _promised(line: Linearised) -> float:
+def _free(predictor: Predictor, theta: FloatArray, line: Linearised) -> BoolArray:
+    """Tell which numbers may move: all but those at a bound that would go beyond it."""
+    low, high = predictor.bounds
+    free: BoolArray = ~((theta <= low) & (line.gradient > 0) | (theta >= high) & (line.gradient < 0))
+    return free
+
+
+def _promised(line: Linearised, free: BoolArray) -> float:
     """Return by how much the sum of squares would fall with the best step of linear theory."""
-    return float(line.gradient @ np.linalg.lstsq(line.information, line.gradient, rcond=1e-12)[0])
+    gradient, information = line.gradient[free], line.information[np.ix_(free, free)]
+    return float(gradient @ np.linalg.lstsq(information, gradient, rcond=1e-12)[0])
 
 
-def _trial(theta: FloatArray, line: Linearised, damping: float, low: FloatArray, high: FloatArray) -> FloatArray:
-    """Take one damped step, no number farther than allowed."""
-    gradient, information = line.gradient, line.information
+def _trial(predictor: Predictor, theta: FloatArray, line: Linearised, damping: float) -> FloatArray:
+    """Take one damped step, no number of an effect farther than allowed."""
+    free = _free(predictor, theta, line)
+    gradient, information = line.gradient[free], line.information[np.ix_(free, free)]
     scale = np.diag(information) + 1e-12 * max(float(np.max(np.diag(information), initial=0.0)), 1e-300)
-    step = -np.linalg.lstsq(information + damping * np.diag(scale), gradient, rcond=None)[0]
-    longest = float(np.max(np.abs(step), initial=0.0))
-    result: FloatArray = np.clip(theta + step * min(1.0, LONGEST / max(longest, 1e-300)), low, high)
+    step = np.zeros(len(theta))
+    step[free] = -np.linalg.lstsq(information + damping * np.diag(scale), gradient, rcond=None)[0]
+    longest = float(np.max(np.abs(step[: predictor.n_effect]), initial=0.0))
+    result: FloatArray = np.clip(theta + step * min(1.0, LONGEST / max(longest, 1e-300)), *predictor.bounds)
     return result
 
 

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from flexros.gap.tolerance import Tolerance
     from flexros.robot import Robot
 
+FARTHEST = 5.0
+"""Largest deviation that counts as tolerated, in standard deviations of the tolerance [1] (chosen)."""
 LANES = 8
 """Parameter sets that are predicted side by side [1]."""
 LONGEST_STEP = 5e-4
@@ -87,7 +89,7 @@ class Predictor:
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """Smallest and largest of the numbers that the fit moves, shape (n_fitted,) each."""
-        pairs = [one.bounds for _, one in self._parameters] + [(-10.0, 10.0)] * len(self.tolerance.names)
+        pairs = [one.bounds for _, one in self._parameters] + [(-FARTHEST, FARTHEST)] * len(self.tolerance.names)
         table = np.array(pairs, dtype=float).reshape(-1, 2)
         return table[:, 0], table[:, 1]
 

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from flexros.gap.hypothesis import Hypothesis, Suspect
     from flexros.gap.yardsticks import Yardsticks
 
+IMITATED = 1e-12
+"""Share of a direction that rounding leaves where fitted numbers imitate it [1] (chosen)."""
 HUGE = 1e200
 """Sum of squared changes beyond which a start has run away [1]."""
 Item = TypeVar("Item")
@@ -256,14 +258,16 @@ def _extends(suspect: Suspect, simple: Fit) -> bool:
 def _gains(change: FloatArray, line: Linearised) -> tuple[FloatArray, FloatArray]:
     """Return by how much directions may lower the sum of squares of a fit, its own numbers refitted.
 
+    What is tolerated has its price, so that a direction which tolerated deviations imitate still gains what they cost.
+
     Returns:
         At the best length, and as long as they are, shape (n_directions,) each.
     """
-    slopes, residual = line.slopes, line.residual
-    if slopes.shape[1]:
-        change = change - slopes @ np.linalg.lstsq(line.information, slopes.T @ change, rcond=1e-12)[0]
-    along = -(residual @ change)
-    length = np.einsum("ij,ij->j", change, change)
+    shared = line.slopes.T @ change
+    refitted = np.linalg.lstsq(line.information, shared, rcond=1e-12)[0]
+    along = -(line.residual @ change - line.gradient @ refitted)
+    length = np.einsum("ij,ij->j", change, change) - np.einsum("ij,ij->j", shared, refitted)
     usable = (along > 0) & (length < HUGE)
-    gains = np.where(usable, along**2 / np.maximum(length, 1e-12), 0.0)
+    least = IMITATED * np.einsum("ij,ij->j", change, change) + 1e-300
+    gains = np.where(usable, along**2 / np.maximum(length, least), 0.0)
     return gains, np.where(length < HUGE, 2 * along - length, -np.inf)
