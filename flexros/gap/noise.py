@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.errors import InputError
+from flexros.effects import RobotWithEffects
+from flexros.gap.gain import observer_gain
 from flexros.gap.lattice import encoder_quantization
+from flexros.gap.predictor import Predictor
 from flexros.gap.repeats import runs
 from flexros.gap.rough_signals import HIGH_DIFFERENCE, bridged, smooth_motion
+from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.tolerance import Tolerance
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
@@ -51,8 +55,8 @@ LEAST_JITTER = 1e-3
 SIGNAL_TOLERANCE = 0.05
 """Share of the rms of a signal that logs of real machines are allowed, where nothing was repeated (design)."""
 
-LEAST_MOVED = 0.5
-"""Share of the motion that torques make through the inertia from which it is seen; friction may hold it (chosen)."""
+RUN_AWAY = 1e3
+"""Largest prediction over the largest position; beyond it the prediction has run away [1] (chosen)."""
 
 MOST_MOVED, LEAST_COLOUR = 1.3, 0.25
 """Noise at standstill over that above the band, and autocorrelation at lag one, up to which more noise at standstill
@@ -65,6 +69,7 @@ AS_STATED = 0.05
 _BLOCK = 32  # samples over which the power of high differences is averaged
 _LOOK = 50.0  # Hz, corner below which motion is looked for
 _TREND = 3  # polynomial coefficients that are taken off each stretch of a standstill
+_PASSES = 8  # of the autoregression, each with what the trend took off by the one before
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,24 +173,24 @@ def _kept_as_stated(deviation: FloatArray, source: list[str], robot: Robot) -> t
 
 
 def _driven(record: GapRecord, robot: Robot, position: FloatArray) -> FloatArray:
-    """Integrate what the torques move through the inertia alone, as fast motion; positions [rad or m], shape (n, M)."""
-    from flexros.identify.graybox.linearised_positions import linearise_positions  # here, because it loads slowly
+    """Predict where the torques move the motors, by the nominal model; positions [rad or m], shape (n, M).
 
-    try:
-        linear = linearise_positions(robot, (), position.mean(axis=0)[None])
-    except InputError:
+    Zeros where the model cannot follow the log.
+    """
+    noise = robot.encoder_noise
+    if not np.all(noise > 0):
         return np.zeros_like(position)
-    places = linear.motor_places
-    inverse = np.linalg.inv(linear.mass[0])[np.ix_(places, places)]
-    torque = record.torque - record.torque.mean(axis=0)
-    late = 0 if record.measured_torque else int(robot.delay / record.sample_time)
-    torque = np.concatenate([np.zeros((late, torque.shape[1])), torque])[: len(torque)]
-    acceleration = torque @ inverse.T
-    T = record.sample_time
-    moved = np.zeros_like(position)
-    speed = np.cumsum(acceleration, axis=0) * T
-    moved[1:] = np.cumsum(speed, axis=0)[:-1] * T - acceleration[:-1] * T**2 / 2
-    return moved
+    start = robot.equilibrium(motor_position=position[0])
+    pose = robot.equilibrium(motor_position=np.median(position, axis=0))[: robot.n_arm]
+    gain = observer_gain(robot, record.sample_time, DiagnosisSettings().level, noise, pose)
+    nominal = Predictor(
+        RobotWithEffects(robot, ()), (), Tolerance(), record.sample_time, measured_torque=record.measured_torque
+    )
+    predicted = (
+        position
+        - nominal.predict(np.zeros((0, 1)), replace(record, position=position), gain, start).innovation[:, :, 0]
+    )
+    return predicted if np.all(np.abs(predicted) < RUN_AWAY * np.abs(position).max()) else np.zeros_like(position)
 
 
 def _above_band(
@@ -240,8 +245,8 @@ def _at_standstill(
 ) -> tuple[float, FloatArray] | None:
     """Measure size and colour where a motor stands still; None where it never does long enough.
 
-    A controller that answers the noise moves the motor a little; what its torques move through the inertia is taken off
-    where it is seen.
+    A controller that answers the noise moves the motor a little, if friction does not hold it; what its torques move by
+    the model is taken off where that leaves the simpler noise.
     """
     length = max(_TREND * 4, round(LEAST_STILL / record.sample_time))
     stretches = []
@@ -253,14 +258,12 @@ def _at_standstill(
     if len(stretches) * length < FEWEST_STILL:
         return None
     noise, moved = (np.stack(part) for part in zip(*stretches, strict=True))
-    share = float(np.sum(noise * moved) / max(np.sum(moved**2), 1e-300))
-    if LEAST_MOVED < share < 1 / LEAST_MOVED:
-        noise = noise - share * moved
     variance = np.mean(noise**2, axis=1)
-    noise = noise[variance <= QUIET * np.quantile(variance, 0.25)]
-    freedom = 1 - _TREND / length
-    deviation = float(np.sqrt(np.mean(noise**2) / freedom))
-    return deviation, _colour(noise)
+    quiet = variance <= QUIET * np.quantile(variance, 0.25)
+    _, deviation, colour = min(
+        (_colour(values[quiet]) for values in (noise - moved, noise)), key=lambda found: found[0]
+    )
+    return deviation, colour
 
 
 def _without_trend(values: FloatArray) -> FloatArray:
@@ -271,21 +274,34 @@ def _without_trend(values: FloatArray) -> FloatArray:
     )
 
 
-def _colour(noise: FloatArray) -> FloatArray:
-    """Fit an autoregression of the least order that leaves white noise; empty for white noise, shape (p,)."""
+def _colour(noise: FloatArray) -> tuple[float, float, FloatArray]:
+    """Fit an autoregression, empty for white noise: its information criterion, the deviation of the noise, shape (p,).
+
+    The trend that was taken off each stretch takes noise of the lowest frequencies with it, which is given back: of p
+    coefficients in L samples, p / L of the sum of all autocovariances, at every lag.
+    """
     count, length = noise.shape
-    lags = np.array([np.mean(noise[:, lag:] * noise[:, : length - lag]) for lag in range(2 * MOST_ORDER + 1)])
-    if not lags[0] > 0:
-        return np.zeros(0)
+    lags = np.array([np.mean(noise[:, lag:] * noise[:, : length - lag]) for lag in range(MOST_ORDER + 1)])
+    white = lags[0] / (1 - _TREND / length)
     limit = WHITE / np.sqrt(count * length) + _TREND / length  # a trend that was taken off leaves a small correlation
-    if np.all(np.abs(lags[1 : MOST_ORDER + 1]) < limit * lags[0]):
-        return np.zeros(0)
-    best, found = np.inf, np.zeros(0)
+    if np.all(np.abs(lags[1:]) <= limit * lags[0]):
+        return noise.size * float(np.log(max(white, 1e-300))), float(np.sqrt(white)), np.zeros(0)
+    cost, taken, found = np.inf, 0.0, np.zeros(0)
+    for _ in range(_PASSES):
+        cost, found, driving = _autoregression(lags + taken, noise.size)
+        taken = min(_TREND / length * driving / max(1 - found.sum(), 1e-3) ** 2, lags[0])
+    return cost, float(np.sqrt(lags[0] + taken)), found
+
+
+def _autoregression(lags: FloatArray, n_samples: int) -> tuple[float, FloatArray, float]:
+    """Fit an autoregression of the order with the best information criterion; that, coefficients, driving variance."""
+    best, driving = np.inf, float(lags[0])
+    found: FloatArray = np.zeros(0)
     for order in range(1, MOST_ORDER + 1):
         matrix = lags[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
         values = np.linalg.solve(matrix, lags[1 : order + 1])
         variance = lags[0] - values @ lags[1 : order + 1]
-        cost = count * length * np.log(max(variance, 1e-300)) + order * np.log(count * length)
+        cost = n_samples * np.log(max(variance, 1e-300)) + order * np.log(n_samples)
         if cost < best:
-            best, found = cost, values
-    return found
+            best, found, driving = cost, values, float(variance)
+    return float(best), found, driving
