@@ -33,7 +33,8 @@ class ExtraMode(AbstractArmLaw):
     - At the tool, where the last body has a mass: a point mass of m times that mass on a spring with equal stiffness in
       all directions, displaced by e from the tool point p(q). It moves by e'' + p'' = -a and pulls the arm by
       (dp/dq)^T (m mass a). Its weight is not in it: weigh the load by gravity_error. With `inertia_ratio` i an inertia
-      of i times that of the last body turns against it about the axis of the last rotation, by the same law.
+      of i times that of the last body turns against it about the axis of the last rotation, by the same law. Both are
+      added to the body: a part of a known mass that is not rigid is a payload_error that takes it off beside this.
     - At the tool, where the last body has an inertia only (models of one axis): an inertia of m times it alone.
     - At the base: the ground of the arm's first direction turns (or slides) about that axis by e, with m times the
       inertia (or mass) of the whole arm about it at home. The arm coordinate then counts from the fixed ground, the

@@ -11,6 +11,7 @@ import pytest
 from scipy.linalg import eigh
 
 from flexros.arrays import FloatArray
+from flexros.effects import parse_effect, place_effects
 from flexros.effects.extra_mode import ExtraMode
 from flexros.robot import Robot, load_robot
 from flexros.robot.robot import robot_from_data
@@ -174,3 +175,21 @@ def test_places_and_neutral_value() -> None:
     assert effect.locations(load_robot("emps")) == ("tool",)
     assert effect.locations(FOUR_MASS) == ("tool", "base")
     assert effect.locations(load_robot("six_axis")) == ("tool", "base")
+
+
+def test_part_of_the_known_mass_is_a_mode_beside_a_lighter_load() -> None:
+    """A drive whose mass is right, with a tenth of it on a spring."""
+    drive, share = load_robot("emps"), 0.1
+    mass = drive.parameters["body_1.mass"].value
+    body = {"mass": share * mass, "directions": {"tx": {"spring": share * mass * W**2}}}
+    longer = with_body(drive.with_values({"body_1.mass": (1 - share) * mass}), body, "tool")
+    mode = f"extra_mode@tool:frequency=8,ratio={share / (1 - share)},damping=0"
+    texts = (f"payload_error@tool:relative={-share}", mode)
+    ours = place_effects(drive, [parse_effect(text, "test") for text in texts])
+
+    def pushed(time: float) -> FloatArray:
+        return np.array([100.0 * np.sin(9 * time)])
+
+    moved = run(ours.robot, ours.laws, 400, pushed)
+    np.testing.assert_allclose(moved[:, 0], run(longer, (), 400, pushed)[:, 0], atol=1e-9)
+    assert np.max(np.abs(moved - run(drive, (), 400, pushed))[:, 0]) > 1e-5

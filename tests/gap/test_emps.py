@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -10,13 +11,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
 from flexros.gap import explain
 from flexros.gap.checked_record import CheckedRecord
 from flexros.gap.diagnose import diagnose
+from flexros.gap.fit import Fit, best_of, chi2_of, fit, starts_of
+from flexros.gap.fit_data import fit_data
+from flexros.gap.hypothesis import Suspect
 from flexros.gap.noise import SIGNAL_TOLERANCE, measure_noise
 from flexros.gap.read_record import read_record
 from flexros.gap.record import GapRecord
+from flexros.gap.search import Search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
@@ -90,3 +96,45 @@ def test_coulomb_friction_is_named_first_with_its_published_level(
     assert not named & {"backlash", "delay", "stribeck_friction", "actuator_lag"}
     assert np.isfinite(first.closed_fraction)
     assert first.closed_fraction > 0.9
+
+
+@pytest.fixture(scope="module")
+def under_pulses(robot: Robot) -> tuple[Search, Fit, Mapping[str, Suspect]]:
+    """Fit Coulomb and viscous friction to 8 s of the log with pulses."""
+    model = RobotWithEffects(robot, ())
+    data = fit_data(record_of("DATA_EMPS_PULSES.mat").part(0, 8000), model, DiagnosisSettings())
+    search = Search(model, data)
+    among = {one.name: one for one in search.suspects(search.nothing(), search.yardsticks(search.nothing()))}
+    predictor = search.predictor((among["coulomb_friction@motor_1"], among["viscous_friction@motor_1"]))
+    starts = starts_of(predictor)
+    best = np.argsort(chi2_of(predictor, data, starts))[:3]
+    return search, best_of([fit(predictor, data, starts[:, one], 30) for one in best]), among
+
+
+def test_pulses_show_the_published_friction(under_pulses: tuple[Search, Fit, Mapping[str, Suspect]]) -> None:
+    search, friction, _ = under_pulses
+    coulomb, viscous = friction.predictor.values(friction.theta)
+    assert coulomb["level"] == pytest.approx(20.39, rel=0.1)
+    assert viscous["asymmetry"] == pytest.approx((166.7 - 240.4) / 203.6, rel=0.2)
+    assert friction.chi2 < 0.02 * search.nothing().chi2
+
+
+def test_pulses_leave_no_ringing(under_pulses: tuple[Search, Fit, Mapping[str, Suspect]]) -> None:
+    """A flexibility that the pulses excite would show in the errors after their edges, from 344 ms on each 500 ms."""
+    search, friction, _ = under_pulses
+    errors = search.residual(friction)
+    after = np.arange(len(errors)) % 500
+    ringing = (after >= 344) & (after < 404)
+    assert np.mean(errors[ringing] ** 2) < 1.2 * np.mean(errors**2)
+
+
+@pytest.mark.parametrize("name", ["extra_mode@tool", "delay@all", "actuator_lag@motor_1"])
+def test_pulses_need_no_mode_and_no_delay(under_pulses: tuple[Search, Fit, Mapping[str, Suspect]], name: str) -> None:
+    """The authors suspect a flexibility; docs/results/emps.md has the figures."""
+    search, friction, among = under_pulses
+    predictor = search.predictor((*friction.predictor.hypothesis, among[name]))
+    starts = starts_of(search.predictor((among[name],)))
+    starts = np.vstack([np.repeat(friction.theta[:, None], starts.shape[1], axis=1), starts])
+    best = np.argsort(chi2_of(predictor, search.data, starts))[:2]
+    more = best_of([fit(predictor, search.data, starts[:, one], 12) for one in best])
+    assert more.chi2 > (1 - explain.REMOVED_OF_ALL) * friction.chi2
