@@ -80,12 +80,13 @@ def diagnose(
 def _places(found: Findings, before: Explanation, seed: int) -> Where:
     """Look where the gap shows, with what the tool tracker adds."""
     data, nothing = found.data, found.explanations.evidence.nothing
+    counted = replace(data.record, valid=data.counted)
     if data.tool is None:
-        return where(before.fit, data.record, found.model.robot, seed)
+        return where(before.fit, counted, found.model.robot, seed)
     residual = data.residuals(nothing.predictor, nothing.theta[:, None])[data.spread.size :, 0]
     tool = data.tool
     time_of = (tool.samples[tool.place] + tool.share) * data.record.sample_time
-    record = replace(data.record, tool=ToolRecord(time_of, tool.position))
+    record = replace(counted, tool=ToolRecord(time_of, tool.position))
     error = tool.spread * residual.reshape(-1, 3)
     error[:, np.sqrt(np.mean(error**2, axis=0)) < SEEN_BY_TOOL * tool.spread] = 0.0
     return where(before.fit, record, found.model.robot, seed, tool_error=error)

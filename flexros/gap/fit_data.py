@@ -11,13 +11,14 @@ from scipy.signal import lfilter
 
 from flexros.errors import InputError
 from flexros.gap.gain import observer_gain
+from flexros.gap.lost_commands import spoilt_by_lost_commands
 from flexros.gap.predictor import Predictor
 from flexros.gap.tolerance import Tolerance
 from flexros.gap.tool_data import tool_data, tracker_noise
 from flexros.gap.weights import measurement_of, spread_of
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import BoolArray, FloatArray
     from flexros.compile.prediction_loop import Prediction
     from flexros.effects import RobotWithEffects
     from flexros.gap.gain import ObserverGain
@@ -43,7 +44,7 @@ class FitData:
         gain: Gain of the predictor.
         start: State of the robot before the first sample, shape (2 n_coordinates,).
         spread: Standard deviation of a prediction error without gap [rad or m], shape (n, M); infinite where a sample
-            was not measured or the start has not decayed.
+            was not measured, or the start or a lost command has not decayed.
         measurement: Noise of the encoders.
         pose: Arm coordinates at which the gain was computed [rad or m], shape (N,); None for home.
         tool: What a tool tracker saw; None where there was none.
@@ -56,6 +57,11 @@ class FitData:
     measurement: Measurement
     tool: ToolData | None = None
     pose: FloatArray | None = None
+
+    @property
+    def counted(self) -> BoolArray:
+        """Samples whose prediction errors count, shape (n,)."""
+        return np.asarray(self.record.valid & np.all(np.isfinite(self.spread), axis=1))
 
     @property
     def n_values(self) -> int:
@@ -144,6 +150,7 @@ def fit_data(
         start, record = found.final[: len(start), 0], record.part(cut, record.n_samples)
     gain = gain_at(settings.level)
     spread = spread_of(record, gain, measurement)
+    spread[spoilt_by_lost_commands(record, nominal, gain, start)] = np.inf
     samples = None if record.tool is None else np.arange(record.n_samples)
     predicted = nominal.predict(np.zeros((0, 1)), record, gain, start, pose_samples=samples)
     _check_bounded(predicted, record)

@@ -25,6 +25,7 @@ class HeldTorque:
     Attributes:
         torque: Mean from each slot to the next [Nm or N], shape (n_slots, M).
         known: Whether the torque is known there, shape (n_slots,).
+        late: Whether it has no command of its own, so that the one before stands there, shape (n_slots,).
         first: First slot whose torque is known from its beginning.
         end: Slot behind the last one that a command still covers.
         warnings: What was noticed, a sentence each.
@@ -32,6 +33,7 @@ class HeldTorque:
 
     torque: FloatArray
     known: BoolArray
+    late: BoolArray
     first: int
     end: int
     warnings: tuple[str, ...] = ()
@@ -90,14 +92,15 @@ def _with_holes(
     known = age <= allowed
     known[:first], known[end:] = False, False
     warnings = []
-    late = int(np.count_nonzero((age > usual + 0.5 * sample_time)[first:end]))
-    if late:
+    late = age > usual + 0.5 * sample_time
+    late[:first], late[end:] = False, False
+    if late.any():
         worst = float(age[first:end].max())
         warnings.append(
-            f"{late} samples have no command of their own, so the command before was held (up to {1e3 * worst:.3g} "
-            f"ms); where that is longer than {1e3 * allowed:.3g} ms the samples count as not measured"
+            f"{np.count_nonzero(late)} samples have no command of their own, so the command before was held (up to "
+            f"{1e3 * worst:.3g} ms); where that is longer than {1e3 * allowed:.3g} ms the samples count as not measured"
         )
-    return HeldTorque(torque, known, first, end, tuple(warnings))
+    return HeldTorque(torque, known, late, first, end, tuple(warnings))
 
 
 def sampled_torque(effort: FloatArray, grid: EvenGrid) -> HeldTorque:
@@ -115,4 +118,4 @@ def sampled_torque(effort: FloatArray, grid: EvenGrid) -> HeldTorque:
     mean = values.copy()
     mean[:-1] = (values[:-1] + values[1:]) / 2
     known = own & np.append(own[1:], True)
-    return HeldTorque(mean, known, 0, len(values))
+    return HeldTorque(mean, known, np.zeros(len(values), dtype=bool), 0, len(values))

@@ -72,12 +72,12 @@ def errors_ahead(found: Fit, data: FitData) -> AheadErrors:
     horizon = max(1, round(HORIZON / record.sample_time))
     prediction = predictor.predict(found.theta[:, None], record, data.gain, data.start, record_states=True)
     assert prediction.states is not None
-    first = max(min(data.gain.settling, record.n_samples // 4), predictor.loop.line_length)
+    first = max(int(np.argmax(data.counted)), predictor.loop.line_length)
     starts = np.arange(first, record.n_samples - horizon, max(1, round(SPACING / record.sample_time)))
-    counts = np.concatenate([[0], np.cumsum(~record.valid)])
+    counts = np.concatenate([[0], np.cumsum(~data.counted)])
     whole = starts[counts[starts + horizon + 1] == counts[starts]]
     # a log with losses everywhere has no whole stretch; then both ends count
-    starts = whole if len(whole) else starts[record.valid[starts] & record.valid[starts + horizon]]
+    starts = whole if len(whole) else starts[data.counted[starts] & data.counted[starts + horizon]]
     if not len(starts):
         raise InputError(
             f"{record.name}: there is no stretch of {HORIZON:g} s behind the first {first * record.sample_time:.3g} s, "

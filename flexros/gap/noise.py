@@ -303,5 +303,5 @@ def _autoregression(lags: FloatArray, n_samples: int) -> tuple[float, FloatArray
         variance = lags[0] - values @ lags[1 : order + 1]
         cost = n_samples * np.log(max(variance, 1e-300)) + order * np.log(n_samples)
         if cost < best:
-            best, found, driving = cost, values, float(variance)
+            best, found, driving = cost, np.asarray(values, dtype=np.float64), float(variance)
     return float(best), found, driving

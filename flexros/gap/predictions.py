@@ -27,8 +27,7 @@ def prediction_of(one: Fit, data: FitData) -> Prediction:
     found = one.predictor.predict(one.theta[:, None], data.record, data.gain, data.start, record_states=True)
     assert found.states is not None
     states = found.states[:, : 2 * one.predictor.robot.n_coordinates, 0].copy()  # keep one lane of the whole arrays
-    counted = np.all(np.isfinite(data.spread), axis=1)
-    return Prediction(found.innovation[:, :, 0].copy(), data.gain.spread, states, int(np.argmax(counted)))
+    return Prediction(found.innovation[:, :, 0].copy(), data.gain.spread, states, int(np.argmax(data.counted)))
 
 
 def signature_evidence(

@@ -68,6 +68,7 @@ def read_record(log: Log, robot: Robot, *, name: str, check: bool = True) -> Gap
         position=position[rows],
         torque=torque[rows],
         valid=valid[rows],
+        late=held.late[rows] if held.late.any() else None,
         reference=_reference(log, robot, grid, rows, warnings),
         tool=_tool(log, grid, rows),
         measured_torque=measured,

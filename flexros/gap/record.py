@@ -32,6 +32,8 @@ class GapRecord:
         position: Motor positions from the encoders [rad or m], shape (n, M).
         torque: Torques that the motors were given, each from its sample to the next [Nm or N], shape (n, M).
         valid: Whether a sample was measured; false where messages are missing (held values stand there), shape (n,).
+        late: Samples without a command of their own, so that the one before stands there, shape (n,); None where all
+            have one.
         reference: Motor positions that were asked for [rad or m], shape (n, M); None where not recorded.
         tool: What a tool tracker saw; None where there was none.
         measured_torque: Whether the torques were measured at the motor, so that no delay lies before them.
@@ -46,6 +48,7 @@ class GapRecord:
     position: FloatArray
     torque: FloatArray
     valid: BoolArray
+    late: BoolArray | None = None
     reference: FloatArray | None = None
     tool: ToolRecord | None = None
     measured_torque: bool = False
@@ -86,6 +89,7 @@ class GapRecord:
             position=self.position[cut],
             torque=self.torque[cut],
             valid=self.valid[cut],
+            late=None if self.late is None else self.late[cut],
             reference=None if self.reference is None else self.reference[cut],
             tool=tool,
             measured_torque=self.measured_torque,
