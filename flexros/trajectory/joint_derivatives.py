@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from flexros.errors import InputError
 from flexros.trajectory.path import MAX_DERIVATIVES
@@ -161,6 +160,8 @@ def _followed(trajectory: Trajectory, output: OutputDerivatives, near: FloatArra
         speeds.append(_speed(trajectory, output, q, wanted[1, k], float(grid[k])))
     if grid.size == 1:
         return np.tile(positions[0], (t.size, 1))
+    from scipy.interpolate import CubicHermiteSpline  # loads slowly, and few trajectories need it
+
     curve = CubicHermiteSpline(grid, np.array(positions), np.array(speeds))
     result: FloatArray = curve(np.clip(t, 0.0, end))
     return result
