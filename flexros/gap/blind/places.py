@@ -39,7 +39,8 @@ def places_of(effect: str, robot: Robot) -> tuple[str, ...]:
         heavy = [k + 1 for k, body in enumerate(robot.spec.bodies) if body.mass.value > 0]
         return tuple(f"body_{k}" for k in heavy) if np.any(robot.spec.gravity.value) else ()
     if effect == "kinematic_error":
-        long = [k + 1 for k, body in enumerate(robot.spec.bodies) if np.any(body.length.value)]
+        # not the last body, which has its length in common with the offset of the tracker's target
+        long = [k + 1 for k, body in enumerate(robot.spec.bodies[:-1]) if np.any(body.length.value)]
         return tuple(f"body_{k}" for k in long) if robot.spec.tool.linear is None else ()
     if effect == "delay" and robot.n_motors > 1:
         return ("all", *robot.joint_names)

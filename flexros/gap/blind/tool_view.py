@@ -55,7 +55,7 @@ def _longer(robot: Robot, number: int, length: float) -> dict[str, float]:
 
 
 def tool_gain(nominal: FloatArray, true: FloatArray, noise: float) -> float:
-    """Compute what of an error of kinematics remains once frame and offset of the tracker are fitted.
+    """Compute what of an error of kinematics remains once frame, offset and time of the tracker are fitted.
 
     Args:
         nominal: Poses by the nominal kinematics, shape (n, 7).
@@ -78,4 +78,11 @@ def tool_gain(nominal: FloatArray, true: FloatArray, noise: float) -> float:
     points = nominal[:, :3] + turn @ offset
     here, there = points - points.mean(axis=0), target - target.mean(axis=0)
     frame, _ = Rotation.align_vectors(there, here)
-    return float(np.sum((frame.apply(here) - there) ** 2)) / (2 * noise**2)
+    seen = frame.apply(here)
+    turns = [np.cross(axis, seen) for axis in np.eye(3)]
+    shifts = [np.broadcast_to(axis, seen.shape) for axis in np.eye(3)]
+    offsets = [frame.apply(turn[:, :, column]) for column in range(3)]
+    unknown = np.stack([*turns, *shifts, *offsets, np.gradient(seen, axis=0)], axis=-1).reshape(seen.size, -1)
+    error = (there - seen).ravel()
+    error = error - unknown @ np.linalg.lstsq(unknown, error, rcond=1e-9)[0]
+    return float(error @ error) / (2 * noise**2)
