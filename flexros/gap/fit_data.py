@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from flexros.gap.lost_commands import spoilt_by_lost_commands
 from flexros.gap.predictor import Predictor
 from flexros.gap.tolerance import Tolerance
 from flexros.gap.tool_data import tool_data, tracker_noise
+from flexros.gap.tool_frame import FEWEST, usable_poses
 from flexros.gap.weights import measurement_of, spread_of
 
 if TYPE_CHECKING:
@@ -151,6 +152,7 @@ def fit_data(
     gain = gain_at(settings.level)
     spread = spread_of(record, gain, measurement)
     spread[spoilt_by_lost_commands(record, nominal, gain, start)] = np.inf
+    record = _with_usable_tool(record)
     samples = None if record.tool is None else np.arange(record.n_samples)
     predicted = nominal.predict(np.zeros((0, 1)), record, gain, start, pose_samples=samples)
     _check_bounded(predicted, record)
@@ -161,6 +163,17 @@ def fit_data(
         noise = tracker_noise(record.tool, robot.tool_noise)
         tool = tool_data(record.tool, predicted.tool_pose[:, :, 0], counted, record.sample_time, noise)
     return FitData(record, gain, start, spread, measurement, tool, pose)
+
+
+def _with_usable_tool(record: GapRecord) -> GapRecord:
+    """Leave out a tool measurement of too few poses, with a warning."""
+    if record.tool is None:
+        return record
+    poses = len(usable_poses(record.tool, record.duration)[1])
+    if poses >= FEWEST:
+        return record
+    warning = f"{poses} poses of the tool lie within the record, needed are {FEWEST}, so the tool was left out"
+    return replace(record, tool=None, warnings=(*record.warnings, warning))
 
 
 def _check_bounded(predicted: Prediction, record: GapRecord) -> None:

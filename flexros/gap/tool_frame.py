@@ -77,6 +77,20 @@ class CorrectedTool:
     scale: float
 
 
+def usable_poses(tool: ToolRecord, duration: float) -> tuple[float, IntArray]:
+    """List the poses that stay within a record with any offset of the tracker's clock.
+
+    Args:
+        tool: What the tracker saw.
+        duration: Time from the first sample of the record to the last [s].
+
+    Returns:
+        Largest offset of time that is looked for [s], and the rows of the poses, shape (m,).
+    """
+    margin = min(LONGEST_OFFSET, 0.1 * duration)
+    return margin, np.flatnonzero((tool.time >= margin) & (tool.time <= duration - margin))
+
+
 def correct_tool(
     tool: ToolRecord, position: FloatArray, sample_time: float, orientation: FloatArray | None = None
 ) -> CorrectedTool:
@@ -95,9 +109,7 @@ def correct_tool(
         InputError: There are too few poses within the record.
     """
     path = ToolPath(position, orientation, sample_time)
-    last = (len(position) - 1) * sample_time
-    margin = min(LONGEST_OFFSET, 0.1 * last)
-    rows: IntArray = np.flatnonzero((tool.time >= margin) & (tool.time <= last - margin))
+    margin, rows = usable_poses(tool, (len(position) - 1) * sample_time)
     if len(rows) < FEWEST:
         raise InputError(
             f"{len(rows)} poses of the tool lie within the record, needed are {FEWEST}; record tool_pose throughout"

@@ -9,7 +9,7 @@ import pytest
 from scipy.signal import lfilter
 
 from flexros.gap.fit_data import fit_data
-from flexros.gap.record import GapRecord
+from flexros.gap.record import GapRecord, ToolRecord
 from flexros.gap.settings import DiagnosisSettings
 
 from .diagnosis_logs import MODEL, data_of, numbers, predictor_of, record_of, suspects_of
@@ -53,6 +53,16 @@ def test_errors_of_the_tool_stand_behind_those_of_the_motors() -> None:
     assert len(residual) == n + both.tool.position.size
     assert both.n_values == motors.n_values + both.tool.position.size - both.tool.basis.shape[1]
     assert residual @ residual / both.n_values == pytest.approx(1.0, abs=4 * np.sqrt(2 / both.n_values))
+
+
+def test_a_tool_that_was_hardly_seen_is_left_out_with_a_warning() -> None:
+    record = record_of(tool=True)
+    assert record.tool is not None
+    few = ToolRecord(record.tool.time[500:505], record.tool.position[500:505])
+    data = fit_data(replace(record, tool=few), MODEL, DiagnosisSettings())
+    assert data.tool is None
+    assert "5 poses of the tool lie within the record, needed are 20, so the tool was left out" in data.record.warnings
+    np.testing.assert_array_equal(data.spread, data_of().spread)
 
 
 def test_sets_have_residuals_of_their_own() -> None:
