@@ -39,7 +39,7 @@ class Predictor:
     """Predicts logs under one hypothesis.
 
     The numbers that are fitted are those of the suspects, one after the other, then the deviations of the tolerated
-    numbers of the robot in standard deviations.
+    numbers of the robot in standard deviations: a number is its nominal value times exp(deviation times tolerance).
 
     Args:
         model: The nominal model: robot and laws of effects that are known already.
@@ -194,7 +194,7 @@ class Predictor:
         values = self.values(theta)
         robot = dict.fromkeys(self._robot_names, 1.0)
         for name, sd, deviation in zip(self.tolerance.names, self.tolerance.deviations, theta[self.n_effect :]):
-            robot[name] *= max(1.0 + sd * float(deviation), 0.05)
+            robot[name] *= float(np.exp(sd * deviation))
         nominal = {name: self.robot.parameters[name].value for name in robot}
         robot = {name: factor * nominal[name] for name, factor in robot.items()}
         laws: list[float] = []

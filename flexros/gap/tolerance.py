@@ -26,7 +26,7 @@ class Tolerance:
 
     Attributes:
         names: Parameters of the robot.
-        deviations: One standard deviation each, relative to the value [1].
+        deviations: One standard deviation each of the logarithm of the value [1].
     """
 
     names: tuple[str, ...] = ()

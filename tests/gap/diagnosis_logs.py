@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 
+import pytest
+
 from flexros.config.scenario import load_scenario
 from flexros.effects import RobotWithEffects
+from flexros.gap import search
 from flexros.gap.fit_data import FitData, fit_data
 from flexros.gap.hypothesis import FreeParameter, Hypothesis, Suspect, suspects
 from flexros.gap.predictor import Predictor
@@ -15,13 +20,15 @@ from flexros.gap.record import GapRecord
 from flexros.gap.search import Search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.tolerance import Tolerance
-from flexros.robot import load_robot
+from flexros.gap.yardsticks import Yardsticks
+from flexros.robot import Robot, load_robot
 from flexros.simulate.closed_loop import closed_loop
 from flexros.simulate.experiment import Experiment
 
 ROBOT = load_robot("four_mass_linear")
 MODEL = RobotWithEffects(ROBOT, ())
 SECONDS = 12.0
+FEW = ("coulomb_friction", "viscous_friction", "stiffness_error", "motor_inertia_error", "torque_bias", "backlash")
 
 
 @cache
@@ -65,3 +72,16 @@ def numbers(suspect: Suspect, **values: float) -> list[float]:
     free: dict[str, FreeParameter] = {one.name: one for one in suspect.free}
     assert set(free) == set(values)
     return [one.encode(values[name]) for name, one in free.items()]
+
+
+@contextmanager
+def few_suspects() -> Iterator[None]:
+    """Look for some effects only, which makes searches for several of them short."""
+
+    def some(robot: Robot, sizes: Yardsticks) -> tuple[Suspect, ...]:
+        return tuple(one for one in suspects(robot, sizes) if one.effect.name in FEW)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search, "suspects", some)
+        patch.setattr(search, "periodic_suspects", lambda *_: ())
+        yield

@@ -16,6 +16,8 @@ from flexros.gap.settings import DiagnosisSettings
 from flexros.simulate.closed_loop import closed_loop
 from flexros.simulate.experiment import Experiment
 
+from .diagnosis_logs import few_suspects
+
 HIDDEN = "coulomb_friction@motor_1:level=1.5"
 ROBOT = "four_mass_linear"
 
@@ -32,7 +34,8 @@ def test_the_patch_of_a_diagnosis_brings_the_tool_back_to_the_path_without_effec
     )
     model = load_model(ROBOT)
     record = read_record(closed_loop(Experiment.prepare(experiment)), model.robot, name="hidden")
-    result = diagnose(record, model, settings=DiagnosisSettings(where=False, next_experiment=False))
+    with few_suspects():
+        result = diagnose(record, model, settings=DiagnosisSettings(where=False, next_experiment=False))
     assert result.diagnosis.causes[0].effect == "coulomb_friction"
     patch = tmp_path / "patch.yaml"
     write_patch(result, ROBOT, patch)

@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from flexros.effects import place_effects
-from flexros.gap import search
 from flexros.gap.diagnose import diagnose, split
-from flexros.gap.hypothesis import Suspect, suspects
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.settings import DiagnosisSettings
-from flexros.gap.yardsticks import Yardsticks
-from flexros.robot import Robot
 
-from .diagnosis_logs import ROBOT, record_of
+from .diagnosis_logs import ROBOT, few_suspects, record_of
 
 SETTINGS = DiagnosisSettings(threads=1, where=False, next_experiment=False)
 LONG = 10.0
-FEW = ("coulomb_friction", "viscous_friction", "stiffness_error", "motor_inertia_error", "torque_bias", "backlash")
 FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"
 
 
@@ -43,19 +36,6 @@ def null() -> DiagnosisResult:
 @pytest.fixture(scope="module")
 def single() -> DiagnosisResult:
     return diagnosed(FRICTION)
-
-
-@contextmanager
-def few_suspects() -> Iterator[None]:
-    """Look for some effects only, which makes searches for several of them short."""
-
-    def some(robot: Robot, sizes: Yardsticks) -> tuple[Suspect, ...]:
-        return tuple(one for one in suspects(robot, sizes) if one.effect.name in FEW)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "suspects", some)
-        patch.setattr(search, "periodic_suspects", lambda *_: ())
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -36,11 +36,6 @@ def gain(survivors: list[list[PlacedEffect]], entry: str, name: str = "four_mass
     return found.gain
 
 
-def test_a_band_of_high_frequencies_tells_a_lag_from_a_delay_better() -> None:
-    survivors = [placed("delay@all:time=0.00015"), placed("actuator_lag@motor_1:time_constant=0.00015")]
-    assert gain(survivors, "high_band") > 3 * gain(survivors, "standard")
-
-
 @pytest.mark.parametrize(
     ("truth", "rival", "log"),
     [
@@ -78,11 +73,11 @@ def test_a_known_load_tells_motor_inertia_from_torque_gain_better_than_rest() ->
 
 def test_the_chosen_experiment_is_the_best_but_for_plainer_ones() -> None:
     survivors = [placed("delay@all:time=0.00015"), placed("actuator_lag@motor_1:time_constant=0.00015")]
-    entries = [ENTRIES["creep_in_poses"], ENTRIES["high_band"]]
+    entries = [ENTRIES["standard"], ENTRIES["high_band"]]
     chosen = next_experiment(load_robot("four_mass_linear"), survivors, entries=entries)
     assert chosen is not None
     assert chosen.name == "high_band"
-    assert chosen.expected_gain > 10.0
+    assert chosen.expected_gain > max(10.0, 3 * gain(survivors, "standard"))
     assert [place.effect for place in chosen.separates] == ["delay", "actuator_lag"]
 
 

@@ -89,7 +89,7 @@ def test_measured_torque_acts_without_the_nominal_delay() -> None:
 def test_a_tolerated_number_moves_by_its_standard_deviation() -> None:
     name = "body_1.rz.stiffness"
     tolerant = predictor_of(tolerance=Tolerance((name,), (0.02,)))
-    stiffer = ROBOT.with_values({name: ROBOT.parameters[name].value * 1.06})
+    stiffer = ROBOT.with_values({name: ROBOT.parameters[name].value * np.exp(3 * 0.02)})
     expected = innovations(predictor_of(model=RobotWithEffects(stiffer, ())), [])
     assert (tolerant.n_effect, tolerant.n_fitted) == (0, 1)
     np.testing.assert_allclose(innovations(tolerant, [3.0]), expected, atol=1e-12)

@@ -10,11 +10,11 @@ import pytest
 from flexros.effects import effects
 from flexros.effects.tool_error import AbstractToolError
 from flexros.gap.explain import unique
-from flexros.gap.fit import Fit, fit
+from flexros.gap.fit import Fit
 from flexros.gap.search import Search
 from flexros.gap.tolerance import Tolerance
 
-from .diagnosis_logs import data_of, numbers, predictor_of, search_of, suspects_of
+from .diagnosis_logs import data_of, predictor_of, search_of, suspects_of
 
 FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"
 SOME = ("coulomb_friction@motor_1", "stiffness_error@body_2.rz", "motor_inertia_error@motor_1", "torque_bias@motor_1")
@@ -35,19 +35,6 @@ def test_every_effect_with_ranges_is_a_suspect_but_those_of_an_unmeasured_tool()
     assert {"torque_ripple", "encoder_eccentricity", "transmission_error"} <= listed
 
 
-def test_what_was_found_is_not_put_beside_itself() -> None:
-    search = search_of(FRICTION)
-    nothing = search.nothing()
-    friction = suspects_of()["coulomb_friction@motor_1"]
-    found = fit(search.predictor((friction,)), search.data, np.array(numbers(friction, level=0.05)))
-    together = search.beside([found], nothing, search.yardsticks(nothing))
-    assert together
-    for one in together:
-        names = [suspect.name for suspect in one.predictor.hypothesis]
-        assert names[0] == friction.name
-        assert friction.name not in names[1:]
-
-
 @pytest.mark.parametrize("threads", [1, 3])
 def test_the_true_effect_fits_best_with_any_number_of_threads(threads: int) -> None:
     search = replace(search_of(FRICTION), threads=threads)
@@ -59,11 +46,17 @@ def test_the_true_effect_fits_best_with_any_number_of_threads(threads: int) -> N
     assert sums[0] / search.data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / search.data.n_values))
 
 
-def test_the_second_of_two_effects_is_found_beside_the_first() -> None:
+def test_the_second_of_two_effects_is_found_beside_the_first_which_is_not_put_beside_itself() -> None:
     search = search_of(FRICTION, SOFT)
     nothing = search.nothing()
     singles = search.singles(nothing, [suspects_of()[name] for name in SOME])
-    best = search.beside(singles[:1], nothing, search.yardsticks(nothing))[0]
+    together = search.beside(singles[:1], nothing, search.yardsticks(nothing))
+    first = singles[0].predictor.hypothesis[0].name
+    for one in together:
+        held = [suspect.name for suspect in one.predictor.hypothesis]
+        assert held[0] == first
+        assert first not in held[1:]
+    best = together[0]
     assert {suspect.name for suspect in best.predictor.hypothesis} == set(SOME[:2])
     assert best.chi2 / search.data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / search.data.n_values))
 

@@ -111,7 +111,7 @@ def tolerances(robot: Robot, nuisance: str) -> dict[str, float]:
 
 
 def believed_values(robot: Robot, nuisance: str, random: np.random.Generator) -> dict[str, IdentifiedValue]:
-    """Draw the numbers of the nominal model: wrong within the tolerance that it declares.
+    """Draw the numbers of the nominal model: wrong by a factor within the tolerance that it declares.
 
     Args:
         robot: The true robot.
@@ -125,7 +125,7 @@ def believed_values(robot: Robot, nuisance: str, random: np.random.Generator) ->
     while True:
         error = np.clip(random.standard_normal(len(declared)), -FARTHEST, FARTHEST)
         values = {
-            name: IdentifiedValue(robot.parameters[name].value * (1 + sd * off), sd)
+            name: IdentifiedValue(robot.parameters[name].value * float(np.exp(sd * off)), sd)
             for (name, sd), off in zip(declared.items(), error, strict=True)
         }
         try:
