@@ -56,7 +56,7 @@ def repaired(folder: Path, monkeypatch: pytest.MonkeyPatch, level: float | None)
     return demo_repair.repair(folder, "direct", lambda what, share: None)
 
 
-def test_path_error_falls_to_that_of_the_robot_without_effect(
+def test_a_log_with_the_hidden_effect_is_diagnosed_and_the_path_error_falls_to_that_without_effect(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     found = repaired(tmp_path, monkeypatch, 150.0)
@@ -64,6 +64,10 @@ def test_path_error_falls_to_that_of_the_robot_without_effect(
     assert figures["path_error_before_m"] > 3e-3
     assert figures["path_error_after_m"] < 1.3 * figures["path_error_without_effect_m"] < 1e-4
     assert figures["causes"][0]["effect"] == "coulomb_friction"
+    ran = json.loads((tmp_path / "diagnosis_log" / "provenance.json").read_text())["scenario"]
+    assert ran["robot"] == "e12"
+    assert tuple(ran["plant"]["effects"]) == load_scenario(demo_repair.HIDDEN).plant.effects
+    assert ran["feedforward_model"] is None
     assert [run.label for run in found.runs] == [
         "hidden effect, nominal model",
         "hidden effect, repaired model",
@@ -74,16 +78,6 @@ def test_path_error_falls_to_that_of_the_robot_without_effect(
     assert f"{1e3 * figures['path_error_before_m']:.3f}" in printed
     assert f"{1e3 * figures['path_error_after_m']:.3f}" in printed
     assert str(tmp_path / "diagnosis" / "patch.yaml") in printed
-
-
-def test_the_experiment_is_made_on_the_robot_with_the_hidden_effect(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    repaired(tmp_path, monkeypatch, None)
-    ran = json.loads((tmp_path / "diagnosis_log" / "provenance.json").read_text())["scenario"]
-    assert ran["robot"] == "e12"
-    assert tuple(ran["plant"]["effects"]) == load_scenario(demo_repair.HIDDEN).plant.effects
-    assert ran["feedforward_model"] is None
 
 
 def test_nothing_found_is_said_and_nothing_repaired(
