@@ -100,7 +100,8 @@ def observer_gain(
     allowed = np.zeros(len(model.mass))
     if tolerated is not None:
         allowed[list(robot.chain.motor_places)] = tolerated / unit
-    torque = np.maximum(_torque_noise(model.mass, robot.n_arm, sample_time, level), allowed)
+    level_of = level * _noise_of_kind(robot, noise) / unit
+    torque = np.maximum(_torque_noise(model.mass, robot.n_arm, sample_time, level_of), allowed)
     G, taken = (_onto_states(model.mass, sample_time, size) for size in (torque, allowed))
     K = _kalman_gain(F, C, G, R)
     keep = np.eye(len(F)) - K @ C
@@ -120,7 +121,19 @@ def observer_gain(
     )
 
 
-def _torque_noise(mass: FloatArray, n_arm: int, sample_time: float, level: float) -> FloatArray:
+def _noise_of_kind(robot: Robot, noise: FloatArray) -> FloatArray:
+    """Return the mean noise of encoders that turn, or slide, as each coordinate does [rad or m], shape (n,)."""
+    joints = robot.chain.joints
+    turns = np.zeros(robot.n_coordinates, dtype=bool)
+    turns[: robot.n_arm] = [joint.rotary for joint in joints]
+    of_motors = np.array([joints[number].rotary for number in robot.chain.geared])
+    turns[list(robot.chain.motor_places)] = of_motors
+    means = {kind: float(np.mean(noise[of_motors == kind])) for kind in set(of_motors.tolist())}
+    other = float(np.mean(noise))
+    return np.array([means.get(kind, other) for kind in turns.tolist()])
+
+
+def _torque_noise(mass: FloatArray, n_arm: int, sample_time: float, level: FloatArray) -> FloatArray:
     """Return the assumed torque noise on every coordinate, in units of the encoder noise, shape (n,)."""
     share = np.where(np.arange(len(mass)) < n_arm, ARM_SHARE, 1.0)
     torque: FloatArray = level * np.diag(mass) / sample_time**2 * share * np.sqrt(REFERENCE_STEP / sample_time)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from flexros.gap.gain import ARM_SHARE, ObserverGain, observer_gain
+from flexros.gap.gain import ARM_SHARE, ObserverGain, _noise_of_kind, observer_gain
 from flexros.robot import Robot, load_robot
 from flexros.robot.linearise import linear_model
 
@@ -99,3 +102,20 @@ def test_gravity_of_the_pose_is_part_of_it() -> None:
     home = observer_gain(elbow, STEP, 1e-2, noise)
     other = observer_gain(elbow, STEP, 1e-2, noise, elbow.home[: elbow.n_arm] + 0.5)
     assert np.abs(home.gain - other.gain).max() > 1e-3 * np.abs(home.gain).max()
+
+
+def test_motors_that_turn_and_that_slide_have_noise_of_their_own_kind() -> None:
+    """One level fits radians and metres, as of a linear axis that carries a rotary one."""
+    robot = load_robot("e12")
+    noise = np.array([1e-6, 3e-6])
+    np.testing.assert_allclose(_noise_of_kind(robot, noise), 2e-6)
+    joints = tuple(
+        replace(joint, rotary=number != robot.chain.geared[0]) for number, joint in enumerate(robot.chain.joints)
+    )
+    mixed = SimpleNamespace(
+        chain=replace(robot.chain, joints=joints), n_arm=robot.n_arm, n_coordinates=robot.n_coordinates
+    )
+    found = _noise_of_kind(mixed, noise)
+    places = robot.chain.motor_places
+    assert found[places[0]] == 1e-6
+    assert found[places[1]] == 3e-6
