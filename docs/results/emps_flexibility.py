@@ -192,9 +192,7 @@ def _row(record: GapRecord) -> tuple[str, dict[str, float]]:
     removed = [100 * (1 - one.chi2 / left) for one in (*[beside.one(name) for name in FURTHER], part)]
     share = 100 * mode["ratio"] * (1 + mass["relative"])
     cells = [f"{left / beside.data.n_values:.2f}", *[f"{max(one, 0.0):.1f} %" for one in removed]]
-    cells.append(
-        f"{mode['frequency']:.1f} Hz, {share:.2f} % of the mass, {100 * mass['relative']:+.1f} % in the body"
-    )
+    cells.append(f"{mode['frequency']:.1f} Hz, {share:.2f} % of the mass, {100 * mass['relative']:+.1f} % in the body")
     gained = removed[-1] - removed[0]
     return f"| {' | '.join(cells)} |\n", {"frequency": mode["frequency"], "share": share, "gained": gained}
 

@@ -117,13 +117,16 @@ class ExtraMode(AbstractArmLaw):
         return rates
 
     def rest(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
-        """Start with the base turned by the weight of the arm."""
+        """Start with the mass moving along with the tool, or the base turned by the weight of the arm."""
         own = ca.SX.zeros(self.smooth_states)
         if arm.location == "base":
             still = ca.SX.zeros(arm.robot.n_arm)
             needed = arm.model.arm_inverse_dynamics(arm.position, still, still, arm.parameters)[0]
             w = 2 * math.pi * values["frequency"]
             own[0] = -needed / (values["ratio"] * _arm_inertia(arm) * w * w)
+            return own
+        for part in _parts(arm, values):
+            own[part.speed] = part.rate
         return own
 
 

@@ -12,7 +12,7 @@ from flexros.compile.loop_functions import LoopFunctions
 from flexros.effects.delay import Delay
 from flexros.errors import unknown_name
 from flexros.robot.rest import Rest, RestFinder
-from flexros.simulate.plant_rest import PlantRestFinder, own_at_rest, torque_beyond_command
+from flexros.simulate.plant_rest import PlantRestFinder, own_at_start, torque_beyond_command
 from flexros.simulate.plant_symbols import PlantSymbols
 from flexros.simulate.plant_updates import motor_accelerations, own_rates, smooth_torque, step_updates
 
@@ -113,6 +113,8 @@ class PlantModel:
     ) -> FloatArray:
         """Put the states of the effects behind a state of the robot, as they are when it has been at rest there.
 
+        What sits on the arm moves along with it.
+
         Args:
             state: State of the robot [q, v], shape (2 nq,).
             torque: Commands that have been acting [Nm or N], shape (M,); default: those that hold the robot there.
@@ -132,7 +134,7 @@ class PlantModel:
                 wanted = values if self.moves_rest else values[self.robot_columns]
                 held = self._rest_finder.holding_torque(np.asarray(state[: self.model.n_coordinates]), wanted)
                 torque = self.command_at_rest(state, held, values)
-        plain[self._plant.friction_end :] = self._own_at_rest(plain, torque, values).full().ravel()
+        plain[self._plant.friction_end :] = self._own_at_start(plain, torque, values).full().ravel()
         for law in self.laws:
             begin, timed = self._plant.place(law).start, law.effect.states_of_time(time)
             plain[begin : begin + len(timed)] = timed
@@ -243,7 +245,7 @@ class PlantModel:
         return torque_beyond_command(self._plant)
 
     @cached_property
-    def _own_at_rest(self) -> ca.Function:
+    def _own_at_start(self) -> ca.Function:
         plant = self._plant
-        own = ca.densify(own_at_rest(plant, plant.u))
-        return ca.Function("own_at_rest", [plant.x, plant.u, plant.p], [own])
+        own = ca.densify(own_at_start(plant, plant.u))
+        return ca.Function("own_at_start", [plant.x, plant.u, plant.p], [own])

@@ -50,6 +50,19 @@ def own_at_rest(plant: PlantSymbols, command: ca.SX) -> ca.SX:
     Returns:
         Own states, SX, a function of q, p and the commands.
     """
+    return ca.substitute(own_at_start(plant, command), plant.v, ca.SX.zeros(plant.v.numel()))
+
+
+def own_at_start(plant: PlantSymbols, command: ca.SX) -> ca.SX:
+    """Give the own states of all laws of a plant as at rest, but what sits on the arm moves along with it.
+
+    Args:
+        plant: Symbols of the plant.
+        command: Commands that have been acting for ever [Nm or N], SX (M, 1).
+
+    Returns:
+        Own states, SX, a function of q, v, p and the commands.
+    """
     x, torque = ca.SX.zeros(plant.x.numel()), ca.SX(command)
     for law, effect in plant.laws.commands:
         motor, values = law.motor, plant.values(law)
@@ -59,9 +72,10 @@ def own_at_rest(plant: PlantSymbols, command: ca.SX) -> ca.SX:
     for law, gear_effect in plant.laws.gears:
         own = gear_effect.rest(plant.gear(law), plant.values(law))
         x[plant.place(law)] = ca.substitute(own, plant.own_states, x[plant.friction_end :])
+    x = ca.substitute(x, plant.v, ca.SX.zeros(plant.v.numel()))
     for law, arm_effect in plant.laws.arms:
         x[plant.place(law)] = arm_effect.rest(plant.arm(law), plant.values(law))
-    return ca.substitute(x[plant.friction_end :], plant.v, ca.SX.zeros(plant.v.numel()))
+    return x[plant.friction_end :]
 
 
 def torque_beyond_command(plant: PlantSymbols) -> ca.Function:

@@ -193,3 +193,10 @@ def test_part_of_the_known_mass_is_a_mode_beside_a_lighter_load() -> None:
     moved = run(ours.robot, ours.laws, 400, pushed)
     np.testing.assert_allclose(moved[:, 0], run(longer, (), 400, pushed)[:, 0], atol=1e-9)
     assert np.max(np.abs(moved - run(drive, (), 400, pushed))[:, 0]) > 1e-5
+
+
+def test_mass_moves_along_where_a_run_begins_in_motion() -> None:
+    drive = load_robot("emps").with_values({"motor_1.viscous_friction": 0.0})
+    law = laws_of(drive, "extra_mode@tool:frequency=8,ratio=0.5")
+    moved = run(drive, law, 200, lambda time: np.zeros(1), np.array([0.0, 0.1]))
+    np.testing.assert_allclose(moved[:, 1], 0.1, rtol=1e-12)
