@@ -77,6 +77,6 @@ class AbstractArmLaw(AbstractLaw):
         return ca.SX.zeros(self.smooth_states)
 
     def rest(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
-        """Give the own states at a start, moving with the arm, SX (n_states, 1); the `own` of `arm` is not to be used."""
+        """Give the own states at a start, moving with the arm, SX (n_states, 1); `arm.own` is not to be used."""
         del arm, values
         return ca.SX.zeros(self.n_states)
