@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from flexros.feedforward.march import (
     CHORD_ITERATIONS,
@@ -60,6 +59,8 @@ class InterpretedMarch:
         self, state: FloatArray, x: FloatArray, prediction: FloatArray, output: FloatArray, tolerance: FloatArray
     ) -> tuple[FloatArray, int]:
         """Solve one step for the correction x; more than MAX_ITERATIONS iterations mean failure."""
+        from scipy.linalg import lu_factor, lu_solve  # loads slowly
+
         layout, f = self.layout, self._functions
         n, before = layout.n_unknowns, np.inf
         for iteration in range(1, MAX_ITERATIONS + 1):

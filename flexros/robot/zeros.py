@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg
 
 from flexros.robot.linearise import LinearModel, linear_model
 
@@ -156,7 +155,9 @@ def invariant_zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) 
         return _sorted(speed * np.linalg.eigvals(A))
     _, _, Vh = np.linalg.svd(np.hstack([C, D]))
     W = Vh.T[:, -n:]
-    values = scipy.linalg.eigvals(np.hstack([A, B]) @ W, W[:n])
+    from scipy.linalg import eigvals  # loads slowly
+
+    values = eigvals(np.hstack([A, B]) @ W, W[:n])
     return _sorted(speed * values[np.isfinite(values)])
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from flexros.errors import InputError
 from flexros.trajectory import taylor
@@ -176,6 +175,8 @@ def rotation_vectors(reference: FloatArray, quaternions: Sequence[FloatArray]) -
     Returns:
         Vectors with exp(vector) R0 = R [rad], without jumps of a full turn, shape (n, 3).
     """
+    from scipy.spatial.transform import Rotation  # loads slowly
+
     back = Rotation.from_quat(reference).inv()
     result, before = [], np.zeros(3)
     for given in quaternions:
@@ -191,6 +192,8 @@ def rotation_vectors(reference: FloatArray, quaternions: Sequence[FloatArray]) -
 
 def quaternion_of(roll_pitch_yaw: FloatArray) -> FloatArray:
     """Give the quaternion [qx qy qz qw] of roll, pitch and yaw about the fixed axes [rad], shape (4,)."""
+    from scipy.spatial.transform import Rotation  # loads slowly
+
     result: FloatArray = Rotation.from_euler("xyz", roll_pitch_yaw).as_quat()
     return result
 
