@@ -24,6 +24,8 @@ LONGEST = 1.5
 ENOUGH, EXACTLY = 0.1, 1e-3
 """The fit ends when the sum of squares falls by less than this [1]: the null needs it so fine, and the intervals of
 slow effects, whose errors are smaller than white prediction errors tell, finer (chosen)."""
+HOPE = 10.0
+"""Times what linear theory promises that a fit may still gain [1] (chosen)."""
 DAMPINGS = 10.0 ** np.arange(-4.0, 4.0)
 RUN_AWAY = 1e100
 """Derivatives of this size are of predictions that run away; their squares would leave the range of numbers."""
@@ -95,6 +97,7 @@ def fit(
     iterations: int = 12,
     tolerance_slopes: FloatArray | None = None,
     enough: float = ENOUGH,
+    rival: float = np.inf,
 ) -> Fit:
     """Find the numbers of least squares near a start (Levenberg 1944, Marquardt 1963).
 
@@ -108,6 +111,7 @@ def fit(
         tolerance_slopes: Derivatives to the tolerated deviations that are held, which saves most of the work, shape
             (n_values, n_tolerated); None to compute them anew in each iteration.
         enough: The fit ends when the sum of squares falls by less than this [1].
+        rival: Sum of squares of a better fit: this one ends where it has no hope to come near it.
     """
     theta = np.clip(np.array(start, dtype=float), *predictor.bounds)
     chi2, information, converged, done = np.inf, np.zeros((0, 0)), False, 0
@@ -117,8 +121,11 @@ def fit(
         chi2, information = line.chi2, line.information
         if not np.isfinite(chi2) or not len(theta):
             break
-        if _promised(line, _free(predictor, theta, line)) < enough:
+        promised = _promised(line, _free(predictor, theta, line))
+        if promised < enough:
             converged = True
+            break
+        if chi2 - HOPE * promised > rival:
             break
         trials = np.stack([_trial(predictor, theta, line, damping) for damping in DAMPINGS], axis=-1)
         del line  # slopes are the largest arrays of a fit

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import RobotWithEffects
+from flexros.gap.colour import TREND, colour_of, without_trend
 from flexros.gap.gain import observer_gain
 from flexros.gap.lattice import encoder_quantization
 from flexros.gap.predictor import Predictor
@@ -32,12 +33,6 @@ STILL = 12.0
 
 QUIET = 2.0
 """Variance of a standstill over that of the quieter ones from which something still moves (chosen)."""
-
-MOST_ORDER = 4
-"""Largest order of the autoregression (chosen)."""
-
-WHITE = 3.5
-"""Autocorrelation at lag one to four, in standard deviations, from which noise is coloured (chosen)."""
 
 IMPLAUSIBLE = 0.3
 """Measured over stated noise below which positions of a real machine were filtered or rounded, and the stated one is
@@ -68,8 +63,6 @@ AS_STATED = 0.05
 
 _BLOCK = 32  # samples over which the power of high differences is averaged
 _LOOK = 50.0  # Hz, corner below which motion is looked for
-_TREND = 3  # polynomial coefficients that are taken off each stretch of a standstill
-_PASSES = 8  # of the autoregression, each with what the trend took off by the one before
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,60 +241,19 @@ def _at_standstill(
     A controller that answers the noise moves the motor a little, if friction does not hold it; what its torques move by
     the model is taken off where that leaves the simpler noise.
     """
-    length = max(_TREND * 4, round(LEAST_STILL / record.sample_time))
+    length = max(TREND * 4, round(LEAST_STILL / record.sample_time))
     stretches = []
     for begin, count in zip(*runs(record.valid), strict=True):
         for first in range(int(begin), int(begin + count) - length + 1, length):
             part = slice(first, first + length)
             if np.ptp(smooth[part]) <= STILL * rough and np.ptp(position[part]) > 0:
-                stretches.append((_without_trend(position[part]), _without_trend(driven[part])))
+                stretches.append((without_trend(position[part]), without_trend(driven[part])))
     if len(stretches) * length < FEWEST_STILL:
         return None
     noise, moved = (np.stack(part) for part in zip(*stretches, strict=True))
     variance = np.mean(noise**2, axis=1)
     quiet = variance <= QUIET * np.quantile(variance, 0.25)
     _, deviation, colour = min(
-        (_colour(values[quiet]) for values in (noise - moved, noise)), key=lambda found: found[0]
+        (colour_of(values[quiet]) for values in (noise - moved, noise)), key=lambda found: found[0]
     )
     return deviation, colour
-
-
-def _without_trend(values: FloatArray) -> FloatArray:
-    """Take the best polynomial off a stretch."""
-    time = np.linspace(-1.0, 1.0, len(values))
-    return np.asarray(
-        values - np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, values, 2))
-    )
-
-
-def _colour(noise: FloatArray) -> tuple[float, float, FloatArray]:
-    """Fit an autoregression, empty for white noise: its information criterion, the deviation of the noise, shape (p,).
-
-    The trend that was taken off each stretch takes noise of the lowest frequencies with it, which is given back: of p
-    coefficients in L samples, p / L of the sum of all autocovariances, at every lag.
-    """
-    count, length = noise.shape
-    lags = np.array([np.mean(noise[:, lag:] * noise[:, : length - lag]) for lag in range(MOST_ORDER + 1)])
-    white = lags[0] / (1 - _TREND / length)
-    limit = WHITE / np.sqrt(count * length) + _TREND / length  # a trend that was taken off leaves a small correlation
-    if np.all(np.abs(lags[1:]) <= limit * lags[0]):
-        return noise.size * float(np.log(max(white, 1e-300))), float(np.sqrt(white)), np.zeros(0)
-    cost, taken, found = np.inf, 0.0, np.zeros(0)
-    for _ in range(_PASSES):
-        cost, found, driving = _autoregression(lags + taken, noise.size)
-        taken = min(_TREND / length * driving / max(1 - found.sum(), 1e-3) ** 2, lags[0])
-    return cost, float(np.sqrt(lags[0] + taken)), found
-
-
-def _autoregression(lags: FloatArray, n_samples: int) -> tuple[float, FloatArray, float]:
-    """Fit an autoregression of the order with the best information criterion; that, coefficients, driving variance."""
-    best, driving = np.inf, float(lags[0])
-    found: FloatArray = np.zeros(0)
-    for order in range(1, MOST_ORDER + 1):
-        matrix = lags[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
-        values = np.linalg.solve(matrix, lags[1 : order + 1])
-        variance = lags[0] - values @ lags[1 : order + 1]
-        cost = n_samples * np.log(max(variance, 1e-300)) + order * np.log(n_samples)
-        if cost < best:
-            best, found, driving = cost, np.asarray(values, dtype=np.float64), float(variance)
-    return float(best), found, driving

@@ -33,7 +33,7 @@ HUGE = 1e200
 """Sum of squared changes beyond which a start has run away [1]."""
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-NULL, FEW, SOME, MANY = 40, 4, 8, 20
+NULL, FEW, SOME, MANY = 40, 4, 5, 20
 """Iterations of the fit of the nominal model; of others at first, of several together, and of the best (chosen)."""
 SETTLED = 3
 """A fit that needs no more iterations than this needs no second start (chosen)."""
@@ -164,17 +164,19 @@ class Search:
         return best_of([first, self._quick(predictor, starts[:, order[1]])])
 
     def _finished(self, found: Sequence[Fit]) -> list[Fit]:
-        """Carry the best fits to their end."""
+        """Carry the best fits to their end, those after the first one as long as there is hope."""
         ranked = sorted(found, key=lambda one: one.chi2)
-        best = self._parallel("best effects", self._continued, ranked[:FINISHED])
+        best = [self._continued(one, np.inf) for one in ranked[:1]]
+        rival = min((one.chi2 for one in best), default=np.inf)
+        best += self._parallel("best effects", lambda one: self._continued(one, rival), ranked[1:FINISHED])
         return sorted([*best, *ranked[FINISHED:]], key=lambda one: one.chi2)
 
     def _quick(self, predictor: Predictor, start: FloatArray) -> Fit:
         """Fit for a few iterations, with derivatives to tolerated deviations as they are without effects."""
         return fit(predictor, self.data, start, FEW, self.tolerance_slopes)
 
-    def _continued(self, one: Fit) -> Fit:
-        return fit(one.predictor, self.data, one.theta, MANY, enough=EXACTLY)
+    def _continued(self, one: Fit, rival: float) -> Fit:
+        return fit(one.predictor, self.data, one.theta, MANY, enough=EXACTLY, rival=rival)
 
     def beside(self, firsts: Sequence[Fit], nothing: Fit, sizes: Yardsticks) -> list[Fit]:
         """Fit the most promising suspects beside each of some explanations.
