@@ -66,7 +66,7 @@ class Findings:
             if found.evidence.significant(found.chosen) or self.held_out_gap:
                 return "unknown_effect"
             return "explained" if self.quantized else "no_gap"
-        if found.left > UNEXPLAINED:
+        if max(found.left, self.held_out_left) > UNEXPLAINED:
             return "unknown_effect"
         return "ambiguous" if len(self.rivals) else "explained"
 
@@ -74,6 +74,12 @@ class Findings:
     def held_out_gap(self) -> bool:
         """Whether the nominal model leaves more than noise in the held-out log."""
         return self._held_evidence.significant(self._held_evidence.nothing)
+
+    @cached_property
+    def held_out_left(self) -> float:
+        """Share of the gap that the explanation leaves in the held-out log [1]; zero where that is not significant."""
+        held = self._on_held(self.explanations.chosen)
+        return self._held_evidence.left(held) if self.held_out_gap else 0.0
 
     def held_gain(self, one: Fit) -> float:
         """Return twice the gain in log-likelihood over the nominal model in the held-out log; -inf if it runs away."""

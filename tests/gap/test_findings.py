@@ -59,6 +59,15 @@ def test_an_explanation_that_leaves_more_than_a_tenth_is_none() -> None:
     assert findings(fitted(3.0, COULOMB), [], [1.0], TRUTH).verdict == "unknown_effect"
 
 
+def test_an_explanation_that_does_not_hold_on_other_data_is_none() -> None:
+    """Numbers that fit one log only: here they are wrong, as the fit is made by hand."""
+    wrong = replace(fitted(1.0, COULOMB), theta=np.array(numbers(suspects_of()[COULOMB], level=0.1)))
+    found = findings(wrong, [], [1.0], TRUTH)
+    assert found.explanations.left == 0.0
+    assert found.held_out_left > 0.1
+    assert found.verdict == "unknown_effect"
+
+
 @pytest.mark.parametrize(("probabilities", "verdict"), [([0.6, 0.4], "ambiguous"), ([0.9, 0.1], "explained")])
 def test_rivals_within_a_factor_make_the_answer_ambiguous(probabilities: list[float], verdict: str) -> None:
     found = findings(fitted(1.0, COULOMB), [fitted(1.0, STIFFNESS)], probabilities, TRUTH)
