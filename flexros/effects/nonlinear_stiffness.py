@@ -134,7 +134,8 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         if not isinstance(values["rounding"], ca.SX) and values["rounding"] == 0:
             return values["relative"] * (ca.fmax(torque - at_knee, 0) + ca.fmin(torque + at_knee, 0))
         width = values["rounding"] * at_knee
-        return values["relative"] * ca.sign(torque) * (_ramp(ca.fabs(torque) - at_knee, width) - _ramp(-at_knee, width))
+        more: ca.SX = _ramp(ca.fabs(torque) - at_knee, width) - _ramp(-at_knee, width)
+        return values["relative"] * ca.sign(torque) * more
 
     def _law(self, spring: Spring, location: str) -> dict[str, Any]:
         """Compute knots and slopes with the knee among them."""
