@@ -89,7 +89,7 @@ class NodeProcess:
     def death(self) -> str:
         """Say how the process died, nothing if it ended with a report or because it was asked to."""
         code = self._process.poll()
-        if code is None or self.report() is not None or (self._asked_to_stop and code == -signal.SIGINT):
+        if code is None or self.report() is not None or (self._asked_to_stop and code == -signal.SIGTERM):
             return ""
         how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
         lines = self._last_lines()
@@ -97,10 +97,13 @@ class NodeProcess:
         return f"the process of node {self.name} {how}{said}"
 
     def ask_to_stop(self) -> None:
-        """Tell the process to shut its node down, without waiting for it."""
+        """Tell the process to shut its node down, without waiting for it.
+
+        By SIGTERM, because a process that a shell started in the background has its children ignore SIGINT too.
+        """
         if not self.ended:
             self._asked_to_stop = True
-            self._process.send_signal(signal.SIGINT)
+            self._process.send_signal(signal.SIGTERM)
 
     def tell_partner_ended(self) -> None:
         """Tell a node at work that another one of the run has ended."""

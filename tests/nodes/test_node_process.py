@@ -24,6 +24,17 @@ def test_process_that_is_asked_while_it_starts_ends_without_complaint(process: N
     assert process.death() == ""
 
 
+def test_process_ends_though_its_parent_ignores_ctrl_c(tmp_path: Path) -> None:
+    """As one that a shell started in the background does; its children inherit that."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        process = NodeProcess("plant", {"scenario": "circle_dae", "autostart": False}, tmp_path)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    process.stop(20.0)
+    assert process.death() == ""
+
+
 def test_killed_process_is_told(process: NodeProcess) -> None:
     os.kill(process.pid, signal.SIGKILL)
     process.stop(20.0)
