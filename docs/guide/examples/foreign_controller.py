@@ -1,0 +1,45 @@
+"""A controller that knows nothing of FlexROS: PID for each joint, over topics alone; it holds the start or swings."""
+
+import contextlib
+import math
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+
+class ForeignController(Node):
+    """Answers each measurement once, with a torque of the same stamp; asked again, it says the same again."""
+
+    def __init__(self) -> None:
+        super().__init__("foreign_controller")
+        defaults = {"kp": 5600.0, "ki": 24000.0, "kd": 300.0, "swing": 0.0, "period": 1.0}  # Nm/rad, s; rad, s
+        self.kp, self.ki, self.kd, self.swing, self.period = (
+            self.declare_parameter(name, value).value for name, value in defaults.items()
+        )
+        self.first = self.stamp = None
+        self.commands = self.create_publisher(JointState, "joint_commands", 100)
+        self.create_subscription(JointState, "joint_states", self.answer, 10)
+
+    def answer(self, state: JointState) -> None:
+        """Compute the torque of a measurement that is new, and publish it."""
+        stamp = state.header.stamp.sec + 1e-9 * state.header.stamp.nanosec
+        if self.first is None:
+            self.first, self.start, self.stamp = stamp, state.position, stamp - 1.0
+            self.errors = self.sums = [0.0] * len(state.name)
+        if stamp > self.stamp:
+            step, self.stamp = stamp - self.stamp, stamp
+            way = self.swing * math.sin(math.pi * (stamp - self.first) / self.period) ** 2
+            errors = [start + way - q for start, q in zip(self.start, state.position)]
+            rates = [(error - before) / step for error, before in zip(errors, self.errors)]
+            self.errors, self.sums = errors, [total + error * step for total, error in zip(self.sums, errors)]
+            torque = [self.kp * e + self.ki * s + self.kd * r for e, s, r in zip(errors, self.sums, rates)]
+            self.reply = JointState(header=state.header, name=state.name, effort=torque)
+        self.commands.publish(self.reply)
+
+
+if __name__ == "__main__":
+    rclpy.init()
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+        rclpy.spin(ForeignController())

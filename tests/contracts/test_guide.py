@@ -1,0 +1,38 @@
+"""What the guide tells a user to type."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+GUIDE = Path(__file__).parents[2] / "docs" / "guide"
+MARKER = "run by tests/contracts/test_guide.py"
+MARKER_WITH_ROS = f"{MARKER} with ROS 2"
+PAGES = {path.name: path.read_text(encoding="utf-8") for path in sorted(GUIDE.rglob("*.md"))}
+
+Run = Callable[[str, str], int]
+
+
+def pages_with(marker: str) -> list[str]:
+    return [name for name, text in PAGES.items() if f"<!-- {marker} -->" in text]
+
+
+@pytest.mark.parametrize("page", pages_with(MARKER))
+def test_marked_commands_run(page: str, run_marked: Run) -> None:
+    assert run_marked(PAGES[page], MARKER)
+
+
+@pytest.mark.usefixtures("ros_domain")
+@pytest.mark.parametrize("page", pages_with(MARKER_WITH_ROS))
+def test_marked_commands_run_with_ros(page: str, run_marked: Run) -> None:
+    assert run_marked(PAGES[page], MARKER_WITH_ROS)
+
+
+def test_commands_are_run_or_the_page_says_why_not() -> None:
+    known = {MARKER, MARKER_WITH_ROS}
+    for name, text in PAGES.items():
+        for line in re.findall(r"<!-- (.*?) -->", text):
+            assert line in known or line.startswith(("not run: ", "written by ")), f"{name}: <!-- {line} -->"
