@@ -1,0 +1,84 @@
+"""The guide's MuJoCo plant behind the topics, moved by our controller and feedforward."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flexros.config.scenario import load_scenario
+from flexros.logs.reader import read_log
+from flexros.logs.time_series import Log
+from flexros.simulate.closed_loop import closed_loop
+from flexros.simulate.experiment import Experiment
+
+pytest.importorskip("rclpy", reason="needs ROS 2")
+pytest.importorskip("mujoco", reason="the other plant")
+
+EXAMPLES = Path(__file__).parents[2] / "docs" / "guide" / "examples"
+SCENARIO = EXAMPLES / "two_mass_move.yaml"
+MODEL = EXAMPLES / "two_mass.xml"
+TIMEOUT = 60.0
+
+StartNode = Callable[..., subprocess.Popen[str]]
+
+
+def run_on_mujoco(start_node: StartNode, folder: Path, model: Path) -> Log:
+    """Run the scenario's controller and feedforward on a MuJoCo model to its end."""
+    scenario = f"scenario:={SCENARIO}"
+    ours = [start_node(name, scenario) for name in ("controller", "feedforward")]
+    recorder = start_node("recorder", scenario, f"folder:={folder / 'log'}")
+    arguments = ["--ros-args", "-p", f"model:={model}", "-p", "duration:=1.0", "-p", "listeners:=2"]
+    plant = subprocess.Popen(
+        [sys.executable, str(EXAMPLES / "mujoco_plant.py"), *arguments],
+        env={key: value for key, value in os.environ.items() if key != "PYTHONPATH"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        said, errors = plant.communicate(timeout=TIMEOUT)
+        assert plant.returncode == 0, errors
+        assert said.startswith("1001 samples")
+        for process in (recorder, *ours):
+            process.send_signal(signal.SIGTERM)
+            _, errors = process.communicate(timeout=TIMEOUT)
+            assert process.returncode == 0, errors
+    finally:
+        for process in (plant, recorder, *ours):
+            process.kill()
+    return read_log(folder / "log")
+
+
+@pytest.mark.usefixtures("ros_domain")
+@pytest.mark.parametrize(
+    ("integrator", "position_error", "torque_error"),
+    [("RK4", 1e-12, 1e-8), ("implicitfast", 1.5e-4, 1.0)],
+)
+def test_run_on_mujoco_is_the_run_on_our_plant_but_for_the_integrator(
+    start_node: StartNode, tmp_path: Path, integrator: str, position_error: float, torque_error: float
+) -> None:
+    model = tmp_path / "model.xml"
+    model.write_text(MODEL.read_text(encoding="utf-8").replace("RK4", integrator), encoding="utf-8")
+    foreign = run_on_mujoco(start_node, tmp_path, model)
+    scenario = load_scenario(str(SCENARIO)).with_values({"noise": False, "duration": 1.0})
+    ours = closed_loop(Experiment.prepare(scenario))
+    assert foreign.warnings == ()
+    for one, other in ((foreign.joint_states.position, ours.joint_states.position), positions_of_tool(foreign, ours)):
+        np.testing.assert_allclose(one, other, rtol=0, atol=position_error)
+        assert np.ptp(other) > 0.02
+    assert foreign.joint_commands is not None
+    assert ours.joint_commands is not None
+    np.testing.assert_allclose(foreign.joint_commands.effort, ours.joint_commands.effort, rtol=0, atol=torque_error)
+    np.testing.assert_array_equal(foreign.joint_states.stamp, ours.joint_states.stamp)
+
+
+def positions_of_tool(*logs: Log) -> tuple[np.ndarray, ...]:
+    poses = [log.tool_pose for log in logs]
+    return tuple(pose.position for pose in poses if pose is not None)
