@@ -132,7 +132,7 @@ class PlantNode(FlexrosNode):
         observers = self.value("observers")
         listeners, pose_listeners = self._messages.listeners()
         heard = listeners > observers and pose_listeners >= observers
-        if heard and self.count_publishers(topic("joint_commands").name):
+        if heard and self.count_publishers(self.resolve_topic_name(topic("joint_commands").name)):
             self._window.start(stamp_ns(0, self._sample_time))
             self._began = perf_counter()
             self._next_sample()

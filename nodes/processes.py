@@ -19,7 +19,6 @@ from flexros_nodes.domain import DOMAIN_VARIABLE
 from flexros_nodes.ending import GOODBYE_TIMEOUT
 from flexros_nodes.node_process import NodeProcess
 from flexros_nodes.parameters import node_parameters
-from flexros_nodes.precise_timing import PRIORITY
 from flexros_nodes.run_plan import RunSummary, summarise
 from flexros_nodes.shared_memory import remove_segments_without_owner
 from flexros_nodes.spinning import make_executor
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
     from rclpy.task import Future
 
     from flexros_nodes.interruption import Interruption
-    from flexros_nodes.parameters import Value
     from flexros_nodes.run_plan import RunPlan
 
 CONFIGURE_TIMEOUT = 60.0
@@ -54,13 +52,6 @@ _STATES = {
     Transition.TRANSITION_ACTIVATE: (State.PRIMARY_STATE_INACTIVE, State.PRIMARY_STATE_ACTIVE),
 }
 """State before and after a transition."""
-
-IN_REAL_TIME: dict[str, dict[str, Value]] = {
-    "plant": {"priority": PRIORITY},
-    "controller": {"priority": PRIORITY},
-    "recorder": {"niceness": 10},
-}
-"""How nodes stand to each other in real time, chosen: the recorder has until the end to catch up."""
 
 SLICE = 0.05
 """Period at which the processes are looked after [s]."""
@@ -86,11 +77,7 @@ class ProcessManager:
         self._executor.add_node(self._node)
         self._changers = {name: self._node.create_client(ChangeState, f"/{name}/change_state") for name in plan.nodes}
         self._watchers = {name: self._node.create_client(GetState, f"/{name}/get_state") for name in plan.nodes}
-        self.processes = {name: NodeProcess(name, self._values(name), scratch) for name in plan.nodes}
-
-    def _values(self, name: str) -> dict[str, Value]:
-        standing = IN_REAL_TIME.get(name, {}) if self._plan.real_time else {}
-        return {**standing, **self._plan.values(name)}
+        self.processes = {name: NodeProcess(name, plan.process_values(name), scratch) for name in plan.nodes}
 
     def run(self) -> None:
         """Bring all nodes up and wait until the run is over."""
@@ -123,7 +110,7 @@ class ProcessManager:
         found = self._wait(ready, START_TIMEOUT)
         if not found and not self._interrupted():
             self.processes[name].stop(SHUTDOWN_TIMEOUT)  # killed at once, it would stand in the others' counts for long
-            self.processes[name] = NodeProcess(name, self._values(name), self._scratch)
+            self.processes[name] = NodeProcess(name, self._plan.process_values(name), self._scratch)
 
     def _change(self, name: str, transition: int, timeout: float) -> bool:
         """Ask a node for a transition; False when it refused, ended or the user wants an end.

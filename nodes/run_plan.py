@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, RunError
 from flexros_nodes.pacing import PeriodStatistics
+from flexros_nodes.precise_timing import PRIORITY
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,6 +22,13 @@ LEADERS = ("feedforward", "identification")
 
 NODES = ("recorder", *LEADERS, "controller", "plant")
 """Nodes in the order in which they come up; they go down the other way."""
+
+IN_REAL_TIME: dict[str, dict[str, Value]] = {
+    "plant": {"priority": PRIORITY},
+    "controller": {"priority": PRIORITY},
+    "recorder": {"niceness": 10},
+}
+"""How nodes in processes of their own stand to each other in real time, chosen: the recorder has until the end."""
 
 
 def leader_of(scenario: Scenario) -> str:
@@ -65,6 +73,15 @@ class RunPlan:
         if node == "recorder":
             values |= {"folder": str(self.folder), "real_time": self.real_time}
         return {**values, **self.parameters.get(node, {})}
+
+    def process_values(self, node: str) -> dict[str, Value]:
+        """Give the parameter values of a node in a process of its own.
+
+        Args:
+            node: Name of the node.
+        """
+        standing = IN_REAL_TIME.get(node, {}) if self.real_time else {}
+        return {**standing, **self.values(node)}
 
     @property
     def real_time(self) -> bool:
