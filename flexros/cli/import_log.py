@@ -20,7 +20,9 @@ _TOPICS = ("joint_states", "joint_commands", "joint_reference")
 
 def import_log(
     mapping: str = typer.Argument(help="Shipped mapping (emps), or path of a mapping YAML."),
-    file: list[Path] = typer.Argument(help="CSV, MATLAB (.mat) or NumPy (.npz) files that hold the columns together."),
+    file: list[Path] = typer.Argument(
+        help="CSV, MATLAB (.mat), NumPy (.npz) files or ROS 2 bags (.mcap, folder) that hold the columns together."
+    ),
     out: Path = typer.Option(..., "--out", help="Folder of the log (rosbag2) to write."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:

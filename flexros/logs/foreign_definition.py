@@ -30,15 +30,16 @@ def is_common(schema: Schema) -> bool:
         return False  # the translator names what is wrong with it
 
 
-def translator(schema: Schema, source: str) -> Callable[[bytes], bytes]:
-    """Make a function that turns messages of a schema into messages of the common definition.
+def decoder(schema: Schema, source: str) -> Callable[[bytes], Any]:
+    """Make a function that decodes messages by the schema in their file, of whatever type.
 
     Args:
-        schema: Schema record of the file; its type is JointState or PoseStamped.
+        schema: Schema record of the file.
         source: The file, for error texts.
 
     Returns:
-        Takes a serialised message and returns one; raises MessageError where the message does not fit the schema.
+        Takes a serialised message and returns a dataclass with the fields of the schema; raises MessageError where the
+        message does not fit the schema.
 
     Raises:
         InputError: The schema cannot be read.
@@ -62,12 +63,37 @@ def translator(schema: Schema, source: str) -> Callable[[bytes], bytes]:
         raise InputError(
             f"{source}: the definition of {schema.name} cannot be read ({reason}); record it again"
         ) from error
+
+    def decode(payload: bytes) -> Any:
+        try:
+            return store.deserialize_cdr(payload, schema.name)
+        except Exception as error:  # a damaged message can fail anywhere in generated code
+            raise MessageError(f"it does not fit its definition ({type(error).__name__}: {error})") from error
+
+    return decode
+
+
+def translator(schema: Schema, source: str) -> Callable[[bytes], bytes]:
+    """Make a function that turns messages of a schema into messages of the common definition.
+
+    Args:
+        schema: Schema record of the file; its type is JointState or PoseStamped.
+        source: The file, for error texts.
+
+    Returns:
+        Takes a serialised message and returns one; raises MessageError where the message does not fit the schema.
+
+    Raises:
+        InputError: The schema cannot be read.
+    """
+    decode = decoder(schema, source)
     convert = _CONVERTERS[schema.name]()
 
     def translate(payload: bytes) -> bytes:
+        message = decode(payload)
         try:
-            return convert(store.deserialize_cdr(payload, schema.name))
-        except Exception as error:  # a damaged message can fail anywhere in generated code
+            return convert(message)
+        except Exception as error:  # a field may be missing, or be of another kind
             raise MessageError(f"it does not fit its definition ({type(error).__name__}: {error})") from error
 
     return translate

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.errors import InputError, unknown_name
+from flexros.logs.bag_files import find_bag_files
 from flexros.logs.foreign.quantities import QUANTITIES
 from flexros.logs.foreign.signal_source import AbstractSignalSource, open_source, safe_name
 from flexros.logs.foreign.units import TIME_UNITS
@@ -24,19 +25,28 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.logs.foreign.mapping import LogMapping, MappedColumn
+    from flexros.logs.foreign.signal_source import Signal
 
 _FEWEST = 2
 """Rows that a log needs at least."""
 
+_PART = 2**20
+"""Bytes of a file that are read at once [byte]."""
+
 
 @dataclass(frozen=True, eq=False)
 class _Mapped:
-    """A column as a quantity: values in SI units, shape (n,), at times [s] of the file's clock, shape (n,)."""
+    """A column as a quantity: values in SI units, shape (n,), at times [s] of the file's clock, shape (n,).
+
+    Times count from `origin` [ns], the same for all columns.
+    """
 
     entry: MappedColumn
     place: str
     time: FloatArray
     values: FloatArray
+    origin: int
+    notes: tuple[str, ...]
 
 
 def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
@@ -48,7 +58,7 @@ def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
 
     Args:
         mapping: What the columns are.
-        files: CSV, MATLAB or NumPy files.
+        files: CSV, MATLAB or NumPy files, or ROS 2 bags: .mcap files or rosbag2 folders.
 
     Returns:
         The log; its provenance names mapping, files and their hashes.
@@ -62,11 +72,16 @@ def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
     signals = _read(mapping, sources, found)
     zero = min(float(signal.time[0]) for signal in signals)
     warnings = [f"optional column '{name}' is in none of the files" for name in absent]
+    warnings += [note for signal in signals for note in signal.notes]
     topics: dict[str, list[_Mapped]] = defaultdict(list)
     for signal in signals:
         topics[QUANTITIES[signal.entry.quantity].topic].append(signal)
     series: dict[str, Any] = {name: _series(group, zero, warnings) for name, group in topics.items()}
-    return Log(**series, provenance=_provenance(mapping, files, zero, warnings), warnings=tuple(warnings))
+    return Log(
+        **series,
+        provenance=_provenance(mapping, files, zero + 1e-9 * signals[0].origin, warnings),
+        warnings=tuple(warnings),
+    )
 
 
 def _find(
@@ -97,35 +112,53 @@ def _read(
     mapping: LogMapping, sources: dict[Path, AbstractSignalSource], found: list[tuple[Path, MappedColumn]]
 ) -> list[_Mapped]:
     """Read all columns, file by file, and check and convert them; in the order of the mapping."""
-    clock = mapping.time
-    mapped: dict[str, _Mapped] = {}
+    clock = mapping.time.column if mapping.time else ""
+    read: dict[Path, dict[str, Signal]] = {}
     for path, source in sources.items():
-        entries = [entry for holder, entry in found if holder == path]
-        if not entries:
+        columns = {entry.column: None for holder, entry in found if holder == path}
+        if not columns:
             raise InputError(f"{path} has none of the columns of mapping {mapping.name}; leave the file out")
-        has_clock = clock.column in source.names
-        read = source.read([*{entry.column: None for entry in entries}, *([clock.column] if has_clock else [])])
-        for entry in entries:
-            signal, place = read[entry.column], f"{path}, column '{entry.column}'"
-            _check_finite(signal.values, place)
-            if signal.time is not None:
-                time = signal.time
-            elif clock.rate is not None:
-                time = np.arange(len(signal.values)) / clock.rate
-            elif has_clock:
-                time = read[clock.column].values * TIME_UNITS[clock.unit]
-            else:
-                raise unknown_name(f"time column of mapping {mapping.name}", clock.column, source.names, str(path))
-            if len(time) != len(signal.values):
-                raise InputError(
-                    f"{place} has {len(signal.values)} rows, but its time '{clock.column}' has {len(time)}; make them "
-                    "equally long"
-                )
-            _check_increasing(time, f"{path}, time column '{clock.column}'")
-            values = entry.factor * signal.values + entry.offset
-            mapped[f"{entry.quantity} {entry.joint}"] = _Mapped(entry, place, time + entry.time_offset, values)
-    order = [f"{entry.quantity} {entry.joint}" for entry in mapping.columns]
-    return [mapped[key] for key in order if key in mapped]
+        read[path] = source.read([*columns, *([clock] if clock in source.names and clock not in columns else [])])
+    origin = min(signal.origin for signals in read.values() for signal in signals.values())
+    mapped = []
+    for path, entry in found:
+        signal, place = read[path][entry.column], f"{path}, column '{entry.column}'"
+        _check_finite(signal.values, place)
+        time = _times(mapping, signal, read[path], sources[path].names, place, str(path))
+        time = time + ((signal.origin - origin) * 1e-9 + entry.time_offset)
+        values = entry.factor * signal.values + entry.offset
+        mapped.append(_Mapped(entry, place, time, values, origin, signal.notes))
+    return mapped
+
+
+def _times(
+    mapping: LogMapping, signal: Signal, signals: dict[str, Signal], names: Sequence[str], place: str, path: str
+) -> FloatArray:
+    """Times of a signal [s]: its own, or those of the mapping's clock."""
+    clock = mapping.time
+    if signal.time is not None:
+        time, clock_name = signal.time, place
+    elif clock is None:
+        raise InputError(
+            f"mapping {mapping.name} has no key time, but {path} has no times of its own; add time: {{column: NAME}} "
+            "or time: {rate: HZ}"
+        )
+    elif clock.rate is not None:
+        time, clock_name = np.arange(len(signal.values)) / clock.rate, f"{path}, time column ''"
+    elif clock.column in signals:
+        time, clock_name = (
+            signals[clock.column].values * TIME_UNITS[clock.unit],
+            f"{path}, time column '{clock.column}'",
+        )
+    else:
+        raise unknown_name(f"time column of mapping {mapping.name}", clock.column, names, path)
+    if len(time) != len(signal.values):
+        raise InputError(
+            f"{place} has {len(signal.values)} rows, but its time '{clock.column if clock else ''}' has {len(time)}; "
+            "make them equally long"
+        )
+    _check_increasing(time, clock_name)
+    return time
 
 
 def _check_finite(values: FloatArray, place: str) -> None:
@@ -187,9 +220,22 @@ def _provenance(mapping: LogMapping, files: Sequence[Path], zero: float, warning
     return {
         "import": {
             "mapping": mapping.model_dump(mode="json", exclude_defaults=True),
-            "files": [{"name": safe_name(p), "sha256": hashlib.sha256(p.read_bytes()).hexdigest()} for p in files],
+            "files": [{"name": safe_name(path), "sha256": _digest(path)} for path in _single(files)],
             "time_of_first_row_s": zero,
             "warnings": list(warnings),
         },
         "versions": versions(),
     }
+
+
+def _single(paths: Sequence[Path]) -> list[Path]:
+    """Name the files, those of a bag one by one."""
+    return [file for path in paths for file in (find_bag_files(path).files if path.is_dir() else (path,))]
+
+
+def _digest(path: Path) -> str:
+    digest = hashlib.sha256()
+    with path.open("rb") as file:
+        while part := file.read(_PART):
+            digest.update(part)
+    return digest.hexdigest()

@@ -115,7 +115,9 @@ class LogMapping(Settings):
     name: str = Field(min_length=1)
     description: str = ""
     source: str = Field("", description="where the data come from")
-    time: Clock
+    time: Clock | None = Field(
+        None, description="clock of the rows; left out for ROS 2 bags, whose messages have times"
+    )
     columns: tuple[MappedColumn, ...] = Field(min_length=1)
 
     @model_validator(mode="after")

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 
+BAG_SUFFIX = ".mcap"
+"""Suffix of a ROS 2 bag; a folder of such files stands for one file."""
+
+
 @dataclass(frozen=True, eq=False)
 class Signal:
     """Numbers of one column.
@@ -26,10 +30,14 @@ class Signal:
     Attributes:
         values: Numbers as they stand in the file, shape (n,).
         time: Their times [s], shape (n,), where the format itself has them; None where the mapping's clock says them.
+        origin: What the times count from [ns]: as numbers of seconds alone, today's dates are exact to 0.2 us only.
+        notes: What was left out or repaired, a sentence each.
     """
 
     values: FloatArray
     time: FloatArray | None = None
+    origin: int = 0
+    notes: tuple[str, ...] = ()
 
 
 class AbstractSignalSource(ABC):
@@ -42,10 +50,8 @@ class AbstractSignalSource(ABC):
       4. `names`, the signals that can be read;
       5. `read(names)`, the signals themselves; a name that is not among `names` is never asked for.
 
-    ROS bags of other robots fit in the same way: a source with the suffix ".mcap" whose names are made of topic, field
-    and joint ("/franka/joint_states.effort[3]"), decoded by the definitions in the file, and whose signals bring the
-    time of their header stamps along in `Signal.time`. Nothing else has to change for them: the import takes the time
-    of a signal before that of the mapping's clock, and puts signals of unequal times of one topic on one time base.
+    Where the format has times of its own, as a ROS bag does, a signal brings them along in `Signal.time`. The import
+    takes them before the mapping's clock, and puts signals of unequal times of one topic on one time base.
 
     Args:
         path: The file.
@@ -81,7 +87,7 @@ def open_source(path: Path) -> AbstractSignalSource:
     """Open a file of a foreign log.
 
     Args:
-        path: The file; its suffix says the format.
+        path: The file; its suffix says the format. A folder is a rosbag2 folder.
 
     Returns:
         The source of its signals.
@@ -91,11 +97,12 @@ def open_source(path: Path) -> AbstractSignalSource:
     """
     from flexros.logs.foreign import sources
 
-    if not path.is_file():
-        raise InputError(f"there is no file {path}; give the path of a CSV, MATLAB or NumPy file")
+    if not path.exists():
+        raise InputError(f"there is no file {path}; give the path of a CSV, MATLAB or NumPy file, or of a ROS 2 bag")
+    suffix = BAG_SUFFIX if path.is_dir() else path.suffix.lower()
     kinds = members(sources, AbstractSignalSource, "format")  # type: ignore[type-abstract]
     for kind in kinds.values():
-        if path.suffix.lower() in kind.suffixes:
+        if suffix in kind.suffixes:
             return kind(path)
     known = ", ".join(f"{suffix} ({kind.format})" for kind in kinds.values() for suffix in kind.suffixes)
     raise InputError(f"{path} ends with '{path.suffix}', but allowed are {known}; convert the file")

@@ -1,0 +1,174 @@
+"""ROS 2 bags of other robots, decoded by the definitions in the file."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.logs.bag_files import find_bag_files
+from flexros.logs.bulk_decode import payloads_of
+from flexros.logs.cdr_cursor import MessageError
+from flexros.logs.foreign.message_numbers import message_numbers
+from flexros.logs.foreign.signal_source import BAG_SUFFIX, AbstractSignalSource, Signal
+from flexros.logs.foreign_definition import decoder
+from flexros.logs.mcap_scan import McapScan
+from flexros.logs.stamps import NANOSECONDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+    from pathlib import Path
+
+    from flexros.arrays import FloatArray, IntArray
+
+    Decode = Callable[[bytes], Any]
+
+LOOKED_AT = 100
+"""Messages of a topic in which names are looked for, chosen: several senders may take turns on one topic."""
+
+
+class RosBag(AbstractSignalSource):
+    """Numbers of all messages; a signal is topic, dot, and the name that `message_numbers` gives, with its stamps.
+
+    Times are those of header.stamp. Where a type has no header, or stamps are not set, they are the times of recording.
+    """
+
+    format: ClassVar[str] = "ROS 2 bag"
+    suffixes: ClassVar[tuple[str, ...]] = (BAG_SUFFIX,)
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._bag = find_bag_files(path)
+        self._topic_of: dict[str, str] = {}
+        seen: Counter[str] = Counter()
+        for topic, _, payload, decode in self._messages(None, []):
+            seen[topic] += 1
+            if seen[topic] > LOOKED_AT:
+                continue
+            try:
+                message = decode(payload)
+            except MessageError:
+                continue
+            self._topic_of.update({f"{topic}.{name}": topic for name in message_numbers(message)})
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Signals that the first messages of each topic have, in the order of the file."""
+        return tuple(self._topic_of)
+
+    def read(self, names: Sequence[str]) -> dict[str, Signal]:
+        """Read signals; see `AbstractSignalSource.read`."""
+        wanted: dict[str, list[str]] = {}
+        for name in names:
+            wanted.setdefault(self._topic_of[name], []).append(name)
+        series = {topic: _TopicSeries(topic, topic_names) for topic, topic_names in wanted.items()}
+        notes = list(self._bag.warnings)
+        for topic, log_time, payload, decode in self._messages(set(wanted), notes):
+            series[topic].take(log_time, payload, decode)
+        times = {topic: one.times() for topic, one in series.items()}
+        origin = min(int(time.min()) for time in times.values() if len(time))
+        read: dict[str, Signal] = {}
+        for topic, one in series.items():
+            read |= one.signals(times[topic], origin, tuple(notes))
+            notes = []  # what holds of the whole bag is said once
+        return read
+
+    def _messages(self, topics: set[str] | None, notes: list[str]) -> Iterator[tuple[str, int, bytes, Decode]]:
+        """Give topic, time of recording [ns], payload and decoder of all messages that can be decoded."""
+        for file in self._bag.files:
+            scan = McapScan(file)
+            decoders: dict[int, Decode | None] = {}
+            for block in scan.blocks():
+                for number in np.unique(block.headers["channel"]).tolist():
+                    channel = scan.channels.get(number)
+                    topic = "" if channel is None else "/" + channel.topic.strip("/")
+                    if channel is None or (topics is not None and topic not in topics):
+                        continue
+                    if channel.schema_id not in decoders:
+                        decoders[channel.schema_id] = _decoder(scan, channel.schema_id, channel.message_encoding)
+                    if (decode := decoders[channel.schema_id]) is None:
+                        continue
+                    rows = np.flatnonzero(block.headers["channel"] == number)
+                    log_times = block.headers["log_time"][rows].tolist()
+                    for time, payload in zip(log_times, payloads_of(block, rows), strict=True):
+                        yield topic, time, payload, decode
+            notes.extend(scan.warnings)
+
+
+def _decoder(scan: McapScan, schema_id: int, encoding: str) -> Decode | None:
+    """Decoder of a schema; None where its messages are no CDR or the file does not define them."""
+    schema = scan.schemas.get(schema_id)
+    if schema is None or encoding != "cdr" or not schema.data.strip():
+        return None
+    try:
+        return decoder(schema, str(scan.path))
+    except InputError:
+        return None  # its topics have no names, which the list of the allowed ones tells
+
+
+class _TopicSeries:
+    """What is read of one topic: numbers of some names, with both times of each message."""
+
+    def __init__(self, topic: str, names: Sequence[str]) -> None:
+        self._topic = topic
+        self._keys = {name: name.removeprefix(f"{topic}.") for name in names}
+        self._rows: dict[str, list[int]] = {name: [] for name in names}
+        self._values: dict[str, list[float]] = {name: [] for name in names}
+        self._log_times: list[int] = []
+        self._stamps: list[int] = []
+        self._faults: list[str] = []
+
+    def take(self, log_time: int, payload: bytes, decode: Decode) -> None:
+        """Take a message, recorded at a time [ns]."""
+        try:
+            message = decode(payload)
+        except MessageError as error:
+            self._faults.append(str(error))
+            return
+        numbers = message_numbers(message)
+        row = len(self._log_times)
+        self._log_times.append(log_time)
+        self._stamps.append(_stamp(message))
+        for name, key in self._keys.items():
+            if key in numbers:
+                self._rows[name].append(row)
+                self._values[name].append(numbers[key])
+
+    @property
+    def _stamped(self) -> bool:
+        return all(self._stamps)
+
+    def times(self) -> IntArray:
+        """Times of the messages [ns], shape (n,): stamps if all are set, else times of recording."""
+        return np.array(self._stamps if self._stamped else self._log_times, np.int64)
+
+    def signals(self, times: IntArray, origin: int, notes: tuple[str, ...]) -> dict[str, Signal]:
+        """Make the signals, in order of time, from messages at these times [ns]; the first one brings the notes."""
+        notes = (*notes, *self._notes())
+        signals = {}
+        for name, rows in self._rows.items():
+            own = times[rows]
+            order = np.unique(own, return_index=True)[1]
+            if (n_repeats := len(own) - len(order)) > 0:
+                notes += (f"{name}: {n_repeats} values of a time that had come before were left out",)
+            values: FloatArray = np.array(self._values[name])[order]
+            time: FloatArray = np.asarray((own[order] - origin) * 1e-9, dtype=np.float64)
+            signals[name] = Signal(values, time, origin, notes)
+            notes = ()
+        return signals
+
+    def _notes(self) -> tuple[str, ...]:
+        notes = []
+        if not self._stamped:
+            notes.append(f"{self._topic} has no header.stamp, or one that is not set: times are those of recording")
+        if self._faults:
+            notes.append(f"{self._topic}: {len(self._faults)} messages were left out (the first: {self._faults[0]})")
+        return tuple(notes)
+
+
+def _stamp(message: Any) -> int:
+    """Stamp of a message [ns]; 0 where it has none or it is not set."""
+    stamp = getattr(getattr(message, "header", None), "stamp", None)
+    return 0 if stamp is None else int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
