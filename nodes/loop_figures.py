@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from flexros_nodes.ending import Ending
+    from flexros_nodes.held_command import HeldCommand
     from flexros_nodes.lockstep import PlantLockStep
     from flexros_nodes.message_loss import MessageLoss
+    from flexros_nodes.pacing import PeriodStatistics
     from flexros_nodes.recorder_window import RecorderWindow
 
 
@@ -43,3 +45,19 @@ def loop_figures(
         "waits_for_recorder": window.waits,
         "braked_samples": ending.braked if ending else 0,
     }
+
+
+def timing_figures(prioritised: bool, newest: HeldCommand | None, cycles: PeriodStatistics | None) -> dict[str, float]:
+    """Give what diagnostics and report show of the schedule of a run in real time.
+
+    Args:
+        prioritised: Whether the thread that paces the node has real-time priority.
+        newest: Counts the samples whose command came too late; None before the first cycle.
+        cycles: Period and lateness; None before the first cycle.
+
+    Returns:
+        Figures by name; missed commands count from the first cycle on.
+    """
+    if newest is None or cycles is None:
+        return {"missed_commands": 0, "real_time_priority": prioritised}
+    return {"missed_commands": newest.missed, "real_time_priority": prioritised, **cycles.as_dict()}

@@ -16,13 +16,14 @@ from flexros_nodes.executable import run_node
 from flexros_nodes.experiment_state import read_experiment_state
 from flexros_nodes.held_command import HeldCommand
 from flexros_nodes.lockstep import FASTEST_RESEND, PlantLockStep, Tick
-from flexros_nodes.loop_figures import loop_figures
+from flexros_nodes.loop_figures import loop_figures, timing_figures
 from flexros_nodes.message_loss import MessageLoss
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.pacing import Schedule
 from flexros_nodes.plant_messages import OWN_TOPICS, PlantMessages, read_recorder_progress, recorder_window
+from flexros_nodes.plant_view import PlantView
 from flexros_nodes.prepared_run import prepared_run
-from flexros_nodes.topic_interface import period, topic
+from flexros_nodes.topic_interface import period
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -59,6 +60,7 @@ class PlantNode(FlexrosNode):
         self._real_time = bool(self.value("real_time"))
         self._reader = CommandReader(self._names)
         self._messages = PlantMessages(self, self._names, self._sample_time)
+        self._view = PlantView(self, run)
         self.listen("joint_commands", self._on_command)
         self.listen("recorder_progress", self._on_recorded)
         self.listen("experiment_state", self._on_experiment)
@@ -117,10 +119,8 @@ class PlantNode(FlexrosNode):
     def _timing(self, sum_up: Callable[[Schedule], PeriodStatistics | None]) -> dict[str, float]:
         if not self._real_time:
             return {}
-        figures: dict[str, float] = {"missed_commands": 0, "real_time_priority": self.prioritised}
-        if self._newest is not None and (statistics := sum_up(self._cycles)):
-            figures |= {"missed_commands": self._newest.missed, **statistics.as_dict()}
-        return figures
+        cycles = None if self._newest is None else sum_up(self._cycles)
+        return timing_figures(self.prioritised, self._newest, cycles)
 
     # Handshake and watch.
 
@@ -130,16 +130,14 @@ class PlantNode(FlexrosNode):
         if self._k >= 0:
             return
         observers = self.value("observers")
-        listeners, pose_listeners = self._messages.listeners()
-        heard = listeners > observers and pose_listeners >= observers
-        if heard and self.count_publishers(self.resolve_topic_name(topic("joint_commands").name)):
+        if self._messages.have_partners(observers):
             self._window.start(stamp_ns(0, self._sample_time))
             self._began = perf_counter()
             self._next_sample()
             return
         self._search_time += LOOK_PERIOD
         if self._search_time > self.value("start_timeout"):
-            raise RunError(no_partners_text(listeners, observers, self.value("start_timeout")))
+            raise RunError(no_partners_text(self._messages.listeners(), observers, self.value("start_timeout")))
 
     def _watch(self) -> None:
         if self._k < 0 or self._ending is not None or self.schedule is not None:

@@ -12,7 +12,7 @@ from flexros.logs.pose_stamped_message import PoseStampedTemplate
 from flexros.logs.stamps import NANOSECONDS, stamp_ns, stamp_of
 from flexros.logs.time_series import BASE_FRAME
 from flexros_nodes.recorder_window import RecorderWindow
-from flexros_nodes.topic_interface import period, sampled_topics
+from flexros_nodes.topic_interface import period, sampled_topics, topic
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,6 +34,7 @@ class PlantMessages:
     """
 
     def __init__(self, node: FlexrosNode, names: Sequence[str], sample_time: float) -> None:
+        self._node = node
         self._sample_time = sample_time
         self._states = node.announce("joint_states")
         self._poses = node.announce("tool_pose")
@@ -43,9 +44,15 @@ class PlantMessages:
         self._pose_template = PoseStampedTemplate(BASE_FRAME)
         self._clock_message: Clock | None = None
 
-    def listeners(self) -> tuple[int, int]:
-        """Count the subscriptions to joint_states and tool_pose."""
-        return self._states.get_subscription_count(), self._poses.get_subscription_count()
+    def listeners(self) -> int:
+        """Count the subscriptions to joint_states."""
+        return self._states.get_subscription_count()
+
+    def have_partners(self, observers: int) -> bool:
+        """Tell whether a controller and a number of recorders are there."""
+        heard = self.listeners() > observers and self._poses.get_subscription_count() >= observers
+        commands = self._node.resolve_topic_name(topic("joint_commands").name)
+        return heard and self._node.count_publishers(commands) > 0
 
     def fill(self, k: int, position: FloatArray, pose: FloatArray) -> int:
         """Prepare the messages of a sample.

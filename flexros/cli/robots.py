@@ -11,11 +11,12 @@ from rich.table import Table
 
 from flexros.cli.model import ROBOT, linear_robot
 from flexros.cli.output import console, print_json, say
-from flexros.errors import InputError
+from flexros.errors import InputError, unknown_name
 from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray
+    from flexros.robot import Robot
     from flexros.robot.linearise import LinearModel
     from flexros.robot.zeros import ZeroDynamics
 
@@ -47,6 +48,8 @@ def robot(
     q: str = typer.Option("", "--q", help="Arm coordinates of the pose [rad or m], e.g. 0,0.3,0; default: home."),
     output: str = typer.Option("", "--output", help="Controlled output; default: that of the robot file."),
     bode: Path = typer.Option(None, "--bode", help="Write a Bode picture to this HTML file."),
+    urdf: Path = typer.Option(None, "--urdf", help="Write the robot to this URDF file."),
+    flexible: str = typer.Option("fixed", "--flexible", help="Springs in the URDF: fixed, or continuous for joints."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Show modes, zeros and zero dynamics of a robot at a pose, and whether it is minimum phase there."""
@@ -54,6 +57,8 @@ def robot(
     from flexros.robot.zeros import channel_zeros, poles, transmission_zeros, zero_dynamics
 
     loaded = linear_robot(name)
+    if urdf:
+        _write_urdf(loaded, urdf, flexible)
     pose = np.array(loaded.home) if not q else parse_numbers(q, "--q")
     linear = linear_model(loaded, pose, output or None)
     verdict = zero_dynamics(loaded, pose, output or None)
@@ -81,6 +86,17 @@ def robot(
     _print_robot(content, linear, verdict)
     if bode:
         say(f"Bode picture: {bode}")
+    if urdf:
+        say(f"URDF: {urdf}")
+
+
+def _write_urdf(robot: Robot, file: Path, flexible: str) -> None:
+    from flexros.robot.urdf_file import FLEXIBLE, urdf_text
+
+    kinds = {kind: kind for kind in FLEXIBLE}
+    if flexible not in kinds:
+        raise unknown_name("way to write springs", flexible, kinds, "--flexible")
+    write_result(file, urdf_text(robot, kinds[flexible]), "URDF")
 
 
 def import_urdf(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -52,6 +53,15 @@ def test_robot_at_a_singular_pose(flexros: Flexros) -> None:
     assert "(singular)" in flexros("robot", "e12", "--q", "0,0,0").out
 
 
+def test_urdf_is_written(flexros: Flexros, tmp_path: Path) -> None:
+    file = tmp_path / "e12.urdf"
+    ended = flexros("robot", "e12", "--urdf", str(file), "--flexible", "continuous")
+    assert ended.code == 0
+    assert f"URDF: {file}" in ended.out.replace("\n", "")
+    joints = ElementTree.parse(file).findall("joint[@type='continuous']")
+    assert [joint.get("name") for joint in joints] == ["motor_1", "body_1.ry", "motor_2", "body_2.ry", "body_3.ry"]
+
+
 def test_bode_picture_is_written(flexros: Flexros, tmp_path: Path) -> None:
     file = tmp_path / "bode.html"
     assert flexros("robot", "e12", "--bode", str(file)).code == 0
@@ -65,6 +75,10 @@ def test_bode_picture_is_written(flexros: Flexros, tmp_path: Path) -> None:
         (["robot", "e12", "--q", "0,0"], "2 arm coordinates were given, but robot e12 has 3"),
         (["robot", "e12", "--q", "0,nan,0"], "must be finite numbers"),
         (["robot", "e12", "--q", "0;1"], "--q is '0;1', but must be numbers separated by commas"),
+        (
+            ["robot", "e12", "--urdf", "e12.urdf", "--flexible", "fix"],
+            "unknown way to write springs 'fix' in --flexible",
+        ),
         (["robot", "e12", "--output", "hand"], "unknown output of robot e12 'hand'"),
     ],
 )
