@@ -21,7 +21,7 @@ from flexros_nodes.message_loss import MessageLoss
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.pacing import Schedule
 from flexros_nodes.plant_messages import OWN_TOPICS, PlantMessages, read_recorder_progress, recorder_window
-from flexros_nodes.plant_view import PlantView
+from flexros_nodes.plant_view import MARKER_PERIOD, PlantView
 from flexros_nodes.prepared_run import prepared_run
 from flexros_nodes.topic_interface import period
 
@@ -96,6 +96,7 @@ class PlantNode(FlexrosNode):
         self.every(LOOK_PERIOD, self._look_around)
         self.every(FASTEST_RESEND, self._watch)
         self.every(period("diagnostics"), self.diagnose)
+        self.every(MARKER_PERIOD, lambda: self._view.show(self._plant))
 
     def stop(self) -> None:
         """Stop pacing."""

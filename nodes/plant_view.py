@@ -1,4 +1,4 @@
-"""What others see of the plant beside its signals: the robot's description."""
+"""What others see of the plant beside its signals: the robot's description, and the arm as markers."""
 
 from __future__ import annotations
 
@@ -7,14 +7,25 @@ from typing import TYPE_CHECKING
 from std_msgs.msg import String
 
 from flexros.robot.urdf_file import urdf_text
+from flexros_nodes.arm_markers import ArmMarkers
+from flexros_nodes.topic_interface import period
 
 if TYPE_CHECKING:
     from flexros.simulate.experiment import Experiment
+    from flexros.simulate.plant import Plant
     from flexros_nodes.node_base import FlexrosNode
+
+MARKER_PERIOD = period("arm_markers")
+"""Period of the markers [s]."""
+
+ASK_EVERY = 30
+"""Periods of the markers after which it is asked anew whether anybody wants them, chosen: a second."""
 
 
 class PlantView:
-    """Publishes the robot's description once, for all who ask later too.
+    """Publishes the description once, for all who ask later too, and markers while somebody listens.
+
+    Nothing is computed for markers while nobody listens. In real time all is made beforehand, as it takes several cycles.
 
     Args:
         node: The plant node.
@@ -22,5 +33,22 @@ class PlantView:
     """
 
     def __init__(self, node: FlexrosNode, run: Experiment) -> None:
+        self._node = node
         text = urdf_text(run.nominal, node.value("description_joints"))
         node.announce("robot_description").publish(String(data=text))
+        self._publisher = node.announce("arm_markers")
+        self._markers = ArmMarkers(run.plant) if node.value("real_time") else None
+        self._wanted = False
+        self._calls = 0
+
+    def show(self, plant: Plant) -> None:
+        """Publish the markers of the present state, if anybody listens; to be called once each period."""
+        if self._calls % ASK_EVERY == 0:
+            self._wanted = self._publisher.get_subscription_count() > 0
+        self._calls += 1
+        if not self._wanted:
+            return
+        if self._markers is None:
+            self._markers = ArmMarkers(plant.robot)
+        magnification = self._node.value("magnification")
+        self._publisher.publish(self._markers.fill(self._node.stamp, plant.state, magnification))

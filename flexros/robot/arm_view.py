@@ -1,0 +1,81 @@
+"""Where the bars of a robot are, as it stands and with its deflection magnified."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.robot.body_frame import body_frame
+from flexros.robot.link_shape import LinkShape, link_shapes
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class ArmBars:
+    """Ends of all bars in the base frame [m], each of shape (n_bars, 2, 3).
+
+    Attributes:
+        true: As the arm stands.
+        magnified: With its deflection magnified.
+        stiff: As it would stand by its motors alone, with stiff springs.
+    """
+
+    true: FloatArray
+    magnified: FloatArray
+    stiff: FloatArray
+
+
+class ArmView:
+    """Finds the bars of a robot.
+
+    Args:
+        robot: The robot.
+
+    Attributes:
+        radii: Radius of each bar [m].
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._chain = robot.chain
+        shapes = link_shapes(robot.spec)
+        self.radii = tuple(shape.radius for shape in shapes)
+        q = ca.SX.sym("q", robot.n_arm)
+        ends = [end for shape in shapes for end in _ends(robot, shape, q)]
+        self._ends = ca.Function("ends", [q], [ca.densify(ca.horzcat(*ends))]).map(3)
+
+    def bars(self, state: FloatArray, magnification: float) -> ArmBars:
+        """Find the bars in a state.
+
+        Args:
+            state: State x = [q_a, q_m, rates], shape (2 n_coordinates,).
+            magnification: By which the deflection is multiplied; 1 leaves the arm as it is.
+
+        Returns:
+            The bars; the deflection is the difference of the arm coordinates to those that the motors alone would give.
+        """
+        true = state[: len(self._chain.joints)]
+        stiff = self._chain.arm_from_gears(state[list(self._chain.motor_places)])
+        poses = np.stack([true, stiff + magnification * (true - stiff), stiff], axis=1)
+        ends = np.asarray(self._ends(poses)).T.reshape(3, len(self.radii), 2, 3)
+        return ArmBars(*ends)
+
+
+def _ends(robot: Robot, shape: LinkShape, q: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Give the ends of a bar in the base frame [m], SX (3, 1) each."""
+    bodies = robot.spec.bodies
+    first = robot.chain.joints[0].body
+    if shape.body < first:  # it stands on the ground
+        below = (np.array(body.length.value, dtype=float) for body in bodies[: shape.body])
+        foot = sum(below, start=np.zeros(3))
+        return ca.SX(ca.DM(foot + shape.start)), ca.SX(ca.DM(foot + shape.end))
+    values = {name: parameter.value for name, parameter in robot.parameters.items()}
+    frame = body_frame(robot.spec, robot.chain, shape.body, q, values.__getitem__)
+    origin = frame.center - frame.rotation @ ca.DM(bodies[shape.body].center_of_mass.value)
+    start, end = (origin + frame.rotation @ ca.DM(point) for point in (shape.start, shape.end))
+    return start, end
