@@ -1,4 +1,4 @@
-"""What others see of the plant beside its signals: the robot's description, and the arm as markers."""
+"""What others see of the plant beside its signals: the robot's description, and the arm as markers and frames."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from std_msgs.msg import String
 
 from flexros.robot.urdf_file import urdf_text
+from flexros_nodes.arm_frames import ArmFrames
 from flexros_nodes.arm_markers import ArmMarkers
 from flexros_nodes.topic_interface import period
 
@@ -23,9 +24,9 @@ ASK_EVERY = 30
 
 
 class PlantView:
-    """Publishes the description once, for all who ask later too, and markers while somebody listens.
+    """Publishes the description once, for all who ask later too, and markers and frames while somebody listens.
 
-    Nothing is computed for markers while nobody listens. In real time all is made beforehand, as it takes several cycles.
+    Nothing is computed while nobody listens. In real time all is made beforehand, as that takes several cycles.
 
     Args:
         node: The plant node.
@@ -38,14 +39,21 @@ class PlantView:
         node.announce("robot_description").publish(String(data=text))
         self._publisher = node.announce("arm_markers")
         self._markers = ArmMarkers(run.plant) if node.value("real_time") else None
-        self._wanted = False
+        self._frames: ArmFrames | None = None
+        if node.value("frames"):
+            self._frames = ArmFrames(run.plant, node.value("frame_prefix"))
+            self._frame_publisher = node.announce("tf")
+        self._wanted = self._frames_wanted = False
         self._calls = 0
 
     def show(self, plant: Plant) -> None:
-        """Publish the markers of the present state, if anybody listens; to be called once each period."""
+        """Publish markers and frames of the present state, if anybody listens; to be called once each period."""
         if self._calls % ASK_EVERY == 0:
             self._wanted = self._publisher.get_subscription_count() > 0
+            self._frames_wanted = self._frames is not None and self._frame_publisher.get_subscription_count() > 0
         self._calls += 1
+        if self._frames is not None and self._frames_wanted:
+            self._frame_publisher.publish(self._frames.fill(self._node.stamp, plant.state))
         if not self._wanted:
             return
         if self._markers is None:

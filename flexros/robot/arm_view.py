@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from flexros.robot.body_frame import body_frame
+from flexros.robot.body_placement import body_placement
 from flexros.robot.link_shape import LinkShape, link_shapes
 
 if TYPE_CHECKING:
@@ -68,14 +68,5 @@ class ArmView:
 
 def _ends(robot: Robot, shape: LinkShape, q: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Give the ends of a bar in the base frame [m], SX (3, 1) each."""
-    bodies = robot.spec.bodies
-    first = robot.chain.joints[0].body
-    if shape.body < first:  # it stands on the ground
-        below = (np.array(body.length.value, dtype=float) for body in bodies[: shape.body])
-        foot = sum(below, start=np.zeros(3))
-        return ca.SX(ca.DM(foot + shape.start)), ca.SX(ca.DM(foot + shape.end))
-    values = {name: parameter.value for name, parameter in robot.parameters.items()}
-    frame = body_frame(robot.spec, robot.chain, shape.body, q, values.__getitem__)
-    origin = frame.center - frame.rotation @ ca.DM(bodies[shape.body].center_of_mass.value)
-    start, end = (origin + frame.rotation @ ca.DM(point) for point in (shape.start, shape.end))
-    return start, end
+    origin, rotation = body_placement(robot, shape.body, q)
+    return origin + rotation @ ca.DM(shape.start), origin + rotation @ ca.DM(shape.end)

@@ -1,0 +1,64 @@
+"""Where the bodies of a robot are in the base frame, with and without moving."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.robot.body_frame import body_frame
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.robot import Robot
+
+
+def body_placement(robot: Robot, body: int, q: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Place the frame of a body, its origin where the length of the body before ends.
+
+    Args:
+        robot: The robot.
+        body: Number of the body (0-based).
+        q: Arm coordinates, SX (N, 1).
+
+    Returns:
+        Origin in the base frame [m], SX (3, 1), and rotation from the body to the base, SX (3, 3).
+    """
+    bodies = robot.spec.bodies
+    if body < robot.chain.joints[0].body:  # it stands on the ground
+        below = (np.array(entry.length.value, dtype=float) for entry in bodies[:body])
+        return ca.SX(ca.DM(sum(below, start=np.zeros(3)))), ca.SX.eye(3)
+    values = {name: parameter.value for name, parameter in robot.parameters.items()}
+    frame = body_frame(robot.spec, robot.chain, body, q, values.__getitem__)
+    return frame.center - frame.rotation @ ca.DM(bodies[body].center_of_mass.value), frame.rotation
+
+
+class BodyPlacements:
+    """Places all bodies of a robot.
+
+    Args:
+        robot: The robot.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._n_arm = robot.n_arm
+        self._n_bodies = len(robot.spec.bodies)
+        q = ca.SX.sym("q", robot.n_arm)
+        columns = [ca.horzcat(*body_placement(robot, body, q)) for body in range(self._n_bodies)]
+        self._placements = ca.Function("placements", [q], [ca.densify(ca.horzcat(*columns))])
+
+    def poses(self, state: FloatArray) -> FloatArray:
+        """Find the poses in a state.
+
+        Args:
+            state: State that begins with the arm coordinates [rad or m], shape (n,).
+
+        Returns:
+            Position x, y, z [m] and quaternion x, y, z, w of each body in the base frame, shape (n_bodies, 7).
+        """
+        from scipy.spatial.transform import Rotation
+
+        columns = np.asarray(self._placements(state[: self._n_arm])).T.reshape(self._n_bodies, 4, 3)
+        quaternions = Rotation.from_matrix(columns[:, 1:].transpose(0, 2, 1)).as_quat()
+        return np.hstack([columns[:, 0], quaternions])
