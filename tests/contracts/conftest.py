@@ -5,14 +5,18 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 CHECKOUT = Path(__file__).parents[2]
+TIMEOUT = 300.0
 PROGRAM = "import sys; from flexros.cli import main; sys.exit(main())"
 
 
@@ -26,6 +30,27 @@ def executable(path: Path, *words: str) -> None:
     path.chmod(0o755)
 
 
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def run_block(block: str, folder: Path, variables: dict[str, str], output: Path) -> int:
+    """Run a block to its end, and whatever it has left behind in its process group to the end too."""
+    command = ["bash", "-euxc", block]
+    with output.open("wb") as file:
+        process = subprocess.Popen(
+            command, cwd=folder, env=variables, stdout=file, stderr=subprocess.STDOUT, start_new_session=True
+        )
+        try:
+            return process.wait(TIMEOUT)
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
 @pytest.fixture
 def run_marked(tmp_path: Path) -> Callable[[str, str], int]:
     """Give what runs the blocks of a text below a marker, all in one folder; it tells how many there are."""
@@ -35,14 +60,14 @@ def run_marked(tmp_path: Path) -> Callable[[str, str], int]:
     executable(programs / "python", sys.executable)
     executable(programs / "flexros", sys.executable, "-c", PROGRAM)
     (folder / "docs").symlink_to(CHECKOUT / "docs")
-    variables = {**os.environ, "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}"}
+    path = f"{programs}{os.pathsep}{os.environ['PATH']}"
+    variables = {**os.environ, "PATH": path, "DASK_PORT": str(free_port())}
 
     def run(text: str, marker: str) -> int:
         blocks = marked_blocks(text, marker)
         for block in blocks:
-            command = ["bash", "-euxc", block]
-            done = subprocess.run(command, cwd=folder, env=variables, capture_output=True, text=True, check=False)
-            assert done.returncode == 0, done.stdout + done.stderr
+            code = run_block(block, folder, variables, tmp_path / "output")
+            assert code == 0, (tmp_path / "output").read_text(encoding="utf-8", errors="replace")
         return len(blocks)
 
     return run
