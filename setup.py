@@ -6,7 +6,7 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 SHARE = Path("share") / "flexros"
-NODES = ("plant", "controller", "feedforward", "identification", "recorder")
+NODES = ("plant", "controller", "feedforward", "identification", "recorder", "replay")
 ROS_WHEELS = [
     "ros-jazzy-rclpy==7.1.6",
     "ros-jazzy-common-interfaces==5.3.6",
@@ -63,5 +63,6 @@ setup(
     entry_points={
         "console_scripts": console_scripts,
         "flexros.transports": ["ros = flexros_nodes.run:run_scenario"],
+        "flexros.replay": ["ros = flexros_nodes.replay_run:replay_log"],
     },
 )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexros.cli import analyze, bench, blind, campaign, demo, diagnose, gap, identify, import_log, robots, run
+from flexros.cli import analyze, bench, blind, campaign, demo, diagnose, gap, identify, import_log, replay, robots, run
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
 if TYPE_CHECKING:
@@ -80,6 +80,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "import-urdf": robots.import_urdf,
     "scenarios": run.scenarios,
     "run": run.run,
+    "replay": replay.replay,
     "analyze": analyze.analyze,
     "diagnose": diagnose.diagnose,
     "gap": gap.gap,

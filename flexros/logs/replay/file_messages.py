@@ -1,0 +1,135 @@
+"""The messages of one MCAP file in the order of their log times, in memory only as far as they are out of order."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass, field
+from itertools import accumulate
+from operator import itemgetter
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from flexros.logs.chunk import LENGTH_FIELD_END, MESSAGE_HEADER
+from flexros.logs.mcap_scan import McapScan
+from flexros.logs.replay.recorded_topic import RecordedTopic, recorded_topic
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from flexros.logs.mcap_scan import MessageBlock
+
+_HEADER_SIZE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
+_NEVER = 2**64 - 1
+
+
+class ReplayMessage(NamedTuple):
+    """One message to be played.
+
+    Attributes:
+        log_time: When it was recorded [ns].
+        topic: Number of its topic in the replay.
+        payload: Serialised message.
+    """
+
+    log_time: int
+    topic: int
+    payload: bytes
+
+
+class TimeWindow(NamedTuple):
+    """Log times from `first` to `last` [ns], both included."""
+
+    first: int
+    last: int
+
+
+@dataclass
+class FileSurvey:
+    """What one pass through a file has found.
+
+    Attributes:
+        path: The file.
+        channels: Topic of each channel, by its number.
+        earliest: Earliest log time of each block of messages, in the order of the file [ns].
+        latest: Latest log time in the file [ns], -1 without messages.
+        warnings: Damage in the file.
+    """
+
+    path: Path
+    channels: dict[int, RecordedTopic] = field(default_factory=dict)
+    earliest: list[int] = field(default_factory=list)
+    latest: int = -1
+    warnings: list[str] = field(default_factory=list)
+
+
+def survey_file(path: Path) -> FileSurvey:
+    """Go through a file once.
+
+    Args:
+        path: An .mcap file, also one that was cut off.
+
+    Returns:
+        Its topics, the order of its blocks, and its damage.
+
+    Raises:
+        InputError: It cannot be read or is not MCAP.
+    """
+    survey = FileSurvey(path)
+    scan = McapScan(path)
+    counts: dict[int, tuple[int, int]] = {}
+    for block in scan.blocks():
+        times, channels = block.headers["log_time"], block.headers["channel"]
+        survey.earliest.append(int(times.min()) if len(times) else _NEVER)
+        survey.latest = max(survey.latest, int(times.max()) if len(times) else -1)
+        for number in np.unique(channels).tolist():
+            lengths = block.headers["length"][channels == number]
+            count, largest = counts.get(number, (0, 0))
+            counts[number] = count + len(lengths), max(largest, int(lengths.max()) - _HEADER_SIZE)
+    for number, channel in scan.channels.items():
+        topic = recorded_topic(channel, scan.schemas.get(channel.schema_id))
+        survey.channels[number] = topic.with_messages(*counts.pop(number, (0, 0)))
+    survey.warnings.extend(scan.warnings)
+    if counts:
+        n = sum(count for count, _ in counts.values())
+        survey.warnings.append(f"{path}: {n} messages name a channel that is not defined, they were left out")
+    return survey
+
+
+def file_messages(survey: FileSurvey, topics: Mapping[int, int], window: TimeWindow) -> Iterator[ReplayMessage]:
+    """Go through a file in the order of time; messages of one time come as they stand in the file.
+
+    A message is held back until no later block has an earlier one.
+
+    Args:
+        survey: What the first pass has found.
+        topics: Number that the topic of a channel has in the replay; other channels are left out.
+        window: Which log times.
+
+    Yields:
+        The messages.
+    """
+    held: list[tuple[int, int, int, int, bytes | memoryview]] = []
+    limits = list(accumulate([_NEVER, *survey.earliest[:0:-1]], min))[::-1]
+    for block, limit in zip(McapScan(survey.path).blocks(), limits, strict=False):
+        held.extend(_wanted(block, topics, window))
+        held.sort(key=itemgetter(0))
+        n = bisect_right(held, limit, key=itemgetter(0))
+        for log_time, topic, start, end, data in held[:n]:
+            yield ReplayMessage(log_time, topic, bytes(data[start:end]))
+        del held[:n]
+
+
+def _wanted(
+    block: MessageBlock, topics: Mapping[int, int], window: TimeWindow
+) -> Iterator[tuple[int, int, int, int, bytes | memoryview]]:
+    """Give log time, topic and place of the messages that are to be played."""
+    headers = block.headers
+    times = headers["log_time"]
+    rows = np.isin(headers["channel"], list(topics)) & (times >= window.first) & (times <= window.last)
+    start = block.offsets[rows]
+    end = start + headers["length"][rows].astype(np.int64) - _HEADER_SIZE
+    channels = headers["channel"][rows].tolist()
+    for time, number, a, b in zip(times[rows].tolist(), channels, start.tolist(), end.tolist(), strict=True):
+        yield time, topics[number], a, b, block.data

@@ -1,0 +1,164 @@
+"""All that a replay sends, in order: the messages of the log, and what it makes itself (clock, reference ahead)."""
+
+from __future__ import annotations
+
+import heapq
+import struct
+from dataclasses import dataclass, replace
+from operator import attrgetter
+from typing import TYPE_CHECKING
+
+from flexros.errors import InputError
+from flexros.logs import joint_trajectory_message
+from flexros.logs.replay.controller_feed import ControllerFeed, controller_feed
+from flexros.logs.replay.file_messages import ReplayMessage
+from flexros.logs.replay.recorded_topic import RecordedTopic, absolute_name
+from flexros.logs.replay.source import PlayedTopic, ReplayChoice, ReplaySource
+from flexros.logs.stamps import NANOSECONDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+    from pathlib import Path
+
+_CLOCK = "/clock"
+_CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
+_CLOCK_MESSAGE = struct.Struct("<4BiI")
+
+SMALLEST_QUEUE, LARGEST_QUEUE = 10, 2000
+"""Fewest and most messages that a publisher keeps for slow readers, chosen: one second of a topic at 2 kHz."""
+
+QUEUE_SIZE = 32 * 2**20
+"""Largest size of what a publisher keeps [byte], chosen."""
+
+
+@dataclass(frozen=True)
+class FedController:
+    """A controller at the other end of a replay.
+
+    Attributes:
+        feed: What it needs beside the measurements, and what it answered when they were recorded.
+        states: Number of the topic of the measurements in the playlist.
+        chunks: Number of the topic of the reference.
+        commands: Absolute name of the topic of its commands.
+    """
+
+    feed: ControllerFeed
+    states: int
+    chunks: int
+    commands: str
+
+
+class Playlist:
+    """What a replay sends.
+
+    Args:
+        path: A rosbag2 folder or an .mcap file.
+        choice: What of it is played.
+        clock_rate: Messages on /clock per second of the log [Hz]; 0 for none. They tell the log time, and take the
+            place of those that were recorded.
+        feeds_controller: Send the recorded joint_reference ahead of time on joint_reference_ahead, for a controller
+            that answers the recorded measurements; recorded commands and references are not played, unless renamed.
+
+    Attributes:
+        source: The log.
+        topics: Topics; a message names them by their place here.
+        controller: The controller that is fed, None if none is.
+
+    Raises:
+        InputError: There is no such log, topic or time, or nothing is left to be played.
+    """
+
+    def __init__(
+        self, path: Path | str, choice: ReplayChoice, *, clock_rate: float = 0.0, feeds_controller: bool = False
+    ) -> None:
+        made = {_CLOCK: "the replay makes its own"} if clock_rate else {}
+        self._replaced = set(made)
+        self._clock_rate = clock_rate
+        if not feeds_controller:
+            self.source = ReplaySource(path, replace(choice, left_out=made))
+            self.topics: Sequence[PlayedTopic] = self.source.topics
+            self.controller: FedController | None = None
+        else:
+            self._feed(path, choice, made)
+        if clock_rate:
+            self.topics = (*self.topics, _made_topic(_CLOCK, _CLOCK_TYPE, _CLOCK_MESSAGE.size))
+
+    def _feed(self, path: Path | str, choice: ReplayChoice, made: dict[str, str]) -> None:
+        prefix = _only_namespace(ReplaySource(path, replace(choice, remaps={}, left_out=made)))
+        renamed = {absolute_name(name) for name in choice.remaps}
+        own = {f"{prefix}/{name}" for name in ("joint_commands", "joint_reference", "joint_reference_ahead")} - renamed
+        left_out = dict.fromkeys(own, "it comes from the controller that is fed, or from the replay for it")
+        self._replaced |= own
+        self.source = ReplaySource(path, replace(choice, left_out={**made, **left_out}))
+        states = next(i for i, t in enumerate(self.source.topics) if t.recorded.name == f"{prefix}/joint_states")
+        feed = controller_feed(path, prefix.strip("/"))
+        played = self.source.topics[states].name.rsplit("/", 1)[0]
+        largest = max(len(chunk.payload) for chunk in feed.chunks)
+        ahead = _made_topic(f"{played}/joint_reference_ahead", joint_trajectory_message.TYPE, largest)
+        self.topics = (*self.source.topics, ahead)
+        self.controller = FedController(feed, states, len(self.source.topics), f"{played}/joint_commands")
+
+    def messages(self) -> Iterator[ReplayMessage]:
+        """Give all messages in the order of log time; of one time, those that the replay makes come first."""
+        streams = [self.source.messages()]
+        if self.controller is not None:
+            streams.insert(0, self._chunks(self.controller))
+        if self._clock_rate:
+            streams.insert(0, self._clock())
+        return heapq.merge(*streams, key=attrgetter("log_time"))
+
+    def _clock(self) -> Iterator[ReplayMessage]:
+        first, last = self.source.window
+        step, k = NANOSECONDS / self._clock_rate, 0
+        while (time := first + round(k * step)) <= last:
+            message = _CLOCK_MESSAGE.pack(0, 1, 0, 0, *divmod(time, NANOSECONDS))
+            yield ReplayMessage(time, len(self.topics) - 1, message)
+            k += 1
+
+    def _chunks(self, controller: FedController) -> Iterator[ReplayMessage]:
+        first, last = self.source.window
+        for chunk in controller.feed.chunks:
+            if chunk.last_stamp >= first or self.source.window.first == self.source.beginning:
+                yield ReplayMessage(min(max(chunk.log_time, first), last), controller.chunks, chunk.payload)
+
+    def playable(self, refusal: Callable[[PlayedTopic], str]) -> tuple[dict[int, PlayedTopic], dict[str, str]]:
+        """Sort the topics into those that can be published here and the others.
+
+        Args:
+            refusal: Says why a topic cannot be published; nothing if it can.
+
+        Returns:
+            Topics by number, and why each of the others is left out, by name in the log, beside those that the replay
+            was asked to replace.
+
+        Raises:
+            InputError: None is left.
+        """
+        refusals = {i: refusal(topic) for i, topic in enumerate(self.topics)}
+        left_out = {self.topics[i].recorded.name: why for i, why in refusals.items() if why}
+        left = {i: topic for i, topic in enumerate(self.topics) if not refusals[i]}
+        if not any(topic in left.values() for topic in self.source.topics):
+            why = "; ".join(f"{name}: {reason}" for name, reason in left_out.items())
+            raise InputError(f"no topic of {self.source.path} can be played here: {why}")
+        not_played = {name: why for name, why in self.source.not_played.items() if name not in self._replaced}
+        return left, {**not_played, **left_out}
+
+
+def queue_depth(topic: RecordedTopic) -> int:
+    """Number of messages that the publisher of a topic keeps, fewer of large ones."""
+    return min(max(QUEUE_SIZE // max(topic.largest, 1), SMALLEST_QUEUE), LARGEST_QUEUE)
+
+
+def _made_topic(name: str, type_name: str, largest: int) -> PlayedTopic:
+    return PlayedTopic(RecordedTopic(name, type_name, largest=largest), name)
+
+
+def _only_namespace(source: ReplaySource) -> str:
+    """Prefix of the one topic of measurements."""
+    names = [topic.recorded.name for topic in source.topics if topic.recorded.name.endswith("/joint_states")]
+    if len(names) != 1:
+        found = ", ".join(names) or "none"
+        raise InputError(
+            f"to feed a controller from {source.path} one topic joint_states is needed, there is {found}; choose one"
+        )
+    return names[0].removesuffix("/joint_states")

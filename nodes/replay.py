@@ -1,0 +1,253 @@
+"""Replay node: publishes the messages of a log again, at a pace."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from rclpy.duration import Duration
+from sensor_msgs.msg import JointState
+
+from flexros.errors import FlexrosError, InputError
+from flexros.logs.replay.pace import ReplayPace
+from flexros.logs.replay.playlist import Playlist
+from flexros.logs.replay.source import ReplayChoice, read_remaps
+from flexros.logs.stamps import NANOSECONDS
+from flexros_nodes.executable import run_node
+from flexros_nodes.fed_controller import ControllerAnswers
+from flexros_nodes.node_base import Answer, FlexrosNode
+from flexros_nodes.raw_topic import MissingTypeError, installed_class, played_qos
+from flexros_nodes.topic_interface import qos_profile, topic
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from rclpy.publisher import Publisher
+
+    from flexros.logs.replay.file_messages import ReplayMessage
+    from flexros.logs.replay.source import PlayedTopic
+    from flexros_nodes.parameters import Value
+
+LOOK_PERIOD = 5e-4
+"""Period at which the node looks what is due [s], chosen: a message is seldom later than that."""
+
+TURN = 5e-3
+"""Longest time for which it publishes without looking for services [s], chosen."""
+
+GOODBYE_TIMEOUT = 1.0
+"""Longest wait at the end until readers have everything [s], chosen."""
+
+DIAGNOSTICS_PERIOD = 1.0
+"""Period of the diagnostics [s]."""
+
+
+class ReplayNode(FlexrosNode):
+    """A log played again: raw messages in the order of log time, as they were recorded, header stamps included."""
+
+    node_name = "replay"
+    playlist: Playlist | None = None
+    warnings: Sequence[str] = ()
+
+    def configure(self) -> None:
+        """Go through the log, make a publisher for each topic that can be played here, offer pause and resume."""
+        if not self.value("bag"):
+            raise InputError("parameter bag of node replay is empty; give a rosbag2 folder or an .mcap file")
+        self.playlist = playlist = Playlist(
+            Path(self.value("bag")),
+            self._choice(),
+            clock_rate=self.value("clock_rate"),
+            feeds_controller=self.value("feed_controller"),
+        )
+        if playlist.controller is not None and self.value("loop"):
+            raise InputError("a controller takes no stamp twice, so it cannot be fed in a loop; leave out one of both")
+        self._pace = ReplayPace(self._rate())
+        self._answers: ControllerAnswers | None = None
+        self._outlets, left_out = self._announced(playlist)
+        not_played = [f"topic {name} is not played: {why}" for name, why in left_out.items()]
+        self.warnings = [*playlist.source.warnings, *not_played]
+        if playlist.controller is not None:
+            self._hear(playlist.controller.commands)
+        self.offer("pause", self._pause)
+        self.offer("resume", self._resume)
+        for warning in self.warnings if self.tells_errors else ():
+            self.get_logger().warning(warning)
+        self._begin()
+
+    def _choice(self) -> ReplayChoice:
+        end = self.value("to_time")
+        return ReplayChoice(
+            topics=tuple(filter(None, map(str.strip, self.value("topics").split(",")))),
+            remaps=read_remaps(self.value("remaps")),
+            start=self.value("from_time"),
+            end=end if end < 1e9 else None,
+        )
+
+    def _rate(self) -> float:
+        return math.inf if self.value("as_fast_as_possible") else float(self.value("rate"))
+
+    def _announced(self, playlist: Playlist) -> tuple[dict[int, Publisher], dict[str, str]]:
+        """Make the publishers, and say which topics cannot be published here."""
+        types: dict[str, type] = {}
+
+        def refusal(topic: PlayedTopic) -> str:
+            try:
+                types[topic.recorded.type] = installed_class(topic.recorded.type)
+            except MissingTypeError as why:
+                return str(why)
+            return ""
+
+        played, left_out = playlist.playable(refusal)
+        publishers = {}
+        for number, row in played.items():
+            publisher = self.create_publisher(types[row.recorded.type], row.name, played_qos(row.recorded))
+            self._made.append(partial(self.destroy_publisher, publisher))
+            publishers[number] = publisher
+        return publishers, left_out
+
+    def _hear(self, commands: str) -> None:
+        """Subscribe to the commands of the controller that is fed."""
+        profile = qos_profile(topic("joint_commands").subscription_qos)
+        subscription = self.create_subscription(JointState, commands, self._on_command, profile, raw=True)
+        self._made.append(partial(self.destroy_subscription, subscription))
+
+    def _begin(self) -> None:
+        """Stand before the first message."""
+        playlist = self._playing()
+        self._counts = dict.fromkeys(self._outlets, 0)
+        self._turns, self._latest = 0, 0.0
+        self._messages = playlist.messages()
+        self._next = next(self._messages, None)
+        if playlist.controller is not None:
+            self._answers = ControllerAnswers(playlist.controller.feed, self.value("answer_timeout"))
+
+    def _playing(self) -> Playlist:
+        if self.playlist is None:
+            raise InputError("the replay is not configured; configure it first")
+        return self.playlist
+
+    def start(self) -> None:
+        """Begin to play, from the beginning also when the node has played before."""
+        self._begin()
+        self._pace = ReplayPace(self._rate())
+        self._pace.begin(perf_counter() + self.value("start_delay"), self._playing().source.window.first)
+        if self.value("paused"):
+            self._pace.pause(perf_counter())
+        self.every(LOOK_PERIOD, self._play)
+        self.every(DIAGNOSTICS_PERIOD, self.diagnose)
+
+    def parameters_changed(self, values: Mapping[str, Value]) -> None:
+        """Take over another rate."""
+        if "rate" in values and not self.value("as_fast_as_possible"):
+            self._pace.change_rate(float(values["rate"]), perf_counter())
+
+    # Playing.
+
+    def _play(self) -> None:
+        """Send what is due."""
+        stop = perf_counter() + TURN
+        while self._next is not None and not self._waits():
+            now = perf_counter()
+            if (due := self._pace.due(self._next.log_time)) > now or now > stop:
+                return
+            self._latest = max(self._latest, now - due)
+            self._send(self._next, now)
+            self._next = next(self._messages, None)
+        if self._next is None and not self._waits():
+            self._end_turn()
+
+    def _send(self, message: ReplayMessage, now: float) -> None:
+        if (publisher := self._outlets.get(message.topic)) is None:
+            return
+        publisher.publish(message.payload)
+        self.stamp = message.log_time
+        self._counts[message.topic] += 1
+        controller = self._playing().controller
+        if controller is None or self._answers is None:
+            return
+        if message.topic == controller.states:
+            self._answers.sent_state(message.payload, now)
+        elif message.topic == controller.chunks:
+            self._answers.sent_chunk()
+
+    def _end_turn(self) -> None:
+        self._turns += 1
+        if self.value("loop"):
+            playlist = self._playing()
+            self._messages = playlist.messages()
+            self._next = next(self._messages, None)
+            self._pace.begin(perf_counter(), playlist.source.window.first)
+            return
+        patience = perf_counter() + GOODBYE_TIMEOUT
+        for publisher in self._outlets.values():
+            publisher.wait_for_all_acked(Duration(seconds=max(patience - perf_counter(), 0.0)))
+        self.end()
+
+    # The controller that is fed.
+
+    def _waits(self) -> bool:
+        """Tell whether a command is owed; the measurement is sent again when it takes long."""
+        if self._answers is None or not self._answers.waits:
+            return False
+        controller = self._playing().controller
+        state, chunks = self._answers.to_repeat(perf_counter())
+        if state and controller is not None:
+            for chunk in chunks:
+                self._outlets[controller.chunks].publish(chunk)
+            self._outlets[controller.states].publish(state)
+        return True
+
+    def _on_command(self, message: bytes) -> None:
+        if self.active and self._answers is not None:
+            try:
+                if self._answers.take(message):
+                    self._play()
+            except FlexrosError as error:
+                self.end(error)
+
+    # Services and figures.
+
+    def _pause(self) -> Answer:
+        self._pace.pause(perf_counter())
+        return Answer(True, f"paused at {self.position:.3f} s")
+
+    def _resume(self) -> Answer:
+        self._pace.resume(perf_counter())
+        return Answer(True, f"playing from {self.position:.3f} s on")
+
+    @property
+    def position(self) -> float:
+        """Log time of the newest message, after the beginning of what is played [s]."""
+        return max(self.stamp - self._playing().source.window.first, 0) / NANOSECONDS
+
+    @property
+    def duration(self) -> float:
+        """Time of the log that is played [s]."""
+        return self._playing().source.duration
+
+    def figures(self) -> dict[str, float]:
+        """Give what was played, how late at most, and what a controller answered."""
+        topics = self._playing().topics
+        figures: dict[str, float] = {"messages": sum(self._counts.values()), "turns": self._turns}
+        if math.isfinite(self._rate()):
+            figures["latest_ms"] = 1e3 * self._latest
+        figures |= {f"{topics[i].name}.messages": count for i, count in self._counts.items()}
+        if (answers := self._answers) is not None:
+            figures |= {
+                "equal_commands": answers.equal,
+                "different_commands": answers.different,
+                "commands_without_record": answers.unknown,
+                "measurements_repeated": answers.repeats,
+            }
+        return figures
+
+
+def main() -> int:
+    """Run the node as an executable."""
+    return run_node(ReplayNode)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
