@@ -11,6 +11,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,7 @@ class Launch:
 def stand_in(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     launch_stand_in.put_in_place(monkeypatch)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
 
 
 def entry_points() -> tuple[str, ...]:
