@@ -4,7 +4,7 @@ BIN := .venv/bin
 # Set by the ROS 2 wheels of another virtual environment, this would keep those of .venv from finding their libraries.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help demo test lint bench campaign clean python environment
+.PHONY: help demo test lint bench campaign docs clean python environment
 
 help:
 	@echo "make demo    install into .venv, run the circle test over ROS 2 topics, close a gap"
@@ -12,6 +12,7 @@ help:
 	@echo "make lint    style, format and types"
 	@echo "make bench   speed beside a peer measured in the same run"
 	@echo "make campaign  repeated identifications, hours; goes on where it was broken off"
+	@echo "make docs    the guide as pages, in site/"
 	@echo "make clean   remove .venv and all that is made"
 
 demo: environment
@@ -34,6 +35,10 @@ bench: environment
 campaign: environment
 	@$(BIN)/flexros campaign --out docs/results --work bags/campaign
 
+docs: EXTRAS = docs
+docs: environment
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+
 environment: python
 	@$(PYTHON) environment.py $(EXTRAS)
 
@@ -43,5 +48,5 @@ python:
 	echo "FlexROS needs Python 3.10 to 3.13, '$(PYTHON)' is $$found; give another one: make PYTHON=python3.12 ..." >&2; exit 2; }
 
 clean:
-	@rm -rf .venv build install log dist flexros.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	@rm -rf .venv build install log dist site flexros.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	@find . -name __pycache__ -type d -prune -exec rm -rf {} +

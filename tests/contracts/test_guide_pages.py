@@ -1,0 +1,46 @@
+"""The guide as pages: what mkdocs.yml names; `make docs` in .ci/run builds them strictly."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ruamel.yaml import YAML
+
+CHECKOUT = Path(__file__).parents[2]
+DOCS = CHECKOUT / "docs"
+ROOMS = sorted(path.name for path in (CHECKOUT / "flexros").iterdir() if any(path.glob("[!_]*.py")))
+WITHOUT_REFERENCE = {"campaigns": "studies, told by their results", "cli": "told by --help"}
+
+
+def pages(entry: Any) -> list[str]:
+    """List the files of a part of the navigation."""
+    if isinstance(entry, str):
+        return [entry]
+    parts = entry.values() if isinstance(entry, dict) else entry
+    return [page for part in parts for page in pages(part)]
+
+
+@pytest.fixture(scope="module")
+def navigation() -> list[str]:
+    content = YAML(typ="safe").load((CHECKOUT / "mkdocs.yml").read_text(encoding="utf-8"))
+    return pages(content["nav"])
+
+
+def test_pages_exist_and_stand_there_once(navigation: list[str]) -> None:
+    assert [page for page in navigation if not (DOCS / page).is_file()] == []
+    assert len(navigation) == len(set(navigation))
+
+
+def test_results_and_decisions_are_there(navigation: list[str]) -> None:
+    written = {
+        f"{path.parent.name}/{path.name}" for room in ("results", "decisions") for path in DOCS.glob(f"{room}/*.md")
+    }
+    assert written - set(navigation) == set()
+
+
+def test_every_room_has_its_reference(navigation: list[str]) -> None:
+    assert {page for page in navigation if page.startswith("api/")} == {
+        f"api/{room}.md" for room in (*ROOMS, "nodes") if room not in WITHOUT_REFERENCE
+    }
