@@ -13,7 +13,7 @@ from sensor_msgs.msg import JointState
 
 from flexros.errors import FlexrosError, InputError
 from flexros.logs.replay.pace import ReplayPace
-from flexros.logs.replay.playlist import Playlist
+from flexros.logs.replay.playlist import LATEST_STAMP, Playlist
 from flexros.logs.replay.source import ReplayChoice, read_remaps
 from flexros.logs.stamps import NANOSECONDS
 from flexros_nodes.executable import run_node
@@ -162,7 +162,7 @@ class ReplayNode(FlexrosNode):
         if (publisher := self._outlets.get(message.topic)) is None:
             return
         publisher.publish(message.payload)
-        self.stamp = message.log_time
+        self.stamp = min(message.log_time, LATEST_STAMP)
         self._counts[message.topic] += 1
         controller = self._playing().controller
         if controller is None or self._answers is None:

@@ -64,7 +64,7 @@ def hear(node: Any, kind: type, name: str, depth: int = 2000) -> list[bytes]:
     return heard
 
 
-def texts(path: Path, n: int, spacing: float = 0.1, more: str = "") -> Path:
+def texts(path: Path, n: int, spacing: float = 0.1, more: str = "", first: float = 100.0) -> Path:
     """Write a log of texts in steps of time [s], and one message of a type that is nowhere installed."""
     with path.open("wb") as stream:
         writer = Writer(stream)
@@ -74,7 +74,7 @@ def texts(path: Path, n: int, spacing: float = 0.1, more: str = "") -> Path:
         )
         channel = writer.register_channel("/told", "cdr", schema)
         for k in range(n):
-            time = round((100 + k * spacing) * 1e9)
+            time = round((first + k * spacing) * 1e9)
             writer.add_message(channel, time, serialize_message(String(data=f"{k}")), time)
         if more:
             schema = writer.register_schema(more, "ros2msg", b"float64 x\n")
@@ -108,6 +108,18 @@ def test_a_controller_gives_the_recorded_commands_again_in_every_bit(bench: Benc
     assert recorded is not None
     view = JointStateView(recorded.names)
     np.testing.assert_array_equal([view.unpack(message).effort for message in commands], recorded.effort)
+
+
+@pytest.mark.parametrize("scenario", ["two_mass_step", "elbow_moves"])
+def test_so_do_controllers_of_other_laws_and_robots(bench: Bench, tmp_path: Path, scenario: str) -> None:
+    log = closed_loop(Experiment.prepare(load_scenario(scenario)))
+    write_log(log, tmp_path / "log")
+    controller = bench.add(ControllerNode, scenario=scenario, observers=0)
+    player = replay(bench, tmp_path / "log", feed_controller=True)
+    up(controller, player)
+    bench.spin_until(lambda: player.report is not None, 60.0)
+    figures = player.report.figures
+    assert (figures["equal_commands"], figures["different_commands"]) == (len(log.joint_states.stamp), 0)
 
 
 def test_a_controller_with_another_gain_is_found_out(bench: Bench) -> None:
@@ -248,6 +260,14 @@ def test_pause_and_resume_are_services(bench: Bench, tmp_path: Path) -> None:
     assert player.set_parameters([Parameter("rate", value=1000.0)])[0].successful
     ask("resume")
     bench.spin_until(lambda: len(heard) == 5)
+
+
+def test_log_times_that_no_stamp_can_tell_are_played(bench: Bench, tmp_path: Path) -> None:
+    player = replay(bench, texts(tmp_path / "a.mcap", 3, first=1e10), clock_rate=100.0)
+    heard = hear(player, String, "told")
+    up(player)
+    bench.spin_until(lambda: player.report is not None and len(heard) == 3)
+    assert player.report.exit_code == 0
 
 
 def test_a_node_plays_again_after_another_turn_of_its_lifecycle(bench: Bench, tmp_path: Path) -> None:

@@ -68,6 +68,19 @@ def test_bad_input_is_raised(values: dict[str, float], sentence: str) -> None:
         replay_log({"bag": str(SAMPLE), **values})
 
 
+def test_a_controller_in_a_process_of_its_own_gives_the_recorded_commands_again(
+    start_node: Callable[..., subprocess.Popen[str]],
+) -> None:
+    controller = start_node("controller", "scenario:=circle_dae", "observers:=0")
+    try:
+        summary = replay_log({"bag": str(SAMPLE), "as_fast_as_possible": True, "feed_controller": True})
+    finally:
+        controller.send_signal(signal.SIGTERM)
+        _, errors = controller.communicate(timeout=TIMEOUT)
+    assert controller.returncode == 0, errors
+    assert (summary.figures["equal_commands"], summary.figures["different_commands"]) == (762, 0)
+
+
 def test_the_executable_plays_a_log(start_node: Callable[..., subprocess.Popen[str]]) -> None:
     process = start_node("replay", f"bag:={SAMPLE}", "as_fast_as_possible:=true")
     _, errors = process.communicate(timeout=TIMEOUT)

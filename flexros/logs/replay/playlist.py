@@ -24,6 +24,9 @@ _CLOCK = "/clock"
 _CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 _CLOCK_MESSAGE = struct.Struct("<4BiI")
 
+LATEST_STAMP = 2**31 * NANOSECONDS - 1
+"""Last time that a stamp of ROS 2 can tell [ns]; a damaged log may claim later ones."""
+
 SMALLEST_QUEUE, LARGEST_QUEUE = 10, 2000
 """Fewest and most messages that a publisher keeps for slow readers, chosen: one second of a topic at 2 kHz."""
 
@@ -110,7 +113,7 @@ class Playlist:
     def _clock(self) -> Iterator[ReplayMessage]:
         first, last = self.source.window
         step, k = NANOSECONDS / self._clock_rate, 0
-        while (time := first + round(k * step)) <= last:
+        while (time := first + round(k * step)) <= min(last, LATEST_STAMP):
             message = _CLOCK_MESSAGE.pack(0, 1, 0, 0, *divmod(time, NANOSECONDS))
             yield ReplayMessage(time, len(self.topics) - 1, message)
             k += 1

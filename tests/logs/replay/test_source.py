@@ -152,3 +152,36 @@ def test_new_names_are_read() -> None:
 def test_bad_new_names_are_one_sentence(text: str, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
         read_remaps(text)
+
+
+def test_a_log_cut_at_any_byte_gives_a_beginning_of_itself(log: Path) -> None:
+    whole, content = told(ReplaySource(log)), log.read_bytes()
+    lengths = set()
+    for end in range(0, len(content), 11):
+        log.write_bytes(content[:end])
+        try:
+            part = told(ReplaySource(log))
+        except InputError:
+            part = []
+        assert part == whole[: len(part)]
+        lengths.add(len(part))
+    assert len(lengths) > 4
+
+
+def test_damaged_bytes_are_a_warning_or_one_sentence(log: Path) -> None:
+    rng, content = np.random.default_rng(1), log.read_bytes()
+    played = refused = 0
+    for _ in range(150):
+        damaged = bytearray(content)
+        for place in rng.integers(0, len(content), 4).tolist():
+            damaged[place] = int(rng.integers(0, 256))
+        log.write_bytes(damaged)
+        try:
+            source = ReplaySource(log)
+        except InputError:
+            refused += 1
+            continue
+        assert all(0 <= message.topic < len(source.topics) for message in source.messages())
+        played += 1
+    assert played
+    assert refused
