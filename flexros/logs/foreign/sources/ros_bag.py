@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -42,11 +43,7 @@ class RosBag(AbstractSignalSource):
         self._path = path
         self._bag = find_bag_files(path)
         self._topic_of: dict[str, str] = {}
-        seen: Counter[str] = Counter()
-        for topic, _, payload, decode in self._messages(None, []):
-            seen[topic] += 1
-            if seen[topic] > LOOKED_AT:
-                continue
+        for topic, _, payload, decode in self._messages(None, [], LOOKED_AT):
             try:
                 message = decode(payload)
             except MessageError:
@@ -75,8 +72,11 @@ class RosBag(AbstractSignalSource):
             notes = []  # what holds of the whole bag is said once
         return read
 
-    def _messages(self, topics: set[str] | None, notes: list[str]) -> Iterator[tuple[str, int, bytes, Decode]]:
-        """Give topic, time of recording [ns], payload and decoder of all messages that can be decoded."""
+    def _messages(
+        self, topics: set[str] | None, notes: list[str], most: int = sys.maxsize
+    ) -> Iterator[tuple[str, int, bytes, Decode]]:
+        """Give topic, time of recording [ns], payload and decoder of the first messages of each topic."""
+        seen: Counter[str] = Counter()
         for file in self._bag.files:
             scan = McapScan(file)
             decoders: dict[int, Decode | None] = {}
@@ -90,7 +90,8 @@ class RosBag(AbstractSignalSource):
                         decoders[channel.schema_id] = _decoder(scan, channel.schema_id, channel.message_encoding)
                     if (decode := decoders[channel.schema_id]) is None:
                         continue
-                    rows = np.flatnonzero(block.headers["channel"] == number)
+                    rows = np.flatnonzero(block.headers["channel"] == number)[: most - seen[topic]]
+                    seen[topic] += len(rows)
                     log_times = block.headers["log_time"][rows].tolist()
                     for time, payload in zip(log_times, payloads_of(block, rows), strict=True):
                         yield topic, time, payload, decode
