@@ -182,7 +182,7 @@ def test_what_cannot_be_is_said_before_anything_starts(name: str, given: dict[st
         Launch(name, **given)
 
 
-def started(node: Node) -> subprocess.Popen[str]:
+def started(node: Node) -> subprocess.Popen[bytes]:
     """Start a node as launch_ros does, by our own executables."""
     arguments = ["-r", f"__node:={node.name}"]
     arguments += ["-r", f"__ns:=/{node.namespace}"] if node.namespace else []
@@ -192,7 +192,8 @@ def started(node: Node) -> subprocess.Popen[str]:
         arguments += ["-p", f"{name}:={str(value).lower() if isinstance(value, bool) else value}"]
     command = [sys.executable, "-m", f"flexros_nodes.{node.executable}", "--ros-args", *arguments]
     environment = {**os.environ, "PYTHONPATH": str(CHECKOUT)}
-    return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
+    with Path(f"{node.namespace}_{node.name}.said").open("w") as said:
+        return subprocess.Popen(command, env=environment, stderr=said)
 
 
 @pytest.mark.usefixtures("ros_domain")
@@ -206,12 +207,14 @@ def test_robots_side_by_side_do_not_hear_each_other(tmp_path: Path, log_differen
     processes = [started(node) for node in launch.nodes]
     plants = [process for node, process in zip(launch.nodes, processes) if node.name == "plant"]
     try:
-        said = [plant.communicate(timeout=60)[1] for plant in plants]
+        for plant in plants:
+            plant.wait(60)
     finally:
         for process in processes:
             process.send_signal(signal.SIGINT)
-        codes = [process.wait(20) for process in processes]
-    assert codes == [0] * 8, said
+        ends = [(process.args[2], process.wait(20)) for process in processes]
+    said = "\n".join(path.read_text() for path in tmp_path.glob("*.said"))
+    assert {code for _, code in ends} == {0}, f"{ends}\n{said}"
     for side, file in robots.items():
         run = read_log(tmp_path / "logs" / side)
         alone = closed_loop(Experiment.prepare(load_scenario(file)))
