@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from flexros.effects.bristle_friction import AbstractBristleFriction, Bristle
 from flexros.effects.ranges import Range
-from flexros.effects.stribeck_friction import hump
+from flexros.effects.stribeck_friction import GAUSSIAN, hump
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,9 +27,9 @@ class PreslidingFriction(AbstractBristleFriction):
     """LuGre friction at a motor, without its viscous term (Canudas de Wit 1995; Moberg 2007, eq. 3.15).
 
     With bristle deflection z, speed v, stiffness s0 and damping s1 the torque against the motion is s0 z + s1 dz/dt,
-    where dz/dt = v - s0 |v| z / g(v) and g(v) = level + extra exp(-(v / velocity)^2). Steady sliding has torque g(v);
-    below break-away the motor moves as on a spring of stiffness s0. How it is solved: `bristle_friction`, of order two
-    in the integration step where it resolves the motion.
+    where dz/dt = v - s0 |v| z / g(v) and g(v) = level + extra exp(-|v / velocity|^exponent). Steady sliding has torque
+    g(v); below break-away the motor moves as on a spring of stiffness s0. How it is solved: `bristle_friction`, of
+    order two in the integration step where it resolves the motion.
     """
 
     name: ClassVar[str] = "presliding_friction"
@@ -42,22 +42,24 @@ class PreslidingFriction(AbstractBristleFriction):
     extends: ClassVar[Mapping[str, Mapping[str, str]]] = MappingProxyType(
         {
             "coulomb_friction": MappingProxyType({"level": "level"}),
-            "stribeck_friction": MappingProxyType({"extra": "extra", "velocity": "velocity"}),
+            "stribeck_friction": MappingProxyType({"extra": "extra", "velocity": "velocity", "exponent": "exponent"}),
         }
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
-            "level": Range("torque", 1e-6, 1.0, starts=5),
+            "level": Range("torque", 1e-6, 1.0, starts=1),
             "extra": Range("torque", 1e-7, 1.0, starts=1),
             "velocity": Range("speed", 1e-3, 1.0, starts=1),
-            "stiffness": Range("torque/angle", 1e-3, 1e6, starts=5),
-            "damping": Range("torque/speed", 1e-6, 1.0, starts=1),
+            "exponent": Range("relative", 0.5, 4.0, starts=1, source="that of Stribeck friction"),
+            "stiffness": Range("torque/angle", 1e-3, 1e6, starts=9),
+            "damping": Range("torque/speed", 1e-6, 10.0, starts=3),
         }
     )
 
     level: float = Field(0.0, ge=0.0, description="Coulomb level, reached at high speed [Nm or N]")
     extra: float = Field(0.0, ge=0.0, description="level at standstill beyond that of high speed [Nm or N]")
     velocity: float = Field(0.0, ge=0.0, description="Stribeck velocity of the motor [rad/s or m/s]")
+    exponent: float = Field(GAUSSIAN, gt=0.0, le=8.0, description="shape of the Stribeck hump [1]; 2 is Gaussian")
     stiffness: float = Field(0.0, ge=0.0, description="bristle stiffness s0 at the motor [Nm/rad or N/m]")
     damping: float = Field(0.0, ge=0.0, description="bristle damping s1 at the motor [Nm s/rad or N s/m]")
 
@@ -74,7 +76,7 @@ class PreslidingFriction(AbstractBristleFriction):
 
     def bristle(self, speed: ca.SX, values: Mapping[str, Value]) -> Bristle:
         """Evaluate the Stribeck curve."""
-        level = values["level"] + hump(speed, values["extra"], values["velocity"])
+        level = values["level"] + hump(speed, values["extra"], values["velocity"], values["exponent"])
         return Bristle(ca.SX(level), values["stiffness"], values["damping"])
 
     def visible(self, noise: float) -> bool:

@@ -69,7 +69,9 @@ def diagnose(
     stages.begin("causes", 0.85)
     explanations = explain(search)
     stages.begin("held-out data", 0.95)
-    found = Findings(model, data, held_data, explanations)
+    nothing = explanations.evidence.nothing
+    held_data = held_data.tool_seen_by(nothing.predictor, nothing.theta)
+    found = Findings(model, search.data, held_data, explanations)
     stages.begin("places", 1.0)
     before = found.explanation(explanations.evidence.nothing)
     places = _places(found, before, numbers.seed) if numbers.where else None

@@ -85,6 +85,11 @@ class Evidence:
         """Tell whether a fit leaves more than noise."""
         return self.level(one) - 1.0 > SIGNIFICANT * self.spread
 
+    def strained(self, one: Fit) -> bool:
+        """Tell whether a fit moves tolerated numbers farther than their tolerances make it by chance."""
+        number = len(one.predictor.tolerance.names)
+        return one.price - number > SIGNIFICANT * float(np.sqrt(2.0 * number))
+
     def left(self, one: Fit) -> float:
         """Return the share of the gap that a fit leaves [1]; zero where what it leaves is not significant."""
         if not self.significant(one):

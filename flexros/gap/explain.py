@@ -21,7 +21,7 @@ MOST_EFFECTS = 4
 """Most effects in one explanation (chosen)."""
 FIRSTS = 3
 """Best explanations that a further effect is added to (chosen)."""
-REMOVED = 0.5
+REMOVED = 0.4
 """Share of what is left that a further effect must remove; spurious ones remove up to 0.3 (development seeds)."""
 REMOVED_OF_ALL = 0.3
 """Share of all that is left that a further effect must remove on a real machine [1] (chosen)."""
@@ -66,7 +66,7 @@ def explain(search: Search) -> Explanations:
     """
     nothing = search.nothing()
     sizes = search.yardsticks(nothing)
-    singles = unique(search.singles(nothing, search.suspects(nothing, sizes)))
+    singles = unique(search.singles(nothing, (*search.suspects(sizes), *search.waves(nothing))))
     evidence = _evidence(search, nothing, singles)
     if not evidence.detected:
         return _explanations(evidence, nothing, detected=False)
@@ -97,12 +97,15 @@ def _backward(search: Search, best: Fit, found: list[Fit], nothing: Fit, sizes: 
 
 
 def _left(search: Search, evidence: Evidence, chosen: Fit) -> bool:
-    """Tell whether an explanation leaves anything to explain; that of a real machine always does."""
-    return evidence.significant(chosen) or search.data.record.imported
+    """Tell whether an explanation leaves anything to explain; that of a real machine always does.
+
+    Also one that takes more than the tolerances of the model to be true.
+    """
+    return evidence.significant(chosen) or evidence.strained(chosen) or search.data.record.imported
 
 
 def _worth(search: Search, evidence: Evidence, before: Fit, after: Fit) -> bool:
-    """Tell whether one more effect is worth it: it removes most of what is left.
+    """Tell whether one more effect is worth it: it removes a good part of what is left, or of strained tolerances.
 
     On a real machine, where the floor is a matter of tolerance, it must remove a good part of all.
     """
@@ -110,7 +113,8 @@ def _worth(search: Search, evidence: Evidence, before: Fit, after: Fit) -> bool:
         return False
     if search.data.record.imported:
         return evidence.level(after) < (1 - REMOVED_OF_ALL) * evidence.level(before)
-    return evidence.removed(before, after) >= REMOVED
+    relieved = evidence.strained(before) and after.price < (1 - REMOVED) * before.price
+    return relieved or evidence.removed(before, after) >= REMOVED
 
 
 def _evidence(search: Search, nothing: Fit, fits: Sequence[Fit]) -> Evidence:

@@ -11,7 +11,7 @@ import numpy as np
 from flexros.effects import PlacedEffect
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.diagnosis_file import GapNumbers, Place
-from flexros.gap.evidence import Evidence
+from flexros.gap.evidence import SIGNIFICANT, Evidence
 from flexros.gap.explain import RIVAL, UNEXPLAINED
 from flexros.gap.fitted_numbers import placed
 from flexros.gap.how_far import closed_fraction, errors_ahead
@@ -77,9 +77,15 @@ class Findings:
 
     @cached_property
     def held_out_left(self) -> float:
-        """Share of the gap that the explanation leaves in the held-out log [1]; zero where that is not significant."""
-        held = self._on_held(self.explanations.chosen)
-        return self._held_evidence.left(held) if self.held_out_gap else 0.0
+        """Share of the gap that the explanation leaves in the held-out log [1]; zero where that is not significant.
+
+        Above 1 where it predicts that log worse than the nominal model does.
+        """
+        held, evidence = self._on_held(self.explanations.chosen), self._held_evidence
+        if not evidence.significant(held):
+            return 0.0
+        before = max(evidence.level(evidence.nothing) - 1.0, SIGNIFICANT * evidence.spread)
+        return (evidence.level(held) - 1.0) / before
 
     def held_gain(self, one: Fit) -> float:
         """Return twice the gain in log-likelihood over the nominal model in the held-out log; -inf if it runs away."""

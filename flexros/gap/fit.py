@@ -53,6 +53,11 @@ class Fit:
     iterations: int = 0
     converged: bool = False
 
+    @property
+    def price(self) -> float:
+        """Sum of the squared tolerated deviations in standard deviations [1], a part of `chi2`."""
+        return float(np.sum(self.theta[self.predictor.n_effect :] ** 2))
+
 
 def chi2_of(predictor: Predictor, data: FitData, thetas: FloatArray) -> FloatArray:
     """Evaluate the sum of squares for many sets of numbers.
@@ -82,8 +87,7 @@ def starts_of(predictor: Predictor) -> FloatArray:
     Returns:
         Numbers, shape (n_fitted, starts); tolerated deviations are zero.
     """
-    numbers = [[one.encode(value) for value in one.starts] for suspect in predictor.hypothesis for one in suspect.free]
-    combinations = list(product(*numbers))
+    combinations = [sum(parts, ()) for parts in product(*(suspect.starts() for suspect in predictor.hypothesis))]
     grid = np.array(combinations, dtype=float).reshape(len(combinations), predictor.n_effect)
     kept = np.unique(np.linspace(0, len(grid) - 1, min(len(grid), MOST_STARTS)).round().astype(int))
     starts = grid[kept].T

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,17 +65,24 @@ class Suspect:
         location: Its place.
         free: The numbers that are fitted.
         fixed: Other numbers of it that are not at their defaults.
+        together: Whether the starts of the numbers belong together, one of each; else all combinations count.
     """
 
     effect: type[AbstractEffect]
     location: str
     free: tuple[FreeParameter, ...]
     fixed: tuple[tuple[str, float | bool], ...] = ()
+    together: bool = False
 
     @property
     def name(self) -> str:
         """Effect and place, e.g. "coulomb_friction@motor_1"."""
         return f"{self.effect.name}@{self.location}"
+
+    def starts(self) -> list[tuple[float, ...]]:
+        """List the numbers from which a fit starts, as it moves them."""
+        numbers = [[one.encode(value) for value in one.starts] for one in self.free]
+        return list(zip(*numbers, strict=True) if self.together else product(*numbers))
 
     def placed(self, values: Mapping[str, float]) -> PlacedEffect:
         """Make the effect with numbers.

@@ -41,8 +41,9 @@ kept (chosen)."""
 DIFFERS = 0.2
 """Relative difference from the robot file that is told (chosen)."""
 
-JITTER_SEEN = 5.0
-"""Slope of the noise power over the squared speed, in standard deviations, from which it is jitter (chosen)."""
+JITTER_SEEN, JITTER_OF_EACH = 4.0, 2.0
+"""Slope of the noise power over the squared speed, in standard deviations, from which it is jitter: of all motors
+together, and of each (chosen)."""
 
 LEAST_JITTER = 1e-3
 """Jitter in samples from which it matters (chosen)."""
@@ -202,8 +203,9 @@ def _above_band(
         variance[motor], slope, spread = _line(square, power)
         slopes.append(slope)
         spreads.append(spread)
-    seen = np.array(slopes) > JITTER_SEEN * np.array(spreads)
-    if not np.all(seen):  # a clock jitters for all motors alike; the rest is fast motion of one
+    shown = np.array(slopes) / np.maximum(np.array(spreads), 1e-300)
+    # a clock jitters for all motors alike; the rest is fast motion of one
+    if not (np.all(shown > JITTER_OF_EACH) and np.linalg.norm(shown) > JITTER_SEEN):
         return variance, 0.0
     weight = 1 / np.maximum(np.array(spreads), 1e-300) ** 2
     jitter = float(np.sqrt(max(float(weight @ np.array(slopes) / weight.sum()), 0.0)))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
+import casadi as ca
 import numpy as np
 from scipy.fft import next_fast_len
 from scipy.linalg import expm
@@ -13,6 +14,7 @@ from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, lfilter
 
 from flexros.robot.linearise import linear_model
+from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
@@ -73,8 +75,10 @@ class OrderSearch:
         self.robot, self.data = robot, data
         self._residual = residual[: data.spread.size].reshape(robot.n_motors, -1).T
         self._states = states
-        self._linear = linear_model(robot, q_a)
-        self._eigenvalues, self._modes = np.linalg.eig(data.gain.transition)
+        self._linear = linear_model(_with_mean_stiffness(robot, states), q_a)
+        A, _, measurement, _ = self._linear.matrices()
+        correct = np.eye(len(A)) - data.gain.gain @ measurement[: robot.n_motors]
+        self._eigenvalues, self._modes = np.linalg.eig(expm(A * data.record.sample_time) @ correct)
 
     def search(self, motor: int, entry: Entry, number: int = 2) -> tuple[PeriodicFit, ...]:
         """Find the best orders.
@@ -129,7 +133,19 @@ class OrderSearch:
         return min(HIGHEST, 2 * np.pi * MOST_SPEED / max(fastest, 1e-12))
 
     def _factor(self, motor: int, entry: Entry) -> FloatArray | float:
-        return self.data.record.torque[:, motor] if entry == "proportional torque" else 1.0
+        """Return what the wave is multiplied with where it enters: the torque, or the stiffness over the linear one."""
+        if entry == "proportional torque":
+            return self.data.record.torque[:, motor]
+        return self._stiffening(motor) if entry == "gear" else 1.0
+
+    def _stiffening(self, motor: int) -> FloatArray | float:
+        """Return the local stiffness of a gear along the motion over that of the linear model, shape (n,)."""
+        chain = self.robot.chain
+        index, place = chain.geared[motor], chain.motor_places[motor]
+        linear = -float(self._linear.stiffness[index, place])
+        if index == place or not linear > 0:
+            return 1.0
+        return _local_stiffness(self.robot, index, self._states) / linear
 
     def _source(self, motor: int, entry: Entry) -> tuple[FloatArray, FloatArray]:
         """Return the input column G of the error dynamics and the feed-through D of an entry."""
@@ -186,6 +202,31 @@ class OrderSearch:
 
     def _weighted(self, errors: FloatArray) -> FloatArray:
         return self.data.weighted(errors[:, :, None])[:, 0]
+
+
+def _with_mean_stiffness(robot: Robot, states: FloatArray) -> Robot:
+    """Scale the springs that are not linear so that they have, at rest, their mean stiffness along a motion."""
+    values = {}
+    for index, joint in enumerate(robot.chain.joints):
+        spring = joint.direction.spring
+        if isinstance(spring, Spring) and (spring.piecewise_linear is not None or spring.cubic is not None):
+            along, name = _local_stiffness(robot, index, states), f"{joint.name}.stiffness"
+            (at_rest,) = _local_stiffness(robot, index, np.zeros((1, states.shape[1])))
+            if at_rest > 0:
+                values[name] = robot.parameters[name].value * float(along.mean() / at_rest)
+    return robot.with_values(values) if values else robot
+
+
+def _local_stiffness(robot: Robot, index: int, states: FloatArray) -> FloatArray:
+    """Evaluate the slope of a spring at the deflections of states [q, v], shape (n,)."""
+    joint = robot.chain.joints[index]
+    spring, deflection = joint.direction.spring, ca.SX.sym("deflection")
+    assert isinstance(spring, Spring)
+    torque = spring.force(deflection, robot.parameters[f"{joint.name}.stiffness"].value)
+    slope = ca.Function("slope", [deflection], [ca.jacobian(torque, deflection)])
+    motor = joint.motor_coordinate
+    deflections = (0.0 if motor is None else states[:, robot.n_arm + motor]) - states[:, index]
+    return np.asarray(slope(np.abs(deflections)[None])).ravel()
 
 
 def angle_spectrum(signal: FloatArray, angle: FloatArray, highest: float) -> tuple[FloatArray, FloatArray]:

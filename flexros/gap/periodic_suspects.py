@@ -9,8 +9,11 @@ import numpy as np
 from flexros.effects import effects
 from flexros.gap.hypothesis import FreeParameter, Suspect
 from flexros.gap.orders import OrderSearch
+from flexros.gap.predictor import LANES
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import FloatArray
     from flexros.gap.fit_data import FitData
     from flexros.gap.orders import Entry, PeriodicFit
@@ -27,9 +30,11 @@ LARGEST_PROPORTIONAL = 0.99
 
 
 def periodic_suspects(
-    robot: Robot, data: FitData, residual: FloatArray, states: FloatArray, number: int = 1
+    robot: Robot, data: FitData, residual: FloatArray, states: FloatArray, number: int = LANES
 ) -> tuple[Suspect, ...]:
     """List periodic effects at every motor with the orders that fit best.
+
+    The search for orders is linear, so that nonlinear robots rank the orders otherwise: many are tried.
 
     Args:
         robot: The nominal robot.
@@ -39,7 +44,7 @@ def periodic_suspects(
         number: Orders per effect and motor.
 
     Returns:
-        Suspects, each with one start: the wave of its order that fits best.
+        Suspects, each with a start per wave.
     """
     search = OrderSearch(robot, data, residual, states, data.pose)
     found: list[Suspect] = []
@@ -51,15 +56,17 @@ def periodic_suspects(
             for entry, fixed in ways:
                 waves = search.search(robot.joint_names.index(location), entry, number)
                 most = LARGEST_PROPORTIONAL if fixed else float("inf")
-                found += [Suspect(effect, location, _free(wave, most), fixed) for wave in waves]
+                if waves:
+                    found.append(Suspect(effect, location, _free(waves, most), fixed, together=True))
     return tuple(found)
 
 
-def _free(wave: PeriodicFit, most: float) -> tuple[FreeParameter, ...]:
-    amplitude = min(max(wave.amplitude, 1e-15), most)
-    high = min(amplitude * 1e4, most)
+def _free(waves: Sequence[PeriodicFit], most: float) -> tuple[FreeParameter, ...]:
+    amplitudes = tuple(min(max(wave.amplitude, 1e-15), most) for wave in waves)
+    orders, phases = tuple(wave.order for wave in waves), tuple(wave.phase for wave in waves)
+    high = min(max(amplitudes) * 1e4, most)
     return (
-        FreeParameter("amplitude", amplitude * 1e-4, high, signed=False, starts=(amplitude,)),
-        FreeParameter("order", wave.order / 1.5, wave.order * 1.5, signed=False, starts=(wave.order,)),
-        FreeParameter("phase", 0.0, 2 * np.pi, signed=True, starts=(wave.phase,)),
+        FreeParameter("amplitude", min(amplitudes) * 1e-4, high, signed=False, starts=amplitudes),
+        FreeParameter("order", min(orders) / 1.5, max(orders) * 1.5, signed=False, starts=orders),
+        FreeParameter("phase", 0.0, 2 * np.pi, signed=True, starts=phases),
     )

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 FARTHEST = 5.0
 """Largest deviation that counts as tolerated, in standard deviations of the tolerance [1] (chosen)."""
+MOST_LOGARITHM = 50.0
+"""Largest logarithm of a factor on a number of the robot, for fits that run away [1] (chosen)."""
 LANES = 8
 """Parameter sets that are predicted side by side [1]."""
 LONGEST_STEP = 5e-4
@@ -194,7 +196,7 @@ class Predictor:
         values = self.values(theta)
         robot = dict.fromkeys(self._robot_names, 1.0)
         for name, sd, deviation in zip(self.tolerance.names, self.tolerance.deviations, theta[self.n_effect :]):
-            robot[name] *= float(np.exp(sd * deviation))
+            robot[name] *= float(np.exp(np.clip(sd * deviation, -MOST_LOGARITHM, MOST_LOGARITHM)))
         nominal = {name: self.robot.parameters[name].value for name in robot}
         robot = {name: factor * nominal[name] for name, factor in robot.items()}
         laws: list[float] = []

@@ -15,6 +15,7 @@ from flexros.gap.fitted_numbers import placed
 from flexros.gap.hypothesis import suspects
 from flexros.gap.periodic_suspects import periodic_suspects
 from flexros.gap.predictor import LANES, Predictor
+from flexros.gap.relief import with_relief
 from flexros.gap.tolerance import Tolerance
 from flexros.gap.yardsticks import yardsticks
 
@@ -72,10 +73,16 @@ class Search:
         )
 
     def nothing(self) -> Fit:
-        """Fit the nominal model; what moves is what is known with a tolerance only."""
+        """Fit the nominal model; what moves is what is known with a tolerance only.
+
+        The frame of a tool tracker is estimated again with it, which the data of the search have from then on.
+        """
         predictor = self.predictor(())
-        start = np.zeros(predictor.n_fitted)
-        return fit(predictor, self.data, start, NULL)
+        found = fit(predictor, self.data, np.zeros(predictor.n_fitted), NULL)
+        if self.data.tool is None or not predictor.n_fitted:
+            return found
+        self.data = self.data.tool_seen_by(predictor, found.theta)
+        return fit(predictor, self.data, found.theta, NULL)
 
     def states(self, found: Fit) -> FloatArray:
         """Predict the states of a fitted hypothesis, shape (n, n_states)."""
@@ -95,17 +102,23 @@ class Search:
         """Take the largest torques, speeds and deflections from the log."""
         return yardsticks(self.model.robot, self.states(found), self.data.record.torque)
 
-    def suspects(self, found: Fit, sizes: Yardsticks) -> tuple[Suspect, ...]:
-        """List what may be there: by ranges, and by orders that the errors of what was found repeat with.
+    def suspects(self, sizes: Yardsticks) -> tuple[Suspect, ...]:
+        """List what may be there by ranges: all but what repeats with the turning of a rotor.
+
+        Args:
+            sizes: Largest torques, speeds and deflections of the log.
+        """
+        tool = self.data.tool is not None
+        among = suspects(self.model.robot, sizes)
+        return tuple(one for one in among if tool or not issubclass(one.effect, AbstractToolError))
+
+    def waves(self, found: Fit) -> tuple[Suspect, ...]:
+        """List what may be there by the orders of rotors that the errors of what was found repeat with.
 
         Args:
             found: What was found.
-            sizes: Largest torques, speeds and deflections of the log.
         """
-        waves = periodic_suspects(self.model.robot, self.data, self.residual(found), self.states(found))
-        among = (*suspects(self.model.robot, sizes), *waves)
-        tool = self.data.tool is not None
-        return tuple(one for one in among if tool or not issubclass(one.effect, AbstractToolError))
+        return periodic_suspects(self.model.robot, self.data, self.residual(found), self.states(found))
 
     def singles(self, nothing: Fit, among: Sequence[Suspect]) -> list[Fit]:
         """Fit every suspect alone: all for a few iterations, the best ones to the end.
@@ -153,7 +166,7 @@ class Search:
             if free.name in shared:
                 starts[number] = free.encode(values[shared[free.name]])
         starts[predictor.n_effect :] = simple.theta[simple.predictor.n_effect :, None]
-        return self._from_grid(predictor, starts)
+        return self._from_grid(predictor, np.unique(starts, axis=1))
 
     def _from_grid(self, predictor: Predictor, starts: FloatArray) -> Fit:
         """Fit from the best start for a few iterations, and from the second best where it is not far worse."""
@@ -195,14 +208,21 @@ class Search:
         def promises(suspect: Suspect) -> list[tuple[float, FloatArray]]:
             return self._promises(suspect, nothing, plain, lines)
 
-        among = self.suspects(firsts[0], sizes)
-        screened = self._parallel("further effects", promises, among)
+        among: list[tuple[Suspect, int | None]] = [
+            (suspect, place) for place, first in enumerate(firsts) for suspect in self.waves(first)
+        ]
+        among += [(suspect, None) for suspect in self.suspects(sizes)]
+        screened = self._parallel("further effects", lambda pair: promises(pair[0]), among)
         pairs: list[tuple[Fit, Suspect, FloatArray]] = []
         for place, first in enumerate(firsts):
             held = {suspect.name for suspect in first.predictor.hypothesis}
-            order = np.argsort([-found[place][0] for found in screened], kind="stable")
-            others = [number for number in order if among[number].name not in held][:SECONDS]
-            pairs += [(first, among[number], screened[number][place][1]) for number in others]
+            options = [
+                (suspect, *with_relief(suspect, first, *found[place]))
+                for (suspect, only), found in zip(among, screened)
+                if only in (None, place) and suspect.name not in held
+            ]
+            options.sort(key=lambda option: -option[1])
+            pairs += [(first, suspect, theta) for suspect, _, theta in options[:SECONDS]]
         return self._visible(
             self._finished(self._parallel("effects together", lambda pair: self._together(*pair), pairs))
         )
@@ -234,11 +254,9 @@ class Search:
                     lowered[place], chosen[place] = falls[lane], starts[: predictor.n_effect, begin + lane]
         return list(zip(promised.tolist(), chosen))
 
-    def _together(self, first: Fit, suspect: Suspect, start: FloatArray) -> Fit:
+    def _together(self, first: Fit, suspect: Suspect, theta: FloatArray) -> Fit:
         """Fit an explanation together with another suspect."""
         predictor = self.predictor((*first.predictor.hypothesis, suspect))
-        n_first = first.predictor.n_effect
-        theta = np.concatenate([first.theta[:n_first], start, first.theta[n_first:]])
         return fit(predictor, self.data, theta, SOME, self.tolerance_slopes)
 
     def _parallel(self, stage: str, work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:

@@ -56,3 +56,10 @@ def test_substeps_converge_with_order_two_while_it_slides() -> None:
     assert np.min(exact) > 0.02
     errors = [np.max(np.abs(path(substeps) - exact)) for substeps in (1, 2, 4)]
     assert np.all(np.log2(np.array(errors[:-1]) / errors[1:]) > 1.8)
+
+
+def test_the_exponent_shapes_the_hump() -> None:
+    effect = StribeckFriction(extra=40.0, velocity=0.1, exponent=0.8)
+    for speed in (0.0, 0.02, -0.3):
+        level = effect.levels(MotorState(ca.SX(0), ca.SX(0), ca.SX(speed), ca.SX(0)), effect.numbers).forward
+        assert float(ca.DM(level)) == pytest.approx(40.0 * np.exp(-(abs(speed / 0.1) ** 0.8)))

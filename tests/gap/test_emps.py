@@ -104,7 +104,7 @@ def under_pulses(robot: Robot) -> tuple[Search, Fit, Mapping[str, Suspect]]:
     model = RobotWithEffects(robot, ())
     data = fit_data(record_of("DATA_EMPS_PULSES.mat").part(0, 8000), model, DiagnosisSettings())
     search = Search(model, data)
-    among = {one.name: one for one in search.suspects(search.nothing(), search.yardsticks(search.nothing()))}
+    among = {one.name: one for one in search.suspects(search.yardsticks(search.nothing()))}
     predictor = search.predictor((among["coulomb_friction@motor_1"], among["viscous_friction@motor_1"]))
     starts = starts_of(predictor)
     best = np.argsort(chi2_of(predictor, data, starts))[:3]

@@ -8,6 +8,7 @@ import pytest
 from flexros.gap.evidence import Evidence, is_plain
 from flexros.gap.fit import Fit
 from flexros.gap.hypothesis import Suspect
+from flexros.gap.tolerance import Tolerance
 
 from .diagnosis_logs import predictor_of, suspects_of
 
@@ -76,7 +77,7 @@ def test_gain_is_twice_the_gain_in_likelihood_less_the_information_criterion() -
     one = fitted(1.0, STRIBECK)
     found = evidence(1.2, one)
     assert found.gain(one) == pytest.approx(N * np.log(1.2))
-    assert found.penalty(one) == pytest.approx(2 * np.log(N))
+    assert found.penalty(one) == pytest.approx(3 * np.log(N))
     assert found.score(one) == pytest.approx(found.gain(one) - found.penalty(one))
 
 
@@ -102,3 +103,13 @@ def test_numbers_of_the_model_are_plain_and_laws_are_not() -> None:
 
     assert all(is_plain(one(name)) for name in (STIFFNESS, "motor_inertia_error@motor_1", "payload_error@tool"))
     assert not any(is_plain(one(name)) for name in (COULOMB, "backlash@motor_1", "extra_mode@tool"))
+
+
+def test_tolerances_are_strained_beyond_what_chance_makes_of_as_many() -> None:
+    names = ("body_1.rz.stiffness", "body_2.rz.stiffness", "body_3.rz.stiffness")
+    predictor = predictor_of(tolerance=Tolerance(names, (0.03, 0.03, 0.03)))
+    near, far = (Fit(predictor, np.array(theta), 1.0 * N) for theta in ([1.0, -2.0, 1.5], [0.5, 4.5, 0.0]))
+    assert near.price == pytest.approx(7.25)
+    assert not evidence(1.0).strained(near)
+    assert evidence(1.0).strained(far)
+    assert not evidence(1.0).strained(fitted(1.0))

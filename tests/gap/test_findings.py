@@ -66,6 +66,9 @@ def test_an_explanation_that_does_not_hold_on_other_data_is_none() -> None:
     assert found.explanations.left == 0.0
     assert found.held_out_left > 0.1
     assert found.verdict == "unknown_effect"
+    worse = findings(wrong, [], [1.0])  # the held-out log has no gap but with what was found in the other
+    assert not worse.held_out_gap
+    assert worse.held_out_left > 1.0
 
 
 @pytest.mark.parametrize(("probabilities", "verdict"), [([0.6, 0.4], "ambiguous"), ([0.9, 0.1], "explained")])

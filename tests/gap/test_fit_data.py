@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from flexros.effects import RobotWithEffects
 from flexros.gap.fit_data import fit_data
 from flexros.gap.record import GapRecord, ToolRecord
 from flexros.gap.settings import DiagnosisSettings
 
-from .diagnosis_logs import MODEL, data_of, numbers, predictor_of, record_of, suspects_of
+from .diagnosis_logs import MODEL, ROBOT, data_of, numbers, predictor_of, record_of, suspects_of
 
 
 def test_errors_that_do_not_count_are_zero() -> None:
@@ -83,3 +84,16 @@ def test_a_log_that_begins_in_motion_starts_with_its_state() -> None:
     residual = data.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
     assert data.record.n_samples < part.n_samples
     assert residual @ residual / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
+
+
+def test_the_frame_of_a_tracker_is_that_of_the_prediction_it_is_seen_by() -> None:
+    data = data_of(tool=True)
+    softer = ROBOT.with_values({"body_1.rz.stiffness": 0.9 * ROBOT.parameters["body_1.rz.stiffness"].value})
+    other = predictor_of(model=RobotWithEffects(softer, ()))
+    again, same = (data.tool_seen_by(one, np.zeros(0)) for one in (other, predictor_of()))
+    assert data.tool is not None
+    assert again.tool is not None
+    assert same.tool is not None
+    np.testing.assert_allclose(same.tool.position, data.tool.position)
+    assert not np.allclose(again.tool.position, data.tool.position, atol=1e-9)
+    assert data_of().tool_seen_by(other, np.zeros(0)) is data_of()

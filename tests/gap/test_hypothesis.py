@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -90,3 +92,10 @@ def test_hypotheses_are_named_by_effects_and_places() -> None:
     pair = tuple(Suspect(effects()[name], place, ()) for name, place in (("backlash", "motor_1"), ("delay", "all")))
     assert name_of(pair) == "backlash@motor_1 + delay@all"
     assert name_of(()) == "nothing"
+
+
+def test_starts_are_all_combinations_or_belong_together() -> None:
+    free = tuple(FreeParameter(name, -1.0, 1.0, signed=True, starts=(0.1, 0.2)) for name in "ab")
+    suspect = Suspect(effects()["coulomb_friction"], "motor_1", free)
+    assert suspect.starts() == [(0.1, 0.1), (0.1, 0.2), (0.2, 0.1), (0.2, 0.2)]
+    assert replace(suspect, together=True).starts() == [(0.1, 0.1), (0.2, 0.2)]

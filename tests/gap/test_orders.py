@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.orders import Entry, OrderSearch, angle_spectrum
+from flexros.gap.orders import Entry, OrderSearch, _local_stiffness, _with_mean_stiffness, angle_spectrum
+from flexros.robot import load_robot
 
 from .diagnosis_logs import ROBOT, record_of, search_of
 
@@ -71,3 +72,17 @@ def test_a_motor_that_does_not_turn_has_no_orders() -> None:
     search = order_search()
     search._states = np.zeros_like(search._states)
     assert search.search(0, "torque") == ()
+
+
+def test_springs_that_stiffen_count_with_their_stiffness_along_the_motion() -> None:
+    robot = load_robot("four_mass")
+    n = robot.n_coordinates
+    states = np.zeros((200, 2 * n))
+    states[100:, robot.chain.motor_places[0]] = 1.0  # far beyond the knee of the first spring
+    soft, stiff = (_local_stiffness(robot, 0, states[part]) for part in (slice(100), slice(100, None)))
+    law = robot.chain.joints[0].direction.spring.piecewise_linear
+    np.testing.assert_allclose(soft, law.slopes[0])
+    np.testing.assert_allclose(stiff, law.slopes[-1])
+    mean = _with_mean_stiffness(robot, states)
+    np.testing.assert_allclose(_local_stiffness(mean, 0, np.zeros((1, 2 * n))), (soft[0] + stiff[0]) / 2)
+    assert _with_mean_stiffness(ROBOT, states) is ROBOT

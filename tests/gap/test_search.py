@@ -27,7 +27,7 @@ def names(found: list[Fit]) -> list[str]:
 def test_every_effect_with_ranges_is_a_suspect_but_those_of_an_unmeasured_tool() -> None:
     search = search_of()
     nothing = search.nothing()
-    listed = {one.effect.name for one in search.suspects(nothing, search.yardsticks(nothing))}
+    listed = {one.effect.name for one in (*search.suspects(search.yardsticks(nothing)), *search.waves(nothing))}
     possible = {one.effect.name for one in suspects_of().values()}
     of_tool = {name for name, one in effects().items() if issubclass(one, AbstractToolError)}
     assert possible - of_tool <= listed

@@ -119,6 +119,19 @@ class NominalFilter:
         score = J.T @ e
         return float(e @ e - score @ np.linalg.solve(J.T @ J + np.eye(J.shape[1]), score)) / 2
 
+    def price(self, factors: Mapping[str, float]) -> float:
+        """Tell what it costs at most to take a change of the robot for a deviation within tolerance.
+
+        Args:
+            factors: Factors by which parameters of the robot are off, by name.
+
+        Returns:
+            Sum of (ln factor / tolerance)^2 / 2 [nats]; infinite where a parameter has no tolerance.
+        """
+        if not factors or not factors.keys() <= self._tolerance.keys():
+            return float("inf")
+        return sum((float(np.log(factor)) / self._tolerance[name]) ** 2 for name, factor in factors.items()) / 2
+
     def _slope_of(self, encoder: FloatArray, command: FloatArray, e: FloatArray) -> FloatArray:
         """Derivatives of the innovations by the parameters, in standard deviations of these, shape (n, P)."""
         value = self._model.parameter_values

@@ -43,7 +43,8 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     search = Search(model, data, tolerance_of(robot, {}))
     search.threads = 1
     nothing = search.nothing()
-    true = _true(search, search.suspects(nothing, search.yardsticks(nothing)), truth)
+    among = (*search.suspects(search.yardsticks(nothing)), *search.waves(nothing))
+    true = _true(search, among, truth)
     if not true:
         return None
     hidden = truth.deviations[0].effect

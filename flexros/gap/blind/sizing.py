@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from flexros.gap.blind.nominal_filter import NominalFilter
     from flexros.gap.blind.plant import BlindRun
     from flexros.gap.blind.setting import Setting
+    from flexros.robot import Robot
 
 SETTLE = 1.0
 """Time at rest before a log [s] (chosen)."""
@@ -72,7 +73,29 @@ class Rehearsal:
             states = run.states[:: round(TOOL_STEP / setting.sample_time)]
             poses = [seen_pose(setting.robot, one, states) for one in ((), (deviation,))]
             return tool_gain(poses[0], poses[1], setting.robot.tool_noise)
-        return self.visibility * self.filter.expected_gain(run.encoder, run.command)
+        seen = self.visibility * self.filter.expected_gain(run.encoder, run.command)
+        return min(seen, self.filter.price(changed_numbers(deviation, setting.robot)))
+
+
+def changed_numbers(deviation: Deviation, robot: Robot) -> dict[str, float]:
+    """List the factors by which a deviation changes parameters of the robot; none where it is something else.
+
+    Args:
+        deviation: What is hidden.
+        robot: The robot without it.
+    """
+    names = {
+        "stiffness_error": [f"{deviation.location}.stiffness"],
+        "damping_error": [f"{deviation.location}.damping"],
+        "motor_inertia_error": [f"{deviation.location}.inertia"],
+        "payload_error": [
+            name
+            for name, parameter in robot.parameters.items()
+            if name.startswith((f"body_{len(robot.spec.bodies)}.mass", f"body_{len(robot.spec.bodies)}.inertia"))
+            and parameter.value
+        ],
+    }.get(deviation.effect, [])
+    return dict.fromkeys(names, 1 + deviation.parameters["relative"]) if names else {}
 
 
 @dataclass(frozen=True, eq=False)
