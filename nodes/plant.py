@@ -198,7 +198,7 @@ class PlantNode(FlexrosNode):
             self._window.held = False
             self._lockstep.hold()
             self._messages.publish()
-        elif self._first is not None and self._window.has_begun():
+        elif self._first is not None and self._window.has_begun(self._messages.is_published):
             command, self._first = self._first, None
             self._began = perf_counter()
             if self._real_time:

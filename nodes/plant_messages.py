@@ -51,8 +51,11 @@ class PlantMessages:
     def have_partners(self, observers: int) -> bool:
         """Tell whether a controller and a number of recorders are there."""
         heard = self.listeners() > observers and self._poses.get_subscription_count() >= observers
-        commands = self._node.resolve_topic_name(topic("joint_commands").name)
-        return heard and self._node.count_publishers(commands) > 0
+        return heard and self.is_published("joint_commands")
+
+    def is_published(self, name: str) -> bool:
+        """Tell whether somebody publishes a topic of the contract."""
+        return self._node.count_publishers(self._node.resolve_topic_name(topic(name).name)) > 0
 
     def fill(self, k: int, position: FloatArray, pose: FloatArray) -> int:
         """Prepare the messages of a sample.

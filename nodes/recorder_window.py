@@ -5,10 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
 FIRST_SAMPLE_PATIENCE = 2.0
 """Time that the first sample of a topic not from the plant may be late [s], chosen: another controller may lack one."""
+LONGEST_PATIENCE = 6.0
+"""The same of a topic that somebody publishes [s], chosen: a machine under load may take seconds to connect it; below the
+time-out of the recorder."""
 
 
 class RecorderWindow:
@@ -90,11 +93,18 @@ class RecorderWindow:
         self._silence += time
         return self._silence
 
-    def has_begun(self) -> bool:
-        """Tell whether the first sample is recorded, so that the loop may go on."""
+    def has_begun(self, published: Callable[[str], bool]) -> bool:
+        """Tell whether the first sample is recorded, so that the loop may go on.
+
+        Args:
+            published: Tells whether somebody publishes a topic, so that it is worth a longer wait.
+        """
         if not self.holds(self._own, self._first):
             return False
-        return self._silence > FIRST_SAMPLE_PATIENCE or self.holds(self._others, self._first)
+        missing = [topic for topic in self._others if not self.holds((topic,), self._first)]
+        if not missing or self._silence > LONGEST_PATIENCE:
+            return True
+        return self._silence > FIRST_SAMPLE_PATIENCE and not any(published(topic) for topic in missing)
 
     def holds(self, topics: Iterable[str], stamp: int) -> bool:
         """Tell whether all these topics are recorded up to a stamp [ns]."""
