@@ -10,8 +10,8 @@ if TYPE_CHECKING:
 FIRST_SAMPLE_PATIENCE = 2.0
 """Time that the first sample of a topic not from the plant may be late [s], chosen: another controller may lack one."""
 LONGEST_PATIENCE = 6.0
-"""The same of a topic that somebody publishes [s], chosen: a machine under load may take seconds to connect it; below the
-time-out of the recorder."""
+"""The same of a topic that somebody publishes [s], chosen: a machine under load may take seconds to connect it, and the
+time-out of the recorder is longer."""
 
 
 class RecorderWindow:
