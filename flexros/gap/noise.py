@@ -45,9 +45,6 @@ JITTER_SEEN, JITTER_OF_EACH = 4.0, 2.0
 """Slope of the noise power over the squared speed, in standard deviations, from which it is jitter: of all motors
 together, and of each (chosen)."""
 
-LEAST_JITTER = 1e-3
-"""Jitter in samples from which it matters (chosen)."""
-
 SIGNAL_TOLERANCE = 0.05
 """Share of the rms of a signal that logs of real machines are allowed, where nothing was repeated (design)."""
 
@@ -103,7 +100,7 @@ def measure_noise(record: GapRecord, robot: Robot) -> Noise:
     M = robot.n_motors
     coarse = {one.motor for one in encoder_quantization(record, robot)}  # rounding hides the noise
     driven = _driven(record, robot, position)
-    power, jitter = _above_band(position, speed, record.valid, record.sample_time)
+    power, jitter = _above_band(position, speed, record.valid)
     deviation, colours, source = np.sqrt(power), [np.zeros(0)] * M, ["above the band"] * M
     for motor in range(M):
         rest = _at_standstill(position[:, motor], smooth[:, motor], driven[:, motor], record, float(deviation[motor]))
@@ -187,9 +184,7 @@ def _driven(record: GapRecord, robot: Robot, position: FloatArray) -> FloatArray
     return predicted if np.all(np.abs(predicted) < RUN_AWAY * np.abs(position).max()) else np.zeros_like(position)
 
 
-def _above_band(
-    position: FloatArray, speed: FloatArray, valid: BoolArray, sample_time: float
-) -> tuple[FloatArray, float]:
+def _above_band(position: FloatArray, speed: FloatArray, valid: BoolArray) -> tuple[FloatArray, float]:
     """Regress the power of high differences on squared speed: variance of the noise, shape (M,), and jitter [s]."""
     half = len(HIGH_DIFFERENCE) // 2
     n = (len(position) - 2 * half) // _BLOCK * _BLOCK
@@ -209,7 +204,7 @@ def _above_band(
         return variance, 0.0
     weight = 1 / np.maximum(np.array(spreads), 1e-300) ** 2
     jitter = float(np.sqrt(max(float(weight @ np.array(slopes) / weight.sum()), 0.0)))
-    return variance, jitter if jitter > LEAST_JITTER * sample_time else 0.0
+    return variance, jitter
 
 
 def _line(square: FloatArray, power: FloatArray) -> tuple[float, float, float]:
