@@ -31,6 +31,7 @@ StartNode = Callable[..., subprocess.Popen[str]]
 
 def hardware_interface(context: Any) -> Node:
     """Make a node that sends as the hardware interface does: depth 1, stamped with its own time; reads best effort."""
+    from geometry_msgs.msg import PoseStamped
     from rclpy.node import Node
     from rclpy.qos import qos_profile_sensor_data
     from sensor_msgs.msg import JointState
@@ -44,6 +45,8 @@ def hardware_interface(context: Any) -> Node:
         commands.publish(message)
 
     node.create_subscription(JointState, "/joint_states", update, qos_profile_sensor_data)
+    # the plant counts its listeners on both topics, so that with `observers` it begins when this node hears it too
+    node.create_subscription(PoseStamped, "/tool_pose", lambda _: None, qos_profile_sensor_data)
     return node
 
 
@@ -53,7 +56,8 @@ def test_newest_command_answers_each_measurement(bench: Any, start_node: StartNo
         f"robot: two_mass\nduration: {(SAMPLES - 1) * 1e-3}\nnoise: false\nfeedforward: {{method: none}}\n"
         "controller: {kind: pid, kp: 1}\n"
     )
-    bench.hold(hardware_interface(bench.context))
+    interface = hardware_interface(bench.context)
+    bench.hold(interface)
     bridge = subprocess.Popen(
         [sys.executable, str(EXAMPLES / "ros2_control_bridge.py")],
         env={key: value for key, value in os.environ.items() if key != "PYTHONPATH"},
@@ -61,7 +65,8 @@ def test_newest_command_answers_each_measurement(bench: Any, start_node: StartNo
         text=True,
     )
     recorder = start_node("recorder", f"scenario:={scenario}", f"folder:={tmp_path / 'log'}")
-    plant = start_node("plant", f"scenario:={scenario}")
+    bench.spin_until(lambda: interface.count_subscribers("/ros2_control_commands") > 0, TIMEOUT)
+    plant = start_node("plant", f"scenario:={scenario}", "observers:=2")
     try:
         bench.spin_until(lambda: plant.poll() is not None, TIMEOUT)
         _, errors = plant.communicate(timeout=TIMEOUT)
@@ -80,6 +85,7 @@ def test_newest_command_answers_each_measurement(bench: Any, start_node: StartNo
     effort = log.joint_commands.effort[:, 0]
     begin = int(np.argmax(effort == TORQUE))
     assert set(effort[:begin].tolist()) <= {0.0}
+    assert begin < SAMPLES // 2
     assert set(effort[begin:].tolist()) == {TORQUE}
 
 
