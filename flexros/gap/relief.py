@@ -33,8 +33,8 @@ class Relief:
 def relief(suspect: Suspect, found: Fit) -> Relief | None:
     """Put a suspect in place of the tolerated deviations of the same numbers.
 
-    Linear theory at another point does not see that both are the same, for it cannot tell what thousands of standard
-    deviations of the data leave of a few of the tolerance.
+    The suspect and these deviations do the same to the robot, so that the data do not tell them apart: all that the
+    suspect gains is the price of the deviations. Directions taken at another point are not equal enough to show it.
 
     Args:
         suspect: An effect at a place.

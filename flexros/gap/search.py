@@ -204,15 +204,11 @@ class Search:
         """
         lines = [linearise(first.predictor, self.data, first.theta) for first in firsts]
         plain = self.residual(nothing)
-
-        def promises(suspect: Suspect) -> list[tuple[float, FloatArray]]:
-            return self._promises(suspect, nothing, plain, lines)
-
         among: list[tuple[Suspect, int | None]] = [
             (suspect, place) for place, first in enumerate(firsts) for suspect in self.waves(first)
         ]
         among += [(suspect, None) for suspect in self.suspects(sizes)]
-        screened = self._parallel("further effects", lambda pair: promises(pair[0]), among)
+        screened = self._parallel("further effects", lambda pair: self._promises(pair[0], nothing, plain, lines), among)
         pairs: list[tuple[Fit, Suspect, FloatArray]] = []
         for place, first in enumerate(firsts):
             held = {suspect.name for suspect in first.predictor.hypothesis}

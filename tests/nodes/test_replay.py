@@ -277,8 +277,10 @@ def test_a_node_plays_again_after_another_turn_of_its_lifecycle(bench: Bench, tm
         up(player)
         bench.spin_until(lambda: player.report is not None)
         bench.spin_until(lambda turn=turn: len(heard) == 3 * turn)
+        assert player.report.exit_code == 0
         player.trigger_deactivate()
         player.trigger_cleanup()
+    assert heard == 2 * [serialize_message(String(data=f"{k}")) for k in range(3)]
 
 
 @pytest.mark.parametrize(
