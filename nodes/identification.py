@@ -9,11 +9,12 @@ from std_msgs.msg import String
 from flexros.errors import InputError
 from flexros_nodes.executable import run_node
 from flexros_nodes.experiment_state import ExperimentCourse, ExperimentState
-from flexros_nodes.node_base import Answer, FlexrosNode
+from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.prepared_run import prepared_run
 from flexros_nodes.reference_rows import RowsToRest
 from flexros_nodes.reference_stream import ReferenceStream
 from flexros_nodes.topic_interface import period
+from flexros_nodes.topic_node import Answer
 
 if TYPE_CHECKING:
     from flexros.simulate.experiment import Experiment

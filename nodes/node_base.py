@@ -1,4 +1,4 @@
-"""What all nodes share: parameters, topics, lifecycle, diagnostics and the way a node ends."""
+"""What all nodes share beside parameters and topics: lifecycle, diagnostics and the way a node ends."""
 
 from __future__ import annotations
 
@@ -6,29 +6,24 @@ import traceback
 from abc import abstractmethod
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import InvalidHandle
 from rclpy.lifecycle import TransitionCallbackReturn
-from std_srvs.srv import Trigger
 
 from flexros.errors import INTERNAL_ERROR, FlexrosError
 from flexros.logs.stamps import NANOSECONDS, START_NS
 from flexros_nodes.lifecycle_service import refuse_impossible_transitions
-from flexros_nodes.parameter_node import AbstractParameterNode
 from flexros_nodes.parameters import node_parameters
 from flexros_nodes.report import NodeReport
-from flexros_nodes.topic_interface import message_class, qos_profile, topic
+from flexros_nodes.topic_node import AbstractTopicNode
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from rclpy.context import Context
     from rclpy.lifecycle import LifecycleState
-    from rclpy.publisher import Publisher
-    from rclpy.timer import Timer
 
     from flexros_nodes.pacing import Paced
     from flexros_nodes.parameters import Value
@@ -40,14 +35,7 @@ class NodeFaultError(FlexrosError):
     exit_code = INTERNAL_ERROR
 
 
-class Answer(NamedTuple):
-    """What a service answers: whether it did what was asked for, and a text."""
-
-    success: bool
-    message: str
-
-
-class FlexrosNode(AbstractParameterNode):
+class FlexrosNode(AbstractTopicNode):
     """Base of all nodes: a lifecycle node that reads its parameters from data and ends with a report.
 
     How to add a node: write one file in `nodes` with one subclass and `main`, and `msgs_config/<node>.yaml`.
@@ -59,7 +47,7 @@ class FlexrosNode(AbstractParameterNode):
     4. `release`: give back what `configure` opened, beside publishers and subscriptions.
     5. `figures`: what diagnostics and report show.
 
-    Every callback given to `listen` or `every` may raise a FlexrosError: the node then ends with its exit code.
+    A callback given to `listen`, `offer` or `every` may raise a FlexrosError: the node then ends with its exit code.
 
     Args:
         context: ROS context; the default one if None.
@@ -74,13 +62,9 @@ class FlexrosNode(AbstractParameterNode):
         self.report: NodeReport | None = None
         self.on_end: Callable[[FlexrosNode], None] | None = None
         self.tells_errors = True  # False where whoever holds the node says why it ended
-        self.active = False
         self._end_announced = False
         self.stamp = START_NS
-        self._timers_while_active: list[Timer] = []
-        self._made: list[Callable[[], object]] = []
         self._holds = False
-        self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.declare(node_parameters(self.node_name))
         self._diagnostics = self.announce("diagnostics")
         self._made.clear()  # the publisher of diagnostics stays for the node's whole life
@@ -119,59 +103,6 @@ class FlexrosNode(AbstractParameterNode):
     def recent_figures(self) -> dict[str, float]:
         """Give the figures for the diagnostics, which may tell of the time since the last ones."""
         return self.figures()
-
-    # Topics and timers.
-
-    def announce(self, name: str) -> Publisher:
-        """Make the publisher of a topic; it takes messages or their bytes."""
-        row = topic(name)
-        publisher = self.create_publisher(message_class(row.type), row.name, qos_profile(row.qos))
-        self._made.append(partial(self.destroy_publisher, publisher))
-        return publisher
-
-    def listen(self, name: str, callback: Callable[[bytes], None], *, recorder: bool = False) -> None:
-        """Subscribe to a topic.
-
-        Args:
-            name: Topic.
-            callback: Takes the serialised message; called only while the node is active.
-            recorder: Ask for the producer's QoS instead of that of the loop.
-        """
-        row = topic(name)
-        profile = row.qos if recorder else row.subscription_qos
-
-        def receive(message: bytes) -> None:
-            if self.active:
-                try:
-                    callback(message)
-                except FlexrosError as error:
-                    self.end(error)
-
-        kind = message_class(row.type)
-        subscription = self.create_subscription(kind, row.name, receive, qos_profile(profile), raw=True)
-        self._made.append(partial(self.destroy_subscription, subscription))
-
-    def offer(self, name: str, answer: Callable[[], Answer]) -> None:
-        """Offer a service of type std_srvs/srv/Trigger below the node's name; it refuses unless the node is active."""
-
-        def respond(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-            inactive = Answer(False, f"node {self.node_name} is not active; activate it first")
-            response.success, response.message = answer() if self.active else inactive
-            return response
-
-        self._made.append(partial(self.destroy_service, self.create_service(Trigger, f"~/{name}", respond)))
-
-    def every(self, period: float, callback: Callable[[], None]) -> None:
-        """Call back at a period of the wall clock [s] until the node is deactivated."""
-
-        def fire() -> None:
-            if self.active:
-                try:
-                    callback()
-                except FlexrosError as error:
-                    self.end(error)
-
-        self._timers_while_active.append(self.create_timer(period, fire, clock=self.steady_clock))
 
     # Diagnostics and end.
 
@@ -230,10 +161,7 @@ class FlexrosNode(AbstractParameterNode):
     def _halt(self) -> None:
         if self.active:
             self.active = False
-            for timer in self._timers_while_active:
-                timer.cancel()
-                self.destroy_timer(timer)
-            self._timers_while_active.clear()
+            self._cancel_timers()
             self.stop()
 
     def _give_back(self) -> None:
@@ -294,7 +222,5 @@ class FlexrosNode(AbstractParameterNode):
 
     def _release(self) -> None:
         self.configured = False
-        for destroy in self._made:
-            destroy()
-        self._made.clear()
+        self._close_all()
         self._give_back()

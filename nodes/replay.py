@@ -18,9 +18,10 @@ from flexros.logs.replay.source import ReplayChoice, read_remaps
 from flexros.logs.stamps import NANOSECONDS
 from flexros_nodes.executable import run_node
 from flexros_nodes.fed_controller import ControllerAnswers
-from flexros_nodes.node_base import Answer, FlexrosNode
+from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.raw_topic import MissingTypeError, installed_class, played_qos
 from flexros_nodes.topic_interface import qos_profile, topic
+from flexros_nodes.topic_node import Answer
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -1,0 +1,124 @@
+"""A node's dealings with others: topics, services and timers, made from data and closed with the node."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
+
+from rclpy.clock import Clock, ClockType
+from std_srvs.srv import Trigger
+
+from flexros.errors import FlexrosError
+from flexros_nodes.parameter_node import AbstractParameterNode
+from flexros_nodes.topic_interface import message_class, qos_profile, topic
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from rclpy.context import Context
+    from rclpy.publisher import Publisher
+    from rclpy.timer import Timer
+
+    from flexros_nodes.parameters import Value
+
+
+class Answer(NamedTuple):
+    """What a service answers: whether it did what was asked for, and a text."""
+
+    success: bool
+    message: str
+
+
+class AbstractTopicNode(AbstractParameterNode):
+    """A node whose topics are data, and whose callbacks may raise a FlexrosError, which ends the node.
+
+    Args:
+        name: Name of the node.
+        context: ROS context; the default one if None.
+        values: Parameter values that override files and defaults.
+
+    Attributes:
+        active: Whether the node works; only then messages, services and timers are answered.
+        steady_clock: Clock of all timers: neither use_sim_time nor a system clock that is set can stop them.
+    """
+
+    def __init__(self, name: str, context: Context | None, values: Mapping[str, Value]) -> None:
+        super().__init__(name, context, values)
+        self.active = False
+        self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timers_while_active: list[Timer] = []
+        self._made: list[Callable[[], object]] = []
+
+    @abstractmethod
+    def end(self, error: FlexrosError | None = None) -> None:
+        """End the node's work, because of an error if there is one."""
+
+    def announce(self, name: str) -> Publisher:
+        """Make the publisher of a topic; it takes messages or their bytes."""
+        row = topic(name)
+        publisher = self.create_publisher(message_class(row.type), row.name, qos_profile(row.qos))
+        self._made.append(partial(self.destroy_publisher, publisher))
+        return publisher
+
+    def listen(self, name: str, callback: Callable[[bytes], None], *, recorder: bool = False) -> None:
+        """Subscribe to a topic.
+
+        Args:
+            name: Topic.
+            callback: Takes the serialised message; called only while the node is active.
+            recorder: Ask for the producer's QoS instead of that of the loop.
+        """
+        row = topic(name)
+        profile = row.qos if recorder else row.subscription_qos
+
+        def receive(message: bytes) -> None:
+            if self.active:
+                try:
+                    callback(message)
+                except FlexrosError as error:
+                    self.end(error)
+
+        kind = message_class(row.type)
+        subscription = self.create_subscription(kind, row.name, receive, qos_profile(profile), raw=True)
+        self._made.append(partial(self.destroy_subscription, subscription))
+
+    def offer(self, name: str, answer: Callable[[], Answer]) -> None:
+        """Offer a service of type std_srvs/srv/Trigger below the node's name; it refuses unless the node is active."""
+
+        def respond(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+            given = Answer(False, f"node {self.get_name()} is not active; activate it first")
+            if self.active:
+                try:
+                    given = answer()
+                except FlexrosError as error:
+                    self.end(error)
+                    given = Answer(False, str(error))
+            response.success, response.message = given
+            return response
+
+        self._made.append(partial(self.destroy_service, self.create_service(Trigger, f"~/{name}", respond)))
+
+    def every(self, period: float, callback: Callable[[], None]) -> None:
+        """Call back at a period of the wall clock [s] until the node is deactivated."""
+
+        def fire() -> None:
+            if self.active:
+                try:
+                    callback()
+                except FlexrosError as error:
+                    self.end(error)
+
+        self._timers_while_active.append(self.create_timer(period, fire, clock=self.steady_clock))
+
+    def _cancel_timers(self) -> None:
+        for timer in self._timers_while_active:
+            timer.cancel()
+            self.destroy_timer(timer)
+        self._timers_while_active.clear()
+
+    def _close_all(self) -> None:
+        """Give back publishers, subscriptions and services."""
+        for destroy in self._made:
+            destroy()
+        self._made.clear()
