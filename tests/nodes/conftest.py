@@ -5,12 +5,14 @@ from __future__ import annotations
 import gc
 import json
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
-from time import monotonic
+from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
     from flexros_nodes.node_base import FlexrosNode
 
 CHECKOUT = Path(__file__).parents[2]
+EXAMPLES = CHECKOUT / "docs" / "guide" / "examples"
+PATIENCE = 60.0
 
 SAMPLED = ("joint_states", "joint_commands", "joint_reference", "tool_pose", "tool_reference")
 
@@ -62,6 +66,51 @@ def started_node(node: str, *parameters: str) -> subprocess.Popen[str]:
 def start_node() -> Callable[..., subprocess.Popen[str]]:
     """Give the start of a node as a process of its own, from its name and parameters `name:=value`."""
     return started_node
+
+
+def started_example(name: str, *arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, str(EXAMPLES / name), *arguments],
+        env={key: value for key, value in os.environ.items() if key != "PYTHONPATH"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+@pytest.fixture
+def start_example() -> Callable[..., subprocess.Popen[str]]:
+    """Give the start of an example of the guide as a user's process, which need not know where FlexROS is."""
+    return started_example
+
+
+def ended_with(plant: subprocess.Popen[str], *others: subprocess.Popen[str], spin: Callable[[], None]) -> str:
+    processes = (plant, *others)
+    try:
+        deadline = monotonic() + PATIENCE
+        while plant.poll() is None:
+            assert monotonic() < deadline, "the plant did not end"
+            spin()
+        said, errors = plant.communicate(timeout=PATIENCE)
+        assert plant.returncode == 0, errors
+        for process in others:
+            process.send_signal(signal.SIGTERM)
+            _, errors = process.communicate(timeout=PATIENCE)
+            assert process.returncode == 0, errors
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+    return said or ""
+
+
+@pytest.fixture
+def end_with_plant() -> Callable[..., str]:
+    """Give the end of a run of processes: the plant by itself, then the others by SIGTERM; all of them well.
+
+    Called with the plant, the others and `spin`, what to do while the plant works; gives what the plant has printed.
+    """
+    return partial(ended_with, spin=partial(sleep, 0.02))
 
 
 @pytest.fixture

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
-import os
-import signal
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,11 +23,11 @@ if TYPE_CHECKING:
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
-EXAMPLE = Path(__file__).parents[2] / "docs" / "guide" / "examples" / "foreign_controller.py"
+EXAMPLE = "foreign_controller.py"
 GAINS = {"kind": "pid", "kp": 5600.0, "ki": 24000.0, "kd": 300.0}
-TIMEOUT = 60.0
 
-StartNode = Callable[..., subprocess.Popen[str]]
+StartProcess = Callable[..., subprocess.Popen[str]]
+Recorded = Callable[..., Log]
 
 
 def scenario_file(folder: Path, **changes: Any) -> Path:
@@ -40,29 +37,20 @@ def scenario_file(folder: Path, **changes: Any) -> Path:
     return path
 
 
-def recorded(start_node: StartNode, scenario: Path, folder: Path, *parameters: str) -> Log:
-    """Run plant, recorder and the foreign controller to the plant's end."""
-    arguments = [word for parameter in parameters for word in ("-p", parameter)]
-    foreign = subprocess.Popen(
-        [sys.executable, str(EXAMPLE), *(["--ros-args", *arguments] if arguments else [])],
-        cwd=folder,
-        env={key: value for key, value in os.environ.items() if key != "PYTHONPATH"},
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    plant = start_node("plant", f"scenario:={scenario}")
-    recorder = start_node("recorder", f"scenario:={scenario}", f"folder:={folder / 'log'}")
-    try:
-        _, errors = plant.communicate(timeout=TIMEOUT)
-        assert plant.returncode == 0, errors
-        for process in (recorder, foreign):
-            process.send_signal(signal.SIGINT)
-            _, errors = process.communicate(timeout=TIMEOUT)
-            assert process.returncode == 0, errors
-    finally:
-        for process in (plant, recorder, foreign):
-            process.kill()
-    return read_log(folder / "log")
+@pytest.fixture
+def recorded(start_node: StartProcess, start_example: StartProcess, end_with_plant: Callable[..., str]) -> Recorded:
+    """Give a run of plant, recorder and the foreign controller to the plant's end."""
+
+    def run(scenario: Path, *parameters: str) -> Log:
+        arguments = [word for parameter in parameters for word in ("-p", parameter)]
+        foreign = start_example(EXAMPLE, *(["--ros-args", *arguments] if arguments else []))
+        plant = start_node("plant", f"scenario:={scenario}")
+        folder = scenario.parent / "log"
+        recorder = start_node("recorder", f"scenario:={scenario}", f"folder:={folder}")
+        end_with_plant(plant, recorder, foreign)
+        return read_log(folder)
+
+    return run
 
 
 def signals(log: Log) -> tuple[FloatArray, FloatArray]:
@@ -74,7 +62,7 @@ def signals(log: Log) -> tuple[FloatArray, FloatArray]:
 
 
 def test_example_is_short_and_imports_nothing_of_flexros() -> None:
-    text = EXAMPLE.read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "docs" / "guide" / "examples" / EXAMPLE).read_text(encoding="utf-8")
     imports = {node.module for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)}
     assert imports == {"rclpy.executors", "rclpy.node", "sensor_msgs.msg"}
     assert len([line for line in text.splitlines() if line.strip()]) <= 40
@@ -82,14 +70,14 @@ def test_example_is_short_and_imports_nothing_of_flexros() -> None:
 
 @pytest.mark.usefixtures("ros_domain")
 def test_holds_against_disturbances_sample_for_sample_as_the_same_law_of_ours(
-    start_node: StartNode, tmp_path: Path
+    recorded: Recorded, tmp_path: Path
 ) -> None:
     disturbances = [
         {"kind": "step", "at": "motor_1", "start": 0.2, "amplitude": 100.0},
         {"kind": "step", "at": "tool.tz", "start": 0.6, "amplitude": 100.0},
     ]
     scenario = scenario_file(tmp_path, disturbances=disturbances)
-    log = recorded(start_node, scenario, tmp_path)
+    log = recorded(scenario)
     ours = closed_loop(Experiment.prepare(load_scenario(str(scenario))))
     np.testing.assert_allclose(signals(log)[0], signals(ours)[0], rtol=0, atol=1e-12)
     np.testing.assert_allclose(signals(log)[1], signals(ours)[1], rtol=0, atol=1e-6)
@@ -97,9 +85,9 @@ def test_holds_against_disturbances_sample_for_sample_as_the_same_law_of_ours(
 
 
 @pytest.mark.usefixtures("ros_domain")
-def test_motor_follows_its_swing(start_node: StartNode, tmp_path: Path) -> None:
+def test_motor_follows_its_swing(recorded: Recorded, tmp_path: Path) -> None:
     scenario = scenario_file(tmp_path, disturbances=[])
-    log = recorded(start_node, scenario, tmp_path, "swing:=0.2", "period:=1.0")
+    log = recorded(scenario, "swing:=0.2", "period:=1.0")
     position, _ = signals(log)
     swing = 0.2 * np.sin(np.pi * np.arange(1001) * 1e-3) ** 2
     assert np.max(np.abs(position[:, 0] - swing)) < 0.02

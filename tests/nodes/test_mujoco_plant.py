@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -24,36 +21,27 @@ pytest.importorskip("mujoco", reason="the other plant")
 EXAMPLES = Path(__file__).parents[2] / "docs" / "guide" / "examples"
 SCENARIO = EXAMPLES / "two_mass_move.yaml"
 MODEL = EXAMPLES / "two_mass.xml"
-TIMEOUT = 60.0
 
-StartNode = Callable[..., subprocess.Popen[str]]
+StartProcess = Callable[..., subprocess.Popen[str]]
 
 
-def run_on_mujoco(start_node: StartNode, folder: Path, model: Path) -> Log:
-    """Run the scenario's controller and feedforward on a MuJoCo model to its end."""
-    scenario = f"scenario:={SCENARIO}"
-    ours = [start_node(name, scenario) for name in ("controller", "feedforward")]
-    recorder = start_node("recorder", scenario, f"folder:={folder / 'log'}")
-    arguments = ["--ros-args", "-p", f"model:={model}", "-p", "duration:=1.0", "-p", "listeners:=2"]
-    plant = subprocess.Popen(
-        [sys.executable, str(EXAMPLES / "mujoco_plant.py"), *arguments],
-        env={key: value for key, value in os.environ.items() if key != "PYTHONPATH"},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        said, errors = plant.communicate(timeout=TIMEOUT)
-        assert plant.returncode == 0, errors
-        assert said.startswith("1001 samples")
-        for process in (recorder, *ours):
-            process.send_signal(signal.SIGTERM)
-            _, errors = process.communicate(timeout=TIMEOUT)
-            assert process.returncode == 0, errors
-    finally:
-        for process in (plant, recorder, *ours):
-            process.kill()
-    return read_log(folder / "log")
+@pytest.fixture
+def run_on_mujoco(
+    start_node: StartProcess, start_example: StartProcess, end_with_plant: Callable[..., str]
+) -> Callable[[Path], Log]:
+    """Give a run of the scenario's controller and feedforward on a MuJoCo model to its end."""
+
+    def run(model: Path) -> Log:
+        scenario = f"scenario:={SCENARIO}"
+        ours = [start_node(name, scenario) for name in ("controller", "feedforward")]
+        folder = model.parent / "log"
+        recorder = start_node("recorder", scenario, f"folder:={folder}")
+        arguments = ["--ros-args", "-p", f"model:={model}", "-p", "duration:=1.0", "-p", "listeners:=2"]
+        plant = start_example("mujoco_plant.py", *arguments)
+        assert end_with_plant(plant, recorder, *ours).startswith("1001 samples")
+        return read_log(folder)
+
+    return run
 
 
 @pytest.mark.usefixtures("ros_domain")
@@ -62,11 +50,11 @@ def run_on_mujoco(start_node: StartNode, folder: Path, model: Path) -> Log:
     [("RK4", 1e-12, 1e-8), ("implicitfast", 1.5e-4, 1.0)],
 )
 def test_run_on_mujoco_is_the_run_on_our_plant_but_for_the_integrator(
-    start_node: StartNode, tmp_path: Path, integrator: str, position_error: float, torque_error: float
+    run_on_mujoco: Callable[[Path], Log], tmp_path: Path, integrator: str, position_error: float, torque_error: float
 ) -> None:
     model = tmp_path / "model.xml"
     model.write_text(MODEL.read_text(encoding="utf-8").replace("RK4", integrator), encoding="utf-8")
-    foreign = run_on_mujoco(start_node, tmp_path, model)
+    foreign = run_on_mujoco(model)
     scenario = load_scenario(str(SCENARIO)).with_values({"noise": False, "duration": 1.0})
     ours = closed_loop(Experiment.prepare(scenario))
     assert foreign.warnings == ()

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +23,7 @@ TORQUE = 5.0
 SAMPLES = 201
 TIMEOUT = 60.0
 
-StartNode = Callable[..., subprocess.Popen[str]]
+StartProcess = Callable[..., subprocess.Popen[str]]
 
 
 def hardware_interface(context: Any) -> Node:
@@ -50,7 +47,13 @@ def hardware_interface(context: Any) -> Node:
     return node
 
 
-def test_newest_command_answers_each_measurement(bench: Any, start_node: StartNode, tmp_path: Path) -> None:
+def test_newest_command_answers_each_measurement(
+    bench: Any,
+    start_node: StartProcess,
+    start_example: StartProcess,
+    end_with_plant: Callable[..., str],
+    tmp_path: Path,
+) -> None:
     scenario = tmp_path / "rest.yaml"
     scenario.write_text(
         f"robot: two_mass\nduration: {(SAMPLES - 1) * 1e-3}\nnoise: false\nfeedforward: {{method: none}}\n"
@@ -58,26 +61,11 @@ def test_newest_command_answers_each_measurement(bench: Any, start_node: StartNo
     )
     interface = hardware_interface(bench.context)
     bench.hold(interface)
-    bridge = subprocess.Popen(
-        [sys.executable, str(EXAMPLES / "ros2_control_bridge.py")],
-        env={key: value for key, value in os.environ.items() if key != "PYTHONPATH"},
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    bridge = start_example("ros2_control_bridge.py")
     recorder = start_node("recorder", f"scenario:={scenario}", f"folder:={tmp_path / 'log'}")
     bench.spin_until(lambda: interface.count_subscribers("/ros2_control_commands") > 0, TIMEOUT)
     plant = start_node("plant", f"scenario:={scenario}", "observers:=2")
-    try:
-        bench.spin_until(lambda: plant.poll() is not None, TIMEOUT)
-        _, errors = plant.communicate(timeout=TIMEOUT)
-        assert plant.returncode == 0, errors
-        for process in (recorder, bridge):
-            process.send_signal(signal.SIGTERM)
-            _, errors = process.communicate(timeout=TIMEOUT)
-            assert process.returncode == 0, errors
-    finally:
-        for process in (plant, recorder, bridge):
-            process.kill()
+    end_with_plant(plant, recorder, bridge, spin=lambda: bench.spin_for(0.02))
     log = read_log(tmp_path / "log")
     assert log.joint_commands is not None
     assert log.joint_commands.effort is not None

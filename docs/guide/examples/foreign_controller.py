@@ -41,5 +41,7 @@ class ForeignController(Node):
 
 if __name__ == "__main__":
     rclpy.init()
+    node = ForeignController()
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
-        rclpy.spin(ForeignController())
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=0.2)  # a wait without bound may sleep through SIGTERM

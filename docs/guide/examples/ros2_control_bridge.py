@@ -37,5 +37,7 @@ class Bridge(Node):
 
 if __name__ == "__main__":
     rclpy.init()
+    node = Bridge()
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
-        rclpy.spin(Bridge())
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=0.2)  # a wait without bound may sleep through SIGTERM
