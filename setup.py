@@ -32,7 +32,10 @@ setup(
     author="FlexROS developers",
     python_requires=">=3.10,<3.14",
     packages=find_packages(include=["flexros", "flexros.*", "flexros_nodes", "flexros_nodes.*"]),
-    package_data={"flexros": ["py.typed", "**/*.yaml", "**/*.html", "**/*.css", "**/*.js"]},
+    package_data={
+        "flexros": ["py.typed", "**/*.yaml", "**/*.html", "**/*.css", "**/*.js"],
+        "flexros_nodes": ["local_host.xml"],
+    },
     data_files=data_files,
     zip_safe=False,
     install_requires=[

@@ -12,6 +12,7 @@ from rclpy.task import Future
 from flexros_nodes.controller import ControllerNode
 from flexros_nodes.domain import DOMAIN_VARIABLE
 from flexros_nodes.executable import close
+from flexros_nodes.exposure import check_exposure
 from flexros_nodes.feedforward import FeedforwardNode
 from flexros_nodes.identification import IdentificationNode
 from flexros_nodes.plant import PlantNode
@@ -47,7 +48,8 @@ def run_composed(plan: RunPlan, interrupted: Interruption) -> RunSummary:
         InputError: A parameter is not allowed.
     """
     context = Context()
-    rclpy.init(context=context, args=[], domain_id=int(os.environ[DOMAIN_VARIABLE]))
+    domain = int(os.environ[DOMAIN_VARIABLE])
+    rclpy.init(context=context, args=[], domain_id=domain)
     nodes: list[FlexrosNode] = []
     executor = make_executor(context)
     try:
@@ -55,6 +57,7 @@ def run_composed(plan: RunPlan, interrupted: Interruption) -> RunSummary:
             nodes.append(NODE_CLASSES[name](context=context, values=plan.values(name)))
             nodes[-1].tells_errors = False  # the summary does
             executor.add_node(nodes[-1])
+        check_exposure(os.environ, domain)
         _work(plan, nodes, executor, interrupted)
         reports = {node.node_name: close(node) for node in reversed(nodes)}
         return summarise(reports, plan.folder, "composed", interrupted=interrupted())

@@ -1,4 +1,4 @@
-"""A ROS domain and discovery range of one's own for a run, so that runs beside each other do not meet."""
+"""A ROS domain of one's own for a run, so that runs beside each other do not meet; free of ROS."""
 
 from __future__ import annotations
 
@@ -13,69 +13,77 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
 DOMAIN_VARIABLE = "ROS_DOMAIN_ID"
-RANGE_VARIABLE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
-OLD_RANGE_VARIABLE = "ROS_LOCALHOST_ONLY"
 
 LAST_DOMAIN = 101
 """Highest domain whose ports stay below those that Linux gives out by itself."""
 
-# Ports of DDS (OMG DDSI-RTPS 2.2, section 9.6.1.1): 7400 + 250 domain + 10 is the first participant's own port.
-_FIRST_PORT, _DOMAIN_STEP, _PARTICIPANT_OFFSET = 7400, 250, 10
+FIRST_PORT = 7400
+"""First port of domain 0 (OMG DDSI-RTPS 2.2, section 9.6.1.1)."""
+
+PORTS_PER_DOMAIN = 250
+
+# Of the ports of a domain, 10 is the first participant's own, and 2 to 9 are nobody's.
+_PARTICIPANT_OFFSET, _CLAIM_OFFSET = 10, 9
 
 
 def is_free(domain: int) -> bool:
     """Tell whether no participant of this machine is in a domain."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            probe.bind(("", _FIRST_PORT + _DOMAIN_STEP * domain + _PARTICIPANT_OFFSET))
+            probe.bind(("", FIRST_PORT + PORTS_PER_DOMAIN * domain + _PARTICIPANT_OFFSET))
         except OSError:
             return False
     return True
 
 
-def free_domain(start: int) -> int:
-    """Find a domain without participants.
+def claim_domain(start: int) -> tuple[int, socket.socket]:
+    """Find a domain without participants, and claim it before another run does.
 
     Args:
         start: Number from which the search begins, e.g. that of the process, so that runs seldom try the same.
 
     Returns:
-        Domain, 1 to 101.
+        Domain, 1 to 101, and the socket that stands for the claim until it is closed.
 
     Raises:
         InputError: All are taken.
     """
     for step in range(LAST_DOMAIN):
         domain = 1 + (start + step) % LAST_DOMAIN
+        claim = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            claim.bind(("127.0.0.1", FIRST_PORT + PORTS_PER_DOMAIN * domain + _CLAIM_OFFSET))
+        except OSError:
+            claim.close()
+            continue
         if is_free(domain):
-            return domain
+            return domain, claim
+        claim.close()
     raise InputError(f"all ROS domains from 1 to {LAST_DOMAIN} are taken on this machine; set {DOMAIN_VARIABLE}")
 
 
-def run_environment(given: Mapping[str, str], start: int) -> dict[str, str]:
-    """Give the settings of a run; what the user has set stays.
+@contextmanager
+def domain_of_run(given: Mapping[str, str], start: int) -> Iterator[int]:
+    """Give the domain of a run while in the block: the user's, else one that nobody else on this machine has.
 
     Args:
         given: Environment of the user.
         start: Number from which the search for a free domain begins.
 
-    Returns:
-        Values of the variables that the run sets.
-
     Raises:
-        InputError: The user's domain is not a number from 0 to 232.
+        InputError: The user's domain is not a number from 0 to 232, or all are taken.
     """
-    settings = {}
     domain = given.get(DOMAIN_VARIABLE, "")
-    if not domain:
-        settings[DOMAIN_VARIABLE] = str(free_domain(start))
-    elif not domain.isdigit() or int(domain) > 232:
+    if domain and (not domain.isdecimal() or int(domain) > 232):
         raise InputError(
             f"{DOMAIN_VARIABLE} is '{domain}', allowed is a number from 0 to 232; correct or unset the variable"
         )
-    if not given.get(RANGE_VARIABLE) and not given.get(OLD_RANGE_VARIABLE):
-        settings[RANGE_VARIABLE] = "LOCALHOST"
-    return settings
+    if domain:
+        yield int(domain)
+        return
+    number, claim = claim_domain(start)
+    with claim:
+        yield number
 
 
 @contextmanager

@@ -17,6 +17,7 @@ from rclpy.node import Node
 from flexros.errors import RunError
 from flexros_nodes.domain import DOMAIN_VARIABLE
 from flexros_nodes.ending import GOODBYE_TIMEOUT
+from flexros_nodes.exposure import check_exposure
 from flexros_nodes.node_process import NodeProcess
 from flexros_nodes.parameters import node_parameters
 from flexros_nodes.run_plan import RunSummary, summarise
@@ -81,6 +82,7 @@ class ProcessManager:
 
     def run(self) -> None:
         """Bring all nodes up and wait until the run is over."""
+        check_exposure(os.environ, int(os.environ[DOMAIN_VARIABLE]))
         for name in self._plan.nodes:
             self._await_services(name)
         for transition in (Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE):

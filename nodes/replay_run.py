@@ -11,8 +11,9 @@ from rclpy.context import Context
 from rclpy.task import Future
 
 from flexros.errors import INTERRUPTED, InputError
-from flexros_nodes.domain import OLD_RANGE_VARIABLE, RANGE_VARIABLE, environment
+from flexros_nodes.domain import DOMAIN_VARIABLE, environment
 from flexros_nodes.executable import bring_up, close
+from flexros_nodes.exposure import check_exposure, exposure_settings
 from flexros_nodes.interruption import interruption
 from flexros_nodes.parameters import check_value, node_parameters
 from flexros_nodes.replay import ReplayNode
@@ -46,29 +47,32 @@ class ReplaySummary:
 
 
 def replay_log(
-    values: Mapping[str, Value], progress: Callable[[float, float], None] = lambda done, total: None
+    values: Mapping[str, Value],
+    progress: Callable[[float, float], None] = lambda done, total: None,
+    *,
+    network: bool = False,
 ) -> ReplaySummary:
     """Play a log.
 
-    It is played in the ROS domain of the environment, so that nodes of the user hear it; it stays on this machine
-    unless the environment says otherwise. SIGINT and SIGTERM end it in order.
+    It is played in the ROS domain of the environment, so that nodes of the user hear it; its sockets are bound to
+    127.0.0.1 unless the environment says otherwise. SIGINT and SIGTERM end it in order.
 
     Args:
         values: Parameter values of the replay node; "bag" names the log.
         progress: Called now and then with what is played and what is to be played in all [s].
+        network: Let nodes on other machines hear it.
 
     Returns:
         Summary with exit code 0, 3 (broken off) or 130 (interrupted).
 
     Raises:
         InputError: Log, topics, times or a value are not allowed.
+        RunError: This process has used ROS 2 before with sockets that are open to the network.
     """
     specifications = node_parameters(ReplayNode.node_name)
     checked = {name: check_value(ReplayNode.node_name, name, value, specifications) for name, value in values.items()}
-    local = (
-        {} if os.environ.get(RANGE_VARIABLE) or os.environ.get(OLD_RANGE_VARIABLE) else {RANGE_VARIABLE: "LOCALHOST"}
-    )
-    with interruption() as interrupted, environment(local):
+    settings = exposure_settings(os.environ, network=network)
+    with interruption() as interrupted, environment(settings):
         summary = _play(checked, progress, interrupted)
     if summary.exit_code == InputError.exit_code:
         raise InputError(summary.message)
@@ -83,6 +87,7 @@ def _play(
     node = ReplayNode(context=context, values=values)
     executor = make_executor(context)
     try:
+        check_exposure(os.environ, int(os.environ.get(DOMAIN_VARIABLE) or 0))
         node.tells_errors = False  # the summary does
         executor.add_node(node)
         stop: Future = Future()

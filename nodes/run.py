@@ -14,7 +14,8 @@ from flexros.config.scenario import Scenario, load_scenario
 from flexros.effects.patched_robot import load_model
 from flexros.errors import InputError, unknown_name
 from flexros_nodes.composed import run_composed
-from flexros_nodes.domain import DOMAIN_VARIABLE, environment, run_environment
+from flexros_nodes.domain import DOMAIN_VARIABLE, domain_of_run, environment
+from flexros_nodes.exposure import exposure_settings
 from flexros_nodes.interruption import interruption
 from flexros_nodes.parameters import check_value, gain_parameters, node_parameters
 from flexros_nodes.processes import run_processes
@@ -44,18 +45,20 @@ def run_scenario(
     layout: str = "composed",
     *,
     real_time: bool = False,
+    network: bool = False,
     parameters: Mapping[str, Mapping[str, Value]] | None = None,
 ) -> RunSummary:
     """Run a scenario with plant, controller, feedforward or identification, and recorder as ROS 2 nodes.
 
-    The run has a ROS domain of its own and stays on this machine, unless the environment says otherwise. SIGINT and
-    SIGTERM end it in order.
+    The run has a ROS domain of its own, and its sockets are bound to 127.0.0.1, unless the environment says otherwise.
+    A process decides this once: its later runs are heard where the first was. SIGINT and SIGTERM end a run in order.
 
     Args:
         scenario: The scenario, its shipped name or its file.
         out: Folder of the log, to be made; None records nothing.
         layout: "composed", all nodes in this process, or "processes", one for each node.
         real_time: Pace the loop by the wall clock instead of lock-step.
+        network: Let nodes on other machines take part.
         parameters: Parameter values by node, e.g. {"plant": {"drop_fraction": 0.01}}.
 
     Returns:
@@ -63,6 +66,7 @@ def run_scenario(
 
     Raises:
         InputError: Scenario, parameters, layout or log folder are not allowed.
+        RunError: This process has used ROS 2 before with sockets that are open to the network.
     """
     if layout not in LAYOUTS:
         raise unknown_name("layout", layout, LAYOUTS)
@@ -74,10 +78,11 @@ def run_scenario(
     with (
         tempfile.TemporaryDirectory(prefix="flexros_") as scratch,
         interruption() as interrupted,
-        environment(run_environment(os.environ, os.getpid())),
+        domain_of_run(os.environ, os.getpid()) as domain,
+        environment({DOMAIN_VARIABLE: str(domain), **exposure_settings(os.environ, network=network)}),
     ):
         plan = RunPlan(_scenario_file(scenario, Path(scratch)), folder, given, leader_of(loaded))
-        summary = replace(LAYOUTS[layout](plan, interrupted), domain_id=int(os.environ[DOMAIN_VARIABLE]))
+        summary = replace(LAYOUTS[layout](plan, interrupted), domain_id=domain)
     # nodes refer to each other in circles: their sockets stay open until they are collected, and DDS finds only so many
     gc.collect()
     if summary.exit_code == InputError.exit_code:

@@ -20,6 +20,22 @@ ToleranceOption = Annotated[
 ]
 """How well the numbers of a robot are known, see `parse_tolerance`."""
 
+NetworkOption = Annotated[
+    bool, typer.Option("--network", help="Let nodes on other machines take part; else sockets are bound to 127.0.0.1.")
+]
+"""Whether a run is heard on the network."""
+
+
+def warn_of_network(network: bool) -> None:
+    """Say that a run goes on the network, where it does.
+
+    Args:
+        network: Whether it does.
+    """
+    if network:
+        text = "flexros: --network: whoever is in reach of this machine can hear and command the nodes of this run"
+        typer.echo(text, err=True)
+
 
 def parse_tolerance(text: str) -> dict[str, float]:
     """Read relative tolerances as written on the command line.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.table import Table
 
+from flexros.cli.options import NetworkOption, warn_of_network
 from flexros.cli.output import console, print_json, progress_bar
 from flexros.errors import InputError
 
@@ -48,6 +49,7 @@ def replay(
         help="Feed a controller node: joint_reference goes ahead on joint_reference_ahead, each measurement waits for "
         "its command, and the commands are compared with the recorded ones.",
     ),
+    network: NetworkOption = False,
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> int:
     """Play a log over ROS 2 topics, in the order of log time; messages and their stamps are as recorded."""
@@ -64,9 +66,10 @@ def replay(
         **({} if to_time is None else {"to_time": to_time}),
     }
     play = player()
+    warn_of_network(network)
     with progress_bar(not loop) as progress:
         task = progress.add_task("playing", total=None)
-        summary = play(values, lambda done, total: progress.update(task, completed=done, total=total))
+        summary = play(values, lambda done, total: progress.update(task, completed=done, total=total), network=network)
     for warning in summary.warnings:
         typer.echo(f"flexros: {warning}", err=True)
     if as_json:

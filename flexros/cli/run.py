@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.table import Table
-from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
 
 from flexros.cli import transports
+from flexros.cli.options import NetworkOption, warn_of_network
 from flexros.cli.output import console, print_json, say
+from flexros.config.yaml_file import parse_yaml
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -74,6 +74,7 @@ def run(
     transport: str = typer.Option("", "--transport", help="ros or direct; default: ros where it is installed."),
     layout: str = typer.Option("composed", "--layout", help="Of the nodes: composed or processes."),
     realtime: bool = typer.Option(False, "--realtime", help="Pace the loop by the wall clock."),
+    network: NetworkOption = False,
     parameter: list[str] = typer.Option(
         [], "--parameter", help="Node parameter, e.g. plant.drop_fraction=0.01 (may be repeated)."
     ),
@@ -84,12 +85,15 @@ def run(
     transport = choose_transport(transport, quiet=as_json)
     folder = out or default_folder(chosen.name, transport)
     if transport == "direct":
-        if realtime or parameter or layout != "composed":
-            raise InputError("--realtime, --layout and --parameter belong to the ROS nodes; give --transport ros")
+        if realtime or network or parameter or layout != "composed":
+            raise InputError(
+                "--realtime, --network, --layout and --parameter belong to the ROS nodes; give --transport ros"
+            )
         result = transports.run_direct(chosen, folder)
     else:
         nodes = node_parameters(parameter)
-        result = transports.run_ros(chosen, folder, layout, realtime, nodes)
+        warn_of_network(network)
+        result = transports.run_ros(chosen, folder, layout, realtime, nodes, network=network)
     if as_json:
         print_json(result.as_dict())
     else:
@@ -157,10 +161,7 @@ def key_and_value(text: str, option: str) -> tuple[str, Any]:
     key, equals, value = text.partition("=")
     if not equals or not key:
         raise InputError(f"{option} is '{text}', but must be key=value, e.g. sample_time=0.001")
-    try:
-        return key, YAML(typ="safe", pure=True).load(value)
-    except YAMLError as error:
-        raise InputError(f"{option} {key}: '{value}' is no YAML value; correct it") from error
+    return key, parse_yaml(value, f"{option} {key}")
 
 
 def node_parameters(texts: list[str]) -> dict[str, dict[str, Any]]:

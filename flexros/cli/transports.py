@@ -123,6 +123,8 @@ def run_ros(
     layout: str = "composed",
     real_time: bool = False,
     parameters: Mapping[str, Mapping[str, Any]] | None = None,
+    *,
+    network: bool = False,
 ) -> RunResult:
     """Run a scenario over ROS 2 topics.
 
@@ -132,6 +134,7 @@ def run_ros(
         layout: "composed" or "processes".
         real_time: Pace by the wall clock instead of lock-step.
         parameters: Node parameters, e.g. {"plant": {"drop_fraction": 0.01}}.
+        network: Let nodes on other machines take part.
 
     Returns:
         What came of it.
@@ -146,7 +149,7 @@ def run_ros(
         raise InputError(f"--transport ros: {why}; give --transport direct")
     _check_new(out)
     warnings = Experiment.prepare(scenario).warnings  # what is not allowed is said once, and not by each node
-    summary = runner(scenario, out, layout, real_time=real_time, parameters=parameters)
+    summary = runner(scenario, out, layout, real_time=real_time, network=network, parameters=parameters)
     return RunResult(
         exit_code=summary.exit_code,
         message=summary.message,

@@ -10,6 +10,7 @@ import pytest
 
 from flexros.cli.run import default_folder, print_result
 from flexros.cli.transports import RunResult
+from flexros.errors import RunError
 
 Flexros = Callable[..., "object"]
 
@@ -226,6 +227,30 @@ def test_bad_input_is_refused_before_any_node_starts(
     ended = flexros("run", "circle_pd", "--transport", "ros", "--out", folder, "--model", model)
     assert (ended.code, started) == (2, [])
     assert message in ended.err
+
+
+@pytest.mark.parametrize(
+    ("options", "warning"),
+    [
+        ((), ""),
+        (
+            ("--network",),
+            "flexros: --network: whoever is in reach of this machine can hear and command the nodes of this run\n",
+        ),
+    ],
+)
+def test_run_on_the_network_is_asked_for_and_said(
+    flexros: Flexros, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, options: tuple[str, ...], warning: str
+) -> None:
+    given = {}
+
+    def runner(*_: object, **more: object) -> None:
+        given.update(more)
+        raise RunError("no nodes here")
+
+    monkeypatch.setattr("flexros.cli.transports.ros_runner", lambda: (runner, ""))
+    ended = flexros("run", "circle_pd", "--transport", "ros", "--out", str(tmp_path / "log"), *options)
+    assert (given["network"], ended.err) == (bool(options), f"{warning}flexros: no nodes here\n")
 
 
 def test_a_report_into_a_folder_is_refused(flexros: Flexros, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""ROS domain and discovery range of a run."""
+"""ROS domain of a run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import socket
 import pytest
 
 from flexros.errors import InputError
-from flexros_nodes.domain import LAST_DOMAIN, environment, free_domain, run_environment
+from flexros_nodes.domain import LAST_DOMAIN, claim_domain, domain_of_run, environment
 
 
 def occupied(domain: int) -> socket.socket:
@@ -18,38 +18,43 @@ def occupied(domain: int) -> socket.socket:
 
 
 def test_domain_with_a_participant_is_not_chosen() -> None:
-    first = free_domain(40)
-    with occupied(first):
-        assert free_domain(first - 1) != first
+    with domain_of_run({}, 40) as first:
+        pass
+    with occupied(first), domain_of_run({}, first - 1) as other:
+        assert other != first
+
+
+def test_domain_of_a_run_that_only_begins_is_not_chosen() -> None:
+    with domain_of_run({}, 40) as first, domain_of_run({}, first - 1) as second:
+        assert first != second
+
+
+def test_claim_ends_with_the_run() -> None:
+    with domain_of_run({}, 40) as first:
+        pass
+    with domain_of_run({}, first - 1) as second:
+        assert first == second
 
 
 @pytest.mark.parametrize("start", [0, 7, 100, 4_194_304])
 def test_domain_is_between_1_and_101(start: int) -> None:
-    assert 1 <= free_domain(start) <= LAST_DOMAIN
+    with domain_of_run({}, start) as domain:
+        assert 1 <= domain <= LAST_DOMAIN
 
 
-def test_run_stays_on_this_machine_in_a_domain_of_its_own() -> None:
-    settings = run_environment({}, 5)
-    assert settings["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
-    assert 1 <= int(settings["ROS_DOMAIN_ID"]) <= LAST_DOMAIN
-
-
-@pytest.mark.parametrize(
-    ("given", "kept"),
-    [
-        ({"ROS_DOMAIN_ID": "17"}, "ROS_DOMAIN_ID"),
-        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, "ROS_AUTOMATIC_DISCOVERY_RANGE"),
-        ({"ROS_LOCALHOST_ONLY": "1"}, "ROS_AUTOMATIC_DISCOVERY_RANGE"),
-    ],
-)
-def test_what_the_user_has_set_stays(given: dict[str, str], kept: str) -> None:
-    assert kept not in run_environment(given, 5)
+def test_domain_of_the_user_stays_and_may_have_participants() -> None:
+    domain, claim = claim_domain(17)
+    with claim, occupied(domain), domain_of_run({"ROS_DOMAIN_ID": str(domain)}, 5) as kept:
+        assert kept == domain
 
 
 @pytest.mark.parametrize("domain", ["-1", "233", "lab"])
 def test_domain_that_is_none_is_bad_input(domain: str) -> None:
-    with pytest.raises(InputError, match=f"ROS_DOMAIN_ID is '{domain}', allowed is a number from 0 to 232; correct"):
-        run_environment({"ROS_DOMAIN_ID": domain}, 5)
+    with (
+        pytest.raises(InputError, match=f"ROS_DOMAIN_ID is '{domain}', allowed is a number from 0 to 232; correct"),
+        domain_of_run({"ROS_DOMAIN_ID": domain}, 5),
+    ):
+        pass
 
 
 def test_environment_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
