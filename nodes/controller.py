@@ -116,6 +116,10 @@ class ControllerNode(FlexrosNode):
             self._answer()
         elif arrival is Arrival.REPEATED and self._pending is None and self._reply is not None:
             self._publish(*self._reply)
+        elif arrival is Arrival.ANEW:
+            self.get_logger().info("the plant has begun anew, and so does the controller")
+            self._begin()
+            self._on_state(message)
 
     def _partners_found(self) -> bool:
         """Tell whether plant and recorders would hear a reply; until then the plant repeats its first state."""

@@ -55,6 +55,7 @@ class IdentificationNode(FlexrosNode):
         self._course = ExperimentCourse(self._run.plan)
         self._stream = ReferenceStream(self, self._run)
         self._stream.on_progress = self._on_progress
+        self._stream.on_new_beginning = self._on_new_beginning
         self._states = self.announce("experiment_state")
         self.offer("start", self._on_start)
         self.offer("stop", self._on_stop)
@@ -93,6 +94,11 @@ class IdentificationNode(FlexrosNode):
         if completed != self._told and self._stopped is None:
             self._told = completed
             self._tell()
+
+    def _on_new_beginning(self) -> None:
+        """Follow a plant that was reset: the experiment has not begun."""
+        self._begin()
+        self._send_state()
 
     def _tell(self) -> None:
         self.diagnose(message=self.state().sentence())

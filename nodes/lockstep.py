@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from enum import Enum, auto
 
+from flexros.logs.stamps import START_NS
+
 HANDSHAKE_PERIOD = 0.1
 """Time after which state 0 is sent again while the partners find each other [s], chosen."""
 
@@ -20,6 +22,10 @@ ROUND_TRIPS = 5.0
 
 FORGETTING = 0.98
 """Share of a slow round trip that a tick remembers, chosen: half of it is forgotten after 34."""
+
+
+FIRST_SAMPLE_AGAIN = 3
+"""Times that the first sample must come again before a loop counts as begun anew, chosen: one may be a late repeat."""
 
 
 class Tick(Enum):
@@ -36,6 +42,29 @@ class Arrival(Enum):
     NEW = auto()
     REPEATED = auto()
     OLD = auto()
+    ANEW = auto()
+
+
+class Beginning:
+    """Tells a loop that has begun anew from a late repeat of its first sample.
+
+    A plant that stands before its first sample repeats it until it is answered. So it has begun anew when the first
+    stamp comes several times while nothing newer does.
+    """
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._newest = -1
+
+    def is_new(self, newest: int) -> bool:
+        """Note that the first stamp has come again; tells whether the loop has begun anew.
+
+        Args:
+            newest: Newest stamp or sample that is known.
+        """
+        self._count = self._count + 1 if newest == self._newest else 1
+        self._newest = newest
+        return self._count >= FIRST_SAMPLE_AGAIN
 
 
 class PlantLockStep:
@@ -160,9 +189,10 @@ class ControllerLockStep:
         self.old = 0
         self.missed = 0
         self._sample_ns = sample_time * 1e9
+        self._beginning = Beginning()
 
     def arrival(self, stamp: int) -> Arrival:
-        """Classify a stamp [ns] and remember it when it is new."""
+        """Classify a stamp [ns] and remember it when it is new; ANEW says that the loop has begun anew with it."""
         last = self.last
         if stamp > last:
             if last >= 0:
@@ -173,4 +203,4 @@ class ControllerLockStep:
             self.repeated += 1
             return Arrival.REPEATED
         self.old += 1
-        return Arrival.OLD
+        return Arrival.ANEW if stamp == START_NS and self._beginning.is_new(last) else Arrival.OLD

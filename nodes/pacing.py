@@ -142,8 +142,9 @@ class Schedule:
         return self._due
 
     def begin(self, first_due: float) -> None:
-        """Set the time of cycle 0 [s]."""
+        """Set the time of the next cycle [s], from which the others follow; what lay before it is no period."""
         self._first_due = self._due = first_due
+        self._last, self._n = None, 0
 
     def started(self, now: float) -> None:
         """Note that the cycle that was due starts now [s].

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 from flexros.logs.joint_trajectory_message import JointTrajectoryChunk, serialise_joint_trajectory
 from flexros.logs.pose_stamped_message import PoseStampedTemplate
-from flexros.logs.stamps import sample_number, stamp_of, stamps_ns
+from flexros.logs.stamps import START_NS, sample_number, stamp_of, stamps_ns
 from flexros.logs.time_series import BASE_FRAME
 from flexros_nodes.chunk_stream import ChunkStream
+from flexros_nodes.lockstep import Beginning
 from flexros_nodes.reference_rows import PlannedRows
 from flexros_nodes.topic_interface import period
 
@@ -33,7 +34,7 @@ class ReferenceStream:
     """The reference of a run in chunks that append to each other, and the tool reference beside it.
 
     /clock tells how far the loop is. When it stands still, what its readers may lack is sent again, which does no harm:
-    a message says the same however often it comes.
+    a message says the same however often it comes. When the loop begins anew, so does the stream.
 
     Args:
         node: Node that owns the topics; configured anew, it makes a new stream.
@@ -44,6 +45,7 @@ class ReferenceStream:
         clock_samples: Samples between two messages of the clock.
         closed: Whether nothing is sent yet; set it before `start`, and call `open` when the time has come.
         on_progress: Called with the progress when it has grown, before anything is sent.
+        on_new_beginning: Called when the loop has begun anew, before anything is sent.
     """
 
     def __init__(self, node: FlexrosNode, run: Experiment) -> None:
@@ -56,6 +58,7 @@ class ReferenceStream:
         self.clock_samples = max(round(period("clock") / self._sample_time), 1)
         self._pose_message = PoseStampedTemplate(BASE_FRAME)
         self.on_progress: Callable[[int], None] = lambda _: None
+        self.on_new_beginning: Callable[[], None] = lambda: None
         self.closed = False
         self._begin()
         self._chunks = node.announce("joint_reference_ahead")
@@ -70,6 +73,7 @@ class ReferenceStream:
         self._rows: ReferenceRows = self._planned
         self.progress = self._seen = self._poses_sent = 0
         self._stalls = 0
+        self._beginning = Beginning()
         self._found = self._running = False
 
     @property
@@ -111,9 +115,12 @@ class ReferenceStream:
 
     def _on_clock(self, message: bytes) -> None:
         # rosgraph_msgs/Clock is a time alone, which lies where other messages have header.stamp
-        self._node.stamp = stamp_of(message)
+        self._node.stamp = stamp = stamp_of(message)
+        if stamp == START_NS and self.progress and self._beginning.is_new(self.progress):
+            self._begin()
+            self.on_new_beginning()
         self._running = True
-        progress = max(self.progress, sample_number(self._node.stamp, self._sample_time))
+        progress = max(self.progress, sample_number(stamp, self._sample_time))
         if progress > self.progress:
             self.progress = progress
             self.on_progress(progress)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros_nodes.lockstep import Arrival, ControllerLockStep, PlantLockStep, Tick
+from flexros_nodes.lockstep import Arrival, Beginning, ControllerLockStep, PlantLockStep, Tick
 
 T = 5e-4
 
@@ -129,3 +129,22 @@ def test_controller_counts_samples_it_never_saw() -> None:
     lockstep.arrival(1_000_000_000)
     lockstep.arrival(1_002_000_000)
     assert lockstep.missed == 3
+
+
+def test_first_stamp_three_times_is_a_new_beginning() -> None:
+    lockstep = ControllerLockStep(T)
+    for stamp in (1_000_000_000, 1_000_500_000):
+        lockstep.arrival(stamp)
+    arrivals = [lockstep.arrival(1_000_000_000) for _ in range(3)]
+    assert arrivals == [Arrival.OLD, Arrival.OLD, Arrival.ANEW]
+
+
+def test_late_repeats_of_the_first_stamp_are_no_new_beginning() -> None:
+    beginning = Beginning()
+    assert not any(beginning.is_new(newest) for newest in (1, 1, 2, 2, 3, 4, 4))
+
+
+def test_older_stamps_are_no_new_beginning() -> None:
+    lockstep = ControllerLockStep(T)
+    lockstep.arrival(1_001_000_000)
+    assert {lockstep.arrival(1_000_500_000) for _ in range(5)} == {Arrival.OLD}

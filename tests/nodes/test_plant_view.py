@@ -50,7 +50,7 @@ def test_markers_show_the_state_of_the_plant(bench: Any) -> None:
     assert plant.set_parameters([Parameter("magnification", value=1000.0)])[0].successful
     heard.clear()
     bench.spin_until(lambda: bool(heard))
-    bars = ArmView(load_robot("e12")).bars(plant._plant.state, 1000.0)
+    bars = ArmView(load_robot("e12")).bars(plant.loop.plant.state, 1000.0)
     assert [marker.ns for marker in heard[-1].markers] == ["true", "magnified", "stiff"]
     for marker in heard[-1].markers:
         assert (marker.header.frame_id, marker.header.stamp.sec) == ("base", 1)
@@ -61,7 +61,7 @@ def test_nothing_is_computed_while_nobody_listens(bench: Any, monkeypatch: pytes
     asked: list[int] = []
     plant = bench.add(PlantNode)
     plant.trigger_configure()
-    view, robot = plant._view, plant._plant
+    view, robot = plant._view, plant.loop.plant
     count = view._publisher.get_subscription_count
     monkeypatch.setattr(view._publisher, "get_subscription_count", lambda: asked.append(1) or count())
     monkeypatch.setattr(plant_view, "ArmMarkers", None)
