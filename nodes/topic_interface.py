@@ -5,10 +5,13 @@ from __future__ import annotations
 from functools import cache
 from importlib import import_module
 
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from flexros.config.topics import QosProfile, Topic, load_topics
-from flexros.errors import unknown_name
+from flexros.errors import InputError, unknown_name
+from flexros_nodes.qos_overrides import override_problem
 
 
 def topic(name: str) -> Topic:
@@ -54,3 +57,29 @@ def qos_profile(profile: QosProfile) -> QoSProfile:
         reliability=ReliabilityPolicy[profile.reliability.upper()],
         durability=DurabilityPolicy[profile.durability.upper()],
     )
+
+
+def overriding_options(profile: QosProfile, where: str, *, publisher: bool) -> QoSOverridingOptions:
+    """Let parameters `qos_overrides./<topic>.publisher.depth` and the like change a profile, within what is allowed.
+
+    Args:
+        profile: What `qos.yaml` states for this end of the topic.
+        where: Topic and node, for the error.
+        publisher: Whether it is a publisher; else a subscription.
+    """
+
+    def check(given: QoSProfile) -> SetParametersResult:
+        problem = override_problem(
+            profile,
+            publisher,
+            history=given.history.name.lower(),
+            depth=given.depth,
+            reliability=given.reliability.name.lower(),
+            durability=given.durability.name.lower(),
+        )
+        if problem:
+            raise InputError(f"{where}: {problem}; correct it, or leave it out")
+        return SetParametersResult(successful=True)
+
+    kinds = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
+    return QoSOverridingOptions(kinds, callback=check)

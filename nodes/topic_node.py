@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import InvalidParameterTypeException
 from std_srvs.srv import Trigger
 
-from flexros.errors import FlexrosError
+from flexros.errors import FlexrosError, InputError
 from flexros_nodes.parameter_node import AbstractParameterNode
-from flexros_nodes.topic_interface import message_class, qos_profile, topic
+from flexros_nodes.topic_interface import message_class, overriding_options, qos_profile, topic
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from rclpy.context import Context
     from rclpy.publisher import Publisher
@@ -57,7 +59,13 @@ class AbstractTopicNode(AbstractParameterNode):
     def announce(self, name: str) -> Publisher:
         """Make the publisher of a topic; it takes messages or their bytes."""
         row = topic(name)
-        publisher = self.create_publisher(message_class(row.type), row.name, qos_profile(row.qos))
+        with self._overriding_qos(row.name, "publisher") as where:
+            publisher = self.create_publisher(
+                message_class(row.type),
+                row.name,
+                qos_profile(row.qos),
+                qos_overriding_options=overriding_options(row.qos, where, publisher=True),
+            )
         self._made.append(partial(self.destroy_publisher, publisher))
         return publisher
 
@@ -79,9 +87,27 @@ class AbstractTopicNode(AbstractParameterNode):
                 except FlexrosError as error:
                     self.end(error)
 
-        kind = message_class(row.type)
-        subscription = self.create_subscription(kind, row.name, receive, qos_profile(profile), raw=True)
+        with self._overriding_qos(row.name, "subscription") as where:
+            subscription = self.create_subscription(
+                message_class(row.type),
+                row.name,
+                receive,
+                qos_profile(profile),
+                qos_overriding_options=overriding_options(profile, where, publisher=False),
+                raw=True,
+            )
         self._made.append(partial(self.destroy_subscription, subscription))
+
+    @contextmanager
+    def _overriding_qos(self, name: str, entity: str) -> Iterator[str]:
+        """Name the parameters for errors, and turn what rclpy raises about them into an error of the input."""
+        where = f"parameter qos_overrides.{self.resolve_topic_name(name)}.{entity} of node {self.get_name()}"
+        try:
+            yield where
+        except (InvalidParameterTypeException, RuntimeError) as error:
+            if "qos" not in str(error).lower():
+                raise
+            raise InputError(f"{where}: {error}; correct it, or leave it out") from error
 
     def offer(self, name: str, answer: Callable[[], Answer]) -> None:
         """Offer a service of type std_srvs/srv/Trigger below the node's name; it refuses unless the node is active."""

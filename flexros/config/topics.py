@@ -28,6 +28,8 @@ class QosProfile(Settings):
         depth: Number of samples kept.
         reliability: Whether lost samples are sent again.
         durability: Whether late subscribers get earlier samples.
+        least_depth: Fewest samples that a user may have kept.
+        lossless: Whether a user may not have samples lost.
     """
 
     name: str
@@ -36,6 +38,8 @@ class QosProfile(Settings):
     depth: int = Field(ge=1, le=100_000)
     reliability: Literal["reliable", "best_effort"]
     durability: Literal["volatile", "transient_local"]
+    least_depth: int = Field(default=1, ge=1, le=100_000)
+    lossless: bool = False
 
 
 class FieldUnit(Settings):
