@@ -129,6 +129,15 @@ def long_scenario(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
+def short_scenario(tmp_path: Path) -> Path:
+    """Write the beginning of the circle: 0.2 s, 401 samples."""
+    settings = {**load_scenario("circle_dae").settings(), "duration": 0.2}
+    path = tmp_path / "short.yaml"
+    path.write_text(json.dumps(settings))
+    return path
+
+
+@pytest.fixture
 def identification_scenario(tmp_path: Path) -> Path:
     """Write a short identification of the two-mass robot: two positions, two blocks, 4.2 s."""
     settings = {

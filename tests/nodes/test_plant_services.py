@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -20,16 +19,14 @@ from flexros.simulate.experiment import Experiment
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
-import rclpy
 from rclpy.parameter import Parameter
-from std_srvs.srv import Trigger
 
 from flexros_nodes.controller import ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
 from flexros_nodes.identification import IdentificationNode
 from flexros_nodes.plant import PlantNode
 from flexros_nodes.recorder import RecorderNode
-from flexros_nodes.topic_interface import message_class, qos_profile, topic
+from tests.nodes.loop_on_bench import Loop
 
 Bench = Any  # the class is in conftest
 Differences = Callable[[Log, Log], list[str]]
@@ -38,79 +35,14 @@ T = 5e-4
 LONGER = 0.9
 
 
-class Loop:
-    """The nodes of a run on a bench, with a user who calls the services of the plant."""
-
-    def __init__(self, bench: Bench, scenario: Path | str, *nodes: type, **plant: Any) -> None:
-        self.bench = bench
-        observers = int(RecorderNode in nodes)
-        self.others = [bench.add(kind, scenario=str(scenario), observers=observers) for kind in nodes]
-        self.plant = bench.add(PlantNode, scenario=str(scenario), observers=observers, **plant)
-        self.user = bench.hold(rclpy.create_node("user", context=bench.context))
-        self._clients = {
-            name: self.user.create_client(Trigger, f"plant/{name}") for name in ("start", "pause", "step", "reset")
-        }
-
-    def node(self, kind: type) -> Any:
-        return next(node for node in self.others if type(node) is kind)
-
-    def bring_up(self) -> None:
-        for node in (*self.others, self.plant):
-            node.trigger_configure()
-        for node in (*self.others, self.plant):
-            node.trigger_activate()
-
-    @property
-    def sample(self) -> int:
-        return self.plant.loop.sample
-
-    def reach(self, sample: int) -> None:
-        self.bench.spin_until(lambda: self.sample >= sample)
-
-    def call(self, name: str) -> Trigger.Response:
-        client = self._clients[name]
-        self.bench.spin_until(client.service_is_ready)
-        future = client.call_async(Trigger.Request())
-        self.bench.spin_until(future.done)
-        return future.result()
-
-    def step(self) -> None:
-        """Step, and wait until the sample is there."""
-        before = self.sample
-        assert self.call("step").success
-        self.bench.spin_until(lambda: self.sample > before)
-
-    def hear(self, name: str) -> list[bytes]:
-        """Collect the messages of a topic."""
-        heard: list[bytes] = []
-        row = topic(name)
-        self.user.create_subscription(message_class(row.type), row.name, heard.append, qos_profile(row.qos), raw=True)
-        return heard
-
-    def finish(self) -> None:
-        self.bench.spin_until(lambda: self.plant.report is not None)
-        assert (self.plant.report.exit_code, self.plant.report.message) == (0, "")
-        for node in self.others:
-            node.trigger_shutdown()
-
-
-@pytest.fixture
-def scenario(tmp_path: Path) -> Path:
-    """Write the beginning of the circle: 0.2 s, 401 samples."""
-    settings = {**load_scenario("circle_dae").settings(), "duration": 0.2}
-    path = tmp_path / "short.yaml"
-    path.write_text(json.dumps(settings))
-    return path
-
-
 def direct(path: Path) -> Log:
     return closed_loop(Experiment.prepare(load_scenario(path)))
 
 
 def test_log_of_a_run_that_was_paused_and_stepped_is_the_same_in_every_bit(
-    bench: Bench, scenario: Path, tmp_path: Path, log_differences: Differences
+    bench: Bench, short_scenario: Path, tmp_path: Path, log_differences: Differences
 ) -> None:
-    loop = Loop(bench, scenario, RecorderNode, FeedforwardNode, ControllerNode, begin_at_once=False, **IMPATIENT)
+    loop = Loop(bench, short_scenario, RecorderNode, FeedforwardNode, ControllerNode, begin_at_once=False, **IMPATIENT)
     loop.node(RecorderNode).set_parameters([Parameter("folder", value=str(tmp_path / "log"))])
     loop.bring_up()
     bench.spin_for(LONGER)  # no time-out counts before the start
@@ -129,11 +61,11 @@ def test_log_of_a_run_that_was_paused_and_stepped_is_the_same_in_every_bit(
     place = f"sample {paused + 1} (stamp {1 + (paused + 1) * T:.4f} s)"
     assert loop.call("start").message == f"the plant goes on from {place}"
     loop.finish()
-    assert log_differences(direct(scenario), read_log(tmp_path / "log")) == []
+    assert log_differences(direct(short_scenario), read_log(tmp_path / "log")) == []
 
 
-def test_clock_goes_on_without_a_step_back_through_pause_and_step(bench: Bench, scenario: Path) -> None:
-    loop = Loop(bench, scenario, FeedforwardNode, ControllerNode)
+def test_clock_goes_on_without_a_step_back_through_pause_and_step(bench: Bench, short_scenario: Path) -> None:
+    loop = Loop(bench, short_scenario, FeedforwardNode, ControllerNode)
     clock = loop.hear("clock")
     loop.bring_up()
     loop.reach(100)
@@ -147,8 +79,8 @@ def test_clock_goes_on_without_a_step_back_through_pause_and_step(bench: Bench, 
     assert stamps == sorted(stamps)
 
 
-def test_pause_in_which_the_command_was_lost_sends_the_state_again(bench: Bench, scenario: Path) -> None:
-    loop = Loop(bench, scenario, FeedforwardNode, ControllerNode)
+def test_pause_in_which_the_command_was_lost_sends_the_state_again(bench: Bench, short_scenario: Path) -> None:
+    loop = Loop(bench, short_scenario, FeedforwardNode, ControllerNode)
     loop.bring_up()
     loop.reach(100)
     loop.node(ControllerNode).active = False  # it hears nothing
@@ -165,8 +97,8 @@ def test_pause_in_which_the_command_was_lost_sends_the_state_again(bench: Bench,
     loop.finish()
 
 
-def test_services_say_what_they_refuse(bench: Bench, scenario: Path) -> None:
-    loop = Loop(bench, scenario, ControllerNode, begin_at_once=False)
+def test_services_say_what_they_refuse(bench: Bench, short_scenario: Path) -> None:
+    loop = Loop(bench, short_scenario, ControllerNode, begin_at_once=False)
     loop.plant.trigger_configure()
     assert loop.call("start").message == "node plant is not active; activate it first"
     loop.plant.trigger_activate()
@@ -184,8 +116,8 @@ def test_services_say_what_they_refuse(bench: Bench, scenario: Path) -> None:
     assert step.message == "the plant is not paused; call pause before a step"
 
 
-def test_last_step_ends_the_run(bench: Bench, scenario: Path) -> None:
-    loop = Loop(bench, scenario, FeedforwardNode, ControllerNode)
+def test_last_step_ends_the_run(bench: Bench, short_scenario: Path) -> None:
+    loop = Loop(bench, short_scenario, FeedforwardNode, ControllerNode)
     loop.plant.set_parameters([Parameter("begin_at_once", value=False)])
     loop.bring_up()
     bench.spin_until(lambda: loop.sample == 0)
@@ -198,8 +130,8 @@ def test_last_step_ends_the_run(bench: Bench, scenario: Path) -> None:
     loop.finish()
 
 
-def test_partner_that_ends_in_a_pause_lets_the_plant_brake(bench: Bench, scenario: Path) -> None:
-    loop = Loop(bench, scenario, FeedforwardNode, ControllerNode, brake_duration=0.01)
+def test_partner_that_ends_in_a_pause_lets_the_plant_brake(bench: Bench, short_scenario: Path) -> None:
+    loop = Loop(bench, short_scenario, FeedforwardNode, ControllerNode, brake_duration=0.01)
     loop.bring_up()
     loop.reach(100)
     loop.call("pause")
@@ -220,8 +152,8 @@ def positions(messages: list[bytes]) -> np.ndarray:
 
 
 @pytest.mark.parametrize("paused", [False, True])
-def test_run_after_a_reset_is_the_same_in_every_bit(bench: Bench, scenario: Path, paused: bool) -> None:
-    loop = Loop(bench, scenario, FeedforwardNode, ControllerNode)
+def test_run_after_a_reset_is_the_same_in_every_bit(bench: Bench, short_scenario: Path, paused: bool) -> None:
+    loop = Loop(bench, short_scenario, FeedforwardNode, ControllerNode)
     states = loop.hear("joint_states")
     loop.bring_up()
     loop.reach(150)
@@ -236,14 +168,14 @@ def test_run_after_a_reset_is_the_same_in_every_bit(bench: Bench, scenario: Path
     loop.finish()
     beginning = max(i for i, message in enumerate(states) if stamp_of(message) == START_NS)
     once, again = positions(states[:100]), positions(states[beginning:])
-    expected = direct(scenario).joint_states.position
+    expected = direct(short_scenario).joint_states.position
     assert np.array_equal(again, expected)
     assert np.array_equal(once[:50], expected[:50])
     assert loop.plant.report.figures["samples"] == 401
 
 
-def test_reset_is_refused_while_a_recorder_is_there(bench: Bench, scenario: Path, tmp_path: Path) -> None:
-    loop = Loop(bench, scenario, RecorderNode, FeedforwardNode, ControllerNode)
+def test_reset_is_refused_while_a_recorder_is_there(bench: Bench, short_scenario: Path, tmp_path: Path) -> None:
+    loop = Loop(bench, short_scenario, RecorderNode, FeedforwardNode, ControllerNode)
     loop.node(RecorderNode).set_parameters([Parameter("folder", value=str(tmp_path / "log"))])
     loop.bring_up()
     loop.reach(100)
@@ -255,8 +187,8 @@ def test_reset_is_refused_while_a_recorder_is_there(bench: Bench, scenario: Path
     loop.finish()
 
 
-def test_reset_before_the_second_sample_has_nothing_to_do(bench: Bench, scenario: Path) -> None:
-    loop = Loop(bench, scenario, FeedforwardNode, ControllerNode, begin_at_once=False)
+def test_reset_before_the_second_sample_has_nothing_to_do(bench: Bench, short_scenario: Path) -> None:
+    loop = Loop(bench, short_scenario, FeedforwardNode, ControllerNode, begin_at_once=False)
     loop.bring_up()
     bench.spin_until(lambda: loop.sample == 0)
     answer = loop.call("reset")
@@ -274,8 +206,8 @@ def test_identification_begins_anew_with_a_reset(bench: Bench, identification_sc
     assert loop.plant.loop.plant.measure() == pytest.approx(expected.joint_states.position[-1], abs=0.0)
 
 
-def test_real_time_goes_on_after_a_pause_without_misses(bench: Bench, scenario: Path) -> None:
-    loop = Loop(bench, scenario, FeedforwardNode, ControllerNode, real_time=True, begin_at_once=False)
+def test_real_time_goes_on_after_a_pause_without_misses(bench: Bench, short_scenario: Path) -> None:
+    loop = Loop(bench, short_scenario, FeedforwardNode, ControllerNode, real_time=True, begin_at_once=False)
     states = loop.hear("joint_states")
     loop.bring_up()
     bench.spin_until(lambda: loop.sample == 0)
