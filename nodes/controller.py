@@ -61,7 +61,7 @@ class ControllerNode(FlexrosNode):
         self._pending: tuple[float, ...] | None = None
         self._reply: tuple[bytes, bytes] | None = None
         self._found = False
-        self._answered = self._waits = 0
+        self._answered = self._waits = self._refused = 0
 
     def start(self) -> None:
         """Begin at the first sample, also when the node has worked before."""
@@ -71,11 +71,18 @@ class ControllerNode(FlexrosNode):
         gains = self._controller.gains
         self.undeclare(name for name in self._gain_names if self.has_parameter(name))  # the scenario may have changed
         self._gain_names = self._controller.law.gain_names(self._n_motors)
-        self.declare(gain_parameters(self._controller.law.kind, self._gain_names, gains))
-        self.parameters_changed({name: self.value(name) for name in self._gain_names if self.has_parameter(name)})
+        self.declare(gain_parameters(self._controller.law, self._n_motors, gains))
+        self._take_gains({name: self.value(name) for name in self._gain_names if self.has_parameter(name)})
 
     def parameters_changed(self, values: Mapping[str, Value]) -> None:
-        """Take over changed gains, from the next sample on."""
+        """Take over changed gains, from the next sample on, and say so."""
+        if gains := {name: values[name] for name in self._gain_names if name in values}:
+            self._take_gains(gains)
+            what = ", ".join(f"{name} = {value!r}" for name, value in gains.items())
+            first = f"the sample after stamp {self.stamp / NANOSECONDS:.4f} s" if self._answered else "the first sample"
+            self.get_logger().info(f"{what} from {first} on")
+
+    def _take_gains(self, values: Mapping[str, Value]) -> None:
         gains = self._controller.gains
         for i, name in enumerate(self._gain_names):
             gains[i] = values.get(name, gains[i])
@@ -90,6 +97,7 @@ class ControllerNode(FlexrosNode):
             "missed_states": self._lockstep.missed,
             "waits_for_reference": self._waits,
             "ignored_chunks": self._buffer.ignored,
+            "refused_trajectories": self._refused,
             "dropped_on_purpose": self._loss.dropped,
         }
 
@@ -165,7 +173,13 @@ class ControllerNode(FlexrosNode):
         self._answer()
 
     def _on_trajectory(self, message: bytes) -> None:
-        self._buffer.replace(self._read(message, "joint_trajectory"))
+        try:
+            self._buffer.replace(self._read(message, "joint_trajectory"))
+        except FlexrosError as error:  # anyone may send here: what cannot be followed must not end the loop
+            self._refused += 1
+            if self._refused == 1:
+                self.get_logger().warning(f"{error}; the reference stays as it is, further refusals are only counted")
+            return
         self._answer()
 
     def _read(self, message: bytes, name: str) -> JointTrajectoryChunk:

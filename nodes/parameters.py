@@ -13,10 +13,11 @@ from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
     from pathlib import Path
 
     from flexros.arrays import FloatArray
+    from flexros.control.base import AbstractControlLaw
 
 Value: TypeAlias = bool | int | float | str
 
@@ -26,6 +27,10 @@ _ARTICLES = {"bool": "true or false", "int": "a whole number", "double": "a numb
 
 TAKES_THE_PLACE_OF = {"identification": "feedforward"}
 """Nodes that do the work of another one, and so have its parameters too."""
+
+
+LARGEST_GAIN = 1e12
+"""Largest gain that a controller may be given while running, in SI units, chosen: more is taken for a mistake."""
 
 
 class ParameterSpecification(Settings):
@@ -105,13 +110,13 @@ def node_parameters(node: str) -> dict[str, ParameterSpecification]:
     return {name: row for file in files if file for name, row in read_parameters(folder / f"{file}.yaml").items()}
 
 
-def gain_parameters(law: str, names: Sequence[str], gains: FloatArray) -> dict[str, ParameterSpecification]:
+def gain_parameters(law: AbstractControlLaw, n_motors: int, gains: FloatArray) -> dict[str, ParameterSpecification]:
     """Give the parameters that stand for the gains of a control law; limits that are not set are none.
 
     Args:
-        law: Kind of the control law.
-        names: Names of the gains.
-        gains: Their values in the scenario, in SI units, shape (n_gains,).
+        law: The control law.
+        n_motors: Number of motors M.
+        gains: Values of the gains in the scenario, in SI units, shape (n_gains,).
 
     Returns:
         Specifications by parameter name; they may change while the node runs.
@@ -120,11 +125,12 @@ def gain_parameters(law: str, names: Sequence[str], gains: FloatArray) -> dict[s
         name: ParameterSpecification(
             type="double",
             default=float(gain),
+            bounds=(max(law.lowest_gain, -LARGEST_GAIN), LARGEST_GAIN),
             unit="",
-            description=f"Gain {name} of the control law {law}, in SI units.",
+            description=f"Gain {name} of the control law {law.kind}, in SI units.",
             read_only=False,
         )
-        for name, gain in zip(names, gains.tolist(), strict=True)
+        for name, gain in zip(law.gain_names(n_motors), gains.tolist(), strict=True)
         if math.isfinite(gain)
     }
 

@@ -104,7 +104,7 @@ def _checked(node: str, values: Mapping[str, Value], scenario: Scenario) -> dict
         robot = load_model(scenario.robot).robot
         law, n_motors = scenario.controller, robot.n_motors
         gains = law.gains(n_motors, robot.torque_limits)
-        specifications |= gain_parameters(law.kind, law.gain_names(n_motors), gains)
+        specifications |= gain_parameters(law, n_motors, gains)
     for name in values:
         if name in SET_BY_THE_RUN:
             raise InputError(

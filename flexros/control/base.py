@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -40,6 +41,8 @@ class AbstractControlLaw(Settings, ABC):
     """
 
     kind: ClassVar[str]
+    lowest_gain: ClassVar[float] = -math.inf
+    """Lowest value that a gain may be given while running."""
 
     @abstractmethod
     def state_size(self, n_motors: int) -> int:

@@ -28,6 +28,7 @@ class AbstractMotorwiseLaw(AbstractControlLaw):
     """
 
     gain_keys: ClassVar[tuple[str, ...]]
+    lowest_gain: ClassVar[float] = 0.0
 
     torque_limit: PositivePerMotor | None = Field(
         default=None, description="limit of the command [Nm], one or one per motor; the robot's own where left out"
