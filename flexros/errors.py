@@ -6,6 +6,8 @@ from contextlib import contextmanager
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, ClassVar
 
+from flexros.one_line import one_line
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
@@ -24,6 +26,10 @@ class FlexrosError(Exception):
     """Base of all errors that FlexROS raises on purpose; `exit_code` is what the command line returns."""
 
     exit_code: ClassVar[int] = 1
+
+    def __str__(self) -> str:
+        """The text as one line: it may hold names from foreign files."""
+        return one_line(super().__str__())
 
 
 class InputError(FlexrosError):

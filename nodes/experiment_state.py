@@ -18,6 +18,15 @@ if TYPE_CHECKING:
 STATES = ("waiting", "running", "stopping", "done")
 """Before its start, under way as planned, being brought to rest or at rest after that, and at the end of the plan."""
 
+_KINDS = {"state": str, "recording": bool, "percent": float, "time_left_s": float} | dict.fromkeys(
+    (
+        *("position", "positions", "block", "blocks", "experiment", "experiments"),
+        *("completed", "planned", "last_sample", "stopped_at_sample"),
+    ),
+    int,
+)
+"""Kind of the value of each key of a message."""
+
 STEEPEST = 1.875
 """Largest slope of the rate at which a stopped plan is gone, times the time that the stop takes; see `RowsToRest`."""
 
@@ -111,10 +120,15 @@ def read_experiment_state(message: bytes) -> ExperimentState:
         RunError: It is something else.
     """
     try:
-        state = ExperimentState(**json.loads(CdrCursor(message).string("data")))
-        if state.state not in STATES or not isinstance(state.last_sample, int):
-            raise ValueError(f"state is {state.state!r} and last_sample {state.last_sample!r}")
-    except (TypeError, ValueError, MessageError) as error:
+        given = json.loads(CdrCursor(message).string("data"))
+        state = ExperimentState(**given)
+        for name, kind in _KINDS.items():
+            value = getattr(state, name)
+            if type(value) is not kind and not (kind is float and type(value) is int):
+                raise ValueError(f"{name} is {value!r}, needed is a value of type {kind.__name__}")
+        if state.state not in STATES:
+            raise ValueError(f"state is '{state.state}', allowed are {', '.join(STATES)}")
+    except (TypeError, ValueError, RecursionError, MessageError) as error:
         raise RunError(
             f"a message on experiment_state is refused: {error}; needed is JSON with the keys "
             f"{', '.join(field.name for field in fields(ExperimentState))}; correct its sender"

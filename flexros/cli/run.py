@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.table import Table
-from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
 
 from flexros.cli import transports
 from flexros.cli.options import NetworkOption, warn_of_network
 from flexros.cli.output import console, print_json, say
+from flexros.config.yaml_file import parse_yaml
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -162,10 +161,7 @@ def key_and_value(text: str, option: str) -> tuple[str, Any]:
     key, equals, value = text.partition("=")
     if not equals or not key:
         raise InputError(f"{option} is '{text}', but must be key=value, e.g. sample_time=0.001")
-    try:
-        return key, YAML(typ="safe", pure=True).load(value)
-    except YAMLError as error:
-        raise InputError(f"{option} {key}: '{value}' is no YAML value; correct it") from error
+    return key, parse_yaml(value, f"{option} {key}")
 
 
 def node_parameters(texts: list[str]) -> dict[str, dict[str, Any]]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError
+from flexros.input_limits import MOST_WARNINGS
 from flexros.logs.bag_metadata import METADATA_FILE
 from flexros.logs.provenance_file import read_provenance
 
@@ -66,7 +67,8 @@ def _listed(folder: Path, warnings: list[str]) -> list[Path]:
     try:
         content = read_yaml(folder / METADATA_FILE)
         information = content["rosbag2_bagfile_information"]
-        names = [PurePosixPath(str(name)).name for name in information["relative_file_paths"]]
+        listed = (PurePosixPath(str(name)).name for name in information["relative_file_paths"])
+        names = list(dict.fromkeys(listed))  # each file once, however often it is listed
         storage, mode = str(information.get("storage_identifier")), str(information.get("compression_mode") or "")
     except (InputError, KeyError, TypeError, AttributeError) as error:
         warnings.append(f"{folder / METADATA_FILE} cannot be used ({error}); all .mcap files beside it were read")
@@ -80,7 +82,8 @@ def _listed(folder: Path, warnings: list[str]) -> list[Path]:
             f"the log {folder} has the compression mode '{mode}', allowed is compression inside MCAP chunks; "
             "convert it with 'ros2 bag convert'"
         )
-    missing = [name for name in names if not (folder / name).is_file()]
+    missing = {name for name in names if not (folder / name).is_file()}
     if missing:
-        warnings.append(f"{folder} lacks {', '.join(missing)}, listed in {METADATA_FILE}; the other files were read")
+        some = ", ".join(sorted(missing)[:MOST_WARNINGS]) + (" and more" if len(missing) > MOST_WARNINGS else "")
+        warnings.append(f"{folder} lacks {some}, listed in {METADATA_FILE}; the other files were read")
     return [folder / name for name in names if name not in missing]

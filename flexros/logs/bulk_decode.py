@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 import numpy as np
 
+from flexros.input_limits import MOST_LAYOUTS
 from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.chunk import LENGTH_FIELD_END, MESSAGE_HEADER
+from flexros.logs.left_out import LeftOut
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
     from flexros.logs.message_layout import MessageLayout
 
 _HEADER_SIZE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
-_MAX_LAYOUTS = 64  # chosen: a topic with more of them changes its constant bytes with every message
+_KEPT_LAYOUTS = 64  # chosen: a topic with more of them changes its constant bytes with every message
 
 
 def payloads_of(block: MessageBlock, rows: IntArray) -> list[bytes]:
@@ -81,15 +83,16 @@ class TopicDecoder(Generic[L]):
     Attributes:
         segments: The messages decoded so far.
         n_messages: Their number and that of the damaged ones.
-        problems: What was wrong with each damaged message.
+        damaged: What was wrong with the damaged messages.
     """
 
     def __init__(self, read_layout: Callable[[bytes | memoryview], L]) -> None:
         self._read_layout = read_layout
         self._layouts: list[L] = []
+        self._n_layouts = 0
         self.segments: list[Segment[L]] = []
         self.n_messages = 0
-        self.problems: list[str] = []
+        self.damaged = LeftOut()
 
     def add(self, block: MessageBlock, rows: IntArray, translate: Callable[[bytes], bytes] | None = None) -> None:
         """Decode messages of the topic.
@@ -117,7 +120,7 @@ class TopicDecoder(Generic[L]):
         try:
             payloads[i] = translate(payload)
         except MessageError as error:
-            self.problems.append(str(error))
+            self.damaged.add(str(error))
             return False
         return True
 
@@ -128,13 +131,17 @@ class TopicDecoder(Generic[L]):
                 return
             left = self._take(layout, messages, left, order, log_time)
         while len(left):
+            if self._n_layouts == MOST_LAYOUTS:
+                self.damaged.add(f"the topic has more than {MOST_LAYOUTS} layouts of its messages", len(left))
+                return
             try:
                 layout = self._read_layout(messages[left[0]].tobytes())
             except MessageError as error:
-                self.problems.append(str(error))
+                self.damaged.add(str(error))
                 left = left[1:]
                 continue
-            if len(self._layouts) < _MAX_LAYOUTS:
+            self._n_layouts += 1
+            if len(self._layouts) < _KEPT_LAYOUTS:
                 self._layouts.append(layout)
                 left = self._take(layout, messages, left, order, log_time)
             else:

@@ -8,8 +8,7 @@ import zlib
 import lz4.frame  # type: ignore[import-untyped]
 import zstandard
 
-MAX_CHUNK_SIZE = 64 * 2**20
-"""Largest chunk that is decompressed [byte]; chosen, common recorders write about 1 MB."""
+from flexros.input_limits import LARGEST_CHUNK
 
 _CHUNK_HEAD = struct.Struct("<QQQII")
 
@@ -22,7 +21,7 @@ class ExpansionLimitError(DamagedChunkError):
     """A chunk that is larger than what its file may expand to."""
 
 
-def expand_chunk(record: memoryview, room: int = MAX_CHUNK_SIZE) -> bytes:
+def expand_chunk(record: memoryview, room: int = LARGEST_CHUNK) -> bytes:
     """Decompress a Chunk record and check it.
 
     Args:
@@ -46,8 +45,8 @@ def expand_chunk(record: memoryview, room: int = MAX_CHUNK_SIZE) -> bytes:
     (length,) = struct.unpack_from("<Q", record, start - 8)
     if start + length > len(record):
         raise DamagedChunkError(f"it claims {length} bytes of data and has {len(record) - start}")
-    if size > MAX_CHUNK_SIZE:
-        raise DamagedChunkError(f"it claims {size} bytes of messages, allowed is {MAX_CHUNK_SIZE}")
+    if size > LARGEST_CHUNK:
+        raise DamagedChunkError(f"it claims {size} bytes of messages, allowed is {LARGEST_CHUNK}")
     if size > room:
         raise ExpansionLimitError(f"it claims {size} bytes of messages, its file leaves {room}")
     data = _expand(compression, bytes(record[start : start + length]), size)

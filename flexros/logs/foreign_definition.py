@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from flexros.errors import InputError
+from flexros.input_limits import LARGEST_DEFINITION, LARGEST_MESSAGE
 from flexros.logs import joint_state_message, pose_stamped_message
 from flexros.logs.cdr_cursor import MessageError
+from flexros.logs.definition_parts import PARSERS, parse_definition
 from flexros.logs.joint_state_message import JointStateTemplate
 from flexros.logs.pose_stamped_message import PoseStampedTemplate
 from flexros.logs.schemas import jazzy_types, signature
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
 def is_common(schema: Schema) -> bool:
     """Tell whether a schema of a file serialises like the common definition of its type."""
     text: str = schema.data.decode(errors="replace")
-    if schema.encoding != "ros2msg":
+    if schema.encoding != "ros2msg" or len(schema.data) > LARGEST_DEFINITION:
         return False
     common, _ = jazzy_types().generate_msgdef(schema.name, ros_version=2)
     try:
@@ -44,20 +46,16 @@ def decoder(schema: Schema, source: str) -> Callable[[bytes], Any]:
     Raises:
         InputError: The schema cannot be read.
     """
-    from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+    from rosbags.typesys import Stores, get_typestore
 
-    parse = {"ros2msg": get_types_from_msg, "ros2idl": get_types_from_idl}.get(schema.encoding)
-    if parse is None:
+    if schema.encoding not in PARSERS:
         raise InputError(
             f"{source}: the definition of {schema.name} is in '{schema.encoding}', allowed are ros2msg and ros2idl"
         )
-    text = schema.data.decode(errors="replace")
     store = get_typestore(Stores.EMPTY)
     try:
-        store.register(
-            get_types_from_msg(text, schema.name) if schema.encoding == "ros2msg" else get_types_from_idl(text)
-        )
-        store.types[schema.name]
+        store.register(parse_definition(schema))
+        store.get_msgdef(schema.name)
     except Exception as error:  # the parser names no base class for its errors
         reason = (str(error).splitlines() or [type(error).__name__])[0]
         raise InputError(
@@ -65,6 +63,8 @@ def decoder(schema: Schema, source: str) -> Callable[[bytes], Any]:
         ) from error
 
     def decode(payload: bytes) -> Any:
+        if len(payload) > LARGEST_MESSAGE:
+            raise MessageError(f"it has {len(payload)} bytes, allowed are {LARGEST_MESSAGE}")
         try:
             return store.deserialize_cdr(payload, schema.name)
         except Exception as error:  # a damaged message can fail anywhere in generated code

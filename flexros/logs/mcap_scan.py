@@ -18,6 +18,7 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
 from flexros.errors import InputError
+from flexros.input_limits import EXPANSION, LARGEST_DEFINITIONS, MOST_DEFINITIONS, MOST_WARNINGS, room_of
 from flexros.logs.chunk import LENGTH_FIELD_END, MESSAGE_HEADER, MESSAGE_OPCODE
 from flexros.logs.chunk_expansion import DamagedChunkError, ExpansionLimitError, expand_chunk
 from flexros.logs.mcap_file import MAGIC
@@ -31,12 +32,8 @@ if TYPE_CHECKING:
 _RECORD_HEAD = struct.Struct("<BQ")
 _SHORTEST_MESSAGE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
 
-EXPANSION = 200
-"""Chunks may together be so many times as large as their file (chosen; messages of a robot at rest are 8 times)..."""
-EXPANSION_ALLOWANCE = 16 * 2**20
-"""... and this much larger, for small files [byte] (chosen)."""
-MOST_DEFINITIONS = 10_000
-"""Number of different Schema and Channel records that are read from a file (chosen)."""
+_MOST_LOOSE = 100_000
+"""Messages outside of chunks that are handed out together [1], chosen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +68,8 @@ class McapScan:
     warnings: list[str] = field(default_factory=list)
     _room: int = field(default=0, init=False)
     _definitions: set[bytes] = field(default_factory=set, init=False)
+    _definition_room: int = field(default=LARGEST_DEFINITIONS, init=False)
+    _n_untold: int = field(default=0, init=False)
 
     def blocks(self) -> Iterator[MessageBlock]:
         """Read the file.
@@ -92,8 +91,17 @@ class McapScan:
             raise InputError(
                 f"{self.path} is not an MCAP file (it begins with {content[:8]!r}); give a rosbag2 folder or .mcap"
             )
-        self._room = EXPANSION_ALLOWANCE + EXPANSION * len(content)
+        self._room = room_of(len(content))
         yield from self._file_records(memoryview(content), len(MAGIC))
+        if self._n_untold:
+            self.warnings.append(f"{self.path} has damage at {self._n_untold} further places")
+
+    def _warn(self, text: str) -> None:
+        """Tell of damage that a file may have at any number of places."""
+        if len(self.warnings) < MOST_WARNINGS:
+            self.warnings.append(text)
+        else:
+            self._n_untold += 1
 
     def _file_records(self, data: memoryview, position: int) -> Iterator[MessageBlock]:
         loose: list[int] = []
@@ -108,6 +116,9 @@ class McapScan:
                 break
             if opcode == MESSAGE_OPCODE:
                 loose.append(position)
+                if len(loose) == _MOST_LOOSE:
+                    yield self._block(data, np.array(loose))
+                    loose = []
             elif opcode == Opcode.CHUNK:
                 where = f"chunk {n_chunks} at byte {position} of {self.path}"
                 n_chunks += 1
@@ -137,7 +148,7 @@ class McapScan:
         except ExpansionLimitError:
             raise
         except DamagedChunkError as damage:
-            self.warnings.append(f"{where} is damaged and was left out: {damage}")
+            self._warn(f"{where} is damaged and was left out: {damage}")
             return
         self._room -= max(0, len(data) - len(record))
         found: list[int] = []
@@ -146,7 +157,7 @@ class McapScan:
             start = position + _RECORD_HEAD.size
             opcode, length = _RECORD_HEAD.unpack_from(data, position) if start <= len(data) else (0, len(data))
             if start + length > len(data):
-                self.warnings.append(
+                self._warn(
                     f"{where} is cut off inside, at its byte {position} of {len(data)}: everything before was read"
                 )
                 break
@@ -155,7 +166,7 @@ class McapScan:
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 self._definition(opcode, bytes(data[start : start + length]), position)
             else:
-                self.warnings.append(
+                self._warn(
                     f"{where} holds a record that does not belong into a chunk (opcode {opcode}, {length} bytes), what "
                     "follows it in the chunk was left out"
                 )
@@ -166,14 +177,17 @@ class McapScan:
 
     def _definition(self, opcode: int, record: bytes, position: int) -> None:
         key = bytes((opcode,)) + record
-        if key in self._definitions or len(self._definitions) > MOST_DEFINITIONS:
+        if key in self._definitions or self._definition_room < 0:
             return
-        self._definitions.add(key)
-        if len(self._definitions) > MOST_DEFINITIONS:
+        self._definition_room -= len(record)
+        if len(self._definitions) == MOST_DEFINITIONS or self._definition_room < 0:
+            self._definition_room = -1
             self.warnings.append(
-                f"{self.path} defines more than {MOST_DEFINITIONS} types and topics: the rest is unread"
+                f"{self.path} defines more than {MOST_DEFINITIONS} types and topics, or more than "
+                f"{LARGEST_DEFINITIONS} bytes of them: the rest is unread"
             )
             return
+        self._definitions.add(key)
         try:
             stream = ReadDataStream(BytesIO(record))
             if opcode == Opcode.SCHEMA:
@@ -183,7 +197,7 @@ class McapScan:
                 channel = Channel.read(stream)
                 self.channels[channel.id] = channel
         except (struct.error, ValueError, EndOfFile) as error:
-            self.warnings.append(f"{self.path}: the record at byte {position} is damaged and was left out: {error}")
+            self._warn(f"{self.path}: the record at byte {position} is damaged and was left out: {error}")
 
     def _block(self, data: memoryview, positions: NDArray[np.int64]) -> MessageBlock:
         size = MESSAGE_HEADER.itemsize
@@ -192,5 +206,5 @@ class McapScan:
         headers: NDArray[np.void] = np.frombuffer(heads, MESSAGE_HEADER)
         whole = headers["length"] >= size - LENGTH_FIELD_END
         if (n_short := len(positions) - np.count_nonzero(whole)) > 0:
-            self.warnings.append(f"{self.path}: {n_short} message records are too short and were left out")
+            self._warn(f"{self.path}: {n_short} message records are too short and were left out")
         return MessageBlock(data, headers[whole], fitting[whole] + size)

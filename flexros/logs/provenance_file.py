@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+from flexros.config.text_file import read_json
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
@@ -48,9 +49,9 @@ def read_provenance(folder: Path, warnings: list[str]) -> dict[str, Any]:
     if not path.is_file():
         return {}
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        warnings.append(f"{path} cannot be read ({error}); the log counts as one without provenance")
+        content = read_json(path)
+    except InputError as error:
+        warnings.append(f"the provenance of the log cannot be read ({error}); it counts as one without")
         return {}
     if not isinstance(content, dict):
         warnings.append(f"{path} holds a {type(content).__name__}, allowed is a mapping; it was ignored")

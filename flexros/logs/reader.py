@@ -17,10 +17,12 @@ from flexros.logs.bulk_decode import TopicDecoder, payloads_of
 from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.foreign_definition import is_common, translator
 from flexros.logs.joint_state_message import read_joint_state_layout
+from flexros.logs.left_out import LeftOut
 from flexros.logs.mcap_scan import McapScan
 from flexros.logs.pose_stamped_message import read_pose_stamped_layout
 from flexros.logs.series_assembly import joint_series, pose_series
 from flexros.logs.time_series import Log
+from flexros.one_line import one_line
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -84,7 +86,7 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
     return Log(
         **series,
         provenance=bag.provenance,
-        warnings=tuple(warnings),
+        warnings=tuple(map(one_line, warnings)),
         other_topics=others,
         plant_figures=content.figures.get(f"{prefix}/{_PLANT}".strip("/"), {}),
     )
@@ -116,7 +118,7 @@ class _BagContent:
         """Take all messages of a file."""
         translators: dict[int, Callable[[bytes], bytes] | None] = {}
         n_unknown = 0
-        unusable: list[str] = []
+        unusable = LeftOut()
         for block in scan.blocks():
             for number in np.unique(block.headers["channel"]).tolist():
                 rows = np.flatnonzero(block.headers["channel"] == number)
@@ -139,27 +141,27 @@ class _BagContent:
             self.warnings.append(
                 f"{scan.path}: {n_unknown} messages name a channel that is not defined, they were left out"
             )
-        if unusable:
+        if unusable.number:
             self.warnings.append(
-                f"{_DIAGNOSTICS}: {len(unusable)} messages were left out, so the pace of the loop may be unknown "
-                f"(the first: {unusable[0]})"
+                f"{_DIAGNOSTICS}: {unusable.number} messages were left out, so the pace of the loop may be unknown "
+                f"(the first: {unusable.first})"
             )
 
-    def _take_figures(self, payloads: list[bytes], channel: Channel, scan: McapScan, unusable: list[str]) -> None:
+    def _take_figures(self, payloads: list[bytes], channel: Channel, scan: McapScan, unusable: LeftOut) -> None:
         """Note what nodes called plant say of the loop; a later message replaces the values of an earlier one."""
         schema = scan.schemas.get(channel.schema_id)
         self.types[_DIAGNOSTICS] = name = schema.name if schema else "unknown type"
         if schema is None or name != diagnostic_array_message.TYPE or channel.message_encoding != "cdr":
-            unusable += [f"it is a {name} in '{channel.message_encoding}'"] * len(payloads)
+            unusable.add(f"it is a {name} in '{channel.message_encoding}'", len(payloads))
             return
         if schema.data.strip() and not is_common(schema):
-            unusable += [f"its definition of {name} is not that of ROS 2 Jazzy"] * len(payloads)
+            unusable.add(f"its definition of {name} is not that of ROS 2 Jazzy", len(payloads))
             return
         for payload in payloads:
             try:
                 statuses = diagnostic_array_message.read_diagnostic_array(payload)
             except MessageError as error:
-                unusable.append(str(error))
+                unusable.add(str(error))
                 continue
             for status in statuses:
                 node = status.name.strip("/")

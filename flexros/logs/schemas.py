@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flexros.errors import InputError
+from flexros.input_limits import DEEPEST_TYPE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -71,7 +72,7 @@ def signature(name: str, text: str) -> Signature:
         Fields in order, nested types resolved.
 
     Raises:
-        InputError: A nested type is not defined, or a line is not a field.
+        InputError: A nested type is not defined, types nest too deeply, or a line is not a field.
     """
     root = name.replace("/msg/", "/")
     sections = {root: ""}
@@ -82,16 +83,24 @@ def signature(name: str, text: str) -> Signature:
         elif head.startswith("MSG:"):
             sections[head[4:].strip().replace("/msg/", "/")] = body
 
+    resolved: dict[str, Signature] = {}
+
     def resolve(type_name: str, outer: tuple[str, ...]) -> Signature:
         if type_name not in sections or type_name in outer:
             raise InputError(
                 f"the definition of {name} lacks the nested type {type_name}; record the log with full schemas"
             )
-        package = type_name.split("/")[0]
-        fields = _fields(sections[type_name], package)
-        return tuple(
-            (f.name, resolve(f.type, (*outer, type_name)) if "/" in f.type else f.type, f.array) for f in fields
-        )
+        if len(outer) >= DEEPEST_TYPE:
+            raise InputError(
+                f"the definition of {name} nests types {len(outer) + 1} levels deep, allowed are {DEEPEST_TYPE}; "
+                "record it again"
+            )
+        if type_name not in resolved:
+            fields = _fields(sections[type_name], type_name.split("/")[0])
+            resolved[type_name] = tuple(
+                (f.name, resolve(f.type, (*outer, type_name)) if "/" in f.type else f.type, f.array) for f in fields
+            )
+        return resolved[type_name]
 
     return resolve(root, ())
 

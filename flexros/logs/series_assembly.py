@@ -92,10 +92,10 @@ def _report(topic: str, name: str, values: FloatArray | None, warnings: list[str
 
 
 def _damaged(topic: str, decoder: TopicDecoder[L], warnings: list[str]) -> None:
-    if decoder.problems:
+    if decoder.damaged.number:
         warnings.append(
-            f"{topic}: {len(decoder.problems)} of {decoder.n_messages} messages are damaged and were left out "
-            f"(the first: {decoder.problems[0]})"
+            f"{topic}: {decoder.damaged.number} of {decoder.n_messages} messages are damaged and were left out "
+            f"(the first: {decoder.damaged.first})"
         )
 
 

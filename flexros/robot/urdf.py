@@ -12,7 +12,9 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from scipy.spatial.transform import Rotation
 
+from flexros.config.text_file import read_text
 from flexros.errors import InputError
+from flexros.input_limits import LARGEST_URDF
 from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
@@ -22,8 +24,6 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 MOVABLE = ("revolute", "continuous", "prismatic")
-LARGEST_FILE = 50_000_000
-"""Bytes beyond which a file is not taken for a URDF."""
 
 
 @dataclass(frozen=True)
@@ -82,12 +82,7 @@ def skeleton_from_urdf(file: Path) -> str:
 
 
 def _parse(file: Path) -> ElementTree.Element:
-    try:
-        if file.stat().st_size > LARGEST_FILE:
-            raise InputError(f"{file} is larger than {LARGEST_FILE // 1_000_000} MB; give a URDF file")
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot read {file}: {error}; give the path of a URDF file") from error
+    text = read_text(file, "URDF", LARGEST_URDF)
     if "<!ENTITY" in text or "<!DOCTYPE" in text:
         raise InputError(f"{file} has a document type definition, which a URDF does not need; remove it")
     try:

@@ -61,7 +61,7 @@ def test_damaged_messages_are_counted_and_the_others_decoded():
     payloads[1], payloads[4] = b"", payloads[4][:20]
     decoder = decode(payloads)
     assert sorted(rows(decoder)) == [0, 2, 3, 5]
-    assert (decoder.n_messages, len(decoder.problems)) == (6, 2)
+    assert (decoder.n_messages, decoder.damaged.number) == (6, 2)
 
 
 def test_translation_of_each_message():
@@ -74,7 +74,7 @@ def test_translation_of_each_message():
 
     decoder = decode([str(k).encode() for k in range(5)], translate)
     assert sorted(rows(decoder)) == [0, 1, 2, 4]
-    assert decoder.problems == ["three is bad"]
+    assert (decoder.damaged.number, decoder.damaged.first) == (1, "three is bad")
 
 
 def test_rows_of_other_topics_are_left_alone():

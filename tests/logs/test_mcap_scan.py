@@ -8,7 +8,8 @@ import zstandard
 from mcap.writer import CompressionType, IndexType, Writer
 
 from flexros.errors import InputError
-from flexros.logs.mcap_scan import EXPANSION_ALLOWANCE, MOST_DEFINITIONS, McapScan
+from flexros.input_limits import EXPANSION_ALLOWANCE, MOST_DEFINITIONS
+from flexros.logs.mcap_scan import McapScan
 
 N = 60
 

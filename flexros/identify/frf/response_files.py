@@ -62,7 +62,7 @@ def load_responses(path: Path | str) -> tuple[FrequencyResponse, ...]:
     try:
         with xr.open_dataset(file, engine="scipy") as opened:
             whole = opened.load()
-    except (OSError, ValueError, TypeError) as error:
+    except Exception as error:  # damaged files fail in many ways
         reason = (getattr(error, "strerror", None) or "no netCDF 3 file").lower()
         raise InputError(
             f"'{file}' cannot be read as frequency responses ({reason}); give a file written by flexros identify frf"
@@ -72,7 +72,12 @@ def load_responses(path: Path | str) -> tuple[FrequencyResponse, ...]:
             f"'{file}' has schema {whole.attrs.get('schema')}, allowed is {SCHEMA}; give a file written by "
             "flexros identify frf"
         )
-    return tuple(response_of(_with_complex(_single(whole, n))) for n in range(int(whole.attrs["n_responses"])))
+    try:
+        return tuple(response_of(_with_complex(_single(whole, n))) for n in range(int(whole.attrs["n_responses"])))
+    except Exception as error:  # what is missing or has another shape shows anywhere
+        raise InputError(
+            f"'{file}' is damaged ({type(error).__name__}: {error}); give a file written by flexros identify frf"
+        ) from error
 
 
 def _without_complex(dataset: xarray.Dataset) -> xarray.Dataset:

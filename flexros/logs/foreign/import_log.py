@@ -17,6 +17,7 @@ from flexros.logs.foreign.signal_source import AbstractSignalSource, open_source
 from flexros.logs.foreign.units import TIME_UNITS
 from flexros.logs.stamps import START_NS
 from flexros.logs.time_series import JointSeries, Log
+from flexros.one_line import one_line
 from flexros.provenance import versions
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
     return Log(
         **series,
         provenance=_provenance(mapping, files, zero + 1e-9 * signals[0].origin, warnings),
-        warnings=tuple(warnings),
+        warnings=tuple(map(one_line, warnings)),
     )
 
 

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexros.input_limits import MOST_ENTRIES, MOST_SIGNALS
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 LABELS = ("name", "joint_names", "interface_names")
 """Fields that name the entries of the lists beside and below them, in sensor_msgs, trajectory_msgs and control_msgs."""
-
-MOST_ENTRIES = 1000
-"""Longest list that is taken apart, chosen: a longer one is a picture or a map."""
 
 _HEADER = "header"
 
@@ -30,7 +29,7 @@ def message_numbers(message: Any) -> dict[str, float]:
         message: A decoded message: a dataclass.
 
     Returns:
-        Numbers by name, without the header.
+        Numbers by name, without the header and without what is beyond `MOST_SIGNALS`.
     """
     found: dict[str, float] = {}
     _take(message, "", (), found)
@@ -52,6 +51,8 @@ def _take(message: Any, prefix: str, labels: Sequence[str], found: dict[str, flo
 
 
 def _collect(name: str, value: Any, labels: Sequence[str], found: dict[str, float]) -> None:
+    if len(found) >= MOST_SIGNALS:
+        return
     if isinstance(value, (bool, int, float)):
         found[name] = float(value)
     elif is_dataclass(value):

@@ -5,16 +5,19 @@ from __future__ import annotations
 import re
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 
 from flexros.discovery import members
 from flexros.errors import InputError
+from flexros.input_limits import MOST_SIGNALS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
+
+    from numpy.typing import NDArray
 
     from flexros.arrays import FloatArray
 
@@ -119,22 +122,43 @@ def flatten(arrays: Mapping[str, object]) -> dict[str, FloatArray]:
 
     Returns:
         Columns by name, each of shape (n,).
+
+    Raises:
+        InputError: There are more than `MOST_SIGNALS`.
     """
     columns: dict[str, FloatArray] = {}
-    for name, value in arrays.items():
-        if isinstance(value, dict):
-            columns.update(flatten({f"{name}.{key}": entry for key, entry in value.items()}))
+    for name, value in _plain_arrays(arrays, ""):
+        array = np.squeeze(value)
+        if array.dtype.kind not in "fiub" or array.size < 2 or array.ndim > 2:
             continue
-        array = np.squeeze(np.asarray(value))
-        if array.dtype.names:
-            columns.update(flatten({f"{name}.{key}": array[key] for key in array.dtype.names}))
-        elif array.dtype.kind not in "fiub" or array.size < 2 or array.ndim > 2:
-            continue
-        elif array.ndim == 1:
+        n = 1 if array.ndim == 1 else array.shape[1]
+        if len(columns) + n > MOST_SIGNALS:
+            raise InputError(
+                f"it has more than {MOST_SIGNALS} columns; is a matrix transposed? Its rows must be samples"
+            )
+        if array.ndim == 1:
             columns[name] = array.astype(np.float64)
         else:
-            columns.update({f"{name}[{k}]": array[:, k].astype(np.float64) for k in range(array.shape[1])})
+            columns.update({f"{name}[{k}]": array[:, k].astype(np.float64) for k in range(n)})
     return columns
+
+
+def _plain_arrays(arrays: Mapping[str, object], prefix: str) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Arrays without structure, those of structures one by one, with their names."""
+    for key, value in arrays.items():
+        name = f"{prefix}{key}"
+        array = None if isinstance(value, dict) else np.asarray(value)
+        if array is None:
+            yield from _plain_arrays(cast("dict[str, object]", value), f"{name}.")
+        elif array.dtype.names:
+            yield from _plain_arrays({field: array[field] for field in array.dtype.names}, f"{name}.")
+        else:
+            yield name, array
+
+
+def first_line(error: Exception) -> str:
+    """First line of an error of a library, or its kind where it says nothing."""
+    return (str(error).splitlines() or [type(error).__name__])[0]
 
 
 def safe_name(path: Path) -> str:

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from flexros.logs.foreign.message_numbers import MOST_ENTRIES, message_numbers
+from flexros.input_limits import MOST_ENTRIES
+from flexros.logs.foreign.message_numbers import message_numbers
 
 
 @dataclass

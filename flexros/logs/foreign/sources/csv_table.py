@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import warnings
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.logs.foreign.signal_source import AbstractSignalSource, Signal
+from flexros.input_limits import LONGEST_LINE
+from flexros.logs.foreign.signal_source import AbstractSignalSource, Signal, first_line
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,7 +63,7 @@ class CsvTable(AbstractSignalSource):
 
     def _first_fault(self, places: list[int], error: Exception) -> InputError:
         """Say where the first entry stands that is no number."""
-        with self._path.open(encoding="utf-8-sig", newline="") as file:
+        with self._path.open(encoding="utf-8-sig", newline="", errors="replace") as file:
             for number, line in enumerate(file, start=1):
                 if number <= self._lines_before or not line.split(_COMMENT)[0].strip():
                     continue
@@ -73,7 +75,7 @@ class CsvTable(AbstractSignalSource):
                         return InputError(
                             f"{self._path}, line {number}: column '{self._names[place]}' {given}; correct the line"
                         )
-        return InputError(f"{self._path} cannot be read as a table ({str(error).splitlines()[0]}); correct it")
+        return InputError(f"{self._path} cannot be read as a table ({first_line(error)}); correct it")
 
 
 def _header(path: Path) -> tuple[int, str | None, tuple[str, ...]]:
@@ -81,7 +83,12 @@ def _header(path: Path) -> tuple[int, str | None, tuple[str, ...]]:
     commented: tuple[int, str] | None = None
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            for number, line in enumerate(file, start=1):
+            lines = iter(partial(file.readline, LONGEST_LINE), "")
+            for number, line in enumerate(lines, start=1):
+                if len(line) == LONGEST_LINE:
+                    raise InputError(
+                        f"{path}, line {number} has {LONGEST_LINE} characters or more; give a table with a row per line"
+                    )
                 if line.startswith(_COMMENT):
                     commented = (number, line.lstrip(_COMMENT).strip())
                 elif line.strip():
@@ -93,7 +100,10 @@ def _header(path: Path) -> tuple[int, str | None, tuple[str, ...]]:
         raise InputError(f"{path} is no text (byte {error.start} is not UTF-8); give a table as text") from error
     number, text = first
     delimiter = next((d for d in _DELIMITERS if d in text), None)
-    names = _cells(text, delimiter)
+    try:
+        names = _cells(text, delimiter)
+    except csv.Error as error:
+        raise InputError(f"{path}, line {number} cannot be divided into columns ({error}); correct it") from error
     if any(_is_number(name) for name in names):
         if commented is None or len(_cells(commented[1], delimiter)) != len(names):
             raise InputError(

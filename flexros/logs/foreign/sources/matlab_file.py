@@ -1,4 +1,4 @@
-"""MATLAB files: version 5 to 7 by SciPy, version 7.3 (HDF5) where h5py is installed."""
+"""MATLAB files: version 4 to 7 by SciPy, version 7.3 (HDF5) where h5py is installed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.logs.foreign.signal_source import AbstractSignalSource, Signal, flatten
+from flexros.input_limits import MOST_ELEMENTS, room_of
+from flexros.logs.foreign.matlab_elements import check_elements
+from flexros.logs.foreign.signal_source import AbstractSignalSource, Signal, first_line, flatten
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,7 +32,18 @@ class MatlabFile(AbstractSignalSource):
         with path.open("rb") as file:
             begin = file.read(_HEADER + len(_HDF5))
         hdf5 = _HDF5 in (begin[: len(_HDF5)], begin[_HEADER:])
-        self._columns = flatten(_read_hdf5(path) if hdf5 else _read_version_5(path))
+        version = "a MATLAB file of version 7.3" if hdf5 else "a MATLAB file"
+        if hdf5 and importlib.util.find_spec("h5py") is None:
+            raise InputError(
+                f"{path} is {version} (HDF5), which needs the package h5py: pip install h5py, or save the file again "
+                "with: save -v7"
+            )
+        try:
+            self._columns = flatten(_read_hdf5(path) if hdf5 else _read_version_5(path))
+        except Exception as error:  # SciPy and HDF5 raise errors of many kinds on damaged files
+            raise InputError(
+                f"{path} cannot be read as {version} ({first_line(error)}); save it again with: save -v7"
+            ) from error
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -45,39 +58,32 @@ class MatlabFile(AbstractSignalSource):
 def _read_version_5(path: Path) -> dict[str, object]:
     from scipy.io import loadmat
 
-    try:
-        content = loadmat(path, appendmat=False, simplify_cells=True)
-    except Exception as error:  # SciPy raises errors of many kinds on damaged files
-        raise InputError(
-            f"{path} cannot be read as a MATLAB file ({_first_line(error)}); save it again with: save -v7"
-        ) from error
+    check_elements(path)
+    content = loadmat(path, appendmat=False, simplify_cells=True)
     return {name: value for name, value in content.items() if not name.startswith("__")}
 
 
 def _read_hdf5(path: Path) -> dict[str, object]:
-    if importlib.util.find_spec("h5py") is None:
-        raise InputError(
-            f"{path} is a MATLAB file of version 7.3 (HDF5), which needs the package h5py: pip install h5py, or save "
-            "the file again with: save -v7"
-        )
     h5py: Any = importlib.import_module("h5py")
     found: dict[str, object] = {}
+    room, n_entries = room_of(path.stat().st_size), 0
 
     def take(name: str, entry: Any) -> None:
-        text = entry.attrs.get("MATLAB_class") == b"char"
-        if isinstance(entry, h5py.Dataset) and entry.dtype.kind in "fiub" and not text and not name.startswith("#"):
-            found[name.replace("/", ".")] = np.asarray(entry).T
+        nonlocal room, n_entries
+        n_entries += 1
+        if n_entries > MOST_ELEMENTS:
+            raise InputError(f"it holds more than {MOST_ELEMENTS} arrays and structures")
+        if not isinstance(entry, h5py.Dataset) or entry.dtype.kind not in "fiub" or name.startswith("#"):
+            return
+        if entry.attrs.get("MATLAB_class") == b"char":
+            return
+        if entry.external or entry.is_virtual:
+            raise InputError(f"its array {name} lies in another file")
+        room -= entry.size * entry.dtype.itemsize
+        if room < 0:
+            raise InputError(f"its arrays claim more bytes than the {room_of(path.stat().st_size)} that are allowed")
+        found[name.replace("/", ".")] = np.asarray(entry).T
 
-    try:
-        with h5py.File(path, "r") as file:
-            file.visititems(take)
-    except (OSError, RuntimeError) as error:
-        raise InputError(
-            f"{path} cannot be read as a MATLAB file of version 7.3 ({_first_line(error)}); save it again with: "
-            "save -v7"
-        ) from error
+    with h5py.File(path, "r") as file:
+        file.visititems(take)
     return found
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error) or type(error).__name__).splitlines()[0]

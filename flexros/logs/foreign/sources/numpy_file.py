@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
-from zipfile import BadZipFile
+from zipfile import ZipFile
 
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.logs.foreign.signal_source import AbstractSignalSource, Signal, flatten
+from flexros.input_limits import MOST_ELEMENTS, room_of
+from flexros.logs.foreign.signal_source import AbstractSignalSource, Signal, first_line, flatten
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,12 +24,13 @@ class NumpyFile(AbstractSignalSource):
 
     def __init__(self, path: Path) -> None:
         try:
+            _check_claims(path)
             with np.load(path, allow_pickle=False) as archive:
                 self._columns = flatten({name: archive[name] for name in archive.files})
-        except (ValueError, BadZipFile, EOFError, OSError, AttributeError, KeyError) as error:
+        except Exception as error:  # damaged archives fail in many ways
             raise InputError(
-                f"{path} cannot be read as a NumPy archive of plain arrays ({str(error).splitlines()[0]}); write it "
-                "with numpy.savez"
+                f"{path} cannot be read as a NumPy archive of plain arrays ({first_line(error)}); write it with "
+                "numpy.savez"
             ) from error
 
     @property
@@ -39,3 +41,14 @@ class NumpyFile(AbstractSignalSource):
     def read(self, names: Sequence[str]) -> dict[str, Signal]:
         """Hand the columns out; see `AbstractSignalSource.read`."""
         return {name: Signal(self._columns[name]) for name in names}
+
+
+def _check_claims(path: Path) -> None:
+    """Refuse more than a file of its size may hold; of an entry no more is unpacked than it claims."""
+    room = room_of(path.stat().st_size)
+    with ZipFile(path) as archive:
+        entries = archive.infolist()
+    if len(entries) > MOST_ELEMENTS:
+        raise InputError(f"it holds {len(entries)} arrays, allowed are {MOST_ELEMENTS}")
+    if (size := sum(entry.file_size for entry in entries)) > room:
+        raise InputError(f"its arrays claim {size} bytes, allowed are {room} for a file of this size")

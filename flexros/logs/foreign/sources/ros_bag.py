@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.input_limits import MOST_SIGNALS
 from flexros.logs.bag_files import find_bag_files
 from flexros.logs.bulk_decode import payloads_of
 from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.foreign.message_numbers import message_numbers
 from flexros.logs.foreign.signal_source import BAG_SUFFIX, AbstractSignalSource, Signal
 from flexros.logs.foreign_definition import decoder
+from flexros.logs.left_out import LeftOut
 from flexros.logs.mcap_scan import McapScan
 from flexros.logs.stamps import NANOSECONDS
 
@@ -48,7 +50,8 @@ class RosBag(AbstractSignalSource):
                 message = decode(payload)
             except MessageError:
                 continue
-            self._topic_of.update({f"{topic}.{name}": topic for name in message_numbers(message)})
+            if len(self._topic_of) < MOST_SIGNALS:
+                self._topic_of.update({f"{topic}.{name}": topic for name in message_numbers(message)})
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -119,14 +122,14 @@ class _TopicSeries:
         self._values: dict[str, list[float]] = {name: [] for name in names}
         self._log_times: list[int] = []
         self._stamps: list[int] = []
-        self._faults: list[str] = []
+        self._damaged = LeftOut()
 
     def take(self, log_time: int, payload: bytes, decode: Decode) -> None:
         """Take a message, recorded at a time [ns]."""
         try:
             message = decode(payload)
         except MessageError as error:
-            self._faults.append(str(error))
+            self._damaged.add(str(error))
             return
         numbers = message_numbers(message)
         row = len(self._log_times)
@@ -164,8 +167,10 @@ class _TopicSeries:
         notes = []
         if not self._stamped:
             notes.append(f"{self._topic} has no header.stamp, or one that is not set: times are those of recording")
-        if self._faults:
-            notes.append(f"{self._topic}: {len(self._faults)} messages were left out (the first: {self._faults[0]})")
+        if self._damaged.number:
+            notes.append(
+                f"{self._topic}: {self._damaged.number} messages were left out (the first: {self._damaged.first})"
+            )
         return tuple(notes)
 
 
