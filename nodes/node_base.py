@@ -106,6 +106,9 @@ class FlexrosNode(AbstractTopicNode):
 
     # Diagnostics and end.
 
+    def _with_unreadable(self, figures: dict[str, float]) -> dict[str, float]:
+        return {**figures, "unreadable_messages": self.unreadable} if self.unreadable else figures
+
     def diagnose(self, level: bytes = DiagnosticStatus.OK, message: str = "running") -> None:
         """Publish the figures on /diagnostics.
 
@@ -113,7 +116,7 @@ class FlexrosNode(AbstractTopicNode):
             level: DiagnosticStatus.OK, WARN or ERROR.
             message: State of the node in words.
         """
-        figures = self.recent_figures() if self.configured else {}
+        figures = self._with_unreadable(self.recent_figures()) if self.configured else {}
         values = [KeyValue(key=key, value=f"{value:.9g}") for key, value in figures.items()]
         status = DiagnosticStatus(
             level=level, name=self.get_fully_qualified_name(), message=message, hardware_id="flexros", values=values
@@ -147,7 +150,7 @@ class FlexrosNode(AbstractTopicNode):
                 close()
             except FlexrosError as late:
                 error = error or late
-        figures = self.figures() if self.configured else {}
+        figures = self._with_unreadable(self.figures()) if self.configured else {}
         if error is None:
             self.report = NodeReport(self.node_name, figures=figures)
         else:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+from diagnostic_msgs.msg import DiagnosticStatus
+
 from flexros.errors import FlexrosError, RunError
 from flexros_nodes.breakdown import no_partners_text, partner_ended_text
 from flexros_nodes.ending import Ending
@@ -101,7 +103,11 @@ class PlantNode(FlexrosNode):
         return self._pacing.figures(sum_up) if self.value("real_time") else {}
 
     def _tell(self) -> None:
-        self.diagnose(message="paused" if self.loop.pause.on else "running")
+        state, controllers = "paused" if self.loop.pause.on else "running", self.loop.messages.controllers()
+        if controllers > 1:
+            self.diagnose(DiagnosticStatus.WARN, f"{state}; {controllers} nodes publish joint_commands")
+        else:
+            self.diagnose(message=state)
 
     def _look_around(self) -> None:
         """Look for the partners before the first sample; see to the end after the last one."""

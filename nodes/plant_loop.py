@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import FlexrosError, RunError
-from flexros.logs.stamps import stamp_ns, stamp_of
+from flexros.logs.stamps import stamp_ns
 from flexros_nodes.breakdown import recorder_silence_text, silence_text
 from flexros_nodes.command_reader import CommandReader
 from flexros_nodes.experiment_state import read_experiment_state
@@ -55,7 +55,6 @@ class PlantLoop:
         self._on_end = on_end
         self._sample_time = run.sample_time
         self._real_time = bool(node.value("real_time"))
-        self._reader = CommandReader(run.nominal.joint_names)
         self.messages = PlantMessages(node, run.nominal.joint_names, run.sample_time)
         self.pause = Pause(False, 0.0)
         node.listen("joint_commands", self._on_command)
@@ -73,6 +72,7 @@ class PlantLoop:
         self._began = self._ended = 0.0
         self._kept: FloatArray | None = None
         self.over = False
+        self._reader = CommandReader(self._run.nominal.joint_names, self.messages.controllers)
         self.loss = MessageLoss(value("drop_fraction"), value("drop_seed"))
         self._drops: Callable[[], bool] | None = self.loss.drops if value("drop_fraction") else None
         timeouts = (value(f"{name}_timeout") for name in ("resend", "partner", "start"))
@@ -130,7 +130,7 @@ class PlantLoop:
     def _on_command(self, message: bytes) -> None:
         if self.over or (self._drops is not None and self._drops()):
             return
-        if not self.lockstep.answers(stamp_of(message)):
+        if not self.lockstep.answers(self._reader.stamp(message)):
             return
         command = self._reader.read(message, self.sample)
         if self._real_time and self._pacing.has_begun:

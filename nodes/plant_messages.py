@@ -55,7 +55,14 @@ class PlantMessages:
 
     def is_published(self, name: str) -> bool:
         """Tell whether somebody publishes a topic of the contract."""
-        return self._node.count_publishers(self._node.resolve_topic_name(topic(name).name)) > 0
+        return self._publishers(name) > 0
+
+    def controllers(self) -> int:
+        """Count who publishes joint_commands."""
+        return self._publishers("joint_commands")
+
+    def _publishers(self, name: str) -> int:
+        return self._node.count_publishers(self._node.resolve_topic_name(topic(name).name))
 
     def fill(self, k: int, position: FloatArray, pose: FloatArray) -> int:
         """Prepare the messages of a sample.

@@ -78,7 +78,7 @@ class RecorderNode(FlexrosNode):
 
     def _record(self, writer: LogWriter, name: str, row: Topic, number: int) -> None:
         if name not in sampled_topics():
-            self._events[name] = EventRecording(writer, number, self._arrival)
+            self._events[name] = EventRecording(writer, number, self._arrival, lambda: self.stamp)
             self.listen(name, self._events[name].take, recorder=True)
             return
         recording = self._samples[name] = TopicRecording(writer, number, self._arrival, self._confirm_each)
@@ -167,6 +167,8 @@ class RecorderNode(FlexrosNode):
             figures[f"{name}.messages"] = recording.count
             figures[f"{name}.repeated"] = recording.repeated
             figures[f"{name}.missing"] = recording.missing(self._sample_time)
+            if recording.doubted:
+                figures[f"{name}.doubted"] = recording.doubted
         figures |= {f"{name}.messages": events.count for name, events in self._events.items()}
         return figures
 

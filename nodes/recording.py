@@ -10,6 +10,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
+FARTHEST = 10 * NANOSECONDS
+"""A stamp that lies farther ahead than this is doubted [ns], chosen: any node may send on a topic."""
+
+
 class MessageSink(Protocol):
     """Where messages go; `flexros.logs.writer.LogWriter` is one."""
 
@@ -52,6 +56,7 @@ class TopicRecording:
         last: Stamp of the newest message [ns], -1 before.
         count: Messages written.
         repeated: Messages whose stamp was there already, left out.
+        doubted: Messages whose stamp lay far ahead, and which were not followed by another of their kind, left out.
     """
 
     def __init__(
@@ -65,21 +70,41 @@ class TopicRecording:
         self.last = -1
         self.count = 0
         self.repeated = 0
+        self.doubted = 0
+        self._doubtful: tuple[int, bytes] | None = None
         self._write = sink.write
         self._topic_id = topic_id
         self._arrival = arrival
         self._on_first = on_first
 
     def take(self, message: bytes) -> None:
-        """Write a message unless its stamp is not newer than the last one.
+        """Write a message unless its stamp is not newer than the last one, or far ahead and alone there.
 
         Args:
             message: Serialised message that begins with a std_msgs/Header.
+
+        Raises:
+            MessageError: The bytes hold no stamp.
         """
         stamp = stamp_of(message)
         if stamp <= self.last:
             self.repeated += 1
-            return
+        elif stamp - self.last <= FARTHEST:
+            self._keep(stamp, message)
+        else:
+            self._doubt(stamp, message)
+
+    def _doubt(self, stamp: int, message: bytes) -> None:
+        """Hold a message back that lies far ahead, until the next one shows that the loop goes on from there."""
+        before, self._doubtful = self._doubtful, (stamp, message)
+        self.doubted += 1
+        if before is not None and 0 < stamp - before[0] <= FARTHEST:
+            self.doubted -= 2
+            self._doubtful = None
+            self._keep(*before)
+            self._keep(stamp, message)
+
+    def _keep(self, stamp: int, message: bytes) -> None:
         self.last = stamp
         self.count += 1
         self._write(self._topic_id, stamp if self._arrival is None else self._arrival(), stamp, message)
@@ -104,13 +129,21 @@ class EventRecording:
     Args:
         sink: Where the messages go.
         topic_id: Number of the topic there.
-        arrival: Gives the log time [ns]; the stamp if None.
+        arrival: Gives the log time [ns]; the stamp if None, or the present where the stamp is of another time.
+        present: Gives the newest stamp of the loop [ns].
 
     Attributes:
         count: Messages written.
     """
 
-    def __init__(self, sink: MessageSink, topic_id: int, arrival: Callable[[], int] | None = None) -> None:
+    def __init__(
+        self,
+        sink: MessageSink,
+        topic_id: int,
+        arrival: Callable[[], int] | None = None,
+        present: Callable[[], int] = lambda: START_NS,
+    ) -> None:
+        self._present = present
         self.count = 0
         self._sink = sink
         self._topic_id = topic_id
@@ -120,4 +153,9 @@ class EventRecording:
         """Write a message that begins with a std_msgs/Header."""
         stamp = stamp_of(message)
         self.count += 1
-        self._sink.write(self._topic_id, stamp if self._arrival is None else self._arrival(), stamp, message)
+        log_time = self._log_time(stamp) if self._arrival is None else self._arrival()
+        self._sink.write(self._topic_id, log_time, max(stamp, 0), message)
+
+    def _log_time(self, stamp: int) -> int:
+        present = self._present()
+        return stamp if abs(stamp - present) <= FARTHEST else present

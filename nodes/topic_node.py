@@ -12,6 +12,7 @@ from rclpy.exceptions import InvalidParameterTypeException
 from std_srvs.srv import Trigger
 
 from flexros.errors import FlexrosError, InputError
+from flexros.logs.cdr_cursor import MessageError
 from flexros_nodes.parameter_node import AbstractParameterNode
 from flexros_nodes.topic_interface import message_class, overriding_options, qos_profile, topic
 
@@ -43,11 +44,13 @@ class AbstractTopicNode(AbstractParameterNode):
     Attributes:
         active: Whether the node works; only then messages, services and timers are answered.
         steady_clock: Clock of all timers: neither use_sim_time nor a system clock that is set can stop them.
+        unreadable: Messages that were none of their type, which anyone may send: they are left aside.
     """
 
     def __init__(self, name: str, context: Context | None, values: Mapping[str, Value]) -> None:
         super().__init__(name, context, values)
         self.active = False
+        self.unreadable = 0
         self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._timers_while_active: list[Timer] = []
         self._made: list[Callable[[], object]] = []
@@ -84,6 +87,8 @@ class AbstractTopicNode(AbstractParameterNode):
             if self.active:
                 try:
                     callback(message)
+                except MessageError as error:
+                    self._leave_aside(name, error)
                 except FlexrosError as error:
                     self.end(error)
 
@@ -97,6 +102,11 @@ class AbstractTopicNode(AbstractParameterNode):
                 raw=True,
             )
         self._made.append(partial(self.destroy_subscription, subscription))
+
+    def _leave_aside(self, name: str, error: MessageError) -> None:
+        self.unreadable += 1
+        if self.unreadable == 1:
+            self.get_logger().warning(f"a message on {name} is left aside: {error}; further ones are only counted")
 
     @contextmanager
     def _overriding_qos(self, name: str, entity: str) -> Iterator[str]:

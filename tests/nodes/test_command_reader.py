@@ -56,3 +56,29 @@ def test_empty_effort_is_refused(reader: CommandReader) -> None:
 def test_bytes_that_are_no_message_are_refused(reader: CommandReader) -> None:
     with pytest.raises(RunError, match="sample 0 is refused"):
         reader.read(b"\x00\x01\x00\x00\x01\x02", 0)
+
+
+def command(effort: float, stamp: int = 10**9) -> bytes:
+    return JointStateTemplate(NAMES, effort=True).fill(stamp, effort=[effort, 0.0])
+
+
+def test_command_that_contradicts_the_one_taken_is_refused_when_two_nodes_send() -> None:
+    reader = CommandReader(NAMES, lambda: 2)
+    reader.read(command(1.0), 0)
+    assert reader.stamp(command(1.0)) == 10**9
+    with pytest.raises(RunError, match=r"two commands for stamp 1\.0000 s on joint_commands differ, and 2 nodes"):
+        reader.stamp(command(2.0))
+
+
+def test_second_controller_may_lag_by_some_samples() -> None:
+    reader = CommandReader(NAMES, lambda: 2)
+    for k in range(40):
+        reader.read(command(1.0, 10**9 + k), k)
+    with pytest.raises(RunError, match="a plant obeys one controller; stop the other"):
+        reader.stamp(command(2.0, 10**9 + 30))
+    assert reader.stamp(command(2.0, 10**9)) == 10**9  # long forgotten
+
+
+def test_controller_alone_may_change_its_mind(reader: CommandReader) -> None:
+    reader.read(command(1.0), 0)
+    assert reader.stamp(command(2.0)) == 10**9

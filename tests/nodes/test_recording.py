@@ -69,3 +69,30 @@ def test_events_may_share_a_stamp() -> None:
     recording.take(message(5))
     recording.take(message(5))
     assert recording.count == len(sink.messages) == 2
+
+
+def test_stamp_far_ahead_is_left_out_when_the_loop_does_not_go_on_there() -> None:
+    sink = Sink()
+    recording = TopicRecording(sink, 1)
+    for k in (0, 1, 10**8, 2, 10**7, 3):
+        recording.take(message(k))
+    assert [entry[3] for entry in sink.messages] == [message(k) for k in (0, 1, 2, 3)]
+    assert (recording.count, recording.doubted, recording.repeated) == (4, 2, 0)
+    assert recording.missing(T) == 0
+
+
+def test_recorder_that_begins_late_loses_nothing_of_what_comes() -> None:
+    sink = Sink()
+    recording = TopicRecording(sink, 1)
+    for k in (10**6, 10**6 + 1, 10**6 + 2):
+        recording.take(message(k))
+    assert [entry[3] for entry in sink.messages] == [message(k) for k in (10**6, 10**6 + 1, 10**6 + 2)]
+    assert (recording.first, recording.count, recording.doubted) == (stamp_ns(10**6, T), 3, 0)
+
+
+def test_log_time_of_an_event_of_another_time_is_the_present() -> None:
+    sink = Sink()
+    recording = EventRecording(sink, 2, present=lambda: stamp_ns(5, T))
+    recording.take(message(4))
+    recording.take(message(10**10))
+    assert [entry[1] for entry in sink.messages] == [stamp_ns(4, T), stamp_ns(5, T)]
