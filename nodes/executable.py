@@ -15,7 +15,7 @@ from rclpy.task import Future
 
 from flexros.errors import FlexrosError
 from flexros_nodes.interruption import interruption
-from flexros_nodes.precise_timing import own_threads, take_priority
+from flexros_nodes.precise_timing import take_priority, threads_of_loop
 from flexros_nodes.report import ERROR_PREFIX, NodeReport
 from flexros_nodes.shared_memory import become_cleaner
 from flexros_nodes.spinning import make_executor, spin
@@ -62,7 +62,7 @@ def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport
     if niceness := node.value("niceness"):
         os.nice(niceness)
     if priority := node.value("priority"):
-        take_priority(priority, own_threads())
+        take_priority(priority, threads_of_loop())
     node.create_timer(LOOK_PERIOD, partial(_look_around, node, stop, interrupted), clock=node.steady_clock)
     executor = make_executor(None)
     executor.add_node(node)

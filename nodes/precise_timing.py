@@ -18,11 +18,13 @@ PRIORITY = 10
 
 _PR_SET_TIMERSLACK = 29
 _SWITCH_INTERVAL = 1e-4
+_SENDS_AGAIN = "dds.asyn"
 
 
 def take_priority(priority: int = PRIORITY, threads: Iterable[int] = (0,)) -> bool:
-    """Let threads go before all ordinary ones (SCHED_FIFO), if the system permits it.
+    """Let threads go before all ordinary ones (SCHED_RR), if the system permits it.
 
+    They take turns among themselves, so that one that waits for another without sleeping does not wait for ever.
     Threads that these begin later stand among the ordinary ones: what compresses the log must not delay the loop.
 
     Args:
@@ -34,7 +36,7 @@ def take_priority(priority: int = PRIORITY, threads: Iterable[int] = (0,)) -> bo
     """
     if not hasattr(os, "sched_setscheduler"):
         return False
-    policy = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
+    policy = os.SCHED_RR | os.SCHED_RESET_ON_FORK
     try:
         for thread in threads:
             with suppress(ProcessLookupError):  # it has ended meanwhile
@@ -69,10 +71,23 @@ def _give_back(policy: int, parameter: os.sched_param) -> None:
         os.sched_setscheduler(0, policy | os.SCHED_RESET_ON_FORK, parameter)
 
 
-def own_threads() -> list[int]:
-    """List the threads of this process; those of the middleware carry the messages. Only the present one elsewhere."""
+def threads_of_loop() -> list[int]:
+    """List the threads of this process that carry messages; on other systems than Linux only the present one.
+
+    Those of the middleware do. But not the one by which Fast DDS sends again (flow controller): it tries a lock without
+    sleeping, and with a priority it would keep whoever holds the lock, and all else on its core, from running.
+    """
     tasks = Path("/proc/self/task")
-    return sorted(int(task.name) for task in tasks.iterdir()) if tasks.is_dir() else [0]
+    if not tasks.is_dir():
+        return [0]
+    return sorted(int(task.name) for task in tasks.iterdir() if not _name(task).startswith(_SENDS_AGAIN))
+
+
+def _name(task: Path) -> str:
+    try:
+        return (task / "comm").read_text(encoding="ascii", errors="replace")
+    except OSError:  # it has ended meanwhile
+        return ""
 
 
 @contextmanager

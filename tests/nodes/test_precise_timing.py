@@ -6,10 +6,12 @@ import gc
 import os
 import sys
 import threading
+from pathlib import Path
+from typing import Any
 
 import pytest
 
-from flexros_nodes.precise_timing import PRIORITY, own_threads, precise_timing, take_priority
+from flexros_nodes.precise_timing import PRIORITY, precise_timing, take_priority, threads_of_loop
 
 
 def policy() -> int:
@@ -29,7 +31,7 @@ def test_settings_come_back() -> None:
 
 def test_priority_is_told_as_it_is() -> None:
     with precise_timing() as prioritised:
-        assert prioritised == (policy() == os.SCHED_FIFO)
+        assert prioritised == (policy() == os.SCHED_RR)
 
 
 def test_threads_begun_with_priority_are_ordinary_ones() -> None:
@@ -53,7 +55,7 @@ def test_priority_found_before_comes_back() -> None:
     thread = threading.Thread(target=work)
     thread.start()
     thread.join()
-    assert found in ([], [(os.SCHED_FIFO, PRIORITY), (os.SCHED_FIFO, 7)])
+    assert found in ([], [(os.SCHED_RR, PRIORITY), (os.SCHED_RR, 7)])
 
 
 def test_thread_that_has_ended_is_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -74,10 +76,37 @@ def test_threads_of_the_process_are_listed() -> None:
     thread = threading.Thread(target=done.wait)
     thread.start()
     try:
-        assert thread.native_id in own_threads()
+        assert thread.native_id in threads_of_loop()
     finally:
         done.set()
         thread.join()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of threads are read as Linux tells them")
+def test_thread_that_tries_locks_without_sleeping_stays_an_ordinary_one() -> None:
+    done, named = threading.Event(), threading.Event()
+
+    def work() -> None:
+        Path(f"/proc/self/task/{threading.get_native_id()}/comm").write_text("dds.asyn.0.0", encoding="ascii")
+        named.set()
+        done.wait()
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    try:
+        assert named.wait(10.0)
+        assert thread.native_id not in threads_of_loop()
+    finally:
+        done.set()
+        thread.join()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of threads are read as Linux tells them")
+def test_fast_dds_names_that_thread_so(bench: Any) -> None:
+    node = pytest.importorskip("rclpy.node", reason="needs ROS 2").Node("mine", context=bench.context)
+    bench.hold(node)
+    names = [(task / "comm").read_text(encoding="ascii") for task in Path("/proc/self/task").iterdir()]
+    assert any(name.startswith("dds.asyn") for name in names), names
 
 
 def test_refused_priority_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
