@@ -7,20 +7,29 @@ from typing import TYPE_CHECKING
 
 from flexros.errors import FlexrosError, RunError
 from flexros.logs.joint_state_message import JointStateTemplate, JointStateView
-from flexros.logs.joint_trajectory_message import JointTrajectoryChunk, read_joint_trajectory
+from flexros.logs.joint_trajectory_message import read_joint_trajectory
 from flexros.logs.stamps import NANOSECONDS
 from flexros_nodes.executable import run_node
+from flexros_nodes.follow_trajectory import FollowTrajectory, installed_action
 from flexros_nodes.lockstep import Arrival, ControllerLockStep
 from flexros_nodes.message_loss import MessageLoss
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.parameters import gain_parameters
 from flexros_nodes.prepared_run import prepared_run
 from flexros_nodes.reference_buffer import ReferenceBuffer
+from flexros_nodes.trajectory_request import in_joint_order
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from flexros.logs.joint_trajectory_message import JointTrajectoryChunk
     from flexros_nodes.parameters import Value
+
+STOP_TIME = 0.2
+"""Time in which a motion that is canceled comes to rest [s], chosen."""
+
+REFUSALS_TOLD = 1.0
+"""Least time between two refusals of trajectories in the log [s], chosen: a flood of them must not fill it."""
 
 
 class ControllerNode(FlexrosNode):
@@ -32,6 +41,7 @@ class ControllerNode(FlexrosNode):
 
     node_name = "controller"
     _gain_names: tuple[str, ...] = ()
+    _follower: FollowTrajectory | None = None
 
     def configure(self) -> None:
         """Prepare the control law, publishers and subscriptions; declare the gains."""
@@ -50,9 +60,19 @@ class ControllerNode(FlexrosNode):
         self.listen("joint_states", self._on_state)
         self.listen("joint_reference_ahead", self._on_chunk)
         self.listen("joint_trajectory", self._on_trajectory)
+        if (action := installed_action()) is not None:
+            self._follower = FollowTrajectory(self, self._names, action)
+            self._made.append(self._close_follower)
+
+    def _close_follower(self) -> None:
+        if self._follower is not None:
+            self._follower.close()
+            self._follower = None
 
     def _begin(self) -> None:
         """Stand before the first sample."""
+        if self._follower is not None:
+            self._follower.give_up("the loop begins anew")
         self._controller.reset()
         self._buffer = ReferenceBuffer(self._n_motors, self._sample_time)
         self._lockstep = ControllerLockStep(self._sample_time)
@@ -66,6 +86,11 @@ class ControllerNode(FlexrosNode):
     def start(self) -> None:
         """Begin at the first sample, also when the node has worked before."""
         self._begin()
+
+    def stop(self) -> None:
+        """Abort the goal that is followed."""
+        if self._follower is not None:
+            self._follower.give_up("the controller has stopped")
 
     def _declare_gains(self) -> None:
         gains = self._controller.gains
@@ -144,7 +169,7 @@ class ControllerNode(FlexrosNode):
         if position is None:
             return
         stamp = self._lockstep.last
-        reference = self._buffer.take(stamp)
+        reference = self._buffer.take(stamp, position)
         if reference is None:
             self._waits += 1
             return
@@ -159,6 +184,8 @@ class ControllerNode(FlexrosNode):
             self._reference_message.fill(stamp, values[:n], values[n : 2 * n], values[2 * n :]),
         )
         self._publish(*self._reply)
+        if self._follower is not None:
+            self._follower.sampled(stamp, self._buffer.trajectory_end, reference, position)
 
     def _publish(self, command: bytes, reference: bytes) -> None:
         self._commands.publish(command)
@@ -169,24 +196,48 @@ class ControllerNode(FlexrosNode):
     def _on_chunk(self, message: bytes) -> None:
         if self._drops is not None and self._drops():
             return
-        self._buffer.append(self._read(message, "joint_reference_ahead"))
+        try:
+            chunk = read_joint_trajectory(message).in_order(self._names)
+        except FlexrosError as error:
+            raise RunError(f"a message on joint_reference_ahead is refused: {error}") from error
+        self._buffer.append(chunk)
         self._answer()
 
     def _on_trajectory(self, message: bytes) -> None:
+        """Follow a trajectory from the next sample on; one that cannot be followed must not end the loop."""
         try:
-            self._buffer.replace(self._read(message, "joint_trajectory"))
-        except FlexrosError as error:  # anyone may send here: what cannot be followed must not end the loop
+            trajectory = in_joint_order(read_joint_trajectory(message), self._names)
+            self.check_trajectory(trajectory)
+        except FlexrosError as error:
             self._refused += 1
-            if self._refused == 1:
-                self.get_logger().warning(f"{error}; the reference stays as it is, further refusals are only counted")
+            self.get_logger().warning(
+                f"a trajectory on joint_trajectory is refused: {error}; the reference goes on as before",
+                throttle_duration_sec=REFUSALS_TOLD,
+            )
             return
+        if self._follower is not None:
+            self._follower.give_up("a trajectory on joint_trajectory has taken its place")
+        self.follow(trajectory)
+
+    def check_trajectory(self, trajectory: JointTrajectoryChunk) -> None:
+        """Refuse what `follow` would refuse; raises RefusedTrajectoryError."""
+        self._buffer.check(trajectory, self.value("position_limit"))
+
+    def follow(self, trajectory: JointTrajectoryChunk) -> None:
+        """Follow a trajectory from the next sample on.
+
+        Args:
+            trajectory: Points, joints in the order of the motors.
+
+        Raises:
+            RefusedTrajectoryError: It cannot be followed; the reference goes on as before.
+        """
+        self._buffer.replace(trajectory, self.value("position_limit"))
         self._answer()
 
-    def _read(self, message: bytes, name: str) -> JointTrajectoryChunk:
-        try:
-            return read_joint_trajectory(message).in_order(self._names)
-        except FlexrosError as error:
-            raise RunError(f"a message on {name} is refused: {error}") from error
+    def come_to_rest(self) -> None:
+        """Bring the reference to rest, evenly."""
+        self._buffer.come_to_rest(STOP_TIME)
 
 
 def main() -> int:

@@ -27,6 +27,11 @@ class PointTrajectory:
         self._n_motors = rows.shape[1] // 3
         self._smooth = smooth
 
+    @property
+    def end(self) -> int:
+        """Stamp of the last point [ns]."""
+        return self._times[-1]
+
     def row(self, stamp: int) -> FloatArray:
         """Give the reference at a stamp [ns], shape (3 M,)."""
         times = self._times

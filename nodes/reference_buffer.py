@@ -8,15 +8,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import RunError
+from flexros.logs.joint_trajectory_message import JointTrajectoryChunk
 from flexros.logs.stamps import START_NS
 from flexros_nodes.point_trajectory import PointTrajectory
+from flexros_nodes.trajectory_request import check_points, way_to_rest
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flexros.arrays import FloatArray
-    from flexros.logs.joint_trajectory_message import JointTrajectoryChunk
 
 MOST_ROWS = 500_000
-"""Most samples held ahead of the loop, and most points of a trajectory, chosen: more is taken for a mistake."""
+"""Most samples held ahead of the loop, chosen: more is taken for a mistake."""
 
 
 class ReferenceBuffer:
@@ -39,6 +42,7 @@ class ReferenceBuffer:
         self._used = -1
         self._current: FloatArray | None = None
         self._trajectory: PointTrajectory | None = None
+        self._next: JointTrajectoryChunk | None = None
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -53,7 +57,7 @@ class ReferenceBuffer:
             RunError: A point lies between two sampling instants, a value is not finite, positions are missing, or more
                 is held than any loop needs.
         """
-        if self._trajectory is not None:
+        if self._trajectory is not None or self._next is not None:
             self.ignored += 1
             return
         stamps = chunk.stamp_ns + chunk.time_from_start
@@ -75,40 +79,56 @@ class ReferenceBuffer:
                 "stream it later, or send a trajectory of few points to joint_trajectory"
             )
 
-    def replace(self, trajectory: JointTrajectoryChunk) -> None:
-        """Drop what is held and follow this trajectory; its end is held.
+    def replace(self, trajectory: JointTrajectoryChunk, position_limit: float = np.inf) -> None:
+        """Drop what is held and follow this trajectory from the next sample on; its end is held.
 
         `PointTrajectory` tells what lies between two points. Before the first point the way leads from the present
-        reference.
+        reference; where there is none as yet, from the measured position.
 
         Args:
             trajectory: Points in order of time; a stamp of 0 means from now on.
+            position_limit: Largest position either way [rad or m].
 
         Raises:
-            RunError: Times do not increase, a value is not finite, positions are missing, or there are too many points.
+            RefusedTrajectoryError: It cannot be followed; what was held remains.
         """
-        times = trajectory.time_from_start
-        if len(times) == 0 or np.any(np.diff(times) <= 0):
-            raise RunError("a trajectory on joint_trajectory has no points, or times that do not increase; correct it")
-        if len(times) > MOST_ROWS:
-            raise RunError(
-                f"a trajectory on joint_trajectory has {len(times)} points, allowed are {MOST_ROWS}; send fewer, "
-                "what lies between them is interpolated"
-            )
-        rows = self._filled(trajectory)
-        now = max(self._used, START_NS)
-        times = ((trajectory.stamp_ns or now) + times).astype(np.int64)
-        if self._current is not None and times[0] > now:
-            times, rows = np.concatenate([[now], times]), np.vstack([self._current, rows])
+        check_points(trajectory, self._used, position_limit)
         self._rows.clear()
         self._order.clear()
-        self._trajectory = PointTrajectory(times, rows, smooth=trajectory.velocities is not None)
+        self._next = trajectory
 
-    def take(self, stamp: int) -> FloatArray | None:
+    def check(self, trajectory: JointTrajectoryChunk, position_limit: float) -> None:
+        """Refuse what `replace` would refuse."""
+        check_points(trajectory, self._used, position_limit)
+
+    @property
+    def trajectory_end(self) -> int:
+        """Stamp of the last point of the trajectory that is followed [ns]; 0 where there is none."""
+        return 0 if self._trajectory is None else self._trajectory.end
+
+    def come_to_rest(self, time: float) -> None:
+        """Slow down evenly from the present reference, and stay where that ends.
+
+        Args:
+            time: Time in which the reference comes to rest [s].
+        """
+        if self._current is not None:
+            n = self._n_motors
+            position, velocity, effort = way_to_rest(self._current, time).reshape(3, 1, n)
+            duration = np.array([round(time * 1e9)])
+            self.replace(JointTrajectoryChunk(0, ("",) * n, duration, position, velocity, None, effort))
+
+    def take(self, stamp: int, measured: Sequence[float] | None = None) -> FloatArray | None:
         """Hand out the reference of a stamp [ns], shape (3 M,); None if it is not held.
 
         What is older is forgotten, also what a real-time loop has passed without using it.
+
+        Args:
+            stamp: The stamp [ns].
+            measured: Measured motor positions [rad or m], from which a first trajectory may lead.
         """
+        if self._next is not None:
+            self._begin_trajectory(self._next, measured)
         if self._trajectory is not None:
             row = self._trajectory.row(stamp) if stamp > self._used else None
         else:
@@ -118,6 +138,17 @@ class ReferenceBuffer:
             self._used = stamp
             self._current = row
         return row
+
+    def _begin_trajectory(self, given: JointTrajectoryChunk, measured: Sequence[float] | None) -> None:
+        self._next = None
+        now = max(self._used, START_NS)
+        times = ((given.stamp_ns or now) + given.time_from_start).astype(np.int64)
+        rows, before = self._filled(given), self._current
+        if before is None and measured is not None:
+            before = np.array([*measured, *[0.0] * (2 * self._n_motors)])
+        if before is not None and times[0] > now:
+            times, rows = np.concatenate([[now], times]), np.vstack([before, rows])
+        self._trajectory = PointTrajectory(times, rows, smooth=given.velocities is not None)
 
     def _forget_before(self, stamp: int) -> None:
         order = self._order

@@ -122,7 +122,7 @@ def test_last_step_ends_the_run(bench: Bench, short_scenario: Path) -> None:
     loop.bring_up()
     bench.spin_until(lambda: loop.sample == 0)
     loop.call("start")
-    loop.reach(390)
+    loop.reach(300)
     loop.call("pause")
     while loop.sample < 400:
         loop.step()

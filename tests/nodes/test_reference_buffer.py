@@ -11,7 +11,7 @@ from flexros.arrays import FloatArray
 from flexros.errors import RunError
 from flexros.logs.joint_trajectory_message import JointTrajectoryChunk
 from flexros.logs.stamps import stamp_ns, stamps_ns
-from flexros_nodes import reference_buffer
+from flexros_nodes import reference_buffer, trajectory_request
 from flexros_nodes.reference_buffer import ReferenceBuffer
 
 T = 5e-4
@@ -121,7 +121,7 @@ def test_interpolation_with_velocities_reproduces_a_cubic(buffer: ReferenceBuffe
 
 
 def test_trajectory_whose_times_do_not_increase_is_refused(buffer: ReferenceBuffer) -> None:
-    with pytest.raises(RunError, match="times that do not increase"):
+    with pytest.raises(RunError, match="its times do not increase from 0 on"):
         buffer.replace(JointTrajectoryChunk(0, NAMES, np.array([10, 10]), np.zeros((2, 2))))
 
 
@@ -157,6 +157,59 @@ def test_stream_too_far_ahead_is_refused(buffer: ReferenceBuffer, monkeypatch: p
 
 
 def test_trajectory_of_too_many_points_is_refused(buffer: ReferenceBuffer, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reference_buffer, "MOST_ROWS", 3)
+    monkeypatch.setattr(trajectory_request, "MOST_POINTS", 3)
     with pytest.raises(RunError, match="has 4 points, allowed are 3; send fewer,"):
         buffer.replace(JointTrajectoryChunk(0, NAMES, np.arange(1, 5), np.zeros((4, 2))))
+
+
+def test_first_trajectory_leads_from_the_measured_position(buffer: ReferenceBuffer) -> None:
+    buffer.replace(JointTrajectoryChunk(0, NAMES, np.array([1_000_000]), np.array([[2.0, 4.0]])))
+    start = buffer.take(stamp_ns(0, T), (1.0, 2.0))
+    middle = buffer.take(stamp_ns(1, T), (9.0, 9.0))
+    assert start is not None
+    assert middle is not None
+    assert start[:2].tolist() == [1.0, 2.0]
+    assert middle[:2].tolist() == [1.5, 3.0]
+
+
+def test_trajectory_with_a_stamp_begins_then(buffer: ReferenceBuffer) -> None:
+    chunk = JointTrajectoryChunk(stamp_ns(10, T), NAMES, np.array([0, 5_000_000]), np.array([[0.0, 0.0], [1.0, 1.0]]))
+    buffer.replace(chunk)
+    rows = {k: buffer.take(stamp_ns(k, T), (0.0, 0.0)) for k in (0, 10, 15, 20)}
+    assert [row[0] for row in rows.values() if row is not None] == pytest.approx([0.0, 0.0, 0.5, 1.0])
+
+
+def test_trajectory_that_began_before_is_followed_from_where_it_is_now(buffer: ReferenceBuffer) -> None:
+    buffer.replace(JointTrajectoryChunk(0, NAMES, np.array([0]), np.zeros((1, 2))))
+    buffer.take(stamp_ns(100, T))
+    late = JointTrajectoryChunk(stamp_ns(0, T), NAMES, np.array([0, 100_000_000]), np.array([[0.0, 0.0], [2.0, 2.0]]))
+    buffer.replace(late)
+    row = buffer.take(stamp_ns(101, T))
+    assert row is not None
+    assert row[0] == pytest.approx(2.0 * 101 / 200)
+
+
+def test_refused_trajectory_leaves_what_was_held(buffer: ReferenceBuffer, values: FloatArray) -> None:
+    buffer.append(chunk(0, 60, values))
+    buffer.take(stamp_ns(40, T))
+    with pytest.raises(RunError, match="it ends at 1.0050 s of simulated time, which is over: it is 1.0200 s"):
+        buffer.replace(JointTrajectoryChunk(stamp_ns(0, T), NAMES, np.array([5_000_000]), np.zeros((1, 2))))
+    assert np.array_equal(buffer.take(stamp_ns(41, T)), values[41])
+
+
+def test_way_to_rest_slows_down_evenly(buffer: ReferenceBuffer) -> None:
+    positions, speed = np.array([[0.0, 0.0], [1.0, 2.0]]), np.array([[1.0, 2.0], [1.0, 2.0]])
+    buffer.replace(JointTrajectoryChunk(stamp_ns(0, T), NAMES, np.array([0, 10**9]), positions, speed))
+    begin = buffer.take(stamp_ns(200, T))
+    buffer.come_to_rest(0.1)
+    half, end = buffer.take(stamp_ns(300, T)), buffer.take(stamp_ns(500, T))
+    assert begin is not None
+    assert half is not None
+    assert end is not None
+    assert half[:4] == pytest.approx([0.1 + 0.0375, 0.2 + 0.075, 0.5, 1.0])
+    assert end[:4] == pytest.approx([0.15, 0.3, 0.0, 0.0])
+
+
+def test_without_a_reference_there_is_nothing_to_bring_to_rest(buffer: ReferenceBuffer) -> None:
+    buffer.come_to_rest(0.1)
+    assert buffer.take(stamp_ns(0, T)) is None

@@ -1,0 +1,129 @@
+"""Trajectories that another node sends on joint_trajectory while the loop runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flexros.config.scenario import load_scenario
+from flexros.logs.joint_state_message import JointStateView
+from flexros.logs.stamps import stamp_of
+from flexros.simulate.experiment import Experiment
+
+pytest.importorskip("rclpy", reason="needs ROS 2")
+
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from flexros_nodes.controller import ControllerNode
+from flexros_nodes.feedforward import FeedforwardNode
+from tests.nodes.loop_on_bench import Loop
+
+NAMES = ("motor_1", "motor_2")
+LAST = 1_200_000_000
+Bench = Any  # the class is in conftest
+
+
+class Sender:
+    """A loop with a node of the user that publishes trajectories, and hears what reference the controller uses."""
+
+    def __init__(self, bench: Bench, scenario: Path) -> None:
+        self.loop = Loop(bench, scenario, FeedforwardNode, ControllerNode, begin_at_once=False)
+        self.controller = self.loop.node(ControllerNode)
+        self.references = self.loop.hear("joint_reference")
+        self._publisher = self.loop.user.create_publisher(JointTrajectory, "joint_trajectory", 10)
+        self.loop.bring_up()
+        bench.spin_until(lambda: self._publisher.get_subscription_count() > 0)
+
+    def step_to(self, sample: int) -> np.ndarray:
+        """Step to a sample, and give its reference."""
+        self.loop.bench.spin_until(lambda: self.loop.sample == 0)
+        for _ in range(sample):
+            self.loop.step()
+        stamp = self.loop.plant.loop.stamp
+        self.loop.bench.spin_until(lambda: self.controller.stamp == stamp)
+        return self.controller._buffer._current.copy()
+
+    def send(self, *points: tuple[float, list[float]], names: tuple[str, ...] = NAMES, sec: int = 0) -> None:
+        message = JointTrajectory(joint_names=names)
+        message.header.stamp.sec = sec
+        for time, positions in points:
+            point = JointTrajectoryPoint(positions=positions)
+            seconds, nanoseconds = divmod(round(time * 1e9), 10**9)
+            point.time_from_start.sec, point.time_from_start.nanosec = seconds, nanoseconds
+            message.points.append(point)
+        self._publisher.publish(message)
+
+    def used(self) -> dict[int, np.ndarray]:
+        """Finish the run; give the position references by stamp [ns]."""
+        self.loop.call("start")
+        self.loop.finish()
+        self.loop.bench.spin_until(lambda: stamp_of(self.references[-1]) == LAST)
+        view = JointStateView(NAMES)
+        return {sample.stamp_ns: np.array(sample.position) for sample in map(view.unpack, self.references)}
+
+
+def test_trajectory_leads_from_the_present_reference_and_its_end_is_held(bench: Bench, short_scenario: Path) -> None:
+    sender = Sender(bench, short_scenario)
+    present = sender.step_to(20)[:2]
+    now = sender.loop.plant.loop.stamp
+    target = present + np.array([0.001, -0.002])
+    sender.send((0.02, target[::-1].tolist()), names=("motor_2", "motor_1"))
+    bench.spin_until(lambda: sender.controller._buffer._next is not None)
+    used = sender.used()
+    assert used[now + 10_000_000] == pytest.approx(0.5 * (present + target), abs=1e-12)
+    assert used[now + 20_000_000] == pytest.approx(target, abs=1e-12)
+    assert used[LAST].tolist() == used[now + 25_000_000].tolist() == target.tolist()
+
+
+def test_later_trajectory_replaces_the_one_before(bench: Bench, short_scenario: Path) -> None:
+    sender = Sender(bench, short_scenario)
+    present = sender.step_to(5)[:2]
+    for step in (0.5, 0.001):
+        sender.send((0.01, (present + step).tolist()))
+    bench.spin_until(lambda: sender.controller._buffer._next is not None)
+    bench.spin_for(0.2)
+    assert sender.used()[LAST] == pytest.approx(present + 0.001, abs=1e-12)
+
+
+def test_what_cannot_be_followed_is_refused_with_a_sentence_and_the_loop_goes_on(
+    bench: Bench, short_scenario: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sender = Sender(bench, short_scenario)
+    said: list[str] = []
+    logger = SimpleNamespace(warning=lambda text, **_: said.append(text))
+    monkeypatch.setattr(sender.controller, "get_logger", lambda: logger)
+    sender.step_to(5)
+    sender.send((0.1, [0.0, 0.0]), names=("motor_1", "wrist"))
+    sender.send((0.2, [0.0, 0.0]), (0.1, [0.0, 0.0]))
+    sender.send((0.1, [0.0, float("nan")]))
+    sender.send((0.1, [0.0, 2e3]))
+    sender.send((0.1, [0.0]))
+    sender.send((-0.1, [0.0, 0.0]))
+    sender.send()
+    sender.send((0.001, [0.0, 0.0]), sec=1)
+    bench.spin_until(lambda: len(said) == 8)
+    opening, closing = "a trajectory on joint_trajectory is refused: ", "; the reference goes on as before"
+    assert all(text.startswith(opening) and text.endswith(closing) for text in said)
+    for text, sentence in zip(
+        said,
+        (
+            "its joints are motor_1, wrist; allowed is each of motor_1, motor_2, once",
+            "its times do not increase from 0 on",
+            "points[0].positions of motor_2 is nan",
+            "points[0].positions of motor_2 is 2000, allowed is up to 1000 either way (parameter position_limit)",
+            "2 joint names but 1 values in points[0].positions",
+            "its times do not increase from 0 on",
+            "it has no points",
+            "it ends at 1.0010 s of simulated time, which is over",
+        ),
+        strict=True,
+    ):
+        assert sentence in text
+    used = sender.used()
+    planned = Experiment.prepare(load_scenario(short_scenario)).reference.motor_position
+    assert np.array_equal([used[stamp] for stamp in sorted(used)], planned)
+    assert sender.controller.figures()["refused_trajectories"] == 8
