@@ -6,7 +6,7 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 SHARE = Path("share") / "flexros"
-NODES = ("plant", "controller", "feedforward", "identification", "recorder", "replay")
+NODES = ("plant", "controller", "feedforward", "identification", "recorder", "replay", "gap_monitor")
 ROS_WHEELS = [
     "ros-jazzy-rclpy==7.1.6",
     "ros-jazzy-common-interfaces==5.3.6",

@@ -11,7 +11,21 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexros.cli import analyze, bench, blind, campaign, demo, diagnose, gap, identify, import_log, replay, robots, run
+from flexros.cli import (
+    analyze,
+    bench,
+    blind,
+    campaign,
+    demo,
+    diagnose,
+    gap,
+    identify,
+    import_log,
+    monitor,
+    replay,
+    robots,
+    run,
+)
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
 if TYPE_CHECKING:
@@ -84,6 +98,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "analyze": analyze.analyze,
     "diagnose": diagnose.diagnose,
     "gap": gap.gap,
+    "monitor": monitor.monitor,
     "demo": demo.demo,
     "bench": bench.bench,
     "campaign": campaign.campaign,

@@ -75,7 +75,7 @@ class Topic(Settings):
     recorded: bool
     required: bool
     producer: Literal["plant", "controller", "feedforward", "identification", "recorder", "user"]
-    consumers: tuple[Literal["plant", "controller", "feedforward", "identification", "recorder"], ...]
+    consumers: tuple[Literal["plant", "controller", "feedforward", "identification", "recorder", "gap_monitor"], ...]
     fields: dict[str, FieldUnit] = Field(min_length=1)
 
 

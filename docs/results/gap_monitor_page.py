@@ -1,0 +1,231 @@
+"""Write gap_monitor.md: python docs/results/gap_monitor_page.py nominal|detection|load|page [WORK].
+
+`nominal` and `detection` add what they find, case by case, to WORK/*.jsonl until all cases are there; `load` measures
+nodes at 2 kHz; `page` writes the page from the three files. Seeds from 5000 on were not used in development.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from gap_monitor_load import measured_load
+from gap_monitor_text import page_text
+
+from flexros.config.scenario import load_scenario
+from flexros.effects import parse_effect
+from flexros.effects.patched_robot import load_model
+from flexros.monitor.gap_monitor import GapMonitor
+from flexros.monitor.thresholds import LENGTHS, thresholds
+from flexros.monitor.watch_log import watch_log
+from flexros.simulate.closed_loop import closed_loop
+from flexros.simulate.experiment import Experiment
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from flexros.arrays import FloatArray
+    from flexros.logs.time_series import Log
+
+RATES = (1e-3, 1.0, 10.0, 100.0)
+"""Rates of false alarms whose thresholds are tried [1/h]."""
+NOISES = 10
+"""Runs of one motion, each with noise of its own."""
+COURSES = {"four_mass_linear": 12, "four_mass": 6, "elbow": 12, "e12": 12, "six_axis": 2}
+"""Motions per robot."""
+EFFECTS = {
+    "four_mass_linear": (
+        ("coulomb_friction@motor_1:level=", (5e-4, 2e-3, 2e-2)),
+        ("backlash@motor_1:gap=", (2e-5, 2e-4, 2e-3)),
+        ("stiffness_error@body_1.rz:relative=", (1e-3, 1e-2, 1e-1)),
+        ("payload_error@tool:relative=", (1e-3, 1e-2, 1e-1)),
+    ),
+    "elbow": (
+        ("coulomb_friction@motor_1:level=", (0.05, 0.5, 5.0)),
+        ("coulomb_friction@motor_2:level=", (0.05, 0.5, 5.0)),
+        ("backlash@motor_1:gap=", (2e-6, 2e-5, 2e-4)),
+        ("payload_error@tool:relative=", (1e-4, 1e-3, 1e-2)),
+    ),
+    "e12": (
+        ("coulomb_friction@motor_1:level=", (0.1, 1.0, 10.0)),
+        ("viscous_friction@motor_2:coefficient=", (0.3, 3.0, 30.0)),
+        ("backlash@motor_2:gap=", (2e-6, 2e-5, 2e-4)),
+        ("payload_error@tool:relative=", (1e-4, 1e-3, 1e-2)),
+    ),
+}
+"""Effects and their sizes, by robot."""
+TRIALS, ONSET = 5, 20.0
+"""Runs of each effect, and when it sets in [s]."""
+
+
+def course(robot: str, seed: int) -> Experiment:
+    """Plan the diagnosis experiment of a robot, whose seed makes another sequence of motions."""
+    changes: dict[str, Any] = {"robot": robot, "seed": seed}
+    return Experiment.prepare(load_scenario("diagnosis").with_values(changes, "this page"))
+
+
+def with_noise(planned: Experiment, seed: int) -> Experiment:
+    """Give the same motion noise of another seed."""
+    one = replace(planned, scenario=planned.scenario.model_copy(update={"seed": seed}))
+    vars(one)["reference"] = planned.reference  # computed once for all of them
+    return one
+
+
+def nominal() -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
+    """List runs of robots that are as their models."""
+    for number in range(max(COURSES.values())):
+        for robot, count in COURSES.items():
+            if number < count:
+                yield f"{robot} {number}", lambda robot=robot, number=number: nominal_case(robot, 5000 + number)
+
+
+def nominal_case(robot: str, seed: int) -> dict[str, Any]:
+    """Count false alarms of one motion with several noises."""
+    model, planned = load_model(robot), course(robot, seed)
+    found: dict[str, Any] = {
+        "robot": robot,
+        "seed": seed,
+        "hours": 0.0,
+        "watched_hours": 0.0,
+        "alarms": 0,
+        "warnings": 0,
+    }
+    found |= {"exceeded": [0] * len(RATES), "mean": [], "used_s": 0.0}
+    for noise in range(NOISES):
+        log = closed_loop(with_noise(planned, 100 * seed + noise))
+        begun = time.thread_time()
+        monitor = GapMonitor(model)
+        watched = watch_log(log, monitor, name="nominal")
+        found["used_s"] += time.thread_time() - begun
+        found["hours"] += float(log.joint_states.stamp[-1] - log.joint_states.stamp[0]) / 3.6e12
+        found["watched_hours"] += monitor.windows * 0.1 / 3600
+        found["alarms"] += monitor.alarms
+        found["warnings"] += monitor.warnings
+        counted = exceeded(monitor, watched.values)
+        found["exceeded"] = [a + b for a, b in zip(found["exceeded"], counted)]
+        found["mean"].append(watched.values.mean(axis=0).tolist())
+    found["mean"] = np.mean(found["mean"], axis=0).tolist()
+    return found
+
+
+def exceeded(monitor: GapMonitor, values: FloatArray) -> list[int]:
+    """Count mean squares beyond the thresholds of several rates."""
+    book, stream = monitor.book, monitor.stream
+    counts = []
+    for rate in RATES:
+        limit = thresholds(book, stream.sample_time, stream.samples, false_alarms=rate).alarm
+        count = 0
+        for row, length in enumerate(LENGTHS):
+            whole = values[: len(values) // length * length].reshape(-1, length, values.shape[1]).mean(axis=1)
+            count += int(np.count_nonzero(whole > limit[row]))
+        counts.append(count)
+    return counts
+
+
+def detection() -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
+    """List runs in which an effect sets in."""
+    for trial in range(TRIALS):
+        for robot, effects in EFFECTS.items():
+            for text, sizes in effects:
+                for size in sizes:
+                    name = f"{robot} {text}{size:g} {trial}"
+                    yield (
+                        name,
+                        lambda robot=robot, text=text, size=size, trial=trial: onset_case(
+                            robot, text, size, 6000 + trial
+                        ),
+                    )
+
+
+def onset_case(robot: str, text: str, size: float, seed: int) -> dict[str, Any]:
+    """Let an effect set in, and note when the monitor tells and which place it names."""
+    if (robot, seed) not in _PLANNED:
+        _PLANNED[robot, seed] = course(robot, seed)
+    planned = _PLANNED[robot, seed]
+    log = spliced(planned, f"{text}{size:g}")
+    watched = watch_log(log, GapMonitor(load_model(robot)), name="onset")
+    onset = 1.0 + ONSET
+    told = [one for one in watched.episodes if one.stamp * 1e-9 > onset - 0.1]
+    found = {"robot": robot, "effect": text.rstrip("=").split(":")[0], "size": size, "seed": seed}
+    found |= {"before": len(watched.episodes) - len(told), "delay": None, "joint": "", "kind": ""}
+    if told:
+        found |= {"delay": told[0].stamp * 1e-9 + 0.1 - onset, "joint": told[0].joint, "kind": told[0].kind}
+    return found
+
+
+_PLANNED: dict[tuple[str, int], Experiment] = {}
+
+
+def spliced(planned: Experiment, effect: str) -> Log:
+    """Run a motion whose effect sets in on the way: the state of the robot goes on."""
+    from flexros.compile.loop import compile_loop
+    from flexros.compile.loop_arrays import LoopInputs, LoopState
+    from flexros.simulate.closed_loop import run_log
+    from flexros.simulate.plant import delayed_start
+    from flexros.simulate.plant_model import PlantModel
+
+    law, T = planned.scenario.controller, planned.sample_time
+    changed = planned.models.plant.with_effects([parse_effect(effect, "this page")])
+    plants = (planned.plant_model, PlantModel(changed.robot, changed.laws))
+    ends = (round(ONSET / T), planned.n_samples)
+    signals, parts, first = planned.signals(planned.scenario.seed), [], 0
+    state = None
+    for plant, end in zip(plants, ends):
+        kernel = compile_loop(
+            plant.functions(law.function(planned.plant.n_motors, T)),
+            sample_time=T,
+            substeps=planned.scenario.substeps,
+            delay=plant.delay,
+        )
+        if state is None:
+            rest = plant.start(planned.start_state, planned.start_torque)
+            state = delayed_start(
+                rest, law.initial_state(planned.plant.n_motors), planned.start_torque, kernel.line_length
+            )
+        else:
+            robot = 2 * planned.plant.n_coordinates
+            begun = plant.start(np.asarray(state.plant)[:robot].ravel(), parts[-1].command[-1])
+            state = LoopState(begun, state.controller, state.line)
+        inputs = LoopInputs(
+            reference=planned.reference_signal[first:end],
+            noise=signals.encoder_noise.rows(first, end - first),
+            disturbance=signals.disturbance.rows(first, end - first),
+            gains=planned.gains,
+        )
+        parts.append(kernel.run(state, end - first, inputs))
+        state, first = parts[-1].final, end
+    encoder, command, pose = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("encoder", "command", "tool_pose")
+    )
+    return run_log(planned, encoder, command, pose)
+
+
+def add(path: Path, cases: Iterator[tuple[str, Callable[[], dict[str, Any]]]]) -> None:
+    """Work off the cases that a file does not have."""
+    done = {json.loads(line)["case"] for line in path.read_text().splitlines()} if path.exists() else set()
+    for name, case in cases:
+        if name not in done:
+            row = {"case": name, **case()}
+            with path.open("a", encoding="utf-8") as stream:
+                stream.write(json.dumps(row) + "\n")
+
+
+def main(what: str, work: Path) -> None:
+    """Do one part of the work."""
+    work.mkdir(parents=True, exist_ok=True)
+    if what in ("nominal", "detection"):
+        add(work / f"{what}.jsonl", {"nominal": nominal, "detection": detection}[what]())
+    elif what == "load":
+        (work / "load.json").write_text(json.dumps(measured_load(), indent=1) + "\n", encoding="utf-8")
+    else:
+        text = page_text(work, RATES, ONSET)
+        (Path(__file__).parent / "gap_monitor.md").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], Path(sys.argv[2]) if len(sys.argv) > 2 else Path("bags/gap_monitor"))

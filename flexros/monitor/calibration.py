@@ -1,0 +1,155 @@
+"""What a robot misses as it is accepted: tails of its mean squares, read off a log, and their file.
+
+No robot is exactly as its model. The mean squares of a log of normal work are taken as what is accepted: above their
+80 % quantile the logarithm is taken to fall off exponentially, which tells levels for rarer chances than the log shows
+(Pickands 1975). The fall is taken as slow as so few values permit.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydantic import Field
+
+from flexros.config.validation import Settings, validate
+from flexros.errors import InputError
+from flexros.json_text import json_text
+from flexros.monitor.sample_stream import WINDOW
+from flexros.monitor.thresholds import LENGTHS
+from flexros.whole_file import write_result
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from flexros.arrays import FloatArray
+
+QUANTILE = 0.8
+"""Share of the values below which the tail begins (chosen)."""
+FEWEST = 5.0
+"""Fewest values that do not overlap from which a tail is told; below, that length raises no alarm (chosen)."""
+SURELY = 2.0
+"""Standard deviations of the fall that are added to it (chosen)."""
+
+
+class Tail(Settings):
+    """Tail of the mean squares of one signal over one length."""
+
+    begins: float = Field(description="logarithm of the mean square where it begins [1]")
+    fall: float = Field(ge=0.0, description="excess of the logarithm at which it has fallen to 1/e [1]")
+    share: float = Field(gt=0.0, le=1.0, description="share of the values beyond the beginning [1]")
+
+    def level(self, chance: float) -> float:
+        """Give the mean square that is exceeded with a probability."""
+        return float(np.exp(min(self.begins + self.fall * max(np.log(self.share / chance), 0.0), 600.0)))
+
+
+class Calibration(Settings):
+    """Tails of all signals and lengths."""
+
+    schema_version: int = Field(1, ge=1, le=1, description="version of this form [1]")
+    model: str = Field(description="fingerprint of the model")
+    robot: str = Field(description="name of its robot")
+    log: str = Field(description="log that it was read off")
+    time: float = Field(gt=0.0, description="time of the log that was watched [s]")
+    accepted: dict[str, float] = Field(description="rms of missing torque over that of noise by joint, median [1]")
+    tails: dict[str, list[Tail | None]] = Field(
+        description="by signal: tails for the lengths; null where the log was too short"
+    )
+
+    def levels(self, chances: FloatArray) -> FloatArray:
+        """Give the mean squares of given probabilities.
+
+        Args:
+            chances: Probability for each length, shape (3,).
+
+        Returns:
+            Levels, infinite where nothing is known, shape (3, signals).
+        """
+        columns = [
+            [np.inf if tail is None else tail.level(chance) for tail, chance in zip(tails, chances.tolist())]
+            for tails in self.tails.values()
+        ]
+        return np.array(columns).T
+
+
+def calibrate(values: FloatArray, names: tuple[str, ...], *, model: str, robot: str, log: str) -> Calibration:
+    """Read the tails off a log.
+
+    Args:
+        values: Mean squares of all windows, sudden parts then missing torques, shape (windows, 2 M).
+        names: Names of the motors, length M.
+        model: Fingerprint of the model.
+        robot: Name of its robot.
+        log: Name of the log.
+
+    Raises:
+        InputError: The log is too short.
+    """
+    needed = FEWEST * LENGTHS[1]
+    if len(values) < needed:
+        raise InputError(
+            f"{log}: {len(values) * WINDOW:.1f} s of it could be watched, needed are {needed * WINDOW:g} s to set "
+            f"thresholds; record a log of normal work, best some minutes"
+        )
+    M = len(names)
+    signals = [f"{name}.sudden" for name in names] + [f"{name}.torque" for name in names]
+    tails = {signal: [_tail(column, length) for length in LENGTHS] for signal, column in zip(signals, values.T)}
+    accepted = {name: float(np.sqrt(np.median(column))) for name, column in zip(names, values[:, M:].T)}
+    return Calibration(model=model, robot=robot, log=log, time=len(values) * WINDOW, accepted=accepted, tails=tails)
+
+
+def _tail(column: FloatArray, length: int) -> Tail | None:
+    """Take the tail of means over a length, which overlap."""
+    apart = len(column) / length
+    if apart < FEWEST:
+        return None
+    sums = np.concatenate([[0.0], np.cumsum(column)])
+    logarithm = np.log(np.maximum((sums[length:] - sums[:-length]) / length, 1e-300))
+    begins = float(np.quantile(logarithm, QUANTILE))
+    beyond = logarithm[logarithm > begins] - begins
+    if not beyond.size:
+        return Tail(begins=begins, fall=0.0, share=1 - QUANTILE)
+    fewer = max(apart * (1 - QUANTILE), 1.0)
+    return Tail(begins=begins, fall=float(beyond.mean()) * (1 + SURELY / np.sqrt(fewer)), share=1 - QUANTILE)
+
+
+def write_calibration(path: Path, calibration: Calibration) -> None:
+    """Write a calibration.
+
+    Raises:
+        InputError: It cannot be written there.
+    """
+    write_result(path, json_text(calibration.model_dump(mode="json")), "calibration")
+
+
+def read_calibration(path: Path, model: str, names: tuple[str, ...]) -> Calibration:
+    """Read a calibration.
+
+    Args:
+        path: The file.
+        model: Fingerprint of the model that is watched.
+        names: Names of its motors.
+
+    Raises:
+        InputError: It cannot be read, or belongs to another model.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"the calibration {path} cannot be read ({error}); make one with flexros monitor BAG --model ROBOT "
+            f"--calibrate {path}"
+        ) from error
+    if not isinstance(content, dict):
+        raise InputError(f"the calibration {path} is no JSON object; make it with flexros monitor --calibrate")
+    found = validate(Calibration, content, str(path))
+    wanted = {f"{name}.{signal}" for name in names for signal in ("sudden", "torque")}
+    whole = set(found.tails) == wanted and all(len(one) == len(LENGTHS) for one in found.tails.values())
+    if found.model != model or not whole:
+        raise InputError(
+            f"the calibration {path} was made for robot {found.robot} with fingerprint {found.model}, but the model "
+            f"has {model}; calibrate anew with flexros monitor BAG --model ROBOT --calibrate FILE"
+        )
+    return found

@@ -1,0 +1,114 @@
+"""Designs of the monitor for the poses that a robot comes through."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects.encoder_quantization import EncoderQuantization
+from flexros.errors import InputError
+from flexros.monitor.design import Design, design, floors_elsewhere, twin_gain
+from flexros.monitor.pose_model import PoseModel
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.effects import RobotWithEffects
+    from flexros.monitor.design import LinearFilter
+
+PITCH = 0.4
+"""Size of a cell of poses that share a design, per motor [rad or m] (chosen): floors within change by 2 %."""
+MOST = 256
+"""Designs that are kept (chosen)."""
+BLOCK = 5e-3
+"""Time between two values of the missing torque [s] (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class PoseDesign:
+    """A design, and its filter for several samples at once.
+
+    Attributes:
+        design: The design.
+        lifted: Its filter for a block of samples.
+    """
+
+    design: Design
+    lifted: LinearFilter
+
+
+class DesignBook:
+    """Makes designs and keeps them.
+
+    Args:
+        model: The nominal model.
+        sample_time: Time between two samples [s].
+        samples: Samples of a window, a multiple of which no block exceeds.
+
+    Attributes:
+        noise: Standard deviation of the encoders, rounding included [rad or m], shape (M,).
+        gain: Gain of the twin, the same in every pose, shape (2 n, M).
+        block: Samples of a block.
+        made: Designs made so far.
+        home: Cell of the home pose.
+
+    Raises:
+        InputError: The robot states no encoder noise.
+    """
+
+    def __init__(self, model: RobotWithEffects, sample_time: float, samples: int) -> None:
+        self._sample_time = sample_time
+        self._poses = PoseModel(model.robot, sample_time)
+        self.noise = known_noise(model)
+        self._matters = np.array(self._poses.matters())
+        self._home = self._poses.home
+        self.gain = twin_gain(self._poses.at(self._home), self.noise, sample_time)
+        wanted = max(round(BLOCK / sample_time), 1)
+        self.block = max(count for count in range(1, wanted + 1) if samples % count == 0)
+        self._kept: dict[tuple[int, ...], PoseDesign] = {}
+        self.made = 0
+        self.home = self.cell(self._home)
+
+    def loaded_floors(self) -> FloatArray:
+        """Give the largest variance that noise has with loaded gears, over that of the floors, at least 1, (2 M,)."""
+        home = self.at(self.home).design
+        floors = [floors_elsewhere(home, pose, self.noise) for pose in self._poses.loaded()]
+        return np.asarray(np.max([np.ones(2 * len(self.noise)), *floors], axis=0))
+
+    def cell(self, position: FloatArray) -> tuple[int, ...]:
+        """Name the cell of poses in which positions of the motors [rad or m], shape (M,), lie."""
+        places = np.rint((position - self._home) / PITCH).astype(int)
+        return tuple(np.where(self._matters, places, 0).tolist())
+
+    def at(self, cell: tuple[int, ...]) -> PoseDesign:
+        """Give the design of a cell."""
+        if (found := self._kept.pop(cell, None)) is None:
+            pose = self._poses.at(self._home + PITCH * np.array(cell))
+            one = design(pose, self.noise, self._sample_time, self.gain)
+            found = PoseDesign(one, one.filter.lifted(self.block))
+            self.made += 1
+            while len(self._kept) >= MOST:
+                del self._kept[next(iter(self._kept))]
+        self._kept[cell] = found  # the last one used stands last
+        return found
+
+
+def known_noise(model: RobotWithEffects) -> FloatArray:
+    """Give the noise that the model states for its encoders [rad or m], shape (M,).
+
+    Rounding that the model knows of counts with its largest error, half a step: it is not white where a motor is slow.
+
+    Raises:
+        InputError: There is none.
+    """
+    noise = np.array(model.robot.encoder_noise, dtype=float)
+    for law in model.laws:
+        if isinstance(law.effect, EncoderQuantization):
+            noise[law.motor] = np.hypot(noise[law.motor], law.effect.step / 2)
+    if not np.all(noise > 0):
+        raise InputError(
+            f"robot {model.robot.name} states encoder noise of {noise.tolist()} rad or m, but it must be above zero, "
+            "or nothing can be told from noise; give sensors.encoder_noise in the robot file"
+        )
+    return noise

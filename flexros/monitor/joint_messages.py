@@ -1,0 +1,81 @@
+"""Serialised JointState messages as columns, many at once, in the order of the motors."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.gap.motor_columns import motor_columns
+from flexros.logs.cdr_cursor import MessageError
+from flexros.logs.joint_state_message import FIELDS, read_joint_state_layout
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.logs.joint_state_message import JointStateLayout
+    from flexros.robot import Robot
+
+
+class JointMessages:
+    """Reads messages of one topic; the layout of the last sender is remembered.
+
+    Args:
+        robot: The robot whose motors are wanted.
+        topic: Name of the topic.
+        field: "position" or "effort".
+
+    Attributes:
+        unusable: Messages that could not be used.
+        problem: Why the last one of them could not be used; empty where all could.
+    """
+
+    def __init__(self, robot: Robot, topic: str, field: str) -> None:
+        self._robot, self._topic, self._span = robot, topic, FIELDS.index(field)
+        self._field = field
+        self._layout: JointStateLayout | None = None
+        self._columns: list[int] = []
+        self.unusable = 0
+        self.problem = ""
+
+    def take(self, messages: Sequence[bytes]) -> tuple[IntArray, FloatArray]:
+        """Read messages.
+
+        Args:
+            messages: Serialised messages, in the order in which they came.
+
+        Returns:
+            Stamps [ns], shape (n,), and values of the field in the order of the motors, shape (n, M).
+        """
+        found = self._at_once(messages) or [one for message in messages for one in self._one(message)]
+        if not found:
+            return np.zeros(0, dtype=np.int64), np.zeros((0, self._robot.n_motors))
+        return np.concatenate([stamp for stamp, _ in found]), np.concatenate([values for _, values in found])
+
+    def _at_once(self, messages: Sequence[bytes]) -> list[tuple[IntArray, FloatArray]]:
+        """Read messages that all have the known layout; nothing where one has not."""
+        if self._layout is None or not messages or len(set(map(len, messages))) > 1:
+            return []
+        table = np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
+        layout = self._layout.message
+        if not layout.matches(table).all():
+            return []
+        return [(layout.stamps(table), layout.numbers(table, self._span)[:, self._columns])]
+
+    def _one(self, message: bytes) -> list[tuple[IntArray, FloatArray]]:
+        """Read a message of any layout; nothing where it cannot be used."""
+        if found := self._at_once([message]):
+            return found
+        try:
+            layout = read_joint_state_layout(message)
+            if not layout.message.spans[self._span].size:
+                raise InputError(f"{self._topic} has no {self._field}")
+            self._columns = motor_columns(layout.names, self._robot, self._topic, [])
+        except (MessageError, InputError) as error:
+            self.unusable += 1
+            self.problem = str(error)
+            return []
+        self._layout = layout
+        return self._at_once([message])

@@ -1,0 +1,252 @@
+"""From messages to even windows: states and commands put together by their stamps, as a function of these alone.
+
+However the messages are cut into calls, the windows are the same in every bit, so that a monitor beside a robot and one
+over its log tell the same. Memory is bounded: what cannot be paired is dropped.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.monitor.topic_queue import Counts, TopicQueue
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from flexros.arrays import BoolArray, FloatArray, IntArray
+
+WINDOW = 0.1
+"""Length of a window [s] (chosen)."""
+FIRST = 64
+"""States, and commands, from which the sampling is read (chosen)."""
+AS_NOMINAL = 2e-3
+"""Relative difference from the nominal sample time, or a rate of whole hertz, up to which that is taken (chosen)."""
+LOWEST_RATE, HIGHEST_RATE = 95.0, 2.1e4
+"""Rates of joint_states that can be watched [Hz]: the contract's 100 Hz, less what jitter takes (chosen)."""
+MOST_BRIDGED = 5
+"""Samples, or commands, in a row that may be missing: torques between are interpolated (chosen)."""
+NEAR = 0.25
+"""Distance from a sampling instant up to which a command belongs to it, in samples (chosen)."""
+MOST_WAITING = 20.0
+"""Time for which a topic is kept while the other one is silent [s] (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """Even samples of a window.
+
+    Attributes:
+        stamp: Stamp of its first sample [ns].
+        position: Motor positions, interpolated where not measured [rad or m], shape (n, M).
+        torque: Mean torque command from each sample to the next [Nm or N], shape (n, M).
+        measured: Whether a sample was measured, shape (n,).
+        anew: Whether what came before it is not known.
+    """
+
+    stamp: int
+    position: FloatArray
+    torque: FloatArray
+    measured: BoolArray
+    anew: bool
+
+
+@dataclass
+class SampleStream:
+    """Pairs states and commands.
+
+    Args:
+        nominal: Sample time that is taken where the stamps agree with it [s].
+        motors: Number of motors M.
+
+    Attributes:
+        counts: What happened to the messages.
+        sample_time: Time between two samples [s]; 0 while it is not known.
+    """
+
+    nominal: float
+    motors: int
+    counts: Counts = field(default_factory=Counts)
+    sample_time: float = 0.0
+
+    def __post_init__(self) -> None:
+        self._states, self._commands = TopicQueue.empty(self.motors), TopicQueue.empty(self.motors)
+        self._epoch, self._origin, self._next = 0, 0.0, 0
+        self._held = self._anew = False
+
+    def add_states(self, stamp: IntArray, position: FloatArray) -> None:
+        """Take measurements.
+
+        Args:
+            stamp: Stamps [ns], shape (n,).
+            position: Motor positions [rad or m], shape (n, M).
+        """
+        self.counts.states += len(stamp)
+        self._states.add(stamp, position, self.counts)
+
+    def add_commands(self, stamp: IntArray, torque: FloatArray) -> None:
+        """Take commands.
+
+        Args:
+            stamp: Stamps [ns], shape (n,).
+            torque: Torque commands [Nm or N], shape (n, M).
+        """
+        self.counts.commands += len(stamp)
+        self._commands.add(stamp, torque, self.counts)
+
+    @property
+    def samples(self) -> int:
+        """Samples of a window."""
+        return max(round(WINDOW / self.sample_time), 1)
+
+    @property
+    def waiting(self) -> tuple[float, float]:
+        """Time that states and commands cover which wait for the other [s]."""
+        spans = [(int(one.stamp[-1] - one.stamp[0]) * 1e-9 if len(one.stamp) else 0.0) for one in self._both]
+        return spans[0], spans[1]
+
+    @property
+    def _both(self) -> tuple[TopicQueue, TopicQueue]:
+        return self._states, self._commands
+
+    def windows(self) -> Iterator[Window]:
+        """Give the windows that are complete now.
+
+        Raises:
+            InputError: The rate of the states is none that can be watched.
+        """
+        states, commands = self._both
+        while states.epoch == commands.epoch:
+            if self._epoch != states.epoch or not self.sample_time:
+                if len(states.stamp) < FIRST or len(commands.stamp) < FIRST:
+                    break
+                self._begin()
+            end = self._time(self._next + self.samples)
+            if min(states.last, commands.last) <= end:
+                break
+            if (window := self._window(end)) is not None:
+                yield window
+        self._bound()
+
+    def _begin(self) -> None:
+        """Read sample time and grid off the first states."""
+        stamp = self._states.stamp[:FIRST]
+        time = (stamp - stamp[0]) * 1e-9
+        numbers = np.cumsum(np.rint(np.diff(time, prepend=0.0) / np.median(np.diff(time))))
+        step = float(np.polyfit(numbers, time, 1)[0])
+        if not 1 / HIGHEST_RATE <= step <= 1 / LOWEST_RATE:
+            raise InputError(
+                f"joint_states is stamped every {step:.6g} s, which is a rate of {1 / step:.6g} Hz; rates from 100 Hz "
+                "to 20 kHz can be watched: check the stamps"
+            )
+        rounded = [one for one in (self.nominal, 1 / round(1 / step)) if abs(one / step - 1) < AS_NOMINAL]
+        self.sample_time = rounded[0] if rounded else step
+        self._epoch = self._states.epoch
+        self._origin = float(stamp[0])
+        self._next = 0
+        self._anew = True
+        self.counts.restarts += 1
+        self._held = self._holds()
+
+    def _holds(self) -> bool:
+        """Tell whether commands have instants of their own, between which they are held."""
+        off = (self._commands.stamp[:FIRST] - self._origin) * 1e-9 / self.sample_time
+        sparse = float(np.median(np.diff(off))) > 1.5 if len(off) > 1 else False
+        return sparse or float(np.mean(np.abs(off - np.rint(off)) < NEAR)) < 0.9
+
+    def _time(self, slot: int) -> int:
+        """Give the time half a sample before a slot [ns], which ends what belongs to the slots before it."""
+        return int(self._origin + (slot - 0.5) * self.sample_time * 1e9)
+
+    def _window(self, end: int) -> Window | None:
+        """Put the next window together; None where that cannot be."""
+        states, commands, n = self._states, self._commands, self.samples
+        first, last = int(np.searchsorted(states.stamp, self._time(self._next))), np.searchsorted(states.stamp, end)
+        stamp, T = states.stamp[first:last], self.sample_time * 1e9
+        slots = (stamp - self._origin) / T - self._next
+        numbers = np.clip(np.rint(slots).astype(np.int64), 0, n - 1)
+        measured = np.zeros(n, dtype=bool)
+        measured[numbers] = True
+        self.counts.missing += int(np.count_nonzero(~measured))
+        torque = None if _longest(~measured) > MOST_BRIDGED else self._torque(end)
+        window = None
+        if torque is None:
+            self.counts.lost_windows += 1
+        else:
+            position = np.empty((n, self.motors))
+            position[numbers] = states.values[first:last]
+            position = _bridged(position, measured)
+            window = Window(round(self._origin + self._next * T), position, torque, measured, self._anew)
+        self._anew = torque is None
+        self._next += n
+        if len(stamp) and abs(off := float(np.median(slots - np.rint(slots)))) > 0.02:
+            self._origin += off * T  # the clock of the robot runs a little faster or slower than its sample time
+        self._pass_over_nothing()
+        states.drop_before(self._time(self._next))
+        commands.drop_before(self._time(self._next), keep=2)
+        return window
+
+    def _torque(self, end: int) -> FloatArray | None:
+        """Give the mean torque of every slot; None where it is not known."""
+        n, T = self.samples, self.sample_time * 1e9
+        stamp = (self._commands.stamp - self._origin) / T - self._next
+        values = self._commands.values
+        if self._held:
+            last = int(np.searchsorted(self._commands.stamp, end)) + 1  # later ones have no part in it
+            return _held(np.asarray(stamp[:last], dtype=float), values[:last], n)
+        rows = (self._commands.stamp >= self._time(self._next)) & (self._commands.stamp < end)
+        numbers = np.clip(np.rint(stamp[rows]).astype(np.int64), 0, n - 1)
+        known = np.zeros(n, dtype=bool)
+        known[numbers] = True
+        if _longest(~known) > MOST_BRIDGED:
+            return None
+        torque = np.empty((n, self.motors))
+        torque[numbers] = values[rows]
+        return _bridged(torque, known)
+
+    def _pass_over_nothing(self) -> None:
+        """Go to the window in which there are states again."""
+        stamp = self._states.stamp[self._states.stamp >= self._time(self._next)]
+        if not len(stamp):
+            return
+        ahead = int((stamp[0] - self._origin) / (self.sample_time * 1e9) - self._next) // self.samples
+        if ahead > 0:
+            self.counts.lost_windows += ahead
+            self._next += ahead * self.samples
+            self._anew = True
+
+    def _bound(self) -> None:
+        """Drop what has waited too long for the other topic."""
+        for topic in self._both:
+            if len(topic.stamp) and topic.stamp[-1] - topic.stamp[0] > MOST_WAITING * 1e9:
+                topic.drop_before(int(topic.stamp[-1] - MOST_WAITING * 1e9 / 2))
+                self._anew = True
+
+
+def _longest(flags: BoolArray) -> int:
+    """Give the length of the longest run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    return int((edges[1::2] - edges[::2]).max(initial=0))
+
+
+def _bridged(values: FloatArray, known: BoolArray) -> FloatArray:
+    """Interpolate over rows that are not known."""
+    if known.all():
+        return values
+    rows, there = np.arange(len(values)), np.flatnonzero(known)
+    return np.stack([np.interp(rows, there, column) for column in values[there].T], axis=1)
+
+
+def _held(stamp: FloatArray, values: FloatArray, n: int) -> FloatArray | None:
+    """Take the mean of held commands over each of n slots; stamps are in samples from the first slot on."""
+    if len(stamp) < 2 or stamp[0] > 0:
+        return None
+    if float(np.diff(stamp).max()) > MOST_BRIDGED * max(float(np.median(np.diff(stamp))), 1.0):
+        return None
+    knots = np.append(stamp, max(n, stamp[-1]) + 1.0)
+    area = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(np.diff(knots)[:, None] * values, axis=0)])
+    at = np.arange(n + 1)
+    return np.diff(np.stack([np.interp(at, knots, column) for column in area.T], axis=1), axis=0)

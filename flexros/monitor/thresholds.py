@@ -1,0 +1,95 @@
+"""Thresholds of the alarms for a rate of false ones: from noise alone, and from a log of what is accepted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.monitor.design import autocovariances
+from flexros.monitor.sample_stream import WINDOW
+from flexros.monitor.tail import threshold, weights_of_mean_square
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.monitor.calibration import Calibration
+    from flexros.monitor.design_book import DesignBook
+
+LENGTHS = (1, 10, 100)
+"""Over how many windows a mean square is taken before it is judged (chosen): 0.1, 1 and 10 s."""
+FALSE_ALARMS = 1e-3
+"""Default rate of false alarms of the whole monitor [1/h]: one in 1000 h."""
+WARNINGS = 100.0
+"""False warnings for each false alarm [1] (chosen)."""
+LAGS = 4096
+"""Lags of the autocovariances that are computed (chosen)."""
+HOUR = 3600.0
+"""Seconds of an hour."""
+
+
+@dataclass(frozen=True, eq=False)
+class Thresholds:
+    """Mean squares over those of noise from which there is a warning and an alarm.
+
+    Attributes:
+        warning: Of the sudden parts of all motors, then of their missing torques, for each length, shape (3, 2 M).
+        alarm: The same for alarms, shape (3, 2 M).
+    """
+
+    warning: FloatArray
+    alarm: FloatArray
+
+
+def thresholds(
+    book: DesignBook,
+    sample_time: float,
+    samples: int,
+    *,
+    false_alarms: float = FALSE_ALARMS,
+    calibration: Calibration | None = None,
+) -> Thresholds:
+    """Set the thresholds.
+
+    All signals and lengths have the same share of the rate, so that the whole monitor keeps it whichever of them raise
+    the alarm.
+
+    Args:
+        book: Designs for the poses of the robot.
+        sample_time: Time between two samples [s].
+        samples: Samples of a window.
+        false_alarms: Rate of false alarms of the whole monitor [1/h].
+        calibration: What the robot misses as it is accepted; None for a robot that is as its model.
+
+    Returns:
+        The thresholds; those of noise, or those of the calibration where they are larger.
+    """
+    found = [_by_noise(book, sample_time, samples, rate) for rate in (WARNINGS * false_alarms, false_alarms)]
+    if calibration is not None:
+        rates = (WARNINGS * false_alarms, false_alarms)
+        found = [np.maximum(one, calibration.levels(chances_of(one.shape[1], rate))) for one, rate in zip(found, rates)]
+    return Thresholds(*found)
+
+
+def chances_of(signals: int, rate: float) -> FloatArray:
+    """Give the probability of a false alarm that one mean square of each length may have, shape (3,).
+
+    Args:
+        signals: Number of signals.
+        rate: Rate of false alarms of all of them together [1/h].
+    """
+    return np.array([min(rate / (signals * len(LENGTHS)) * length * WINDOW / HOUR, 0.01) for length in LENGTHS])
+
+
+def _by_noise(book: DesignBook, sample_time: float, samples: int, rate: float) -> FloatArray:
+    home = book.at(book.home).design
+    covariance = autocovariances(home, book.noise, LAGS)
+    M = len(book.noise)
+    chances = chances_of(2 * M, rate)
+    found = np.empty((len(LENGTHS), 2 * M))
+    for row, (length, chance) in enumerate(zip(LENGTHS, chances)):
+        for signal, column in enumerate(covariance.T):
+            every = 1 if signal < M else book.block
+            weights, times = weights_of_mean_square(column[::every], samples // every * length)
+            found[row, signal] = threshold(weights, times, float(chance))
+    return np.asarray(found * book.loaded_floors())
