@@ -39,7 +39,9 @@ class Pause:
         """Let one more sample pass."""
         self.step_is_due = True
 
-    def passed(self, now: float) -> None:
-        """Note that a sample has passed [s]."""
+    def passed(self, now: float) -> float:
+        """Note that a sample passes now [s]; gives for how long the loop has stood still before it [s]."""
+        stood = now - self.since if self.on else 0.0
         self.step_is_due = False
         self.since = now
+        return stood

@@ -171,7 +171,7 @@ class PlantLoop:
                 return
             command, self._kept = self._kept, None
             now = perf_counter()
-            self.pause.passed(now)
+            self._began += self.pause.passed(now)
             if self.sample == 0:
                 self._began = now
             if self._real_time:
@@ -237,7 +237,7 @@ class PlantLoop:
     def step(self) -> None:
         """Let one sample follow in a pause, at once or when its command has come."""
         if self._pacing.has_begun:
-            self.pause.passed(perf_counter())
+            self._began += self.pause.passed(perf_counter())
             self._pacing.step()
         else:
             self.pause.step()

@@ -10,7 +10,7 @@ def test_step_lets_one_sample_pass() -> None:
     assert pause.holds
     pause.step()
     assert not pause.holds
-    pause.passed(2.0)
+    assert pause.passed(2.0) == 1.0
     assert pause.holds
     assert pause.on
 
@@ -23,6 +23,10 @@ def test_end_tells_how_long_the_loop_has_stood_still() -> None:
     assert pause.end(4.5) == 0.5
     assert not pause.on
     assert not pause.holds
+
+
+def test_sample_that_passes_without_a_pause_has_not_waited() -> None:
+    assert Pause(False, 1.0).passed(2.0) == 0.0
 
 
 def test_step_that_is_due_ends_with_the_pause() -> None:

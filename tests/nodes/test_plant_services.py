@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,7 +21,9 @@ from flexros.simulate.experiment import Experiment
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
+import rclpy
 from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
 
 from flexros_nodes.controller import ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
@@ -33,6 +37,7 @@ Differences = Callable[[Log, Log], list[str]]
 IMPATIENT = {"start_timeout": 0.3, "partner_timeout": 0.3, "recorder_timeout": 0.3}
 T = 5e-4
 LONGER = 0.9
+TIMEOUT = 60.0
 
 
 def direct(path: Path) -> Log:
@@ -240,6 +245,42 @@ def test_real_time_goes_on_after_a_pause_without_misses(bench: Bench, short_scen
     bench.spin_until(lambda: pacing.schedule is not None)
     turn(50)
     assert loop.plant.figures()["missed_commands"] == 0
+
+
+def test_executables_are_stepped_reset_and_run(
+    bench: Bench, start_node: Callable[..., subprocess.Popen[str]], short_scenario: Path
+) -> None:
+    given = f"scenario:={short_scenario}", "observers:=0"
+    plant = start_node("plant", *given, "begin_at_once:=false")
+    others = [start_node(node, *given) for node in ("controller", "feedforward")]
+    user = bench.hold(rclpy.create_node("user", context=bench.context))
+    clients = {name: user.create_client(Trigger, f"plant/{name}") for name in ("start", "step", "reset")}
+
+    def until(name: str, said: str) -> None:
+        """Ask for a service again and again until it says so: partners take their time to come up."""
+        for _ in range(1000):
+            future = clients[name].call_async(Trigger.Request())
+            bench.spin_until(future.done)
+            if said in future.result().message:
+                return
+            bench.spin_for(0.02)
+        raise AssertionError(f"{name} never said {said}")
+
+    try:
+        for client in clients.values():
+            bench.spin_until(client.service_is_ready, TIMEOUT)
+        until("step", "sample 5")
+        until("reset", "back before its first sample")
+        until("start", "goes on from")
+        _, errors = plant.communicate(timeout=TIMEOUT)
+        assert plant.returncode == 0, errors
+        for process in others:
+            process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=TIMEOUT)
+            assert process.returncode == 0, errors
+    finally:
+        for process in (plant, *others):
+            process.kill()
 
 
 def test_services_and_topics_go_with_the_clean_up(bench: Bench) -> None:
