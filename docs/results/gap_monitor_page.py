@@ -118,7 +118,7 @@ def exceeded(monitor: GapMonitor, values: FloatArray) -> list[int]:
     book, stream = monitor.book, monitor.stream
     counts = []
     for rate in RATES:
-        limit = thresholds(book, stream.sample_time, stream.samples, false_alarms=rate).alarm
+        limit = thresholds(book, stream.samples, false_alarms=rate).alarm
         count = 0
         for row, length in enumerate(LENGTHS):
             whole = values[: len(values) // length * length].reshape(-1, length, values.shape[1]).mean(axis=1)

@@ -160,18 +160,19 @@ def driven_by_noise(pose: LinearPose, gain: FloatArray, found: LinearFilter) -> 
     return LinearFilter(A, np.vstack([-F @ gain, found.B]), np.hstack([found.D @ C, found.C]), found.D @ np.eye(M))
 
 
-def autocovariances(found: Design, noise: FloatArray, lags: int) -> FloatArray:
+def autocovariances(found: Design, pose: LinearPose, noise: FloatArray, lags: int) -> FloatArray:
     """Compute autocovariances of the outputs of the filter by noise alone, each over that at lag zero.
 
     Args:
         found: The design.
+        pose: The robot as it is.
         noise: Standard deviation of the encoders [rad or m], shape (M,).
         lags: Number of lags, zero included.
 
     Returns:
         Those of the sudden parts of all motors, then of their missing torques, shape (lags, 2 M).
     """
-    system = driven_by_noise(found.pose, found.gain, found.filter)
+    system = driven_by_noise(pose, found.gain, found.filter)
     power = np.diag((noise / float(np.mean(noise))) ** 2)
     P = _stationary(system.A, system.B @ power @ system.B.T)
     result = np.empty((lags, len(system.C)))

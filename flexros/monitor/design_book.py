@@ -9,13 +9,14 @@ import numpy as np
 
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.errors import InputError
-from flexros.monitor.design import Design, design, floors_elsewhere, twin_gain
+from flexros.monitor.design import Design, design, twin_gain
 from flexros.monitor.pose_model import PoseModel
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
     from flexros.monitor.design import LinearFilter
+    from flexros.monitor.pose_model import LinearPose
 
 PITCH = 0.4
 """Size of a cell of poses that share a design, per motor [rad or m] (chosen): floors within change by 2 %."""
@@ -70,11 +71,9 @@ class DesignBook:
         self.made = 0
         self.home = self.cell(self._home)
 
-    def loaded_floors(self) -> FloatArray:
-        """Give the largest variance that noise has with loaded gears, over that of the floors, at least 1, (2 M,)."""
-        home = self.at(self.home).design
-        floors = [floors_elsewhere(home, pose, self.noise) for pose in self._poses.loaded()]
-        return np.asarray(np.max([np.ones(2 * len(self.noise)), *floors], axis=0))
+    def situations(self) -> list[LinearPose]:
+        """Give the home pose, and the same with loaded gears where that changes their stiffness."""
+        return [self.at(self.home).design.pose, *self._poses.loaded()]
 
     def cell(self, position: FloatArray) -> tuple[int, ...]:
         """Name the cell of poses in which positions of the motors [rad or m], shape (M,), lie."""

@@ -205,9 +205,7 @@ class GapMonitor:
         if self._watch is None or self._alarms is None or self._watch.sample_time != stream.sample_time:
             self._watch = watch = Watch(self._model, stream.sample_time, stream.samples)
             rate, calibration = self._false_alarms, self._calibration
-            limits = thresholds(
-                watch.book, stream.sample_time, stream.samples, false_alarms=rate, calibration=calibration
-            )
+            limits = thresholds(watch.book, stream.samples, false_alarms=rate, calibration=calibration)
             self._alarms = Alarms(limits)
         return self._watch, self._alarms
 

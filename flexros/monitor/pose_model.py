@@ -93,7 +93,8 @@ class PoseModel:
 
     def loaded(self) -> list[LinearPose]:
         """Linearise the robot in its home pose with loaded gears, where that changes their stiffness."""
-        found, limits = [], self.robot.torque_limits
+        found: list[LinearPose] = []
+        limits = self.robot.torque_limits
         for motor, place in enumerate(self.robot.chain.motor_places):
             state = self._rest_at_home.copy()
             stiffness = self._linear(state).stiffness[place, place]
@@ -102,7 +103,8 @@ class PoseModel:
             for torque in np.outer((1.0, -1.0), LOADS).ravel() * limits[motor]:
                 state[place] = self._rest_at_home[place] + torque / stiffness
                 one = self._linear(state)
-                if abs(one.stiffness[place, place] / stiffness - 1) > SAME:
+                known = [stiffness, *(other.stiffness[place, place] for other in found)]
+                if all(abs(one.stiffness[place, place] / value - 1) > SAME for value in known):
                     found.append(one)
         return found
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.monitor.design import autocovariances
+from flexros.monitor.design import autocovariances, floors_elsewhere
 from flexros.monitor.sample_stream import WINDOW
 from flexros.monitor.tail import threshold, weights_of_mean_square
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.monitor.calibration import Calibration
     from flexros.monitor.design_book import DesignBook
+    from flexros.monitor.pose_model import LinearPose
 
 LENGTHS = (1, 10, 100)
 """Over how many windows a mean square is taken before it is judged (chosen): 0.1, 1 and 10 s."""
@@ -43,7 +44,6 @@ class Thresholds:
 
 def thresholds(
     book: DesignBook,
-    sample_time: float,
     samples: int,
     *,
     false_alarms: float = FALSE_ALARMS,
@@ -56,7 +56,6 @@ def thresholds(
 
     Args:
         book: Designs for the poses of the robot.
-        sample_time: Time between two samples [s].
         samples: Samples of a window.
         false_alarms: Rate of false alarms of the whole monitor [1/h].
         calibration: What the robot misses as it is accepted; None for a robot that is as its model.
@@ -64,7 +63,7 @@ def thresholds(
     Returns:
         The thresholds; those of noise, or those of the calibration where they are larger.
     """
-    found = [_by_noise(book, sample_time, samples, rate) for rate in (WARNINGS * false_alarms, false_alarms)]
+    found = [_by_noise(book, samples, rate) for rate in (WARNINGS * false_alarms, false_alarms)]
     if calibration is not None:
         rates = (WARNINGS * false_alarms, false_alarms)
         found = [np.maximum(one, calibration.levels(chances_of(one.shape[1], rate))) for one, rate in zip(found, rates)]
@@ -81,9 +80,15 @@ def chances_of(signals: int, rate: float) -> FloatArray:
     return np.array([min(rate / (signals * len(LENGTHS)) * length * WINDOW / HOUR, 0.01) for length in LENGTHS])
 
 
-def _by_noise(book: DesignBook, sample_time: float, samples: int, rate: float) -> FloatArray:
+def _by_noise(book: DesignBook, samples: int, rate: float) -> FloatArray:
+    """Set the thresholds of noise, the largest of all situations of the gears."""
+    found = [_in_situation(book, pose, samples, rate) for pose in book.situations()]
+    return np.asarray(np.max(found, axis=0))
+
+
+def _in_situation(book: DesignBook, pose: LinearPose, samples: int, rate: float) -> FloatArray:
     home = book.at(book.home).design
-    covariance = autocovariances(home, book.noise, LAGS)
+    covariance, floors = autocovariances(home, pose, book.noise, LAGS), floors_elsewhere(home, pose, book.noise)
     M = len(book.noise)
     chances = chances_of(2 * M, rate)
     found = np.empty((len(LENGTHS), 2 * M))
@@ -92,4 +97,4 @@ def _by_noise(book: DesignBook, sample_time: float, samples: int, rate: float) -
             every = 1 if signal < M else book.block
             weights, times = weights_of_mean_square(column[::every], samples // every * length)
             found[row, signal] = threshold(weights, times, float(chance))
-    return np.asarray(found * book.loaded_floors())
+    return np.asarray(found * floors)

@@ -49,7 +49,7 @@ def test_autocovariances_are_those_of_simulated_noise() -> None:
     design = book.at(book.home).design
     system = driven_by_noise(design.pose, design.gain, design.filter)
     outputs = response(system, book.noise * np.random.default_rng(4).normal(size=(100_000, 1)))[2000:]
-    known = autocovariances(design, book.noise, 41)
+    known = autocovariances(design, design.pose, book.noise, 41)
     assert known[0] == pytest.approx(1.0)
     for lag in (1, 10, 40):
         found = np.mean(outputs[lag:] * outputs[:-lag], axis=0) / outputs.var(axis=0)
@@ -89,6 +89,10 @@ def test_floors_hardly_change_within_a_cell() -> None:
     np.testing.assert_allclose(ratio, 1.0, atol=0.05)
 
 
-def test_gears_that_stiffen_raise_the_floors_of_the_thresholds() -> None:
-    assert book_of("four_mass").loaded_floors()[1] > 1.2
-    assert book_of("four_mass_linear").loaded_floors().tolist() == [1.0, 1.0]
+def test_gears_that_stiffen_are_other_situations() -> None:
+    book = book_of("four_mass")
+    home = book.at(book.home).design
+    ratios = [floors_elsewhere(home, pose, book.noise)[1] for pose in book.situations()]
+    assert ratios[0] == pytest.approx(1.0)
+    assert max(ratios) > 1.5
+    assert len(book_of("four_mass_linear").situations()) == 1

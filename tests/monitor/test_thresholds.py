@@ -17,11 +17,11 @@ def book() -> DesignBook:
 
 
 def test_rarer_alarms_and_shorter_windows_have_higher_thresholds(book: DesignBook) -> None:
-    often, seldom = (thresholds(book, 5e-4, 200, false_alarms=rate) for rate in (1.0, 1e-3))
+    often, seldom = (thresholds(book, 200, false_alarms=rate) for rate in (1.0, 1e-3))
     assert np.all(seldom.alarm > often.alarm)
     assert np.all(seldom.alarm > seldom.warning)
     assert np.all(np.diff(seldom.alarm, axis=0) < 0)
-    np.testing.assert_allclose(seldom.warning, thresholds(book, 5e-4, 200, false_alarms=0.1).alarm)
+    np.testing.assert_allclose(seldom.warning, thresholds(book, 200, false_alarms=0.1).alarm)
 
 
 def test_false_alarms_come_at_the_rate_that_was_asked_for(book: DesignBook) -> None:
@@ -29,7 +29,7 @@ def test_false_alarms_come_at_the_rate_that_was_asked_for(book: DesignBook) -> N
     from flexros.monitor.design import driven_by_noise
 
     rate = 3000.0
-    limit = thresholds(book, 5e-4, 200, false_alarms=rate).alarm
+    limit = thresholds(book, 200, false_alarms=rate).alarm
     found = book.at(book.home).design
     system = driven_by_noise(found.pose, found.gain, found.filter)
     windows, runs = 100, 40  # 400 s in all
@@ -63,7 +63,7 @@ def test_a_calibration_raises_thresholds_and_never_lowers_them(book: DesignBook)
     rng = np.random.default_rng(1)
     values = np.exp(0.2 * rng.normal(size=(600, 4))) * [1.0, 1.0, 50.0, 0.01]
     known = calibrate(values, ("motor_1", "motor_2"), model="x", robot="elbow", log="log")
-    plain, raised = (thresholds(book, 5e-4, 200, calibration=one) for one in (None, known))
+    plain, raised = (thresholds(book, 200, calibration=one) for one in (None, known))
     assert np.all(raised.alarm[:, 2] > 50)
     np.testing.assert_array_equal(raised.alarm[:, 3], plain.alarm[:, 3])
     assert np.all(raised.alarm >= plain.alarm)
