@@ -72,6 +72,7 @@ class ProcessManager:
         self._plan = plan
         self._scratch = scratch
         self._interrupted = interrupted
+        self._has_killed = False
         self._context = Context()
         rclpy.init(context=self._context, args=[], domain_id=int(os.environ[DOMAIN_VARIABLE]))
         self._node = Node(f"flexros_run_{os.getpid()}", context=self._context, start_parameter_services=False)
@@ -113,6 +114,7 @@ class ProcessManager:
         found = self._wait(ready, START_TIMEOUT)
         if not found and not self._interrupted():
             self.processes[name].stop(SHUTDOWN_TIMEOUT)  # killed at once, it would stand in the others' counts for long
+            self._has_killed |= self.processes[name].killed
             self.processes[name] = NodeProcess(name, self._plan.process_values(name), self._scratch)
 
     def _change(self, name: str, transition: int, timeout: float) -> bool:
@@ -180,7 +182,7 @@ class ProcessManager:
         self._executor.shutdown()
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
-        if any(process.killed for process in self.processes.values()):
+        if self._has_killed or any(process.killed for process in self.processes.values()):
             del self._node, self._executor, self._changers, self._watchers, self._context
             gc.collect()  # until then this process itself may hold the segments
             remove_segments_without_owner()

@@ -23,8 +23,10 @@ from rclpy.client import Client
 from rclpy.task import Future
 
 from flexros_nodes import processes
+from flexros_nodes.interruption import Interruption
 from flexros_nodes.processes import ProcessManager
 from flexros_nodes.run import run_scenario
+from flexros_nodes.run_plan import RunPlan
 from flexros_nodes.shared_memory import remove_segments_without_owner
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
@@ -150,3 +152,34 @@ def test_log_equals_the_direct_simulation_though_messages_and_answers_of_lifecyc
     assert summary.dropped > 0
     reference = closed_loop(Experiment.prepare(load_scenario("circle_dae")))
     assert log_differences(reference, read_log(tmp_path / "log")) == []
+
+
+def test_segments_of_a_child_that_was_killed_and_started_once_more_are_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ros_domain: int
+) -> None:
+    class Child:
+        """A process that offers no services; the first one does not end when it is asked to."""
+
+        ended, made = False, 0
+
+        def __init__(self, *_: object) -> None:
+            Child.made += 1
+            self._is_first = Child.made == 1
+            self.killed = False
+
+        def ask_to_stop(self) -> None:
+            pass
+
+        def stop(self, _: float) -> None:
+            self.killed = self._is_first
+
+    removals: list[str] = []
+    monkeypatch.setattr(processes, "NodeProcess", Child)
+    monkeypatch.setattr(processes, "START_TIMEOUT", 0.01)
+    monkeypatch.setattr(processes, "remove_segments_without_owner", lambda: removals.append("removed"))
+    manager = ProcessManager(RunPlan("circle_dae", tmp_path / "log", {}), tmp_path, Interruption())
+    first = next(iter(manager.processes))
+    manager._await_services(first)
+    assert not manager.processes[first].killed
+    manager.close()
+    assert removals == ["removed"]
