@@ -120,6 +120,8 @@ class FollowTrajectory:
             self._node.follow(trajectory)
         except RefusedTrajectoryError as error:  # it was in time when it was accepted
             self._conclude(Verdict(OUTCOME_OF_REFUSAL[error.refusal], str(error)))
+        except FlexrosError as error:
+            self._node.end(error)
 
     def _on_cancel(self, handle: Any) -> CancelResponse:
         if self._active is None or self._active.handle != handle:

@@ -19,6 +19,7 @@ from rclpy.action import ActionClient, CancelResponse, GoalResponse
 from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from flexros.errors import RunError
 from flexros_nodes import controller as controller_module
 from flexros_nodes.controller import ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
@@ -243,6 +244,30 @@ def test_controller_that_stops_aborts_its_goal(robot: Robot, transition: str) ->
     getattr(robot.controller, transition)()
     assert handle.result == Result(-1, "the controller has stopped")
     assert robot.server.send(Goal(trajectory(robot.near(10.0)))) is None
+
+
+def test_goal_that_comes_too_late_after_all_is_aborted(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    robot.server.send(Goal(trajectory(robot.near(0.001))))
+    robot.run_until(50)
+    monkeypatch.setattr(robot.controller, "check_trajectory", lambda _: None)
+    goal = Goal(trajectory(robot.near(0.001)))
+    goal.trajectory.header.stamp.sec = 1
+    handle = robot.server.send(goal)
+    assert handle is not None
+    assert handle.state == "aborted"
+    assert handle.result is not None
+    assert handle.result.error_code == -3
+
+
+def test_controller_that_fails_at_a_goal_ends_with_its_reason(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(_: Any) -> None:
+        raise RunError("the controller has had enough")
+
+    monkeypatch.setattr(robot.controller, "follow", fail)
+    handle = robot.server.send(Goal(trajectory(robot.near(0.1))))
+    assert (robot.controller.report.exit_code, robot.controller.report.message) == (3, "the controller has had enough")
+    assert handle is not None
+    assert handle.result == Result(-1, "the controller has stopped")
 
 
 def test_action_server_goes_with_the_clean_up(robot: Robot) -> None:
