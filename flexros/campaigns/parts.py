@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+from flexros.config.text_file import read_json
 from flexros.errors import InputError
 from flexros.whole_file import write_whole
 
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
 
     from distributed import Client
 
+LARGEST_PART = 256 * 2**20
+"""Largest file of a part [byte], chosen."""
 SETTINGS = "settings.json"
 """File that says what the parts of a folder belong to."""
 
@@ -26,13 +29,13 @@ def claim_folder(folder: Path, settings: Mapping[str, Any]) -> None:
         settings: What the parts depend on, for JSON.
 
     Raises:
-        InputError: The folder holds parts that were made with other settings.
+        InputError: The folder holds parts that were made with other settings, or its settings are damaged.
     """
     file, text = folder / SETTINGS, json.dumps(settings, indent=1, sort_keys=True)
     if not file.exists():
         write_whole(file, text)
         return
-    before = json.loads(file.read_text(encoding="utf-8"))
+    before = _read(file)
     now = json.loads(text)
     differing = sorted(key for key in {*before, *now} if before.get(key) != now.get(key))
     if differing:
@@ -78,7 +81,15 @@ def finished_parts(
     except BaseException:
         client.cancel(list(submitted))
         raise
-    return {name: json.loads(_file(folder, name).read_text(encoding="utf-8")) for name in jobs}
+    return {name: _read(_file(folder, name)) for name in jobs}
+
+
+def _read(file: Path) -> dict[str, Any]:
+    """Read a file of our own, which may have been damaged since."""
+    content = read_json(file, LARGEST_PART)
+    if not isinstance(content, dict):
+        raise InputError(f"{file} holds no mapping; remove it, so that it is made again")
+    return content
 
 
 def _file(folder: Path, name: str) -> Path:

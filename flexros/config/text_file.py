@@ -40,11 +40,12 @@ def read_text(path: Path, kind: str, largest: int = LARGEST_TEXT) -> str:
         raise InputError(f"{path} is not a text file (byte {error.start} is not UTF-8); give a {kind} file") from error
 
 
-def read_json(path: Path) -> Any:
+def read_json(path: Path, largest: int = LARGEST_TEXT) -> Any:
     """Read a JSON file.
 
     Args:
         path: The file.
+        largest: Size that it may have [byte].
 
     Returns:
         Its content.
@@ -52,7 +53,7 @@ def read_json(path: Path) -> Any:
     Raises:
         InputError: It cannot be read, is too large, or is not JSON.
     """
-    text = read_text(path, "JSON")
+    text = read_text(path, "JSON", largest)
     try:
         return json.loads(text)
     except (ValueError, RecursionError) as error:

@@ -7,12 +7,12 @@ No robot is exactly as its model. The mean squares of a log of normal work are t
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import Field
 
+from flexros.config.text_file import read_json
 from flexros.config.validation import Settings, validate
 from flexros.errors import InputError
 from flexros.json_text import json_text
@@ -136,8 +136,8 @@ def read_calibration(path: Path, model: str, names: tuple[str, ...]) -> Calibrat
         InputError: It cannot be read, or belongs to another model.
     """
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        content = read_json(path)
+    except InputError as error:
         raise InputError(
             f"the calibration {path} cannot be read ({error}); make one with flexros monitor BAG --model ROBOT "
             f"--calibrate {path}"

@@ -36,6 +36,13 @@ def test_parts_come_in_the_order_of_the_jobs(client: Client, tmp_path: Path) -> 
     assert told == [0, 1, 2, 3, 4]
 
 
+@pytest.mark.parametrize("content", ["", "{", "[1]", "\xff"])
+def test_damaged_part_is_refused(client: Client, tmp_path: Path, content: str) -> None:
+    (tmp_path / "a.json").write_text(content, encoding="latin-1")
+    with pytest.raises(InputError, match=r"a\.json (is not|holds no)"):
+        finished_parts(tmp_path, client, {"a": (2,)}, square, lambda done: None)
+
+
 def test_finished_parts_are_not_computed_again(client: Client, tmp_path: Path) -> None:
     finished_parts(tmp_path, client, {"a": (2,)}, square, lambda done: None)
     told: list[int] = []

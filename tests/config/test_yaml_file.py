@@ -43,3 +43,30 @@ def test_what_is_no_mapping_is_refused(tmp_path, text, message):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(InputError, match=r"cannot read .*a\.yaml: No such file or directory"):
         read_yaml(tmp_path / "a.yaml")
+
+
+def bomb(levels: int) -> str:
+    lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
+    lines += [f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 10)}]" for k in range(1, levels)]
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (bomb(6), "it has more than the 200000 values that are allowed, aliases written out"),
+        ("a: &a [*a]", "an alias stands for what it lies in, so the content has no end"),
+        ("a: &a {b: [*a]}", "an alias stands for what it lies in"),
+        (f"a: {'[' * 60}{']' * 60}", "its values lie 61 levels deep, allowed are 60"),
+        ("!!float ", "broken YAML, string index out of range"),
+    ],
+)
+def test_content_beyond_a_limit_is_refused(tmp_path, text, message):
+    (tmp_path / "a.yaml").write_text(text)
+    with pytest.raises(InputError, match=rf"a\.yaml: {message}"):
+        read_yaml(tmp_path / "a.yaml")
+
+
+def test_aliases_within_the_limits_are_read(tmp_path):
+    (tmp_path / "a.yaml").write_text("a: &a {x: 1}\nb: [*a, *a]\nc: {<<: *a, y: 2}\n")
+    assert read_yaml(tmp_path / "a.yaml") == {"a": {"x": 1}, "b": [{"x": 1}, {"x": 1}], "c": {"x": 1, "y": 2}}

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexros.logs import bulk_decode
 from flexros.logs.bulk_decode import TopicDecoder
 from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.chunk import MESSAGE_HEADER
@@ -53,6 +54,14 @@ def test_layouts_that_alternate_keep_their_places():
 def test_frame_that_changes_with_every_message():
     payloads = [JointStateTemplate(["a"], position=True, frame_id=f"{k:03d}").fill(k, [k]) for k in range(150)]
     assert rows(decode(payloads)) == {k: (k, (float(k),)) for k in range(150)}
+
+
+def test_layouts_beyond_the_limit_are_left_out(monkeypatch):
+    monkeypatch.setattr(bulk_decode, "MOST_LAYOUTS", 70)
+    payloads = [JointStateTemplate(["a"], position=True, frame_id=f"{k:03d}").fill(k, [k]) for k in range(150)]
+    decoder = decode(payloads)
+    assert sorted(rows(decoder)) == list(range(70))
+    assert (decoder.damaged.number, decoder.damaged.first) == (80, "the topic has more than 70 layouts of its messages")
 
 
 def test_damaged_messages_are_counted_and_the_others_decoded():

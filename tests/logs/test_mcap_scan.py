@@ -8,7 +8,7 @@ import zstandard
 from mcap.writer import CompressionType, IndexType, Writer
 
 from flexros.errors import InputError
-from flexros.input_limits import EXPANSION_ALLOWANCE, MOST_DEFINITIONS
+from flexros.input_limits import EXPANSION_ALLOWANCE, LARGEST_DEFINITIONS, MOST_DEFINITIONS, MOST_WARNINGS
 from flexros.logs.mcap_scan import McapScan
 
 N = 60
@@ -199,6 +199,30 @@ def test_the_number_of_definitions_is_bounded(tmp_path):
     assert len(scan.channels) + len(scan.schemas) == MOST_DEFINITIONS
     (warning,) = scan.warnings
     assert f"defines more than {MOST_DEFINITIONS} types and topics" in warning
+
+
+def test_size_of_definitions_is_bounded(tmp_path):
+    def schema(number):
+        text = struct.pack("<I", 10**6) + bytes([number]) * 10**6
+        record = struct.pack("<H", number) + struct.pack("<I", 0) * 2 + text
+        return struct.pack("<BQ", 3, len(record)) + record
+
+    path = write(tmp_path / "a.mcap", chunk_size=10**6)
+    n_before = len(read(path)[0].schemas)
+    put_before_the_end(path, chunk(b"".join(schema(10 + k) for k in range(8)) + message(b"x")))
+    scan, messages = read(path)
+    assert messages == [*EXPECTED, (1, 1000, b"x")]
+    assert len(scan.schemas) - n_before == LARGEST_DEFINITIONS // 10**6
+    assert f"or more than {LARGEST_DEFINITIONS} bytes of them: the rest is unread" in scan.warnings[0]
+
+
+def test_damage_at_many_places_is_counted(tmp_path):
+    path = write(tmp_path / "a.mcap", chunk_size=10**6)
+    put_before_the_end(path, (MOST_WARNINGS + 5) * struct.pack("<BQ", 6, 0))
+    scan, messages = read(path)
+    assert messages == EXPECTED
+    assert len(scan.warnings) == MOST_WARNINGS + 1
+    assert scan.warnings[-1].endswith("has damage at 5 further places")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,168 @@
+"""Many inputs for every reader, and cuts of a log; `python -m tests.fuzz.campaign MINUTES FOLDER` writes fuzzing.md."""
+
+from __future__ import annotations
+
+import json
+import resource
+import signal
+import sys
+import tempfile
+import time
+import warnings
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import FrameType
+
+from hypothesis import HealthCheck, Phase, given, seed, settings
+
+from flexros.whole_file import write_whole
+from tests.fuzz.hostile import HOSTILE
+from tests.fuzz.mended import MENDED
+from tests.fuzz.readers import READERS, Reader, outcome
+from tests.logs.cut_log import Recovery, chunk_edges, cuts_of, in_small_chunks, recovery
+
+CHECKOUT = Path(__file__).parents[2]
+SAMPLE = CHECKOUT / "bags" / "sample_circle_dae" / "sample_circle_dae_0.mcap"
+BATCH = 500
+"""Inputs of one run of Hypothesis; the next one has another seed."""
+LONGEST = 60
+"""Time after which reading counts as a hang [s]."""
+ROOM = 2 * 2**30
+"""Memory beyond what the process has at the start [byte]."""
+N_CUTS = 20_000
+HEAD = """# Fuzzing
+
+Written by `make fuzz`, {minutes:g} minutes of processor time. Everything that reads what others write is given damaged
+inputs (bits, bytes, claimed lengths, pieces cut off, removed, put in, repeated, records in any order with the right
+checksums) and made-up ones, by Hypothesis with a new seed for every {batch}. An input must give a valid result, or
+be refused in one sentence that can be printed. Everything else is a fault: another exception, a hang of {longest} s,
+{room} MB more memory than at the start. [Limits](../guide/limits.md) lists what is refused for its size.
+"""
+
+
+@dataclass
+class Tally:
+    """What came of the inputs of one reader.
+
+    Attributes:
+        what: What it reads.
+        outcomes: Number of inputs by outcome: read, refused, fault.
+        faults: First input of each kind of fault, as text, by kind.
+        slowest: Longest time for an input [s] (processor time).
+    """
+
+    what: str
+    outcomes: Counter[str] = field(default_factory=Counter)
+    faults: dict[str, str] = field(default_factory=dict)
+    slowest: float = 0.0
+
+    def read(self, reader: Reader, data: bytes) -> None:
+        """Read an input and note what came of it."""
+        began = time.process_time()
+        signal.alarm(LONGEST)
+        try:
+            self.outcomes[outcome(reader, data)] += 1
+        except Exception as error:  # noqa: BLE001 - each is a fault that is written down
+            self.outcomes["fault"] += 1
+            trace = error.__traceback__
+            while trace is not None and trace.tb_next is not None:
+                trace = trace.tb_next
+            place = f"{Path(trace.tb_frame.f_code.co_filename).name}:{trace.tb_lineno}" if trace else ""
+            self.faults.setdefault(f"{type(error).__name__} at {place}", repr(data[:2000]))
+        finally:
+            signal.alarm(0)
+        self.slowest = max(self.slowest, time.process_time() - began)
+
+
+def _hang(number: int, frame: FrameType | None) -> None:
+    raise TimeoutError(f"no end after {LONGEST} s")
+
+
+def fuzz(name: str, budget: float) -> Tally:
+    """Give a reader inputs for a time.
+
+    Args:
+        name: Name of the reader.
+        budget: Processor time [s].
+    """
+    reader, began, batch = READERS[name], time.process_time(), 0
+    tally = Tally(reader.what)
+    while time.process_time() - began < budget:
+        batch += 1
+
+        @seed(batch)
+        @settings(
+            max_examples=BATCH,
+            deadline=None,
+            database=None,
+            phases=[Phase.generate],
+            suppress_health_check=list(HealthCheck),
+        )
+        @given(reader.inputs)
+        def run(data: bytes) -> None:
+            tally.read(reader, data)
+
+        run()
+    return tally
+
+
+def hostile() -> Tally:
+    """Read what was made to take memory, time or the process."""
+    tally = Tally("claims, bombs and depth, made by hand")
+    for reader, make in HOSTILE.values():
+        tally.read(READERS[reader], make())
+    return tally
+
+
+def cut() -> tuple[int, Recovery]:
+    """Cut the shipped log, in chunks of 10 kB, at many bytes; gives its number of chunks, and what came back."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "a.mcap"
+        in_small_chunks(SAMPLE, path, 10_000)
+        content = path.read_bytes()
+        return len(chunk_edges(content)), recovery(path, cuts_of(content, N_CUTS))
+
+
+def _row(what: str, outcomes: Counter[str], slowest: float) -> str:
+    numbers = [outcomes[kind] for kind in ("read", "refused", "fault")]
+    return f"| {what} | {sum(numbers)} | {numbers[0]} | {numbers[1]} | {numbers[2]} | {slowest:.2g} |"
+
+
+def page(tallies: list[Tally], n_chunks: int, found: Recovery, minutes: float) -> str:
+    """Write the page."""
+    rows = [HEAD.format(batch=BATCH, longest=LONGEST, room=ROOM // 2**20, minutes=minutes)]
+    rows += ["| what is read | inputs | read | refused | faults | slowest [s] |", "|---|---|---|---|---|---|"]
+    rows += [_row(tally.what, tally.outcomes, tally.slowest) for tally in tallies]
+    together = sum((tally.outcomes for tally in tallies), Counter[str]())
+    rows += [_row("together", together, max(tally.slowest for tally in tallies)), ""]
+    open_faults = [f"- {tally.what}: {kind}" for tally in tallies for kind in tally.faults]
+    rows += ["Open faults:", "", *open_faults, ""] if open_faults else ["No fault is open.", ""]
+    rows += [f"## Faults found and mended: {len(MENDED)}", "", "Each is a test now.", ""]
+    rows += [f"- {what}: {before}" for what, before in MENDED.items()]
+    rows += ["", "## Logs cut off at any byte", ""]
+    rows.append(
+        f"The shipped log, written again in {n_chunks} chunks, was cut at {found.n_cuts} places: around every begin "
+        f"and end of a chunk, and at random ones. Of {found.n_expected} messages of complete chunks {found.n_read} "
+        f"were read with every bit: {100 * found.share:.6g} %. Messages read that are not among them: {found.n_wrong}."
+    )
+    return "\n".join(rows) + "\n"
+
+
+def main(minutes: float, folder: Path) -> int:
+    """Run everything; the exit code is 1 where a fault is open or a message was lost."""
+    warnings.simplefilter("ignore")
+    signal.signal(signal.SIGALRM, _hang)
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + ROOM, used + ROOM))
+    tallies = [hostile()]
+    for name in READERS:
+        tallies.append(fuzz(name, 60 * minutes / len(READERS)))
+        print(json.dumps({"reader": name, **tallies[-1].outcomes, "faults": tallies[-1].faults}), flush=True)
+    n_chunks, found = cut()
+    write_whole(folder / "fuzzing.md", page(tallies, n_chunks, found, minutes))
+    return int(any(tally.faults for tally in tallies) or found.share < 1 or found.n_wrong > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main(float(sys.argv[1]), Path(sys.argv[2])))
