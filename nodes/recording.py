@@ -56,7 +56,7 @@ class TopicRecording:
         last: Stamp of the newest message [ns], -1 before.
         count: Messages written.
         repeated: Messages whose stamp was there already, left out.
-        doubted: Messages whose stamp lay far ahead, and which were not followed by another of their kind, left out.
+        doubted: Messages whose stamp lay before the start, or far ahead and alone there, left out.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class TopicRecording:
         self._on_first = on_first
 
     def take(self, message: bytes) -> None:
-        """Write a message unless its stamp is not newer than the last one, or far ahead and alone there.
+        """Write a message unless its stamp is not newer than the last one, before the start, or far ahead and alone.
 
         Args:
             message: Serialised message that begins with a std_msgs/Header.
@@ -87,7 +87,9 @@ class TopicRecording:
             MessageError: The bytes hold no stamp.
         """
         stamp = stamp_of(message)
-        if stamp <= self.last:
+        if stamp < START_NS:  # no run begins before
+            self.doubted += 1
+        elif stamp <= self.last:
             self.repeated += 1
         elif stamp - self.last <= FARTHEST:
             self._keep(stamp, message)

@@ -96,3 +96,12 @@ def test_log_time_of_an_event_of_another_time_is_the_present() -> None:
     recording.take(message(4))
     recording.take(message(10**10))
     assert [entry[1] for entry in sink.messages] == [stamp_ns(4, T), stamp_ns(5, T)]
+
+
+def test_stamp_before_the_start_is_left_out() -> None:
+    sink = Sink()
+    recording = TopicRecording(sink, 1)
+    for k in (-3, 0, -1, 1):
+        recording.take(message(k))
+    assert [entry[3] for entry in sink.messages] == [message(k) for k in (0, 1)]
+    assert (recording.doubted, recording.repeated) == (2, 0)
