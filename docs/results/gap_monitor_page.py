@@ -36,7 +36,7 @@ RATES = (1e-3, 1.0, 10.0, 100.0)
 """Rates of false alarms whose thresholds are tried [1/h]."""
 NOISES = 10
 """Runs of one motion, each with noise of its own."""
-COURSES = {"four_mass_linear": 12, "four_mass": 6, "elbow": 12, "e12": 12, "six_axis": 2}
+COURSES = {"four_mass_linear": 40, "four_mass": 30, "elbow": 40, "e12": 40, "six_axis": 8}
 """Motions per robot."""
 EFFECTS = {
     "four_mass_linear": (

@@ -68,6 +68,10 @@ class Alarms:
         self._sums[:] = 0.0
         self._windows = 0
 
+    def forget(self) -> None:
+        """Forget alarms, because the clock has begun anew."""
+        self._last[:] = -1
+
     def take(self, stamp: int, values: FloatArray) -> None:
         """Judge a window.
 

@@ -30,7 +30,7 @@ SLIGHT, ARM_SHARE = 1e-3, 0.3
 BANDWIDTH = 10.0
 """Up to where the missing torque is told [Hz] (chosen)."""
 REFERENCE_STEP = 5e-4
-"""Sample time for which levels are stated [s]."""
+"""Sample time for which levels are stated; at others the torque has the same power density [s]."""
 DOUBLINGS = 40
 """Most doublings of the time over which noise is added up: 2^40 samples."""
 
@@ -197,7 +197,7 @@ def _motorwise(pose: LinearPose, noise: FloatArray, sample_time: float, level: f
     n = len(pose.mass)
     gain = np.zeros((2 * n, len(noise)))
     step, seen = np.array([[1.0, sample_time], [0.0, 1.0]]), np.array([[1.0, 0.0]])
-    pushed = level * np.sqrt(REFERENCE_STEP / sample_time) / sample_time
+    pushed = level * np.sqrt(REFERENCE_STEP / sample_time) * sample_time / REFERENCE_STEP**2
     one = _kalman(step, seen, np.diag([0.0, pushed**2]), np.ones(1))[:, 0]
     for motor, row in enumerate(pose.readout[:, :n]):
         direction = row / (row @ row)
@@ -216,7 +216,7 @@ def _torque_filter(pose: LinearPose, noise: FloatArray, sample_time: float, gain
     share = np.full(n, ARM_SHARE)
     for motor, row in enumerate(pose.readout[:, :n]):
         share[int(np.argmax(np.abs(row)))] = noise[motor] / unit
-    white = SLIGHT * np.sqrt(REFERENCE_STEP / sample_time) / sample_time**2 * np.diag(pose.mass) * share
+    white = SLIGHT * np.sqrt(REFERENCE_STEP / sample_time) / REFERENCE_STEP**2 * np.diag(pose.mass) * share
     pushed = pose.push[n:] * white
     Q = np.zeros((s + M, s + M))
     Q[n:s, n:s] = pushed @ pushed.T

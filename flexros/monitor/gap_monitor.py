@@ -170,6 +170,8 @@ class GapMonitor:
         for window in self.stream.windows():
             watch, alarms = self._made()
             runaways = watch.runaways
+            if window.stamp < self._stamp:
+                alarms.forget()
             missed = watch.take(window)
             self._stamp = window.stamp
             if watch.runaways > runaways:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import toeplitz
 from scipy.optimize import brentq
-from scipy.stats import norm
+from scipy.special import log_ndtr
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -68,7 +68,7 @@ def log_tail(weights: FloatArray, times: float, level: float) -> float:
     w, u = np.sqrt(max(2 * (s * level - K), 1e-300)), s * np.sqrt(curvature)
     if w < 1e-4:
         return float(np.log(0.5))
-    return float(norm.logsf(w + np.log(u / w) / w))
+    return float(log_ndtr(-w - np.log(u / w) / w))
 
 
 def threshold(weights: FloatArray, times: float, probability: float) -> float:

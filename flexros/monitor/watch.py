@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.errors import InputError
 from flexros.monitor.design_book import DesignBook
 from flexros.monitor.twin import Twin
 
@@ -86,10 +87,13 @@ class Watch:
         Returns:
             What the twin missed; None while it is finding the robot.
         """
-        if window.anew or not self._running:
-            self._begin(window)
-        self._follow_pose(window.position[0])
-        errors = self._twin.run(window, self.book.gain)
+        try:
+            if window.anew or not self._running:
+                self._begin(window)
+            self._follow_pose(window.position[0])
+            errors = self._twin.run(window, self.book.gain)
+        except (InputError, np.linalg.LinAlgError):  # no rest, or no filter, where the robot is said to be
+            errors = None
         if errors is None:
             self.runaways += 1
             self._running, self.settling = False, True

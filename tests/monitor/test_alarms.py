@@ -69,6 +69,14 @@ def test_sums_begin_anew_after_a_restart() -> None:
     assert one.warned == 0
 
 
+def test_a_clock_that_begins_anew_ends_alarms() -> None:
+    one = alarms()
+    feed(one, 500, [[9.0, 1.0, 1.0, 1.0]])
+    one.forget()
+    feed(one, 0, [[1.0] * 4])
+    assert one.levels(0).tolist() == [0, 0]
+
+
 def test_a_robot_that_is_lost_is_an_alarm_of_all_motors() -> None:
     one = alarms()
     one.lost(7 * WINDOW)
