@@ -1,7 +1,7 @@
-"""Write gap_monitor.md: python docs/results/gap_monitor_page.py nominal|detection|load|page [WORK].
+"""Write gap_monitor.md: python docs/results/gap_monitor_page.py nominal|detection|accepted|load|page [WORK].
 
-`nominal` and `detection` add what they find, case by case, to WORK/*.jsonl until all cases are there; `load` measures
-nodes at 2 kHz; `page` writes the page from the three files. Seeds from 5000 on were not used in development.
+`nominal`, `detection` and `accepted` add what they find, case by case, to WORK/*.jsonl until all cases are there; `load`
+measures nodes; `page` writes the page from what is there. Seeds from 5000 on were not used in development.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from gap_monitor_text import page_text
 from flexros.config.scenario import load_scenario
 from flexros.effects import parse_effect
 from flexros.effects.patched_robot import load_model
+from flexros.monitor.calibration import calibrate
 from flexros.monitor.gap_monitor import GapMonitor
 from flexros.monitor.thresholds import LENGTHS, thresholds
 from flexros.monitor.watch_log import watch_log
@@ -27,10 +28,12 @@ from flexros.simulate.closed_loop import closed_loop
 from flexros.simulate.experiment import Experiment
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.logs.time_series import Log
+    from flexros.monitor.calibration import Calibration
+    from flexros.monitor.watch_log import WatchedLog
 
 RATES = (1e-3, 1.0, 10.0, 100.0)
 """Rates of false alarms whose thresholds are tried [1/h]."""
@@ -59,13 +62,25 @@ EFFECTS = {
     ),
 }
 """Effects and their sizes, by robot."""
+ACCEPTED = {
+    "elbow": ("payload_error@tool:relative=0.02", "viscous_friction@motor_1:coefficient=5"),
+    "e12": ("payload_error@tool:relative=0.02", "viscous_friction@motor_2:coefficient=5"),
+}
+"""What the robots have that their models have not, and that is accepted."""
+GROWN = {
+    "elbow": ("coulomb_friction@motor_2:level=", (3.0, 30.0, 100.0)),
+    "e12": ("coulomb_friction@motor_1:level=", (10.0, 100.0, 300.0)),
+}
+"""What comes on top of it, with its sizes."""
+CALIBRATION, CHECKS = 120, 6
+"""Length of the log that is accepted [s], and further logs."""
 TRIALS, ONSET = 5, 20.0
 """Runs of each effect, and when it sets in [s]."""
 
 
-def course(robot: str, seed: int) -> Experiment:
+def course(robot: str, seed: int, length: int = 40, effects: Sequence[str] = ()) -> Experiment:
     """Plan the diagnosis experiment of a robot, whose seed makes another sequence of motions."""
-    changes: dict[str, Any] = {"robot": robot, "seed": seed}
+    changes: dict[str, Any] = {"robot": robot, "seed": seed, "diagnosis.length": length, "plant.effects": [*effects]}
     return Experiment.prepare(load_scenario("diagnosis").with_values(changes, "this page"))
 
 
@@ -95,7 +110,7 @@ def nominal_case(robot: str, seed: int) -> dict[str, Any]:
         "alarms": 0,
         "warnings": 0,
     }
-    found |= {"exceeded": [0] * len(RATES), "mean": [], "used_s": 0.0}
+    found |= {"runs": NOISES, "exceeded": [0] * len(RATES), "mean": [], "used_s": 0.0}
     for noise in range(NOISES):
         log = closed_loop(with_noise(planned, 100 * seed + noise))
         begun = time.thread_time()
@@ -205,6 +220,34 @@ def spliced(planned: Experiment, effect: str) -> Log:
     return run_log(planned, encoder, command, pose)
 
 
+def accepted() -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
+    """List robots that are not as their models, with a log that is accepted and others."""
+    for robot in ACCEPTED:
+        yield robot, lambda robot=robot: accepted_case(robot)
+
+
+def accepted_case(robot: str) -> dict[str, Any]:
+    """Calibrate by one log, and watch further ones: as accepted, and with something on top."""
+    model, known = load_model(robot), ACCEPTED[robot]
+
+    def watched(seed: int, effects: Sequence[str], length: int, limits: Calibration | None) -> WatchedLog:
+        return watch_log(
+            closed_loop(course(robot, seed, length, effects)), GapMonitor(model, calibration=limits), name="log"
+        )
+
+    first = watched(7000, known, CALIBRATION, None)
+    limits = calibrate(first.values, model.robot.joint_names, model="", robot=robot, log="accepted")
+    text, sizes = GROWN[robot]
+    found: dict[str, Any] = {"robot": robot, "known": [*known], "accepted": limits.accepted, "effect": text.rstrip("=")}
+    found["false"] = sum(len(watched(7001 + k, known, 40, limits).episodes) for k in range(CHECKS))
+    found["told"] = {}
+    for size in sizes:
+        runs = [watched(7101 + k, (*known, f"{text}{size:g}"), 40, limits) for k in range(3)]
+        right = sum(run.episodes[-1].joint in text for run in runs if run.episodes and run.episodes[-1].joint)
+        found["told"][f"{size:g}"] = [sum(bool(run.episodes) for run in runs), right, len(runs)]
+    return found
+
+
 def add(path: Path, cases: Iterator[tuple[str, Callable[[], dict[str, Any]]]]) -> None:
     """Work off the cases that a file does not have."""
     done = {json.loads(line)["case"] for line in path.read_text().splitlines()} if path.exists() else set()
@@ -218,8 +261,9 @@ def add(path: Path, cases: Iterator[tuple[str, Callable[[], dict[str, Any]]]]) -
 def main(what: str, work: Path) -> None:
     """Do one part of the work."""
     work.mkdir(parents=True, exist_ok=True)
-    if what in ("nominal", "detection"):
-        add(work / f"{what}.jsonl", {"nominal": nominal, "detection": detection}[what]())
+    cases = {"nominal": nominal, "detection": detection, "accepted": accepted}
+    if what in cases:
+        add(work / f"{what}.jsonl", cases[what]())
     elif what == "load":
         (work / "load.json").write_text(json.dumps(measured_load(), indent=1) + "\n", encoding="utf-8")
     else:

@@ -103,12 +103,6 @@ class SampleStream:
         return max(round(WINDOW / self.sample_time), 1)
 
     @property
-    def waiting(self) -> tuple[float, float]:
-        """Time that states and commands cover which wait for the other [s]."""
-        spans = [(int(one.stamp[-1] - one.stamp[0]) * 1e-9 if len(one.stamp) else 0.0) for one in self._both]
-        return spans[0], spans[1]
-
-    @property
     def _both(self) -> tuple[TopicQueue, TopicQueue]:
         return self._states, self._commands
 
