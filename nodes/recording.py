@@ -160,4 +160,4 @@ class EventRecording:
 
     def _log_time(self, stamp: int) -> int:
         present = self._present()
-        return stamp if abs(stamp - present) <= FARTHEST else present
+        return stamp if stamp >= 0 and abs(stamp - present) <= FARTHEST else present

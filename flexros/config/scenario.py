@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 from pydantic import AfterValidator, BeforeValidator, Field, PlainSerializer, model_validator
 from pydantic_core import PydanticKnownError
 
+from flexros.config.text_file import is_file
 from flexros.config.validation import Settings, validate
 from flexros.config.yaml_file import read_yaml
 from flexros.control.base import AbstractControlLaw, control_law
@@ -238,7 +239,7 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
     settings = {"name": path.stem, **read_yaml(path)}
     for key in ("robot", "feedforward_model"):
         robot = settings.get(key)
-        if isinstance(robot, str) and robot.endswith((".yaml", ".yml")) and (path.parent / robot).is_file():
+        if isinstance(robot, str) and robot.endswith((".yaml", ".yml")) and is_file(path.parent / robot):
             settings[key] = str(path.parent / robot)
     return validate(Scenario, settings, str(path))
 

@@ -12,6 +12,14 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
+def is_file(path: Path) -> bool:
+    """Tell whether there is a file; there is none of a name that no file can have."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def read_text(path: Path, kind: str, largest: int = LARGEST_TEXT) -> str:
     """Read a text file.
 

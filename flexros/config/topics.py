@@ -114,7 +114,7 @@ def read_topics(path: Path, profiles: Mapping[str, QosProfile]) -> dict[str, Top
     for name, row in read_rows(path).items():
         names = {"qos": row.get("qos"), "subscription_qos": row.get("subscription_qos", row.get("qos"))}
         for key, profile in names.items():
-            if profile not in profiles:
+            if str(profile) not in profiles:
                 raise unknown_name("QoS profile", str(profile), profiles, f"{path}, topic {name}, key {key}")
         resolved = {key: profiles[str(profile)] for key, profile in names.items()}
         topics[name.lstrip("/")] = validate(Topic, {"name": name, **row, **resolved}, f"{path}, topic {name}")

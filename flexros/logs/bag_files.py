@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from flexros.config.text_file import is_file
 from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError
 from flexros.input_limits import MOST_WARNINGS
@@ -82,7 +83,7 @@ def _listed(folder: Path, warnings: list[str]) -> list[Path]:
             f"the log {folder} has the compression mode '{mode}', allowed is compression inside MCAP chunks; "
             "convert it with 'ros2 bag convert'"
         )
-    missing = {name for name in names if not (folder / name).is_file()}
+    missing = {name for name in names if not is_file(folder / name)}
     if missing:
         some = ", ".join(sorted(missing)[:MOST_WARNINGS]) + (" and more" if len(missing) > MOST_WARNINGS else "")
         warnings.append(f"{folder} lacks {some}, listed in {METADATA_FILE}; the other files were read")

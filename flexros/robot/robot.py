@@ -266,7 +266,7 @@ def load_robot(name_or_path: str | Path) -> Robot:
         InputError: Unknown name, unreadable or wrong file, non-physical values.
     """
     path = LIBRARY / f"{name_or_path}.yaml"
-    if not path.is_file():
+    if str(name_or_path) not in robot_names():
         path = Path(name_or_path)
         if path.suffix not in (".yaml", ".yml"):
             raise unknown_name("robot", str(name_or_path), robot_names(), other="or the path of a .yaml file")

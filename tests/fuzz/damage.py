@@ -30,7 +30,21 @@ JUNK: tuple[Any, ...] = (
         "\n",
         "\0",
     ),
-    *("../..", "/dev/zero", "~", "\u202e", "\U0001f600", "x" * 3000, [], [[]], [None], [1, 2, 3], [0.5] * 50, {}),
+    *(
+        "../..",
+        "/dev/zero",
+        "~",
+        "\u202e",
+        "\U0001f600",
+        "x" * 3000,
+        f"{'x' * 3000}.yaml",
+        [],
+        [[]],
+        [None],
+        [1, 2, 3],
+        [0.5] * 50,
+        {},
+    ),
     *({"": 0}, {"value": 1}, {"value": 1, "unit": "m"}, {"a": {"a": {"a": {}}}}, [{"a": [{}]}] * 3),
 )
 """Values that take the place of one in a valid tree."""
@@ -104,7 +118,7 @@ def _change(holder: Any, key: Any, edit: str, draw: st.DrawFn, places: list[tupl
         del holder[key]
     elif edit == "rename" and isinstance(holder, dict):
         holder[draw(st.sampled_from(("", "x", "value", "0", "name", key + "s")))] = holder.pop(key)
-    elif edit == "scale" and isinstance(value, (int, float)) and not isinstance(value, bool):
+    elif edit == "scale" and isinstance(value, float):
         holder[key] = value * draw(st.sampled_from((-1, 0, 1e-9, 1e9, 1e200, 0.5)))
     elif edit == "move":
         other, there = draw(st.sampled_from(range(len(places))).map(places.__getitem__))

@@ -27,6 +27,10 @@ MENDED: dict[str, str] = {
     "responses: file that is cut off": "IndexError",
     "responses: name that is damaged": "KeyError",
     "calibration: deep lists": "RecursionError",
+    "patch: robot with a long name": "OSError (also of scenarios, mappings, robots)",
+    "metadata: file with a long name": "OSError",
+    "topics: list as QoS": "TypeError",
+    "recorded: stamp before 1970": "the recorder ended (OverflowError)",
     "experiment_state: deep lists": "RecursionError",
     "experiment_state: number as text": "taken, and TypeError in the recorder later",
 }

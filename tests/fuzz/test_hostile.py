@@ -22,7 +22,8 @@ READ = {
     *("log: lz4 chunks that expand", "log: damaged chunks without number", "log: empty messages without number"),
     *("log: long topic that clears the screen", "replay: topic that clears the screen"),
     *("log: new names in every message", "metadata: one file many times", "metadata: aliases of aliases"),
-    *("provenance: deep lists", "provenance: two megabytes"),
+    *("provenance: deep lists", "provenance: two megabytes", "recorded: stamp before 1970"),
+    "metadata: file with a long name",
 }
 """Those that hold something that can be read; messages may be read with a claim at a place that has no meaning."""
 

@@ -95,7 +95,9 @@ def test_log_time_of_an_event_of_another_time_is_the_present() -> None:
     recording = EventRecording(sink, 2, present=lambda: stamp_ns(5, T))
     recording.take(message(4))
     recording.take(message(10**10))
-    assert [entry[1] for entry in sink.messages] == [stamp_ns(4, T), stamp_ns(5, T)]
+    recording.take(message(-3000))  # 0.5 s before 1970, which the file cannot hold
+    assert [entry[1] for entry in sink.messages] == [stamp_ns(4, T), stamp_ns(5, T), stamp_ns(5, T)]
+    assert all(time >= 0 for entry in sink.messages for time in entry[1:3])
 
 
 def test_stamp_before_the_start_is_left_out() -> None:

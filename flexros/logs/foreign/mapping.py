@@ -159,7 +159,7 @@ def load_mapping(name_or_path: str | Path) -> LogMapping:
         InputError: Unknown name, unreadable file, unknown key, quantity or unit, or a value that is not allowed.
     """
     path = MAPPINGS / f"{name_or_path}.yaml"
-    if not path.is_file():
+    if str(name_or_path) not in mapping_names():
         path = Path(name_or_path)
         if path.suffix not in (".yaml", ".yml"):
             raise unknown_name("mapping", str(name_or_path), mapping_names(), other="or the path of a .yaml file")
