@@ -4,7 +4,7 @@ BIN := .venv/bin
 # Set by the ROS 2 wheels of another virtual environment, this would keep those of .venv from finding their libraries.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help demo test lint bench campaign docs clean python environment
+.PHONY: help demo test lint bench campaign soak docs clean python environment
 
 help:
 	@echo "make demo    install into .venv, run the circle test over ROS 2 topics, close a gap"
@@ -12,6 +12,7 @@ help:
 	@echo "make lint    style, format and types"
 	@echo "make bench   speed beside a peer measured in the same run"
 	@echo "make campaign  repeated identifications, hours; goes on where it was broken off"
+	@echo "make soak    endurance and faults, two hours; goes on where it was broken off"
 	@echo "make docs    the guide as pages, in site/"
 	@echo "make clean   remove .venv and all that is made"
 
@@ -34,6 +35,10 @@ bench: environment
 
 campaign: environment
 	@$(BIN)/flexros campaign --out docs/results --work bags/campaign
+
+soak: EXTRAS = test
+soak: environment
+	@$(BIN)/python -m tests.soak.endurance_page
 
 docs: EXTRAS = docs
 docs: environment

@@ -12,7 +12,7 @@ MODULES = sorted([*(CHECKOUT / "flexros").rglob("*.py"), *(CHECKOUT / "nodes").r
 ROOMS = sorted(path.name for path in (CHECKOUT / "flexros").iterdir() if any(path.glob("[!_]*.py")))
 # Folders of tests that stand for no room: house contracts, stored results, benchmarks, oracles the tests compare with,
 # what is read from others in all rooms.
-NOT_ROOMS = {"contracts", "golden", "bench", "oracles", "fuzz", "nodes"}
+NOT_ROOMS = {"contracts", "golden", "bench", "oracles", "fuzz", "soak", "nodes"}
 LONGEST_MODULE = 300
 LONGEST_FUNCTION = 40
 # Module -> why it is one indivisible piece.
