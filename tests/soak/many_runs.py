@@ -22,7 +22,7 @@ SHARED_MEMORY = Path("/dev/shm")
 _IN_A_ROW = "import sys; from tests.soak.many_runs import runs_here; runs_here(sys.argv[1], *map(int, sys.argv[2:]))"
 
 
-def in_a_row(folder: Path, in_one_process: int = 200, commands: int = 50, processes: int = 25) -> Result:
+def in_a_row(folder: Path, in_one_process: int = 180, commands: int = 40, processes: int = 15) -> Result:
     """Run again and again: in one process, by commands, and with a process per node; then look for what is left.
 
     Where the system permits it, this happens with a shared memory of its own; else other programs disturb the count.

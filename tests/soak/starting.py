@@ -89,7 +89,7 @@ class Started:
         for line in reversed(self.words().splitlines()):
             for prefix in ("flexros: ", ERROR_PREFIX):
                 if line.startswith(prefix):
-                    return line.removeprefix(prefix)
+                    return line.removeprefix(prefix).replace(str(self.said.parent), "FOLDER")
         return ""
 
     def figures(self) -> dict[str, Any]:
