@@ -4,13 +4,14 @@ BIN := .venv/bin
 # Set by the ROS 2 wheels of another virtual environment, this would keep those of .venv from finding their libraries.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help demo test lint bench campaign soak docs clean python environment
+.PHONY: help demo test lint bench fuzz campaign soak docs clean python environment
 
 help:
 	@echo "make demo    install into .venv, run the circle test over ROS 2 topics, close a gap"
 	@echo "make test    all tests"
 	@echo "make lint    style, format and types"
 	@echo "make bench   speed beside a peer measured in the same run"
+	@echo "make fuzz    damaged and hostile inputs for all that reads, quarter of an hour"
 	@echo "make campaign  repeated identifications, hours; goes on where it was broken off"
 	@echo "make soak    endurance and faults, two hours; goes on where it was broken off"
 	@echo "make docs    the guide as pages, in site/"
@@ -32,6 +33,10 @@ lint: environment
 bench: EXTRAS = test
 bench: environment
 	@mkdir -p docs/results && $(BIN)/flexros bench --out docs/results/benchmarks.md
+
+fuzz: EXTRAS = test
+fuzz: environment
+	@$(BIN)/python -m tests.fuzz.campaign 15 docs/results
 
 campaign: environment
 	@$(BIN)/flexros campaign --out docs/results --work bags/campaign

@@ -7,7 +7,7 @@ out with a warning where the rest can be read, and refused with one sentence whe
 from __future__ import annotations
 
 LARGEST_TEXT = 2**20
-"""YAML or JSON file [byte]; metadata.yaml of a log of a thousand files has a quarter of it. Read in ten seconds."""
+"""YAML or JSON file [byte]: the metadata.yaml of a log of a thousand files has a quarter; read in ten seconds or so."""
 MOST_NODES = 200_000
 """Values in a YAML file, aliases written out [1]; an alias of an alias multiplies."""
 DEEPEST_NODE = 60
@@ -24,7 +24,7 @@ LARGEST_CHUNK = 64 * 2**20
 MOST_DEFINITIONS = 10_000
 """Different Schema and Channel records in an MCAP file [1]..."""
 LARGEST_DEFINITIONS = 4 * 2**20
-"""... and their size altogether [byte]; a type with all that it nests seldom has 10 kB."""
+"""... and their size altogether [byte]; of the common types the largest has 4 kB."""
 
 LARGEST_DEFINITION = 2**16
 """Definition of one message type with all that it nests [byte]."""
@@ -33,7 +33,7 @@ MOST_FIELDS = 2000
 DEEPEST_TYPE = 20
 """Levels of types in types [1]."""
 LARGEST_MESSAGE = 2**20
-"""Message that is decoded by the definition in its file [byte]; it may become a hundred times as large in memory."""
+"""Message that is decoded by the definition in its file [byte]; every entry becomes an object, many times as large."""
 MOST_LAYOUTS = 10_000
 """Different layouts (names, frames, lengths) of the messages of one topic [1]; a sender has one or two."""
 

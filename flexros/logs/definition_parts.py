@@ -1,6 +1,6 @@
 """Message definitions from files: read only within limits, because the library that reads them makes code of them.
 
-Names cannot smuggle code in: its grammar allows letters, digits and underscores in them, and constants are written by
+Names cannot smuggle code in: its grammar allows letters, digits, underscores and slashes, and constants are written by
 `repr`. But its reading time grows by powers with parentheses and brackets in IDL, and it writes code for every entry of
 some arrays.
 """

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from flexros.config.text_file import read_json, read_text
+from flexros.config.text_file import is_file, read_json, read_text
 from flexros.errors import InputError
 from flexros.input_limits import LARGEST_TEXT
 
@@ -38,6 +38,11 @@ def test_unreadable_file_is_named(tmp_path: Path, name: str, content: bytes | No
         (tmp_path / name).write_bytes(content)
     with pytest.raises(InputError, match=message):
         read_text(tmp_path / name, "URDF")
+
+
+@pytest.mark.parametrize("name", ["x" * 3000, "a\0b", "gone"])
+def test_there_is_no_file_of_an_impossible_name(tmp_path: Path, name: str) -> None:
+    assert not is_file(tmp_path / name)
 
 
 def test_json_is_read(tmp_path: Path) -> None:

@@ -30,7 +30,7 @@ LONGEST = 60
 """Processor time after which reading counts as a hang [s]."""
 ROOM = 2 * 2**30
 """Memory beyond what the process has at the start [byte]."""
-N_CUTS = 20_000
+N_CUTS = 5_000
 HEAD = """# Fuzzing
 
 Written by `make fuzz`, {minutes:g} minutes of processor time. Everything that reads what others write is given damaged
