@@ -40,8 +40,8 @@ CONFIGURE_TIMEOUT = 60.0
 START_TIMEOUT = 10.0
 """Time after which a process that offers no services is started once more [s], chosen: discovery takes about one."""
 
-SHUTDOWN_TIMEOUT = 5.0
-"""Longest time for a node to shut down [s], chosen."""
+SHUTDOWN_TIMEOUT = 20.0
+"""Longest time for a node to shut down [s], chosen: on a loaded machine a recorder needs seconds to close its log."""
 
 BRAKING_MARGIN = 2.0
 """Times the duration of braking and one second: longest that the plant may take to brake, chosen."""
