@@ -1,7 +1,7 @@
 """Write gap_monitor.md: python docs/results/gap_monitor_page.py nominal|detection|accepted|load|page [WORK].
 
-`nominal`, `detection` and `accepted` add what they find, case by case, to WORK/*.jsonl until all cases are there; `load`
-measures nodes; `page` writes the page from what is there. Seeds from 5000 on were not used in development.
+`nominal`, `detection` and `accepted` add what they find, case by case, to WORK/*.jsonl until all cases are there;
+`load` measures nodes, and `page` writes the page. Seeds from 5000 on were not used in development.
 """
 
 from __future__ import annotations
@@ -72,8 +72,8 @@ GROWN = {
     "e12": ("coulomb_friction@motor_1:level=", (10.0, 100.0, 300.0)),
 }
 """What comes on top of it, with its sizes."""
-CALIBRATION, CHECKS = 120, 6
-"""Length of the log that is accepted [s], and further logs."""
+CALIBRATION, CHECKS, TRIED = 120, 6, 2
+"""Length of the log that is accepted [s], further logs, and logs with something on top for each size."""
 TRIALS, ONSET = 5, 20.0
 """Runs of each effect, and when it sets in [s]."""
 
@@ -235,14 +235,14 @@ def accepted_case(robot: str) -> dict[str, Any]:
             closed_loop(course(robot, seed, length, effects)), GapMonitor(model, calibration=limits), name="log"
         )
 
-    first = watched(7000, known, CALIBRATION, None)
-    limits = calibrate(first.values, model.robot.joint_names, model="", robot=robot, log="accepted")
+    first = watched(8000, known, CALIBRATION, None)
+    limits = calibrate(first.values, first.motion, model.robot.joint_names, model="", robot=robot, log="accepted")
     text, sizes = GROWN[robot]
     found: dict[str, Any] = {"robot": robot, "known": [*known], "accepted": limits.accepted, "effect": text.rstrip("=")}
-    found["false"] = sum(len(watched(7001 + k, known, 40, limits).episodes) for k in range(CHECKS))
+    found["false"] = sum(len(watched(8001 + k, known, 40, limits).episodes) for k in range(CHECKS))
     found["told"] = {}
     for size in sizes:
-        runs = [watched(7101 + k, (*known, f"{text}{size:g}"), 40, limits) for k in range(3)]
+        runs = [watched(8101 + k, (*known, f"{text}{size:g}"), 40, limits) for k in range(TRIED)]
         right = sum(run.episodes[-1].joint in text for run in runs if run.episodes and run.episodes[-1].joint)
         found["told"][f"{size:g}"] = [sum(bool(run.episodes) for run in runs), right, len(runs)]
     return found

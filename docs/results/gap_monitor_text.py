@@ -49,7 +49,7 @@ ACCEPTED = """
 ## Robots that are not as their models
 
 The robot has effects that its model has not. One log of 120 s is accepted (`--calibrate`), six further ones of 40 s
-with other motions are watched with those thresholds, then three with something on top, from their beginning. Gap:
+with other motions are watched with those thresholds, then some with something on top, from their beginning. Gap:
 missing torque over noise, median. `Told`: runs with an alarm, and with the right joint.
 
 | robot | accepted | accepted gap | alarms in six logs | on top, told |
@@ -182,6 +182,6 @@ def _load_text(rows: list[dict[str, Any]]) -> list[str]:
         lines.append(
             f"| {row['robot']} | {100 * row['plant']:.1f} % | {100 * row['monitor']:.1f} % | "
             f"{100 * row['computing']:.1f} % | {row['monitor'] / row['plant']:.2f} | {row['alone']:.0f} | "
-            f"{row['beside']:.0f} | {100 * row['heard']:.1f} % |\n"
+            f"{row['beside']:.0f} | {100 * min(row['heard'], 1.0):.1f} % |\n"
         )
     return lines

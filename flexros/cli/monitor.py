@@ -62,7 +62,7 @@ def monitor(
 def _calibrate(path: Path, found: WatchedLog, names: tuple[str, ...], **of: str) -> int:
     from flexros.monitor.calibration import calibrate, write_calibration
 
-    made = calibrate(found.values, names, **of)
+    made = calibrate(found.values, found.motion, names, **of)
     write_calibration(path, made)
     accepted = ", ".join(f"{name} {value:.3g}" for name, value in made.accepted.items())
     say(f"{path}: thresholds by {made.time:.1f} s; accepted gap, over noise: {accepted}")

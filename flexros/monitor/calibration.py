@@ -1,8 +1,9 @@
 """What a robot misses as it is accepted: tails of its mean squares, read off a log, and their file.
 
-No robot is exactly as its model. The mean squares of a log of normal work are taken as what is accepted: above their
-80 % quantile the logarithm is taken to fall off exponentially, which tells levels for rarer chances than the log shows
-(Pickands 1975). The fall is taken as slow as so few values permit.
+No robot is exactly as its model, and the more it does the more the model misses. The mean squares of a log of normal
+work are taken as what is accepted: as noise plus shares of the mean squares of torques, speeds and accelerations.
+Over that sum their logarithm is taken to fall off exponentially above its 80 % quantile, which tells levels for rarer
+chances than the log shows (Pickands 1975). The fall is taken as slow as so few values permit.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import Field
+from scipy.optimize import nnls
 
 from flexros.config.text_file import read_json
 from flexros.config.validation import Settings, validate
@@ -29,8 +31,9 @@ QUANTILE = 0.8
 """Share of the values below which the tail begins (chosen)."""
 FEWEST = 5.0
 """Fewest values that do not overlap from which a tail is told; below, that length raises no alarm (chosen)."""
-SURELY = 2.0
-"""Standard deviations of the fall that are added to it (chosen)."""
+SURELY, LEAST_FALL = 2.0, 0.2
+"""Standard deviations of the fall that are added to it; its least value, as other motions miss other torques: with
+0.1 a further log of a robot as accepted raised an alarm (development seeds)."""
 
 
 class Tail(Settings):
@@ -54,12 +57,26 @@ class Calibration(Settings):
     log: str = Field(description="log that it was read off")
     time: float = Field(gt=0.0, description="time of the log that was watched [s]")
     accepted: dict[str, float] = Field(description="rms of missing torque over that of noise by joint, median [1]")
+    growth: dict[str, list[float]] = Field(
+        description="by signal: what a unit of the mean squares of torques, speeds and accelerations adds [1/SI]"
+    )
     tails: dict[str, list[Tail | None]] = Field(
         description="by signal: tails for the lengths; null where the log was too short"
     )
 
+    def expected(self, motion: FloatArray) -> FloatArray:
+        """Give the mean squares that are accepted while the robot does so much.
+
+        Args:
+            motion: Mean squares of torques, speeds and accelerations [SI], shape (..., 3 M).
+
+        Returns:
+            Mean squares over those of noise [1], shape (..., 2 M).
+        """
+        return np.asarray(1.0 + motion @ np.array(list(self.growth.values())).T)
+
     def levels(self, chances: FloatArray) -> FloatArray:
-        """Give the mean squares of given probabilities.
+        """Give the mean squares, over those that are expected, of given probabilities.
 
         Args:
             chances: Probability for each length, shape (3,).
@@ -74,11 +91,14 @@ class Calibration(Settings):
         return np.array(columns).T
 
 
-def calibrate(values: FloatArray, names: tuple[str, ...], *, model: str, robot: str, log: str) -> Calibration:
+def calibrate(
+    values: FloatArray, motion: FloatArray, names: tuple[str, ...], *, model: str, robot: str, log: str
+) -> Calibration:
     """Read the tails off a log.
 
     Args:
         values: Mean squares of all windows, sudden parts then missing torques, shape (windows, 2 M).
+        motion: What the robot did in them, shape (windows, 3 M).
         names: Names of the motors, length M.
         model: Fingerprint of the model.
         robot: Name of its robot.
@@ -95,9 +115,22 @@ def calibrate(values: FloatArray, names: tuple[str, ...], *, model: str, robot: 
         )
     M = len(names)
     signals = [f"{name}.sudden" for name in names] + [f"{name}.torque" for name in names]
-    tails = {signal: [_tail(column, length) for length in LENGTHS] for signal, column in zip(signals, values.T)}
+    growth = {signal: _growth(column, motion).tolist() for signal, column in zip(signals, values.T)}
+    expected = 1.0 + motion @ np.array(list(growth.values())).T
+    relative = values / expected
+    tails = {signal: [_tail(column, length) for length in LENGTHS] for signal, column in zip(signals, relative.T)}
     accepted = {name: float(np.sqrt(np.median(column))) for name, column in zip(names, values[:, M:].T)}
-    return Calibration(model=model, robot=robot, log=log, time=len(values) * WINDOW, accepted=accepted, tails=tails)
+    return Calibration(
+        model=model, robot=robot, log=log, time=len(values) * WINDOW, accepted=accepted, growth=growth, tails=tails
+    )
+
+
+def _growth(column: FloatArray, motion: FloatArray) -> FloatArray:
+    """Fit mean squares by shares of what the robot does, none below zero, with errors relative to their size."""
+    unit = np.maximum(motion.max(axis=0), 1e-300)
+    weight = 1 / (1 + column)
+    shares = nnls((motion / unit) * weight[:, None], np.maximum(column - 1, 0.0) * weight)[0]
+    return np.asarray(shares / unit)
 
 
 def _tail(column: FloatArray, length: int) -> Tail | None:
@@ -109,10 +142,9 @@ def _tail(column: FloatArray, length: int) -> Tail | None:
     logarithm = np.log(np.maximum((sums[length:] - sums[:-length]) / length, 1e-300))
     begins = float(np.quantile(logarithm, QUANTILE))
     beyond = logarithm[logarithm > begins] - begins
-    if not beyond.size:
-        return Tail(begins=begins, fall=0.0, share=1 - QUANTILE)
     fewer = max(apart * (1 - QUANTILE), 1.0)
-    return Tail(begins=begins, fall=float(beyond.mean()) * (1 + SURELY / np.sqrt(fewer)), share=1 - QUANTILE)
+    fall = float(beyond.mean()) * (1 + SURELY / np.sqrt(fewer)) if beyond.size else 0.0
+    return Tail(begins=begins, fall=max(fall, LEAST_FALL), share=1 - QUANTILE)
 
 
 def write_calibration(path: Path, calibration: Calibration) -> None:
@@ -147,6 +179,7 @@ def read_calibration(path: Path, model: str, names: tuple[str, ...]) -> Calibrat
     found = validate(Calibration, content, str(path))
     wanted = {f"{name}.{signal}" for name in names for signal in ("sudden", "torque")}
     whole = set(found.tails) == wanted and all(len(one) == len(LENGTHS) for one in found.tails.values())
+    whole &= set(found.growth) == wanted and all(len(one) == 3 * len(names) for one in found.growth.values())
     if found.model != model or not whole:
         raise InputError(
             f"the calibration {path} was made for robot {found.robot} with fingerprint {found.model}, but the model "

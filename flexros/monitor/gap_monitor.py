@@ -183,7 +183,10 @@ class GapMonitor:
             else:
                 self.windows += 1
                 self._missed.append(missed)
-                alarms.take(window.stamp, np.concatenate([missed.sudden, missed.slow]))
+                values = np.concatenate([missed.sudden, missed.slow])
+                if self._calibration is not None:
+                    values = values / self._calibration.expected(missed.motion)
+                alarms.take(window.stamp, values)
             yield missed
 
     @property

@@ -24,6 +24,8 @@ BETWEEN = 2.0
 """Time between them in time constants of the filter: an error falls to a seventh each time (chosen)."""
 AT_REST = 3.0
 """Time that a start at rest takes, in time constants of the filter (chosen)."""
+PARTS = 4
+"""Parts of a window from whose mean positions speeds and accelerations are taken (chosen)."""
 STAYS = 1.0
 """Shortest time with one design [s]: making one takes some 40 ms for six axes (chosen)."""
 
@@ -37,6 +39,7 @@ class Missed:
         sudden: Mean square of the sudden part of its errors, over that of noise [1], shape (M,).
         slow: Mean square of the missing torques, over that of noise [1], shape (M,).
         torque: Missing torque, mean and rms [Nm or N], shape (2, M).
+        motion: Mean squares of torques, speeds and accelerations of the motors [SI], shape (3 M,).
         sudden_part: Sudden part of the prediction errors [rad or m], shape (samples, M).
         design: Design that made it.
     """
@@ -45,6 +48,7 @@ class Missed:
     sudden: FloatArray
     slow: FloatArray
     torque: FloatArray
+    motion: FloatArray
     sudden_part: FloatArray
     design: Design
 
@@ -151,6 +155,14 @@ class Watch:
         self._corrections -= 1
         self._wait = self._windows(BETWEEN)
 
+    def _motion(self, window: Window) -> FloatArray:
+        """Tell how much the robot does: mean squares of torques, speeds and accelerations, shape (3 M,)."""
+        parts = np.array_split(window.position, PARTS)
+        step = self.sample_time * self._samples / PARTS
+        position = np.array([part.mean(axis=0) for part in parts])
+        rates = [np.diff(position, order, axis=0) / step**order for order in (1, 2)]
+        return np.concatenate([np.mean(one**2, axis=0) for one in (window.torque, *rates)])
+
     def _missed(self, window: Window, sudden: FloatArray, torque: FloatArray) -> Missed:
         found = self._here.design
         return Missed(
@@ -158,6 +170,7 @@ class Watch:
             sudden=np.mean(sudden[window.measured] ** 2, axis=0) / found.spread**2,
             slow=np.mean(torque**2, axis=0) / found.torque_spread**2,
             torque=np.stack([torque.mean(axis=0), np.sqrt(np.mean(torque**2, axis=0))]),
+            motion=self._motion(window),
             sudden_part=sudden,
             design=found,
         )

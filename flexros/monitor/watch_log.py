@@ -65,6 +65,11 @@ class WatchedLog:
         """Mean squares of all windows over those of noise, sudden parts then missing torques, shape (windows, 2 M)."""
         return np.array([np.concatenate([one.sudden, one.slow]) for one in self.missed])
 
+    @property
+    def motion(self) -> FloatArray:
+        """What the robot did in them: mean squares of torques, speeds and accelerations [SI], shape (windows, 3 M)."""
+        return np.array([one.motion for one in self.missed])
+
 
 def watch_log(
     log: Log, monitor: GapMonitor, *, name: str, progress: Callable[[int, int], None] | None = None

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.monitor.calibration import Calibration, Tail, calibrate, read_calibration, write_calibration
+from flexros.monitor.calibration import LEAST_FALL, Calibration, Tail, calibrate, read_calibration, write_calibration
 
 NAMES = ("motor_1",)
 
 
 def of(values: np.ndarray) -> Calibration:
-    return calibrate(values, NAMES, model="abc", robot="one", log="log")
+    return calibrate(values, np.zeros((len(values), 3)), NAMES, model="abc", robot="one", log="log")
 
 
 def test_a_tail_is_read_off_and_taken_a_little_slower() -> None:
@@ -35,9 +35,9 @@ def test_levels_of_lengths_that_the_log_is_too_short_for_are_infinite() -> None:
     assert np.all(np.isinf(levels[2]))
 
 
-def test_a_signal_that_is_constant_has_no_tail() -> None:
+def test_a_signal_that_is_constant_has_the_least_tail() -> None:
     known = of(np.full((600, 2), 7.0))
-    np.testing.assert_allclose(known.levels(np.full(3, 1e-9)), 7.0)
+    np.testing.assert_allclose(known.levels(np.full(3, 1e-9)), 7.0 * np.exp(LEAST_FALL * np.log(0.2 / 1e-9)), rtol=1e-6)
     assert known.accepted == {"motor_1": pytest.approx(np.sqrt(7.0))}
 
 
@@ -76,6 +76,18 @@ def test_a_calibration_of_another_model_is_refused(tmp_path: Path, model: str, n
     write_calibration(tmp_path / "f.json", of(np.ones((60, 2))))
     with pytest.raises(InputError, match="was made for robot one with fingerprint abc, but the model has .* calibrate"):
         read_calibration(tmp_path / "f.json", model, names)
+
+
+def test_what_is_accepted_grows_with_what_the_robot_does() -> None:
+    """Mean squares that are noise plus a share of the squared acceleration: the share is found, the rest is narrow."""
+    rng = np.random.default_rng(5)
+    motion = rng.exponential(1.0, size=(2000, 3)) ** 3
+    values = (1 + motion[:, [2, 2]] * [4.0, 900.0]) * np.exp(0.1 * rng.normal(size=(2000, 2)))
+    known = calibrate(values, motion, NAMES, model="abc", robot="one", log="log")
+    np.testing.assert_allclose(known.expected(np.array([0.0, 0.0, 2.0])), [9.0, 1801.0], rtol=0.1)
+    tail = known.tails["motor_1.torque"][0]
+    assert tail is not None
+    assert tail.level(1e-9) < 70.0
 
 
 def test_levels_stay_finite() -> None:

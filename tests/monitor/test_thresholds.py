@@ -62,7 +62,7 @@ def test_the_chances_of_all_signals_and_lengths_add_up_to_the_rate() -> None:
 def test_a_calibration_raises_thresholds_and_never_lowers_them(book: DesignBook) -> None:
     rng = np.random.default_rng(1)
     values = np.exp(0.2 * rng.normal(size=(600, 4))) * [1.0, 1.0, 50.0, 0.01]
-    known = calibrate(values, ("motor_1", "motor_2"), model="x", robot="elbow", log="log")
+    known = calibrate(values, np.zeros((600, 6)), ("motor_1", "motor_2"), model="x", robot="elbow", log="log")
     plain, raised = (thresholds(book, 200, calibration=one) for one in (None, known))
     assert np.all(raised.alarm[:, 2] > 50)
     np.testing.assert_array_equal(raised.alarm[:, 3], plain.alarm[:, 3])
