@@ -96,7 +96,7 @@ undisturbed run.""",
     ),
     "frozen": Part(
         "A node is frozen",
-        """SIGSTOP and SIGCONT in lock-step, time-outs 3 s: a short stop changes no bit, a long one ends the run in
+        """SIGSTOP and SIGCONT in lock-step, time-outs 5 s: a short stop changes no bit, a long one ends the run in
 order; a plant may stop for as long as one likes.""",
         frozen_partners.frozen,
     ),

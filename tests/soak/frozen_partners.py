@@ -17,9 +17,9 @@ from tests.soak.starting import await_samples, direct_log, ending, samples_in, s
 from tests.soak.watching import name_of
 
 NODES = ("plant", "controller", "feedforward", "recorder")
-SHORT, LONG = 0.5, 6.0
+SHORT, LONG = 0.5, 9.0
 """Times for which a node is frozen [s]; time-outs lie between them."""
-PATIENCE = (("plant.partner_timeout", 3), ("plant.recorder_timeout", 3), ("plant.brake_duration", 0.05))
+PATIENCE = (("plant.partner_timeout", 5), ("plant.recorder_timeout", 5), ("plant.brake_duration", 0.05))
 
 
 def frozen(

@@ -27,7 +27,7 @@ from tests.soak.watching import name_of
 
 NODES = ("plant", "controller", "feedforward", "recorder")
 ORDERS = list(permutations(NODES))
-IMPATIENT = {"partner_timeout": 1.0, "recorder_timeout": 2.0, "brake_duration": 0.05}
+IMPATIENT = {"partner_timeout": 3.0, "recorder_timeout": 4.0, "brake_duration": 0.05}
 TOLD = {
     "controller": "the controller is gone or lacks its reference; the plant has braked",
     "feedforward": "the controller is gone or lacks its reference; the plant has braked",

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from flexros.config.scenario import load_scenario
+from flexros.errors import InputError
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
 from flexros.simulate.closed_loop import closed_loop
@@ -168,5 +169,8 @@ def start_nodes(
 
 
 def samples_in(log: Path) -> int:
-    """Count the samples of a log, also of one that was never closed."""
-    return len(read_log(log).joint_states.stamp)
+    """Count the samples of a log, also of one that was never closed; 0 where not even one chunk was written."""
+    try:
+        return len(read_log(log).joint_states.stamp)
+    except InputError:
+        return 0
