@@ -114,10 +114,12 @@ def _overwritten(data: bytes, place: int) -> bytes:
     return data[:place] + b"\xff" * 10 + data[place + 10 :]
 
 
-def _double(n_bytes: int, data: bytes = b"") -> bytes:
-    """A matrix of doubles that claims a size."""
+def _double(n_bytes: int, data: bytes = b"", kind: int = 9) -> bytes:
+    """A matrix of doubles that claims a size, and a type of its element."""
     shape = struct.pack("<IIII", 5, 8, n_bytes // 8, 1)
-    body = struct.pack("<IIII", 6, 8, 6, 0) + shape + struct.pack("<IIc7x", 1, 1, b"q") + struct.pack("<II", 9, n_bytes)
+    body = (
+        struct.pack("<IIII", 6, 8, 6, 0) + shape + struct.pack("<IIc7x", 1, 1, b"q") + struct.pack("<II", kind, n_bytes)
+    )
     return struct.pack("<II", 14, len(body) + n_bytes) + body + data
 
 
@@ -217,6 +219,7 @@ HOSTILE: Mapping[str, tuple[str, Callable[[], bytes]]] = {
     "matlab: cells in cells": ("matlab", lambda: _matlab(_cells(MANY))),
     "matlab: cells in cells, not packed": ("matlab", lambda: _matlab(_cells(20_000), 14)),
     "matlab: variable that expands to 100 MB": ("matlab", lambda: _matlab(_double(10**8, bytes(10**8)))),
+    "matlab: element of an unknown type": ("matlab", lambda: _matlab(_double(16, bytes(16), kind=0x809))),
     "matlab: array of 4 GB": ("matlab", lambda: _matlab(_double(2**32 - 256))),
     "matlab: variable of 4 GB": ("matlab", lambda: _matlab(b"")[:-12] + struct.pack("<II", 14, 2**32 - 8)),
     "hdf5: array of 8 TB": ("hdf5", lambda: _hdf5(shape=(10**12,), chunks=(1000,))),

@@ -20,6 +20,7 @@ MENDED: dict[str, str] = {
     "numpy: archive that expands to 100 MB": "unpacked, however large",
     "numpy: array of 8 PB": "MemoryError",
     "matlab: cells in cells": "the process ended (stack of SciPy), by a file of 28 kB",
+    "matlab: element of an unknown type": "the process ended (bus error in SciPy)",
     "matlab: variable that expands to 100 MB": "unpacked, however large",
     "hdf5: array of 8 TB": "MemoryError",
     "hdf5: array that expands": "unpacked, however large",

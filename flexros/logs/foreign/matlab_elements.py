@@ -22,6 +22,8 @@ _HEAD = 128
 _MATRIX, _COMPRESSED = 14, 15
 _CELL, _STRUCTURE, _OBJECT, _TEXT, _SPARSE, _FUNCTION, _OPAQUE = 1, 2, 3, 4, 5, 16, 17
 _COMPLEX = 1 << 11
+_PLAIN = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 16, 17, 18)
+"""Types of elements that hold numbers or text; SciPy looks every other one up behind the end of its table."""
 
 
 def check_elements(path: Path) -> None:
@@ -98,8 +100,10 @@ class _Elements:
         """Step over an element; a small one stands in its tag."""
         start = self._position
         kind, size = self._words()
+        if kind & 0xFFFF not in _PLAIN or (kind >> 16) > 4:
+            raise InputError(f"a variable holds an element of the unknown type {kind}")
         if kind >> 16:
-            return self._data[start + 4 : start + 4 + min(kind >> 16, 4)]
+            return self._data[start + 4 : start + 4 + (kind >> 16)]
         start, self._position = self._position, self._position + size + -size % 8
         return self._data[start : start + size]
 

@@ -83,3 +83,12 @@ def test_cut_off_variable_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a.mat").write_bytes(content[:200])
     with pytest.raises(InputError, match="a variable is cut off"):
         check_elements(tmp_path / "a.mat")
+
+
+def test_element_of_an_unknown_type_is_refused(tmp_path: Path) -> None:
+    savemat(tmp_path / "a.mat", {"q": np.arange(5.0)}, do_compression=False)
+    content = bytearray((tmp_path / "a.mat").read_bytes())
+    content[content.index(b"\x09\0\0\0\x28") + 1] = 8  # the tag of 40 bytes of doubles
+    (tmp_path / "a.mat").write_bytes(content)
+    with pytest.raises(InputError, match="a variable holds an element of the unknown type 2057"):
+        check_elements(tmp_path / "a.mat")
