@@ -276,6 +276,7 @@ _calibration = {
     "log": "a",
     "time": 5.0,
     "accepted": {"motor_1": 1.0},
+    "growth": {f"motor_1.{signal}": [0.0, 0.0, 0.0] for signal in ("sudden", "torque")},
     "tails": {f"motor_1.{signal}": [None, None, None] for signal in ("sudden", "torque")},
 }
 _case_tree = {"name": "case_1", "robot": "e12", "logs": ["a", "b"], "seal": "0" * 64}
