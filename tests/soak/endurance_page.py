@@ -1,6 +1,6 @@
 """Write docs/results/endurance.md: python -m tests.soak.endurance_page [--only PART ...] [--again] [--out FOLDER].
 
-Parts that have a result in endurance.json are not run again; so a broken-off campaign goes on where it was.
+Parts that have a whole result in endurance.json are not run again; so a broken-off campaign goes on where it was.
 """
 
 from __future__ import annotations
@@ -202,7 +202,7 @@ def main() -> int:
     failed = False
     for name in given.only:
         results = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
-        if name not in results or given.again:
+        if given.again or name not in results or results[name].get("partial"):
             print(f"{name} ...", flush=True)
             try:
                 found = done(PARTS[name])
