@@ -22,7 +22,7 @@ demo: environment
 
 test: EXTRAS = test
 test: environment
-	@$(BIN)/python -m pytest $(PYTEST_OPTIONS)
+	@$(BIN)/python -m pytest -n 2 --dist loadfile $(PYTEST_OPTIONS)
 
 lint: EXTRAS = dev test
 lint: environment

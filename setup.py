@@ -12,7 +12,15 @@ ROS_WHEELS = [
     "ros-jazzy-common-interfaces==5.3.6",
     "ros-jazzy-rmw-fastrtps-cpp==8.4.3",
 ]
-TEST = ["pytest>=8", "hypothesis>=6.100", "pin>=2.7", "mujoco>=3.1", "h5py>=3.10", "setuptools>=70.1"]
+TEST = [
+    "pytest>=8",
+    "pytest-xdist>=3.5",
+    "hypothesis>=6.100",
+    "pin>=2.7",
+    "mujoco>=3.1",
+    "h5py>=3.10",
+    "setuptools>=70.1",
+]
 
 console_scripts = ["flexros = flexros.cli:main"]
 data_files = [

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import importlib
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import pytest
 
 from flexros.cli import main
+
+# The console keeps for good a width that is set when it is made; made without one it asks each time, as tests need it.
+os.environ.pop("COLUMNS", None)
+importlib.import_module("flexros.cli.output")
 
 
 @dataclass(frozen=True)
