@@ -46,6 +46,7 @@ RUN_ARGUMENTS = {
     "seed": Argument("", "Seed of noise and random disturbances instead of the scenario's"),
     "effects": Argument("", "Effects in the plant, NAME@LOCATION:parameter=value,... separated by spaces"),
     "begin_at_once": Argument("", "Begin an identification at once; false waits for ~/start", ("", *YES_OR_NO)),
+    "monitor": Argument("", "Robot as it is thought to be, which a gap monitor runs beside; empty for no monitor"),
     "namespace": Argument("", "Namespace of nodes and topics; /clock becomes its own too"),
 }
 """Further arguments where one robot runs."""
@@ -123,8 +124,13 @@ def plan_launch(given: Mapping[str, str], scratch: Path) -> LaunchPlan:
     if namespace and not all(_is_name(part) for part in namespace.split("/")):
         raise InputError(f"namespace is '{namespace}', but must be letters, digits and _ between slashes, e.g. left")
     clock = [("/clock", "clock")] if namespace else []
+    nodes = [NodeStart(name, _parameters(plan, name), name == "plant") for name in plan.nodes]
+    if model := given["monitor"]:
+        load_model(model)
+        file = Path(model)
+        nodes.append(NodeStart("gap_monitor", {"model": str(file.absolute()) if file.is_file() else model}, False))
     return LaunchPlan(
-        nodes=tuple(NodeStart(name, _parameters(plan, name), name == "plant") for name in plan.nodes),
+        nodes=tuple(nodes),
         folder=folder,
         namespace=namespace,
         remappings=(*clock, *_remappings(given["remappings"])),

@@ -145,6 +145,19 @@ def test_a_log_without_a_name_gets_one_of_the_scenario(tmp_path: Path) -> None:
     assert folder.name.startswith("circle_dae_")
 
 
+def test_gap_monitor_runs_beside_where_its_model_is_given(tmp_path: Path) -> None:
+    model = tmp_path / "model.yaml"
+    shutil.copy(CHECKOUT / "flexros" / "robot" / "library" / "two_mass.yaml", model)
+    launch = Launch("regulator", scenario="two_mass_step", monitor="model.yaml")
+    *others, monitor = launch.nodes
+    assert {node.executable for node in others} == {"plant", "controller", "feedforward", "recorder"}
+    assert monitor.executable == "gap_monitor"
+    assert monitor.own_parameters() == {"model": str(model)}
+    assert monitor.on_exit is None
+    with pytest.raises(InputError, match="nothing_like_it"):
+        Launch("regulator", scenario="two_mass_step", monitor="nothing_like_it")
+
+
 def test_identification_may_wait_for_its_service(identification_scenario: Path) -> None:
     launch = Launch("identification", scenario=str(identification_scenario), begin_at_once="false")
     assert launch.nodes[1].name == "identification"
