@@ -16,10 +16,10 @@ from tests.soak.result import Result
 PARTS: dict[str, Callable[[Path], Result]] = {
     "orders": lambda folder: killed_nodes.killed_in_order(folder, [("feedforward", "recorder", "plant", "controller")]),
     "back": lambda folder: killed_nodes.killed_and_back(folder, ["feedforward"]),
-    "frozen": lambda folder: frozen_partners.frozen(folder, ["controller"], [frozen_partners.SHORT], 4.0),
-    "bad_transport": lambda folder: bad_transport.disturbed(folder, 0.5, [1]),
+    "frozen": lambda folder: frozen_partners.frozen(folder, ["controller"], [frozen_partners.SHORT], 2.0),
+    "bad_transport": lambda folder: bad_transport.disturbed(folder, 0.2, [1]),
     "flood": lambda folder: foreign_senders.flooded(folder, ["not_finite"], 1.0, 2000.0),
-    "in_a_row": lambda folder: many_runs.in_a_row(folder, 2, 1, 1),
+    "in_a_row": lambda folder: many_runs.in_a_row(folder, 3, 1, 0),
     "side_by_side": lambda folder: many_runs.side_by_side(folder, 3, 1),
 }
 
@@ -34,7 +34,7 @@ def test_everything_is_as_it_must_be(part: str, tmp_path: Path) -> None:
 def test_disk_that_is_full_is_survived(tmp_path: Path) -> None:
     if not mounts_are_allowed(tmp_path):
         pytest.skip("this user may not mount a file system; test_faults.py limits the size of files instead")
-    assert full_disk.full_disk(tmp_path, ["processes"], ["2m"]).wrong == []
+    assert full_disk.full_disk(tmp_path, ["composed"], ["2m"]).wrong == []
 
 
 def test_long_run_loses_nothing(tmp_path: Path) -> None:
