@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
+    from flexros.arrays import FloatArray
     from flexros.effects import PlacedEffect
     from flexros.gap.diagnosis_file import CauseParameter
     from flexros.gap.result import DiagnosisResult
@@ -105,8 +106,18 @@ def _covariance(result: DiagnosisResult) -> Covariance | None:
     if not known:
         return None
     matrix = result.covariance[np.ix_(known, known)]
-    rows = tuple(tuple(_rounded(value) for value in row) for row in 0.5 * (matrix + matrix.T))
+    rows = tuple(tuple(_rounded(value) for value in row) for row in _semidefinite(matrix))
     return Covariance(names=tuple(result.covariance_of[place] for place in known), matrix=rows)
+
+
+def _semidefinite(matrix: FloatArray) -> FloatArray:
+    """Take off what rounding left of negative eigenvalues, where numbers hardly differ in effect; variances stay."""
+    deviation = np.sqrt(np.diagonal(matrix))
+    size, direction = np.linalg.eigh(0.5 * (matrix + matrix.T) / np.outer(deviation, deviation))
+    half = direction * np.sqrt(np.maximum(size, 0.0))
+    half *= (deviation / np.linalg.norm(half, axis=1))[:, None]
+    result: FloatArray = half @ half.T
+    return result
 
 
 def _rounded(value: float) -> float:

@@ -26,6 +26,10 @@ def cause(effect: str, location: str, **parameters: CauseParameter) -> Cause:
     return Cause(effect=effect, location=location, probability=0.9, parameters=parameters, closed_fraction=0.99)
 
 
+TOO_ALIKE = 0.01 * np.array([[1.0, 1.0 + 1e-5], [1.0 + 1e-5, 1.0]])
+"""Two numbers of which rounding left a correlation above 1."""
+
+
 def result(causes: tuple[Cause, ...], texts: tuple[str, ...], **numbers: float) -> DiagnosisResult:
     """Diagnosis of e12 with effects and variances by full name."""
     nothing = np.zeros((10, 2))
@@ -107,6 +111,20 @@ def test_two_orders_at_one_motor_stay_apart(tmp_path: Path) -> None:
     assert patch.covariance is not None
     assert patch.covariance.names == names
     assert [law.effect.numbers["order"] for law in load_model(tmp_path / "patch.yaml").laws] == [2.0, 6.0]
+
+
+def test_numbers_that_the_log_hardly_tells_apart_have_a_possible_covariance(tmp_path: Path) -> None:
+    causes = tuple(
+        cause("torque_ripple", "motor_1", amplitude=CauseParameter(value=size, std=0.1, unit="Nm"))
+        for size in (1.0, 0.5)
+    )
+    names = ("torque_ripple@motor_1.amplitude", "torque_ripple@motor_1#2.amplitude")
+    found = replace(result(causes, RIPPLES, **dict.fromkeys(names, 0.01)), covariance=TOO_ALIKE)
+    patch = write_patch(found, "e12", tmp_path / "patch.yaml")
+    assert patch.covariance is not None
+    np.testing.assert_allclose(patch.covariance.matrix, TOO_ALIKE, rtol=2e-5)
+    np.testing.assert_allclose(np.diagonal(patch.covariance.matrix), np.diagonal(TOO_ALIKE), rtol=1e-8)
+    assert load_model(tmp_path / "patch.yaml").laws
 
 
 def test_no_gap_gives_a_patch_that_changes_nothing(tmp_path: Path) -> None:
