@@ -31,8 +31,11 @@ STOP_TIME = 0.2
 REFUSALS_TOLD = 1.0
 """Least time between two refusals of trajectories in the log [s], chosen: a flood of them must not fill it."""
 
-LOOKS_PER_SAMPLE = 10
-"""Number of trajectories that are looked at as they come between two samples, chosen."""
+LOOKS = 10
+"""Number of trajectories that are looked at as they come, if none has come before for long, chosen."""
+
+LOOKS_PER_SAMPLE = 0.05
+"""Number of trajectories that may be looked at with each sample in a flood of them, chosen."""
 
 
 class ControllerNode(FlexrosNode):
@@ -85,7 +88,7 @@ class ControllerNode(FlexrosNode):
         self._reply: tuple[bytes, bytes] | None = None
         self._found = False
         self._answered = self._waits = self._refused = 0
-        self._looks = 0
+        self._looks = float(LOOKS)
         self._newest_trajectory: bytes | None = None
 
     def start(self) -> None:
@@ -170,9 +173,8 @@ class ControllerNode(FlexrosNode):
 
     def _answer(self) -> None:
         """Answer the newest measurement if its reference is there."""
-        if self._newest_trajectory is not None:
-            message, self._newest_trajectory = self._newest_trajectory, None
-            self._look_at_trajectory(message)
+        if self._newest_trajectory is not None and self._looks >= 1.0:
+            self._look_at_trajectory(self._newest_trajectory)
         position = self._pending
         if position is None:
             return
@@ -183,7 +185,7 @@ class ControllerNode(FlexrosNode):
             return
         command = self._controller.step(position, reference)
         self._pending = None
-        self._looks = 0
+        self._looks = min(self._looks + LOOKS_PER_SAMPLE, LOOKS)
         self.stamp = stamp
         self._answered += 1
         n = self._n_motors
@@ -213,15 +215,16 @@ class ControllerNode(FlexrosNode):
         self._answer()
 
     def _on_trajectory(self, message: bytes) -> None:
-        """Look at a trajectory; of a flood at the first ones after a sample, and at the newest with the next one."""
-        if self._looks < LOOKS_PER_SAMPLE:
+        """Look at a trajectory; in a flood of them only now and then, at the newest."""
+        if self._looks >= 1.0:
             self._look_at_trajectory(message)
         else:
             self._newest_trajectory = message
 
     def _look_at_trajectory(self, message: bytes) -> None:
         """Follow a trajectory from the next sample on; one that cannot be followed must not end the loop."""
-        self._looks += 1
+        self._looks -= 1.0
+        self._newest_trajectory = None
         try:
             trajectory = in_joint_order(read_joint_trajectory(message), self._names)
             self.check_trajectory(trajectory)

@@ -18,7 +18,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from flexros_nodes.controller import LOOKS_PER_SAMPLE, ControllerNode
+from flexros_nodes.controller import LOOKS, ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
 from tests.nodes.loop_on_bench import Loop
 
@@ -99,13 +99,13 @@ def test_of_a_flood_the_newest_one_is_followed_and_few_are_looked_at(
         sender.controller, "_look_at_trajectory", lambda message: (looks.append(message), look(message))
     )
     present = sender.step_to(5)[:2]
-    for i in range(LOOKS_PER_SAMPLE + 7):
+    for i in range(LOOKS + 7):
         sender.send((0.01, (present + 1e-4 * i).tolist()))
         bench.spin_for(0.02)
-    assert len(looks) == LOOKS_PER_SAMPLE
+    assert len(looks) == LOOKS
     used = sender.used()
-    assert len(looks) == LOOKS_PER_SAMPLE + 1
-    assert used[LAST] == pytest.approx(present + 1e-4 * (LOOKS_PER_SAMPLE + 6), abs=1e-12)
+    assert len(looks) == LOOKS + 1
+    assert used[LAST] == pytest.approx(present + 1e-4 * (LOOKS + 6), abs=1e-12)
 
 
 def test_what_cannot_be_followed_is_refused_with_a_sentence_and_the_loop_goes_on(
