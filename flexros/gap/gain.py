@@ -106,7 +106,7 @@ def observer_gain(
     K = _kalman_gain(F, C, G, R)
     keep = np.eye(len(F)) - K @ C
     transition = F @ keep
-    predicted = _stationary(transition, F @ K @ R @ K.T @ F.T + taken @ taken.T)
+    predicted = stationary_covariance(transition, F @ K @ R @ K.T @ F.T + taken @ taken.T)
     corrected = keep @ predicted @ keep.T + K @ R @ K.T
     return ObserverGain(
         gain=K,
@@ -159,7 +159,7 @@ def _settling(transition: FloatArray) -> int:
     return int(np.ceil(np.log(1e-3) / np.log(min(slowest, 1 - 1e-6))))
 
 
-def _stationary(transition: FloatArray, added: FloatArray) -> FloatArray:
+def stationary_covariance(transition: FloatArray, added: FloatArray) -> FloatArray:
     """Sum up noise in a stable system: S = F S F' + Q, by doubling of the time (Smith 1968).
 
     It stays accurate where positions and speeds differ by many orders of magnitude.

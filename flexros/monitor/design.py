@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
+from flexros.gap.gain import stationary_covariance
+
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.monitor.pose_model import LinearPose
@@ -31,8 +33,6 @@ BANDWIDTH = 10.0
 """Up to where the missing torque is told [Hz] (chosen)."""
 REFERENCE_STEP = 5e-4
 """Sample time for which levels are stated; at others the torque has the same power density [s]."""
-DOUBLINGS = 40
-"""Most doublings of the time over which noise is added up: 2^40 samples."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +174,7 @@ def autocovariances(found: Design, pose: LinearPose, noise: FloatArray, lags: in
     """
     system = driven_by_noise(pose, found.gain, found.filter)
     power = np.diag((noise / float(np.mean(noise))) ** 2)
-    P = _stationary(system.A, system.B @ power @ system.B.T)
+    P = stationary_covariance(system.A, system.B @ power @ system.B.T)
     result = np.empty((lags, len(system.C)))
     result[0] = np.diag(system.C @ P @ system.C.T + system.D @ power @ system.D.T)
     state = system.A @ P @ system.C.T + system.B @ power @ system.D.T
@@ -188,7 +188,7 @@ def _variances(system: LinearFilter, noise: FloatArray) -> FloatArray:
     """Give the variances of the outputs of a system that the noise of the encoders drives."""
     unit = float(np.mean(noise))
     power = np.diag((noise / unit) ** 2)
-    P = _stationary(system.A, system.B @ power @ system.B.T)
+    P = stationary_covariance(system.A, system.B @ power @ system.B.T)
     return np.asarray(unit**2 * np.diag(system.C @ P @ system.C.T + system.D @ power @ system.D.T))
 
 
@@ -234,15 +234,3 @@ def _kalman(F: FloatArray, C: FloatArray, Q: FloatArray, noise: FloatArray) -> F
     R = np.diag((noise / float(np.mean(noise))) ** 2)
     P = solve_discrete_are(F.T, C.T, Q, R)
     return np.asarray(P @ C.T @ np.linalg.inv(C @ P @ C.T + R))
-
-
-def _stationary(transition: FloatArray, added: FloatArray) -> FloatArray:
-    """Sum up noise in a stable system, S = F S F' + Q, by doubling of the time (Smith 1968)."""
-    covariance, power = added, transition
-    for _ in range(DOUBLINGS):
-        more = power @ covariance @ power.T
-        covariance = covariance + more
-        if np.all(np.abs(more) <= 1e-15 * np.abs(covariance)):
-            break
-        power = power @ power
-    return covariance

@@ -31,6 +31,8 @@ CHECKOUT = Path(__file__).parents[2]
 EXAMPLES = CHECKOUT / "docs" / "guide" / "examples"
 PATIENCE = 60.0
 
+StartProcess = Callable[..., subprocess.Popen[str]]
+
 SAMPLED = ("joint_states", "joint_commands", "joint_reference", "tool_pose", "tool_reference")
 
 
@@ -62,10 +64,24 @@ def started_node(node: str, *parameters: str) -> subprocess.Popen[str]:
     )
 
 
+def kept(start: StartProcess) -> Iterator[StartProcess]:
+    """Give a start whose processes do not outlive the test."""
+    processes: list[subprocess.Popen[str]] = []
+
+    def begin(*arguments: str) -> subprocess.Popen[str]:
+        processes.append(start(*arguments))
+        return processes[-1]
+
+    yield begin
+    for process in processes:
+        process.kill()
+        process.communicate()
+
+
 @pytest.fixture
-def start_node() -> Callable[..., subprocess.Popen[str]]:
+def start_node() -> Iterator[StartProcess]:
     """Give the start of a node as a process of its own, from its name and parameters `name:=value`."""
-    return started_node
+    yield from kept(started_node)
 
 
 def started_example(name: str, *arguments: str) -> subprocess.Popen[str]:
@@ -79,28 +95,22 @@ def started_example(name: str, *arguments: str) -> subprocess.Popen[str]:
 
 
 @pytest.fixture
-def start_example() -> Callable[..., subprocess.Popen[str]]:
+def start_example() -> Iterator[StartProcess]:
     """Give the start of an example of the guide as a user's process, which need not know where FlexROS is."""
-    return started_example
+    yield from kept(started_example)
 
 
 def ended_with(plant: subprocess.Popen[str], *others: subprocess.Popen[str], spin: Callable[[], None]) -> str:
-    processes = (plant, *others)
-    try:
-        deadline = monotonic() + PATIENCE
-        while plant.poll() is None:
-            assert monotonic() < deadline, "the plant did not end"
-            spin()
-        said, errors = plant.communicate(timeout=PATIENCE)
-        assert plant.returncode == 0, errors
-        for process in others:
-            process.send_signal(signal.SIGTERM)
-            _, errors = process.communicate(timeout=PATIENCE)
-            assert process.returncode == 0, errors
-    finally:
-        for process in processes:
-            process.kill()
-            process.wait()
+    deadline = monotonic() + PATIENCE
+    while plant.poll() is None:
+        assert monotonic() < deadline, "the plant did not end"
+        spin()
+    said, errors = plant.communicate(timeout=PATIENCE)
+    assert plant.returncode == 0, errors
+    for process in others:
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=PATIENCE)
+        assert process.returncode == 0, errors
     return said or ""
 
 

@@ -20,7 +20,7 @@ from flexros.simulate.experiment import Experiment
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from flexros_nodes import composed
-from flexros_nodes.controller import ControllerNode
+from flexros_nodes.controller import LOOKS, ControllerNode
 from flexros_nodes.run import run_scenario
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
@@ -55,7 +55,7 @@ def test_garbage_changes_nothing_and_is_counted(
     assert log_differences(direct, log) == []
     assert summary.reports["plant"].figures["unreadable_messages"] > 100
     assert summary.reports["recorder"].figures["unreadable_messages"] > 100
-    assert summary.reports["controller"].figures["refused_trajectories"] > 500
+    assert summary.reports["controller"].figures["refused_trajectories"] > LOOKS
 
 
 @pytest.mark.parametrize("real_time", [False, True], ids=["lock-step", "real time"])

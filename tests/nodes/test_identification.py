@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import signal
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -260,6 +259,7 @@ def test_parameters_of_the_node_that_is_left_out_are_bad_input(identification_sc
 def test_executables_wait_for_the_service_and_run(
     bench: Bench,
     start_node: Callable[..., subprocess.Popen[str]],
+    end_with_plant: Callable[..., str],
     tmp_path: Path,
     identification_scenario: Path,
     log_differences: Differences,
@@ -273,20 +273,11 @@ def test_executables_wait_for_the_service_and_run(
     ]
     user = bench.hold(rclpy.create_node("user", context=bench.context))
     client = user.create_client(Trigger, "identification/start")
-    try:
-        bench.spin_until(client.service_is_ready, TIMEOUT)
-        answers: list[Trigger.Response] = []
-        while not answers or not answers[-1].success:  # refused until the node is active
-            future = client.call_async(Trigger.Request())
-            bench.spin_until(future.done)
-            answers.append(future.result())
-        _, errors = plant.communicate(timeout=TIMEOUT)
-        assert plant.returncode == 0, errors
-        for process in others:
-            process.send_signal(signal.SIGINT)
-            _, errors = process.communicate(timeout=TIMEOUT)
-            assert process.returncode == 0, errors
-    finally:
-        for process in (plant, *others):
-            process.kill()
+    bench.spin_until(client.service_is_ready, TIMEOUT)
+    answers: list[Trigger.Response] = []
+    while not answers or not answers[-1].success:  # refused until the node is active
+        future = client.call_async(Trigger.Request())
+        bench.spin_until(future.done)
+        answers.append(future.result())
+    end_with_plant(plant, *others, spin=lambda: bench.spin_for(0.02))
     assert log_differences(direct(identification_scenario), read_log(tmp_path / "log")) == []

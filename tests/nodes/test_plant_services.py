@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -248,7 +247,10 @@ def test_real_time_goes_on_after_a_pause_without_misses(bench: Bench, short_scen
 
 
 def test_executables_are_stepped_reset_and_run(
-    bench: Bench, start_node: Callable[..., subprocess.Popen[str]], short_scenario: Path
+    bench: Bench,
+    start_node: Callable[..., subprocess.Popen[str]],
+    end_with_plant: Callable[..., str],
+    short_scenario: Path,
 ) -> None:
     given = f"scenario:={short_scenario}", "observers:=0"
     plant = start_node("plant", *given, "begin_at_once:=false")
@@ -266,21 +268,12 @@ def test_executables_are_stepped_reset_and_run(
             bench.spin_for(0.02)
         raise AssertionError(f"{name} never said {said}")
 
-    try:
-        for client in clients.values():
-            bench.spin_until(client.service_is_ready, TIMEOUT)
-        until("step", "sample 5")
-        until("reset", "back before its first sample")
-        until("start", "goes on from")
-        _, errors = plant.communicate(timeout=TIMEOUT)
-        assert plant.returncode == 0, errors
-        for process in others:
-            process.send_signal(signal.SIGINT)
-            _, errors = process.communicate(timeout=TIMEOUT)
-            assert process.returncode == 0, errors
-    finally:
-        for process in (plant, *others):
-            process.kill()
+    for client in clients.values():
+        bench.spin_until(client.service_is_ready, TIMEOUT)
+    until("step", "sample 5")
+    until("reset", "back before its first sample")
+    until("start", "goes on from")
+    end_with_plant(plant, *others, spin=lambda: bench.spin_for(0.02))
 
 
 def test_services_and_topics_go_with_the_clean_up(bench: Bench) -> None:

@@ -2,10 +2,11 @@
 
 import contextlib
 import math
+import signal
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
 
@@ -15,9 +16,8 @@ class ForeignController(Node):
     def __init__(self) -> None:
         super().__init__("foreign_controller")
         defaults = {"kp": 5600.0, "ki": 24000.0, "kd": 300.0, "swing": 0.0, "period": 1.0}  # Nm/rad, s; rad, s
-        self.kp, self.ki, self.kd, self.swing, self.period = (
-            self.declare_parameter(name, value).value for name, value in defaults.items()
-        )
+        given = [self.declare_parameter(name, value).value for name, value in defaults.items()]
+        self.kp, self.ki, self.kd, self.swing, self.period = given
         self.first = self.stamp = None
         self.commands = self.create_publisher(JointState, "joint_commands", 100)
         self.create_subscription(JointState, "joint_states", self.answer, 10)
@@ -40,8 +40,9 @@ class ForeignController(Node):
 
 
 if __name__ == "__main__":
-    rclpy.init()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # to be stopped is no error
     node = ForeignController()
-    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
-        while rclpy.ok():
-            rclpy.spin_once(node, timeout_sec=0.2)  # a wait without bound may sleep through SIGTERM
+    with contextlib.suppress(KeyboardInterrupt):
+        while True:
+            rclpy.spin_once(node, timeout_sec=0.2)  # a wait without bound would sleep through the signal

@@ -5,10 +5,11 @@ stamp of its measurement, so this node holds the newest one and sends it on with
 """
 
 import contextlib
+import signal
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
 
@@ -36,8 +37,9 @@ class Bridge(Node):
 
 
 if __name__ == "__main__":
-    rclpy.init()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # to be stopped is no error
     node = Bridge()
-    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
-        while rclpy.ok():
-            rclpy.spin_once(node, timeout_sec=0.2)  # a wait without bound may sleep through SIGTERM
+    with contextlib.suppress(KeyboardInterrupt):
+        while True:
+            rclpy.spin_once(node, timeout_sec=0.2)  # a wait without bound would sleep through the signal
