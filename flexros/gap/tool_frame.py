@@ -2,12 +2,12 @@
 
 The tracker sees p = R (x(t + tau) + Q(t + tau) c) + b with the predicted tool position x and orientation Q, rotation R
 and origin b of the base in the tracker's frame, an offset c of the target in the tool's frame and a time offset tau of
-the topic. Of these only what the motion shows is estimated: what leaves the path as it is stays zero.
+the topic. What the motion shows beyond the noise is estimated; a wide prior keeps offsets that it does not show at zero.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,8 +22,14 @@ if TYPE_CHECKING:
 LONGEST_OFFSET = 0.1
 """Longest time offset that is looked for [s] (chosen)."""
 
-SEEN = 1e-3
-"""Effect of unknowns on the path, over that of those seen best, below which they are not seen (chosen)."""
+PRIOR = 0.3
+"""Standard deviation of offsets about zero, in extents of the path, and of steps of the frame (chosen)."""
+
+TOLD = 0.1
+"""Standard deviation, in radians or extents of the path, from which on an unknown counts as not shown (chosen)."""
+
+STRAIGHT = 1e-9
+"""Common variance of two paths across their line, over that along it, below which no turn about it is told (chosen)."""
 
 FEWEST = 20
 """Fewest poses (chosen)."""
@@ -115,17 +121,26 @@ def correct_tool(
             f"{len(rows)} poses of the tool lie within the record, needed are {FEWEST}; record tool_pose throughout"
         )
     measured, time = tool.position[rows], tool.time[rows]
-    tau = _first_offset(path, measured, time, margin)
-    rotation, origin = _rigid_fit(path.at(time + tau).position, measured)
-    unknowns = _Unknowns(rotation, origin, np.zeros(3), tau)
+    start = _aligned(path, measured, time, np.zeros(3), _first_offset(path, measured, time, margin))
+    found = [
+        _settled(path, measured, time, one, margin, orientation is not None)
+        for one in (start, start.turned_about_line(measured))
+    ]
+    return _result(*min(found, key=lambda one: one[0].scale), path, measured, time, rows)
+
+
+def _settled(
+    path: ToolPath, measured: FloatArray, time: FloatArray, now: _Unknowns, margin: float, oriented: bool
+) -> tuple[_Linearised, _Unknowns]:
+    """Improve unknowns until they stay (Gauss and Newton), with the best frame of every step."""
     for _ in range(_ITERATIONS):
-        fit = _linearised(path, measured, time, unknowns, orientation is not None)
-        step = fit.step()
-        unknowns = unknowns.moved(step, margin)
-        if np.all(np.abs(step) < 1e-12):
+        fit = _linearised(path, measured, time, now, oriented)
+        step = fit.step(now.way)
+        late = float(np.clip(now.time_offset + step[9], -margin, margin))
+        now = _aligned(path, measured, time, now.tool_offset + step[6:9], late, fit.weight)
+        if np.all(np.abs(step) < 1e-9):
             break
-    fit = _linearised(path, measured, time, unknowns, orientation is not None)
-    return _result(fit, unknowns, path, measured, time, rows)
+    return _linearised(path, measured, time, now, oriented), now
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,14 +150,17 @@ class _Unknowns:
     tool_offset: FloatArray
     time_offset: float
 
-    def moved(self, step: FloatArray, margin: float) -> _Unknowns:
-        """Add small turns, origin, tool offset and time offset, shape (10,)."""
-        return _Unknowns(
-            _turn(step[:3]) @ self.rotation,
-            self.origin + step[3:6],
-            self.tool_offset + step[6:9],
-            float(np.clip(self.time_offset + step[9], -margin, margin)),
-        )
+    @property
+    def way(self) -> FloatArray:
+        """How far offsets are from none, shape (10,); no frame is farther than another."""
+        return np.concatenate([np.zeros(6), self.tool_offset, [self.time_offset]])
+
+    def turned_about_line(self, measured: FloatArray) -> _Unknowns:
+        """Turn the frame half around the line of the path, where an offset may hide which side is up."""
+        centre = measured.mean(axis=0)
+        line = np.linalg.svd(measured - centre, full_matrices=False)[2][0]
+        half = 2 * np.outer(line, line) - np.eye(3)
+        return replace(self, rotation=half @ self.rotation, origin=half @ (self.origin - centre) + centre)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,18 +172,13 @@ class _Linearised:
     scale: float
     weight: FloatArray
 
-    def step(self) -> FloatArray:
-        """Solve for what the motion shows; the rest stays."""
-        root = np.repeat(np.sqrt(self.weight), 3)[:, None]
-        seen, right = self._seen(root * self.slopes)
-        return np.asarray(right @ np.linalg.lstsq(seen, root[:, 0] * self.residual.ravel(), rcond=None)[0])
-
-    def _seen(self, slopes: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return slopes along the combinations that are seen, shape (3 m, k), and these, shape (10, k)."""
+    def step(self, way: FloatArray) -> FloatArray:
+        """Solve for a step that fits the path and leaves offsets of zero only as far as the path shows, shape (10,)."""
         size = self._sizes()
-        _, values, right = np.linalg.svd(slopes * size, full_matrices=False)
-        kept = (right.T * size[:, None])[:, values > SEEN * values[0]]
-        return slopes @ kept, kept
+        root = np.repeat(np.sqrt(self.weight), 3) / self.scale
+        rows = np.vstack([root[:, None] * self.slopes * size, np.eye(10) / PRIOR])
+        aims = np.concatenate([root * self.residual.ravel(), -way / size / PRIOR])
+        return np.asarray(size * np.linalg.lstsq(rows, aims, rcond=None)[0])
 
     def _sizes(self) -> FloatArray:
         """Sizes that make the unknowns comparable: each moves the path by about as much as it extends."""
@@ -174,17 +187,30 @@ class _Linearised:
         return np.concatenate([np.ones(3), np.full(6, extent), [extent / speed]])
 
     def basis(self) -> FloatArray:
-        """Orthonormal basis of what the unknowns do to the residual, shape (3 m, k)."""
-        return np.asarray(np.linalg.qr(self._seen(self.slopes)[0])[0])
+        """Orthonormal basis of what the unknowns can do to the residual beyond its noise, shape (3 m, k)."""
+        left, values, _ = np.linalg.svd(self.slopes * self._sizes(), full_matrices=False)
+        return np.asarray(left[:, PRIOR * values > TOLD * self.scale])
 
     def deviation(self) -> FloatArray:
-        """Standard deviations of the unknowns, infinite where unseen, shape (10,)."""
-        seen, kept = self._seen(self.slopes)
-        covariance = kept @ np.linalg.pinv(seen.T @ seen) @ kept.T * self.scale**2
+        """Standard deviations of the unknowns, infinite where the motion does not show them, shape (10,)."""
         size = self._sizes()
-        hidden = np.eye(10) - (kept / size[:, None]) @ (kept / size[:, None]).T
-        deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-        return np.where(np.diag(hidden) > 0.02, np.inf, deviation)
+        _, values, right = np.linalg.svd(self.slopes * size, full_matrices=False)
+        variance = (right.T**2) @ (1 / ((values / self.scale) ** 2 + PRIOR**-2))
+        return np.where(variance > TOLD**2, np.inf, size * np.sqrt(variance))
+
+
+def _aligned(
+    path: ToolPath,
+    measured: FloatArray,
+    time: FloatArray,
+    tool_offset: FloatArray,
+    time_offset: float,
+    weight: FloatArray | None = None,
+) -> _Unknowns:
+    """Find the frame that suits given offsets best."""
+    points = path.at(time + time_offset)
+    rotation, origin = _rigid_fit(points.position + points.axes @ tool_offset, measured, weight)
+    return _Unknowns(rotation, origin, tool_offset, time_offset)
 
 
 def _linearised(path: ToolPath, measured: FloatArray, time: FloatArray, now: _Unknowns, oriented: bool) -> _Linearised:
@@ -200,7 +226,8 @@ def _linearised(path: ToolPath, measured: FloatArray, time: FloatArray, now: _Un
         slopes[:, :, 6:9] = now.rotation @ points.axes
     slopes[:, :, 9] = (points.speed + points.axes_speed @ now.tool_offset) @ now.rotation.T
     size = np.linalg.norm(residual, axis=1)
-    scale = max(float(np.median(size)) / 1.538, 1e-15)  # median length of three normal numbers
+    least = 1e-9 * float(np.max(np.abs(turned), initial=1e-6))
+    scale = max(float(np.median(size)) / 1.538, least)  # median length of three normal numbers
     weight = np.minimum(1.0, _HUBER * scale * np.sqrt(3) / np.maximum(size, 1e-300))
     return _Linearised(residual, slopes.reshape(3 * m, 10), scale, weight)
 
@@ -236,13 +263,16 @@ def _first_offset(path: ToolPath, measured: FloatArray, time: FloatArray, margin
     return float(tried[best]) if cost[best] < 0.999 * cost[_TRIED // 2] else 0.0
 
 
-def _rigid_fit(points: FloatArray, measured: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _rigid_fit(
+    points: FloatArray, measured: FloatArray, weight: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
     """Find rotation and origin of least squares (S. Umeyama, 1991); the least turn where points lie on a line."""
-    centre, seen = points.mean(axis=0), measured.mean(axis=0)
-    left, values, right = np.linalg.svd((measured - seen).T @ (points - centre))
+    centre, seen = (np.average(each, axis=0, weights=weight) for each in (points, measured))
+    share = np.ones(len(points)) if weight is None else weight
+    left, values, right = np.linalg.svd((share[:, None] * (measured - seen)).T @ (points - centre))
     if values[0] <= 0:
         return np.eye(3), seen - centre
-    if values[1] < SEEN * values[0]:
+    if values[1] < STRAIGHT * values[0]:
         rotation = _least_turn(right[0], left[:, 0])
     else:
         rotation = left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
