@@ -27,6 +27,9 @@ REMOVED_OF_ALL = 0.3
 """Share of all that is left that a further effect must remove on a real machine [1] (chosen)."""
 UNEXPLAINED = 0.1
 """Share of the gap that an explanation may leave before the cause counts as unknown [1] (the contract)."""
+FORM = 0.02
+"""Share of the gap that errors in the form of its laws may leave where the model is exact [1]: ten times what the
+probabilities count with (development seeds)."""
 RIVAL = 3.0
 """A rival whose probability is within this factor makes the answer ambiguous [1] (the contract)."""
 

@@ -12,7 +12,7 @@ from flexros.effects import PlacedEffect
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.diagnosis_file import GapNumbers, Place
 from flexros.gap.evidence import SIGNIFICANT, Evidence
-from flexros.gap.explain import RIVAL, UNEXPLAINED
+from flexros.gap.explain import FORM, RIVAL, UNEXPLAINED
 from flexros.gap.fitted_numbers import placed
 from flexros.gap.how_far import closed_fraction, errors_ahead
 from flexros.gap.hypothesis import name_of
@@ -66,9 +66,20 @@ class Findings:
             if found.evidence.significant(found.chosen) or self.held_out_gap:
                 return "unknown_effect"
             return "explained" if self.quantized else "no_gap"
-        if max(found.left, self.held_out_left) > UNEXPLAINED:
+        if max(found.left, self.held_out_left) > self._tolerated:
             return "unknown_effect"
         return "ambiguous" if len(self.rivals) else "explained"
+
+    @property
+    def _tolerated(self) -> float:
+        """Share of the gap that an explanation may leave [1].
+
+        Beside an exact model only errors in the form of its laws excuse that it leaves more than the noise.
+        """
+        chosen = self.explanations.chosen
+        left = min(self.explanations.evidence.level(chosen), self._held_evidence.level(self._on_held(chosen))) - 1.0
+        exact = not chosen.predictor.tolerance.names and not self.data.record.imported
+        return FORM if exact and left > 1.0 else UNEXPLAINED
 
     @cached_property
     def held_out_gap(self) -> bool:

@@ -27,6 +27,8 @@ slow effects, whose errors are smaller than white prediction errors tell, finer 
 HOPE = 10.0
 """Times what linear theory promises that a fit may still gain [1] (chosen)."""
 DAMPINGS = 10.0 ** np.arange(-4.0, 4.0)
+ALIKE = 1e-6
+"""Largest information of a number to the unit of the dampings that are alike for all numbers [1] (chosen)."""
 RUN_AWAY = 1e100
 """Derivatives of this size are of predictions that run away; their squares would leave the range of numbers."""
 MOST_STARTS = 96
@@ -105,7 +107,9 @@ def fit(
 ) -> Fit:
     """Find the numbers of least squares near a start (Levenberg 1944, Marquardt 1963).
 
-    Derivatives are differences, side by side in the lanes of the predictor; eight dampings are tried at once.
+    Derivatives are differences, side by side in the lanes of the predictor. Eight dampings are tried at once: each
+    number damped by its own information (Marquardt), and where none of these is better all numbers alike (Levenberg),
+    so that of two numbers which the log cannot tell apart the one moves that it shows best.
 
     Args:
         predictor: The hypothesis.
@@ -131,14 +135,16 @@ def fit(
             break
         if chi2 - HOPE * promised > rival:
             break
-        trials = np.stack([_trial(predictor, theta, line, damping) for damping in DAMPINGS], axis=-1)
+        each, alike = _trials(predictor, theta, line)
         del line  # slopes are the largest arrays of a fit
-        values = chi2_of(predictor, data, trials)
-        best = int(np.argmin(values))
-        fall = chi2 - values[best]
-        if fall > 0:
-            theta, chi2 = trials[:, best], float(values[best])
-        if fall < enough:
+        before = chi2
+        for trials in (each, alike):
+            values = chi2_of(predictor, data, trials)
+            best = int(np.argmin(values))
+            if values[best] < before:
+                theta, chi2 = trials[:, best], float(values[best])
+                break
+        if before - chi2 < enough:
             converged = True
             break
     return Fit(predictor, theta, float(chi2), information, done, converged)
@@ -212,13 +218,24 @@ def _promised(line: Linearised, free: BoolArray) -> float:
     return float(gradient @ np.linalg.lstsq(information, gradient, rcond=1e-12)[0])
 
 
-def _trial(predictor: Predictor, theta: FloatArray, line: Linearised, damping: float) -> FloatArray:
-    """Take one damped step, no number of an effect farther than allowed."""
+def _trials(predictor: Predictor, theta: FloatArray, line: Linearised) -> tuple[FloatArray, FloatArray]:
+    """List damped steps, each number damped by its own information and all alike, shapes (n_fitted, dampings)."""
+    most = max(float(np.max(np.diag(line.information), initial=0.0)), 1e-300)
+    own = np.diag(line.information) + 1e-12 * most
+    alike = np.full(len(theta), ALIKE * most)
+    each, even = (
+        np.stack([_trial(predictor, theta, line, damping * scale) for damping in DAMPINGS], axis=-1)
+        for scale in (own, alike)
+    )
+    return each, even
+
+
+def _trial(predictor: Predictor, theta: FloatArray, line: Linearised, added: FloatArray) -> FloatArray:
+    """Take one step with added information, shape (n_fitted,), no number of an effect farther than allowed."""
     free = _free(predictor, theta, line)
-    gradient, information = line.gradient[free], line.information[np.ix_(free, free)]
-    scale = np.diag(information) + 1e-12 * max(float(np.max(np.diag(information), initial=0.0)), 1e-300)
+    information = line.information + np.diag(added)
     step = np.zeros(len(theta))
-    step[free] = -np.linalg.lstsq(information + damping * np.diag(scale), gradient, rcond=None)[0]
+    step[free] = -np.linalg.lstsq(information[np.ix_(free, free)], line.gradient[free], rcond=None)[0]
     longest = float(np.max(np.abs(step[: predictor.n_effect]), initial=0.0))
     result: FloatArray = np.clip(theta + step * min(1.0, LONGEST / max(longest, 1e-300)), *predictor.bounds)
     return result

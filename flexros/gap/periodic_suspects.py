@@ -19,12 +19,13 @@ if TYPE_CHECKING:
     from flexros.gap.orders import Entry, PeriodicFit
     from flexros.robot import Robot
 
-ENTRIES: dict[str, tuple[tuple[Entry, tuple[tuple[str, bool], ...]], ...]] = {
-    "torque_ripple": (("torque", ()), ("proportional torque", (("proportional", True),))),
-    "encoder_eccentricity": (("encoder", ()),),
-    "transmission_error": (("gear", ()),),
-}
-"""Where the wave of each periodic effect enters, and what else is set with it."""
+ENTRIES: tuple[tuple[str, Entry, tuple[tuple[str, bool], ...]], ...] = (
+    ("torque_ripple", "torque", ()),
+    ("torque_ripple", "proportional torque", (("proportional", True),)),
+    ("encoder_eccentricity", "encoder", ()),
+    ("transmission_error", "gear", ()),
+)
+"""Periodic effects, where the wave of each enters, and what else is set with it."""
 LARGEST_PROPORTIONAL = 0.99
 """Largest amplitude of a ripple relative to the torque; such ripples are below 1 [1] (chosen)."""
 
@@ -34,7 +35,8 @@ def periodic_suspects(
 ) -> tuple[Suspect, ...]:
     """List periodic effects at every motor with the orders that fit best.
 
-    The search for orders is linear, so that nonlinear robots rank the orders otherwise: many are tried.
+    The search for orders is linear, so that nonlinear robots rank the orders otherwise: many are tried, and with every
+    effect the best order of each other one.
 
     Args:
         robot: The nominal robot.
@@ -47,17 +49,17 @@ def periodic_suspects(
         Suspects, each with a start per wave.
     """
     search = OrderSearch(robot, data, residual, states, data.pose)
+    own = number - len(ENTRIES) + 1
     found: list[Suspect] = []
-    for name, ways in ENTRIES.items():
-        if name not in effects():
-            continue
-        effect = effects()[name]
-        for location in effect().locations(robot):
-            for entry, fixed in ways:
-                waves = search.search(robot.joint_names.index(location), entry, number)
-                most = LARGEST_PROPORTIONAL if fixed else float("inf")
-                if waves:
-                    found.append(Suspect(effect, location, _free(waves, most), fixed, together=True))
+    for motor, location in enumerate(robot.joint_names):
+        ways = [way for way in ENTRIES if way[0] in effects() and location in effects()[way[0]]().locations(robot)]
+        waves = [search.search(motor, entry, own) for _, entry, _ in ways]
+        for place, (name, entry, fixed) in enumerate(ways):
+            others = [rest[0].order for rest in waves[:place] + waves[place + 1 :] if rest]
+            together = (*waves[place], *(search.fit(motor, entry, order) for order in others))
+            most = LARGEST_PROPORTIONAL if fixed else float("inf")
+            if together:
+                found.append(Suspect(effects()[name], location, _free(together, most), fixed, together=True))
     return tuple(found)
 
 

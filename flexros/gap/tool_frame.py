@@ -2,7 +2,8 @@
 
 The tracker sees p = R (x(t + tau) + Q(t + tau) c) + b with the predicted tool position x and orientation Q, rotation R
 and origin b of the base in the tracker's frame, an offset c of the target in the tool's frame and a time offset tau of
-the topic. What the motion shows beyond the noise is estimated; a wide prior keeps offsets that it does not show at zero.
+the topic. What the motion shows beyond the noise is estimated; offsets that it does not show
+stay at zero, where a wide prior holds them.
 """
 
 from __future__ import annotations

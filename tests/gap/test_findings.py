@@ -59,6 +59,15 @@ def test_an_explanation_that_leaves_more_than_a_tenth_is_none() -> None:
     assert findings(fitted(3.0, COULOMB), [], [1.0], TRUTH).verdict == "unknown_effect"
 
 
+def test_beside_an_exact_model_an_explanation_leaves_no_more_than_errors_of_form() -> None:
+    wrong = replace(fitted(50.0, COULOMB), theta=np.array(numbers(suspects_of()[COULOMB], level=0.04)))
+    found = findings(wrong, [], [1.0], TRUTH, nothing=1000.0)
+    assert 0.02 < max(found.explanations.left, found.held_out_left) < 0.1
+    assert found.verdict == "unknown_effect"
+    near = replace(wrong, chi2=1.5 * found.data.n_values)
+    assert findings(near, [], [1.0], TRUTH, nothing=1000.0).verdict == "explained"  # it leaves no more than the noise
+
+
 def test_an_explanation_that_does_not_hold_on_other_data_is_none() -> None:
     """Numbers that fit one log only: here they are wrong, as the fit is made by hand."""
     wrong = replace(fitted(1.0, COULOMB), theta=np.array(numbers(suspects_of()[COULOMB], level=0.1)))

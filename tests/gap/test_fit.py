@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -102,6 +103,25 @@ def test_numbers_stay_within_their_bounds() -> None:
     data = made(predictor_of(suspect), np.array(numbers(suspect, relative=0.04)), 0)
     found = fit(predictor_of(narrow), data, np.array([-1.0]))
     assert found.theta[0] == 1.0
+
+
+class TwoAlike:
+    """Errors that two numbers change in the same way, the second by far less and then otherwise: predictor and log."""
+
+    n_effect, bounds, tolerance = 2, (np.full(2, -1.0), np.full(2, 1.0)), Tolerance()
+
+    def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
+        noise, alike, other = np.random.default_rng(0).normal(size=(3, 1000, 1))
+        far = np.maximum(np.abs(thetas[1]) - 0.01, 0.0)
+        return np.asarray(noise + 1e3 * alike * (thetas[0] - 0.01) + 0.03 * alike * thetas[1] + 100 * other * far)
+
+
+def test_of_two_numbers_that_do_the_same_the_one_moves_that_shows_more() -> None:
+    both = TwoAlike()
+    found = fit(cast("Predictor", both), cast("FitData", both), np.array([1e-4, -1e-4]), 20)
+    assert found.converged
+    assert found.theta[0] == pytest.approx(0.01, abs=2e-4)
+    assert abs(found.theta[1]) < 0.1
 
 
 def test_what_is_tolerated_takes_up_a_deviation_at_its_price() -> None:
