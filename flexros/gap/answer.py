@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.cannot_tell import cannot_tell
 from flexros.gap.diagnosis_file import Cause, CauseParameter, Diagnosis
-from flexros.gap.explain import UNEXPLAINED
+from flexros.gap.evidence import UNEXPLAINED
 from flexros.gap.findings import place_of
 from flexros.gap.fitted_numbers import covariance_of, parameters_of, placed
 from flexros.gap.next_experiment import next_experiment

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.gap.fit import Fit
+    from flexros.gap.fit_data import FitData
     from flexros.gap.hypothesis import Suspect
 
 PER_PARAMETER = 3.0
@@ -35,6 +36,14 @@ LEAST_LEVEL = 0.5
 """Level below which a log has less noise than anything could be told from [1] (chosen)."""
 SIGNIFICANT = 4.0
 """Standard deviations of V without gap beyond which something is left [1] (development seeds)."""
+UNEXPLAINED = 0.1
+"""Share of the gap that an explanation may leave before the cause counts as unknown [1] (the contract)."""
+FORM = 0.02
+"""The same beside an exact model, where only errors of form excuse that more than the noise is left [1]: ten times what
+the probabilities count with (development seeds)."""
+INADEQUATE = 7.0
+"""What leaving more than this costs in the logarithm of the probability, where another explanation does not [nats]
+(chosen)."""
 ROUNDED = 0.02
 """Gain per value that coarse rounding of an encoder may pretend [1] (chosen)."""
 DETECTED = 6.0
@@ -51,6 +60,7 @@ class Evidence:
         n_values: Number of prediction errors that count.
         floor_error: Relative standard deviation of the variance of the noise [1].
         rounding: Share of rounding in the variance of the noise, which no model of noise tells exactly [1].
+        exact: Whether the nominal model is exact but for the effects.
     """
 
     nothing: Fit
@@ -58,6 +68,7 @@ class Evidence:
     n_values: int
     floor_error: float = 0.0
     rounding: float = 0.0
+    exact: bool = False
 
     def level(self, one: Fit) -> float:
         """Return the mean squared weighted prediction error V of a fit; 1 without gap."""
@@ -91,10 +102,18 @@ class Evidence:
         return one.price - number > SIGNIFICANT * float(np.sqrt(2.0 * number))
 
     def left(self, one: Fit) -> float:
-        """Return the share of the gap that a fit leaves [1]; zero where what it leaves is not significant."""
+        """Return the share of the gap that a fit leaves [1]; zero where what it leaves is not significant.
+
+        Above 1 where it predicts the log worse than the nominal model does.
+        """
         if not self.significant(one):
             return 0.0
-        return (self.level(one) - 1.0) / max(self.level(self.nothing) - 1.0, 1e-12)
+        return (self.level(one) - 1.0) / max(self.level(self.nothing) - 1.0, SIGNIFICANT * self.spread)
+
+    def adequate(self, one: Fit) -> bool:
+        """Tell whether a fit leaves no more of the gap than an explanation may."""
+        excused = FORM if self.exact and self.level(one) > 2.0 else UNEXPLAINED
+        return self.left(one) <= excused
 
     def removed(self, before: Fit, after: Fit) -> float:
         """Return the share of what one fit leaves above the floor that another one removes [1]."""
@@ -125,13 +144,15 @@ class Evidence:
         """
         levels = np.array([self.level(one) for one in among])
         costs = np.array([one.predictor.n_effect for one in among])
+        lacking = np.array([not self.adequate(one) for one in among])
+        behind = INADEQUATE * (lacking & ~lacking.all())
         place = int(np.argmin(levels))
         logarithm = np.zeros(len(among))
         for _ in range(REFERRED):
             reference = among[place]
             temper = np.array([self._temper(one, reference) for one in among])
             scale = 2 * max(levels.min(), LEAST_LEVEL) / self.n_values + temper
-            logarithm = -(levels - levels[place]) / scale - PER_PARAMETER * costs
+            logarithm = -(levels - levels[place]) / scale - PER_PARAMETER * costs - behind
             if int(np.argmax(logarithm)) == place:
                 break
             place = int(np.argmax(logarithm))
@@ -163,6 +184,19 @@ class Evidence:
     def _fits_by_names(self) -> dict[frozenset[str], Fit]:
         found = {frozenset(suspect.name for suspect in one.predictor.hypothesis): one for one in reversed(self.fits)}
         return {**found, frozenset(): self.nothing}
+
+
+def evidence_of(data: FitData, nothing: Fit, fits: Sequence[Fit] = ()) -> Evidence:
+    """Compare fits of a log.
+
+    Args:
+        data: Log and weights.
+        nothing: The nominal model, with what is tolerated fitted.
+        fits: All other fits.
+    """
+    measurement = data.measurement
+    exact = not nothing.predictor.tolerance.names and not data.record.imported
+    return Evidence(nothing, tuple(fits), data.n_values, measurement.floor_error, measurement.rounding, exact)
 
 
 def is_plain(suspect: Suspect) -> bool:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.gap.evidence import Evidence
+from flexros.gap.evidence import Evidence, evidence_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,11 +25,6 @@ REMOVED = 0.4
 """Share of what is left that a further effect must remove; spurious ones remove up to 0.3 (development seeds)."""
 REMOVED_OF_ALL = 0.3
 """Share of all that is left that a further effect must remove on a real machine [1] (chosen)."""
-UNEXPLAINED = 0.1
-"""Share of the gap that an explanation may leave before the cause counts as unknown [1] (the contract)."""
-FORM = 0.02
-"""Share of the gap that errors in the form of its laws may leave where the model is exact [1]: ten times what the
-probabilities count with (development seeds)."""
 RIVAL = 3.0
 """A rival whose probability is within this factor makes the answer ambiguous [1] (the contract)."""
 
@@ -121,8 +116,7 @@ def _worth(search: Search, evidence: Evidence, before: Fit, after: Fit) -> bool:
 
 
 def _evidence(search: Search, nothing: Fit, fits: Sequence[Fit]) -> Evidence:
-    measurement = search.data.measurement
-    return Evidence(nothing, tuple(fits), search.data.n_values, measurement.floor_error, measurement.rounding)
+    return evidence_of(search.data, nothing, fits)
 
 
 def unique(fits: list[Fit]) -> list[Fit]:

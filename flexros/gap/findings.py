@@ -11,8 +11,8 @@ import numpy as np
 from flexros.effects import PlacedEffect
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.diagnosis_file import GapNumbers, Place
-from flexros.gap.evidence import SIGNIFICANT, Evidence
-from flexros.gap.explain import FORM, RIVAL, UNEXPLAINED
+from flexros.gap.evidence import Evidence, evidence_of
+from flexros.gap.explain import RIVAL
 from flexros.gap.fitted_numbers import placed
 from flexros.gap.how_far import closed_fraction, errors_ahead
 from flexros.gap.hypothesis import name_of
@@ -66,20 +66,9 @@ class Findings:
             if found.evidence.significant(found.chosen) or self.held_out_gap:
                 return "unknown_effect"
             return "explained" if self.quantized else "no_gap"
-        if max(found.left, self.held_out_left) > self._tolerated:
+        if not (found.evidence.adequate(found.chosen) and self._held_evidence.adequate(self._on_held(found.chosen))):
             return "unknown_effect"
         return "ambiguous" if len(self.rivals) else "explained"
-
-    @property
-    def _tolerated(self) -> float:
-        """Share of the gap that an explanation may leave [1].
-
-        Beside an exact model only errors in the form of its laws excuse that it leaves more than the noise.
-        """
-        chosen = self.explanations.chosen
-        left = min(self.explanations.evidence.level(chosen), self._held_evidence.level(self._on_held(chosen))) - 1.0
-        exact = not chosen.predictor.tolerance.names and not self.data.record.imported
-        return FORM if exact and left > 1.0 else UNEXPLAINED
 
     @cached_property
     def held_out_gap(self) -> bool:
@@ -88,15 +77,8 @@ class Findings:
 
     @cached_property
     def held_out_left(self) -> float:
-        """Share of the gap that the explanation leaves in the held-out log [1]; zero where that is not significant.
-
-        Above 1 where it predicts that log worse than the nominal model does.
-        """
-        held, evidence = self._on_held(self.explanations.chosen), self._held_evidence
-        if not evidence.significant(held):
-            return 0.0
-        before = max(evidence.level(evidence.nothing) - 1.0, SIGNIFICANT * evidence.spread)
-        return (evidence.level(held) - 1.0) / before
+        """Share of the gap that the explanation leaves in the held-out log [1]."""
+        return self._held_evidence.left(self._on_held(self.explanations.chosen))
 
     def held_gain(self, one: Fit) -> float:
         """Return twice the gain in log-likelihood over the nominal model in the held-out log; -inf if it runs away."""
@@ -107,7 +89,7 @@ class Findings:
     def _held_evidence(self) -> Evidence:
         """The nominal model on the held-out log."""
         nothing = self._on_held(self.explanations.evidence.nothing)
-        return Evidence(nothing, (), self.held.n_values, self.held.measurement.floor_error)
+        return evidence_of(self.held, nothing)
 
     def _on_held(self, one: Fit) -> Fit:
         """Take the sum of squares of a fit from the held-out log, with the numbers of the fitted one."""

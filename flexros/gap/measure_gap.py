@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexros.gap.diagnosis_file import GapNumbers
-from flexros.gap.evidence import Evidence
+from flexros.gap.evidence import evidence_of
 from flexros.gap.findings import METRIC
 from flexros.gap.fit_data import fit_data
 from flexros.gap.how_far import closed_fraction, errors_ahead
@@ -82,7 +82,5 @@ def measure_gap(
 def _errors(model: RobotWithEffects, data: FitData, tolerance: Mapping[str, float]) -> tuple[AheadErrors, bool]:
     """Predict with a model; also tells whether it leaves more than noise and tolerance, or lacks a rounding."""
     found = Search(model, data, tolerance_of(model.robot, tolerance)).nothing()
-    measurement = data.measurement
-    evidence = Evidence(found, (), data.n_values, measurement.floor_error, measurement.rounding)
     errors = over_expected_floor(errors_ahead(found, data), model, data)
-    return errors, evidence.significant(found) or bool(unknown_rounding(model, measurement))
+    return errors, evidence_of(data, found).significant(found) or bool(unknown_rounding(model, data.measurement))

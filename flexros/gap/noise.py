@@ -39,7 +39,7 @@ IMPLAUSIBLE = 0.3
 kept (chosen)."""
 
 DIFFERS = 0.2
-"""Relative difference from the robot file that is told (chosen)."""
+"""Relative difference from the robot file that is told, and that few samples at standstill may show (chosen)."""
 
 JITTER_SEEN, JITTER_OF_EACH = 4.0, 2.0
 """Slope of the noise power over the squared speed, in standard deviations, from which it is jitter: of all motors
@@ -56,8 +56,8 @@ MOST_MOVED, LEAST_COLOUR = 1.3, 0.25
 counts as motion under control, not as colour of the noise (chosen)."""
 
 AS_STATED = 0.05
-"""Relative difference of noise above the band from the robot file up to which slow noise at standstill is motion
-(chosen)."""
+"""Relative difference of noise above the band from the robot file up to which slow noise at standstill is motion, and
+noise at standstill that differs little is chance (chosen)."""
 
 _BLOCK = 32  # samples over which the power of high differences is averaged
 _LOOK = 50.0  # Hz, corner below which motion is looked for
@@ -108,7 +108,8 @@ def measure_noise(record: GapRecord, robot: Robot) -> Noise:
             deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
         elif rest is not None:
             stated = float(robot.encoder_noise[motor])
-            if rest[1].size and abs(deviation[motor] - stated) < AS_STATED * stated:
+            doubtful = rest[1].size > 0 or abs(rest[0] - stated) < DIFFERS * stated
+            if doubtful and abs(deviation[motor] - stated) < AS_STATED * stated:
                 continue
             if rest[1].size and (abs(rest[1][0]) > LEAST_COLOUR or rest[0] > MOST_MOVED * deviation[motor]):
                 colours[motor] = rest[1]

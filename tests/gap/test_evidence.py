@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -95,6 +97,26 @@ def test_shares_of_the_gap() -> None:
     assert found.left(closed) == 0.0
     assert found.removed(half, closed) == pytest.approx(1.0)
     assert found.removed(found.nothing, half) == pytest.approx(0.5)
+
+
+def test_beside_an_exact_model_only_errors_of_form_excuse_what_is_left() -> None:
+    poor, fair, small = fitted(60.0, COULOMB), fitted(10.0, COULOMB), fitted(1.9, COULOMB)
+    toleranced = evidence(1001.0)
+    exact = replace(toleranced, exact=True)
+    assert [toleranced.adequate(one) for one in (poor, fair, small)] == [True, True, True]
+    assert [exact.adequate(one) for one in (poor, fair, small)] == [False, True, True]
+    assert replace(evidence(11.0), exact=True).adequate(small)  # no more than the noise
+    assert not evidence(501.0).adequate(poor)
+
+
+def test_what_leaves_too_much_is_behind_what_does_not_though_it_has_fewer_numbers() -> None:
+    poor, rich = fitted(45.0, COULOMB), fitted(1.0, "presliding_friction@motor_1")
+    found = evidence(2001.0, poor, rich)
+    assert found.probabilities([poor, rich])[0] > 0.9
+    assert replace(found, exact=True).probabilities([poor, rich])[1] > 0.9
+    worst = fitted(70.0, COULOMB, STIFFNESS)
+    left_alone = replace(found, exact=True).probabilities([poor, worst])
+    assert left_alone == pytest.approx(found.probabilities([poor, worst]))
 
 
 def test_numbers_of_the_model_are_plain_and_laws_are_not() -> None:

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from flexros.gap import explain as module
 from flexros.gap import search as search_module
+from flexros.gap.evidence import UNEXPLAINED
 from flexros.gap.explain import Explanations, explain
 
 from .diagnosis_logs import search_of, suspects_of
@@ -58,7 +58,7 @@ def test_a_further_effect_that_removes_little_is_refused(monkeypatch: pytest.Mon
     monkeypatch.setattr(search_module, "suspects", lambda *_: [suspects_of()[name] for name in others])
     found = explain(search_of(FRICTION))
     assert len(names(found)) <= 1
-    assert found.left > module.UNEXPLAINED
+    assert found.left > UNEXPLAINED
 
 
 def test_rivals_are_no_richer_than_what_was_chosen() -> None:

@@ -47,12 +47,20 @@ def coloured(a: float, seed: int = 1) -> np.ndarray:
 @pytest.mark.parametrize(("still", "source"), [(True, "standstill"), (False, "above the band")])
 def test_white_noise_is_measured_with_and_without_standstill(robot: Robot, still: bool, source: str) -> None:
     for seed in range(5):
-        noise = measure_noise(record_of(white(seed=seed), still), robot)
+        noise = measure_noise(record_of(white(1.1 * SIGMA, seed), still), robot)
         assert noise.source == (source,)
-        assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.05)
+        assert noise.standard_deviation[0] == pytest.approx(1.1 * SIGMA, rel=0.05)
         assert noise.autoregression.shape == (1, 0)
         assert noise.jitter == 0.0
         assert noise.warnings == ()
+
+
+def test_a_little_less_at_standstill_is_chance_where_the_band_above_shows_the_stated_noise(robot: Robot) -> None:
+    values = white()
+    values[: N // 4] *= 0.92
+    noise = measure_noise(record_of(values, still=True), robot)
+    assert noise.source == ("above the band",)
+    assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.05)
 
 
 def test_noise_unlike_the_robot_file_is_told(robot: Robot) -> None:
