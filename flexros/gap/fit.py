@@ -11,7 +11,7 @@ import numpy as np
 from flexros.gap.predictor import LANES
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.fit_data import FitData
@@ -29,6 +29,12 @@ HOPE = 10.0
 DAMPINGS = 10.0 ** np.arange(-4.0, 4.0)
 ALIKE = 1e-6
 """Largest information of a number to the unit of the dampings that are alike for all numbers [1] (chosen)."""
+KEPT = 0.3
+"""Share of the promised fall below which other steps are tried (chosen)."""
+PLAIN = 4
+"""Iterations before other steps are tried though some fall is left (chosen)."""
+AHEAD = 0.1
+"""Share of a step over which the second derivative is taken (Transtrum, Sethna 2012)."""
 RUN_AWAY = 1e100
 """Derivatives of this size are of predictions that run away; their squares would leave the range of numbers."""
 MOST_STARTS = 96
@@ -108,8 +114,9 @@ def fit(
     """Find the numbers of least squares near a start (Levenberg 1944, Marquardt 1963).
 
     Derivatives are differences, side by side in the lanes of the predictor. Eight dampings are tried at once: each
-    number damped by its own information (Marquardt), and where none of these is better all numbers alike (Levenberg),
-    so that of two numbers which the log cannot tell apart the one moves that it shows best.
+    number damped by its own information (Marquardt). Where that gains far less than promised, the steps are bent along
+    the curve of the prediction errors (Transtrum, Sethna 2012), and then all numbers are damped alike (Levenberg), so
+    that of two numbers which the log cannot tell apart the one moves that it shows best.
 
     Args:
         predictor: The hypothesis.
@@ -135,15 +142,16 @@ def fit(
             break
         if chi2 - HOPE * promised > rival:
             break
-        each, alike = _trials(predictor, theta, line)
-        del line  # slopes are the largest arrays of a fit
         before = chi2
-        for trials in (each, alike):
+        for trials in _trials(predictor, data, theta, line):
             values = chi2_of(predictor, data, trials)
             best = int(np.argmin(values))
-            if values[best] < before:
-                theta, chi2 = trials[:, best], float(values[best])
+            if values[best] < chi2:
+                reached, chi2 = trials[:, best], float(values[best])
+            if before - chi2 > (KEPT * promised if done > PLAIN else enough):
                 break
+        del line, trials  # slopes are the largest arrays of a fit
+        theta = reached if chi2 < before else theta
         if before - chi2 < enough:
             converged = True
             break
@@ -218,16 +226,36 @@ def _promised(line: Linearised, free: BoolArray) -> float:
     return float(gradient @ np.linalg.lstsq(information, gradient, rcond=1e-12)[0])
 
 
-def _trials(predictor: Predictor, theta: FloatArray, line: Linearised) -> tuple[FloatArray, FloatArray]:
-    """List damped steps, each number damped by its own information and all alike, shapes (n_fitted, dampings)."""
+def _trials(predictor: Predictor, data: FitData, theta: FloatArray, line: Linearised) -> Iterator[FloatArray]:
+    """List damped steps, the more costly ones later, shape (n_fitted, dampings) each."""
     most = max(float(np.max(np.diag(line.information), initial=0.0)), 1e-300)
-    own = np.diag(line.information) + 1e-12 * most
-    alike = np.full(len(theta), ALIKE * most)
-    each, even = (
-        np.stack([_trial(predictor, theta, line, damping * scale) for damping in DAMPINGS], axis=-1)
-        for scale in (own, alike)
-    )
-    return each, even
+    own = [damping * (np.diag(line.information) + 1e-12 * most) for damping in DAMPINGS]
+    alike = [np.full(len(theta), damping * ALIKE * most) for damping in DAMPINGS]
+    straight = np.stack([_trial(predictor, theta, line, added) for added in own], axis=-1)
+    yield straight
+    yield _bent(predictor, data, theta, line, straight, own)
+    yield np.stack([_trial(predictor, theta, line, added) for added in alike], axis=-1)
+
+
+def _bent(
+    predictor: Predictor,
+    data: FitData,
+    theta: FloatArray,
+    line: Linearised,
+    trials: FloatArray,
+    added: Sequence[FloatArray],
+) -> FloatArray:
+    """Bend steps by half of what the second derivative of the errors along them asks for."""
+    steps = trials - theta[:, None]
+    ahead = data.residuals(predictor, theta[:, None] + AHEAD * steps) - line.residual[:, None]
+    second = line.slopes.T @ (ahead / AHEAD - line.slopes @ steps) * (2 / AHEAD)
+    second[~np.isfinite(second)] = 0.0
+    free = _free(predictor, theta, line)
+    for lane, more in enumerate(added):
+        information = (line.information + np.diag(more))[np.ix_(free, free)]
+        steps[free, lane] -= 0.5 * np.linalg.lstsq(information, second[free, lane], rcond=None)[0]
+    low, high = predictor.bounds
+    return np.clip(theta[:, None] + steps, low[:, None], high[:, None])
 
 
 def _trial(predictor: Predictor, theta: FloatArray, line: Linearised, added: FloatArray) -> FloatArray:

@@ -34,7 +34,7 @@ HUGE = 1e200
 """Sum of squared changes beyond which a start has run away [1]."""
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-NULL, FEW, SOME, MANY = 40, 4, 5, 20
+NULL, FEW, SOME, MANY = 60, 4, 5, 20
 """Iterations of the fit of the nominal model; of others at first, of several together, and of the best (chosen)."""
 SETTLED = 3
 """A fit that needs no more iterations than this needs no second start (chosen)."""

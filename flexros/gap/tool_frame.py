@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from flexros.errors import InputError
 from flexros.gap.tool_path import ToolPath
@@ -274,24 +275,10 @@ def _rigid_fit(
     if values[0] <= 0:
         return np.eye(3), seen - centre
     if values[1] < STRAIGHT * values[0]:
-        rotation = _least_turn(right[0], left[:, 0])
+        rotation = Rotation.align_vectors(left[:, :1].T, right[:1])[0].as_matrix()
     else:
         rotation = left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
     return np.asarray(rotation), np.asarray(seen - rotation @ centre)
-
-
-def _least_turn(start: FloatArray, end: FloatArray) -> FloatArray:
-    """Rotation of least angle from one direction to another."""
-    axis, cosine = np.cross(start, end), float(start @ end)
-    if np.linalg.norm(axis) < 1e-12:
-        return np.eye(3) if cosine > 0 else np.asarray(2 * np.outer(*[_across(start)] * 2) - np.eye(3))
-    return _turn(axis / np.linalg.norm(axis) * np.arctan2(np.linalg.norm(axis), cosine))
-
-
-def _across(direction: FloatArray) -> FloatArray:
-    """Return a unit vector across a direction."""
-    other = np.cross(direction, np.eye(3)[int(np.argmin(np.abs(direction)))])
-    return np.asarray(other / np.linalg.norm(other))
 
 
 def _skew(vectors: FloatArray) -> FloatArray:
@@ -299,12 +286,3 @@ def _skew(vectors: FloatArray) -> FloatArray:
     x, y, z = vectors.T
     zero = np.zeros_like(x)
     return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
-
-
-def _turn(vector: FloatArray) -> FloatArray:
-    """Rotation matrix of a rotation vector [rad] (Rodrigues)."""
-    angle = float(np.linalg.norm(vector))
-    K = _skew(vector[None])[0]
-    if angle < 1e-12:
-        return np.asarray(np.eye(3) + K)
-    return np.asarray(np.eye(3) + np.sin(angle) / angle * K + (1 - np.cos(angle)) / angle**2 * K @ K)
