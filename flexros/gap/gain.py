@@ -75,9 +75,9 @@ def observer_gain(
 ) -> ObserverGain:
     """Compute the gain of the stationary Kalman filter.
 
-    The assumed process noise is white torque on every mass: on a motor of inertia J as large as moves it by `level`
-    times the noise of its encoder within one sample of 0.5 ms (level = s h^2 / (J sigma)), on arm coordinates 0.3 times
-    that, with the same power density at other sample times.
+    The assumed process noise is white torque on every mass: on a motor of inertia J it has the standard deviation
+    s = level sqrt(h / T) J sigma / T^2 with the noise sigma of its encoder and h = 0.5 ms, so that at T = h it moves
+    the motor by `level` times that noise within one sample; on arm coordinates 0.3 times that.
 
     Args:
         robot: The robot.
