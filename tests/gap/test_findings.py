@@ -92,10 +92,18 @@ def test_groups_are_the_effects_that_stand_for_one_another() -> None:
 
 
 def test_the_probability_of_an_effect_is_that_of_all_its_explanations() -> None:
-    found = findings(fitted(1.0, COULOMB), [fitted(1.0, COULOMB, STIFFNESS), fitted(1.0, INERTIA)], [0.5, 0.3, 0.2])
+    found = findings(
+        fitted(1.0, COULOMB), [fitted(1.0, COULOMB, STIFFNESS), fitted(1.0, INERTIA)], [0.5, 0.3, 0.2], TRUTH
+    )
     assert found.probability(COULOMB) == pytest.approx(0.8)
     assert found.probability(INERTIA) == pytest.approx(0.2)
     assert found.probability("backlash@motor_1") == 0.0
+
+
+def test_an_effect_that_does_not_explain_the_gap_is_hardly_a_part_of_it() -> None:
+    found = findings(fitted(3.0, COULOMB), [], [1.0], TRUTH)
+    assert found.verdict == "unknown_effect"
+    assert found.probability(COULOMB) == pytest.approx(0.1)
 
 
 def test_gap_numbers_are_of_the_held_out_log() -> None:

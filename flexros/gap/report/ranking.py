@@ -43,12 +43,14 @@ class RankingSection(AbstractSection["DiagnosisResult"]):
 
 def _sentence(result: DiagnosisResult) -> str:
     count = len(result.ranking)
-    known = " Here none of them explains the gap: the probabilities are those among the known effects only."
+    unknown = (
+        " Here none of them explains the gap, so that none is probable: the cause is something else, or more than this."
+    )
     return (
         f"{count} effect{'s' * (count > 1)} at their places, and 'nothing', were fitted to the log and compared by "
         "what they gain beyond what their number of parameters gains by chance. A probability says how likely it is "
         "that this effect is part of the truth; where several causes act together, several are high."
-        f"{known if result.diagnosis.verdict == 'unknown_effect' else ''}"
+        f"{unknown if result.diagnosis.verdict == 'unknown_effect' else ''}"
     )
 
 

@@ -80,7 +80,7 @@ def test_bars_of_probability_hold_nothing_too(diagnosed: Diagnosed) -> None:
 
 
 def test_probabilities_of_an_unknown_cause_are_told_as_those_of_the_known(diagnosed: Diagnosed) -> None:
-    told = "the probabilities are those among the known effects only"
+    told = "Here none of them explains the gap, so that none is probable"
     assert told in page(diagnosed("unknown_effect"))
     assert told not in page(diagnosed("explained"))
 
