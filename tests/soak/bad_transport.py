@@ -33,7 +33,7 @@ def disturbed(folder: Path, duration: float = 5.0, seeds: Sequence[int] = (1, 2,
         wrong = [f"exit code {code}"] * bool(code)
         found = differences(wanted, read_log(work / "log"))
         wrong += [differing("the log", found)] * bool(found)
-        figures = [f"{counts[name]:,}" for name in ("messages", "lost", "repeated", "swapped")]
+        figures = [f"{counts.get(name, 0):,}" for name in ("messages", "lost", "repeated", "swapped")]
         what = "" if wrong else f"{len(wanted.joint_states.stamp):,} samples equal in every bit"
         result.add(str(seed), *figures, f"{report:.0f}", what, wrong="; ".join(wrong))
         shutil.rmtree(work)
