@@ -26,6 +26,7 @@ from flexros_nodes.run import run_scenario
 pytestmark = pytest.mark.usefixtures("ros_domain")
 
 NAMES = ("motor_1", "motor_2")
+SMALLEST = 5e-324
 HEADER = b"\x00\x01\x00\x00"
 
 
@@ -56,6 +57,28 @@ def test_garbage_changes_nothing_and_is_counted(
     assert summary.reports["plant"].figures["unreadable_messages"] > 100
     assert summary.reports["recorder"].figures["unreadable_messages"] > 100
     assert summary.reports["controller"].figures["refused_trajectories"] > LOOKS
+
+
+def test_smallest_numbers_are_torques_like_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Denormal numbers, which a filter that decays ends in, arrive as they are and stop nothing."""
+
+    class Smallest(ControllerNode):
+        def configure(self) -> None:
+            super().configure()
+            torques = JointStateTemplate(NAMES, effort=True)
+            self._smallest = lambda stamp: torques.fill(stamp, effort=[SMALLEST, -3 * SMALLEST])
+
+        def _publish(self, command: bytes, reference: bytes) -> None:
+            super()._publish(self._smallest(stamp_of(command)), reference)
+
+    monkeypatch.setitem(composed.NODE_CLASSES, "controller", Smallest)
+    scenario = load_scenario("circle_dae").with_values({"duration": 0.2})
+    summary = run_scenario(scenario, tmp_path / "log")
+    assert summary.exit_code == 0, summary.message
+    commands = read_log(tmp_path / "log").joint_commands
+    assert commands is not None
+    assert commands.effort is not None
+    assert commands.effort.tolist() == [[SMALLEST, -3 * SMALLEST]] * len(commands.stamp)
 
 
 @pytest.mark.parametrize("real_time", [False, True], ids=["lock-step", "real time"])
