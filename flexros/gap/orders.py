@@ -78,6 +78,7 @@ class OrderSearch:
         self._linear = linear_model(_with_mean_stiffness(robot, states), q_a)
         A, _, measurement, _ = self._linear.matrices()
         correct = np.eye(len(A)) - data.gain.gain @ measurement[: robot.n_motors]
+        self._stiffenings: dict[int, FloatArray | float] = {}
         self._eigenvalues, self._modes = np.linalg.eig(expm(A * data.record.sample_time) @ correct)
 
     def search(self, motor: int, entry: Entry, number: int = 2) -> tuple[PeriodicFit, ...]:
@@ -140,12 +141,13 @@ class OrderSearch:
 
     def _stiffening(self, motor: int) -> FloatArray | float:
         """Return the local stiffness of a gear along the motion over that of the linear model, shape (n,)."""
-        chain = self.robot.chain
-        index, place = chain.geared[motor], chain.motor_places[motor]
-        linear = -float(self._linear.stiffness[index, place])
-        if index == place or not linear > 0:
-            return 1.0
-        return _local_stiffness(self.robot, index, self._states) / linear
+        if motor not in self._stiffenings:
+            chain = self.robot.chain
+            index, place = chain.geared[motor], chain.motor_places[motor]
+            linear = -float(self._linear.stiffness[index, place])
+            hard = index == place or not linear > 0
+            self._stiffenings[motor] = 1.0 if hard else _local_stiffness(self.robot, index, self._states) / linear
+        return self._stiffenings[motor]
 
     def _source(self, motor: int, entry: Entry) -> tuple[FloatArray, FloatArray]:
         """Return the input column G of the error dynamics and the feed-through D of an entry."""
@@ -183,11 +185,15 @@ class OrderSearch:
         """Compute the prediction errors of a disturbance, shape (n, M)."""
         column, through = source
         entered = np.linalg.solve(self._modes, column.astype(complex))
-        errors = np.outer(disturbance, through)
+        errors = np.outer(through, disturbance)
         for place, weight in self._upper:
-            state = lfilter([0.0, 1.0], [1.0, -self._eigenvalues[place]], entered[place] * disturbance)
-            errors += weight * np.outer(state, self._readout[:, place]).real
-        return errors
+            pole = self._eigenvalues[place]
+            residues = weight * entered[place] * self._readout[:, place]
+            denominator = [1.0, -pole.real] if pole.imag == 0 else [1.0, -2 * pole.real, abs(pole) ** 2]
+            for motor, residue in enumerate(residues):  # of a mode and its conjugate together, which is real
+                numerator = [0.0, residue.real, -(residue * pole.conjugate()).real][: len(denominator)]
+                errors[motor] += lfilter(numerator, denominator, disturbance)
+        return errors.T
 
     def _backward(self, source: tuple[FloatArray, FloatArray]) -> FloatArray:
         """Compute how every sample of a disturbance is correlated with the errors, shape (n,)."""
