@@ -26,7 +26,7 @@ ENOUGH, EXACTLY = 0.1, 1e-3
 slow effects, whose errors are smaller than white prediction errors tell, finer (chosen)."""
 HOPE = 10.0
 """Times what linear theory promises that a fit may still gain [1] (chosen)."""
-DAMPINGS = 10.0 ** np.arange(-4.0, 4.0)
+DAMPINGS = 10.0 ** np.arange(-8.0, 4.0, 1.5)
 ALIKE = 1e-6
 """Largest information of a number to the unit of the dampings that are alike for all numbers [1] (chosen)."""
 KEPT = 0.3

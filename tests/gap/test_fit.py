@@ -124,6 +124,29 @@ def test_of_two_numbers_that_do_the_same_the_one_moves_that_shows_more() -> None
     assert abs(found.theta[1]) < 0.1
 
 
+class CurvedValley:
+    """Errors that are small along a curve only: predictor and log."""
+
+    n_effect, bounds, tolerance = 2, (np.full(2, -10.0), np.full(2, 10.0)), Tolerance()
+
+    def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
+        noise, across, along = np.random.default_rng(0).normal(size=(3, 1000, 1))
+        return np.asarray(noise + 100 * across * (thetas[1] - thetas[0] ** 2) + along * (thetas[0] - 3.0))
+
+
+def test_steps_follow_a_curved_valley(monkeypatch: pytest.MonkeyPatch) -> None:
+    valley = CurvedValley()
+
+    def fitted() -> Fit:
+        return fit(cast("Predictor", valley), cast("FitData", valley), np.zeros(2), 40)
+
+    bent = fitted()
+    assert bent.converged
+    np.testing.assert_allclose(bent.theta, [3.0, 9.0], rtol=0.05)
+    monkeypatch.setattr("flexros.gap.fit.KEPT", 0.0)
+    assert bent.iterations < 0.5 * fitted().iterations
+
+
 def test_what_is_tolerated_takes_up_a_deviation_at_its_price() -> None:
     suspect = suspects_of()["stiffness_error@body_2.rz"]
     data = made(predictor_of(suspect), np.array(numbers(suspect, relative=0.04)), 0)
