@@ -105,7 +105,7 @@ def _diagnosis(found: Findings, places: Where | None, settings: Mapping[str, Any
 
 
 def _causes(found: Findings) -> tuple[Cause, ...]:
-    """List the effects of the chosen explanation and of its rivals, by probability."""
+    """List the effects of the chosen explanation and of its rivals, by probability, then by what they close alone."""
     explanations = found.explanations
     causes = {f"quantized {one.motor}": _rounding(found, one) for one in found.quantized}
     if not explanations.detected:
@@ -129,7 +129,12 @@ def _causes(found: Findings) -> tuple[Cause, ...]:
                     parameters=parameters,
                     closed_fraction=None if alone is None else found.closed(alone),
                 )
-    return tuple(sorted(causes.values(), key=lambda cause: -cause.probability))
+    return tuple(sorted(causes.values(), key=_order))
+
+
+def _order(cause: Cause) -> tuple[float, ...]:
+    """Return what causes are sorted by; hundredths that differ are told apart."""
+    return -round(cause.probability, 2), -round(cause.closed_fraction or 0.0, 2), -cause.probability
 
 
 def _rounding(found: Findings, one: Quantization) -> Cause:

@@ -103,6 +103,13 @@ def test_rivals_of_an_ambiguous_answer_are_causes_too() -> None:
     assert len(found.ambiguity_groups) == 1
 
 
+def test_of_equally_sure_causes_the_one_that_closes_more_is_first() -> None:
+    both = fitted(1.0, STIFFNESS, COULOMB)
+    singles = fitted(40.0, STIFFNESS), fitted(1.0, COULOMB)
+    causes = answered(both, *singles, probabilities=(1.0, 0.0, 0.0)).diagnosis.causes
+    assert [one.effect for one in causes] == ["coulomb_friction", "stiffness_error"]
+
+
 def test_rounding_is_a_sure_cause_beside_others() -> None:
     found = answered(fitted(1.0, COULOMB), probabilities=(0.9,), rounded=True).diagnosis
     assert [one.effect for one in found.causes] == ["encoder_quantization", "coulomb_friction"]
