@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from flexros.gap.result import SignalGap
 
 PART_OF_UNKNOWN = 0.1
-"""How often the best known effect is part of a gap that it does not explain [1] (development seeds: 3 of 37)."""
+"""How often the best known effect is part of a gap that it does not explain [1] (development seeds: 3 of 39)."""
 METRIC = "mean squared prediction error 0.1 s ahead over its floor variance"
 
 
