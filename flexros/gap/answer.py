@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.cannot_tell import cannot_tell
 from flexros.gap.diagnosis_file import Cause, CauseParameter, Diagnosis
-from flexros.gap.evidence import UNEXPLAINED
 from flexros.gap.findings import place_of
 from flexros.gap.fitted_numbers import covariance_of, parameters_of, placed
 from flexros.gap.next_experiment import next_experiment
@@ -133,7 +132,7 @@ def _causes(found: Findings) -> tuple[Cause, ...]:
 
 
 def _order(cause: Cause) -> tuple[float, ...]:
-    """Return what causes are sorted by; hundredths that differ are told apart."""
+    """Order by probability and by what is closed, both to the hundredth, then by probability to the last digit."""
     return -round(cause.probability, 2), -round(cause.closed_fraction or 0.0, 2), -cause.probability
 
 
@@ -209,7 +208,7 @@ def _warnings(found: Findings) -> list[str]:
     explanations = found.explanations
     left = explanations.left
     warnings = []
-    if explanations.detected and 0 < left <= UNEXPLAINED:
+    if explanations.detected and left > 0 and explanations.evidence.adequate(explanations.chosen):
         warnings.append(f"the explanation leaves {100 * left:.2g} % of the gap in the fitted log, more than noise does")
     gap = found.gap
     if gap.closed_fraction is not None and gap.closed_fraction < 0.5 and gap.before > 2:

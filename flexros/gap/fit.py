@@ -142,7 +142,7 @@ def fit(
             break
         if chi2 - HOPE * promised > rival:
             break
-        before = chi2
+        before, reached = chi2, theta
         for trials in _trials(predictor, data, theta, line):
             values = chi2_of(predictor, data, trials)
             best = int(np.argmin(values))
@@ -151,7 +151,7 @@ def fit(
             if before - chi2 > (KEPT * promised if done > PLAIN else enough):
                 break
         del line, trials  # slopes are the largest arrays of a fit
-        theta = reached if chi2 < before else theta
+        theta = reached
         if before - chi2 < enough:
             converged = True
             break

@@ -30,6 +30,9 @@ PRIOR = 0.3
 TOLD = 0.1
 """Standard deviation, in radians or extents of the path, from which on an unknown counts as not shown (chosen)."""
 
+HIDDEN = 0.1
+"""Effect of an unknown as large as its prior, over the noise, up to which it is not projected out [1] (chosen)."""
+
 STRAIGHT = 1e-9
 """Common variance of two paths across their line, over that along it, below which no turn about it is told (chosen)."""
 
@@ -191,7 +194,7 @@ class _Linearised:
     def basis(self) -> FloatArray:
         """Orthonormal basis of what the unknowns can do to the residual beyond its noise, shape (3 m, k)."""
         left, values, _ = np.linalg.svd(self.slopes * self._sizes(), full_matrices=False)
-        return np.asarray(left[:, PRIOR * values > TOLD * self.scale])
+        return np.asarray(left[:, PRIOR * values > HIDDEN * self.scale])
 
     def deviation(self) -> FloatArray:
         """Standard deviations of the unknowns, infinite where the motion does not show them, shape (10,)."""

@@ -31,6 +31,7 @@ def disturbed(folder: Path, duration: float = 5.0, seeds: Sequence[int] = (1, 2,
         work.mkdir()
         code, counts, report = _run(work, scenario, seed, share)
         wrong = [f"exit code {code}"] * bool(code)
+        wrong += ["nothing was lost or repeated"] * (not counts.get("lost") and not counts.get("repeated"))
         found = differences(wanted, read_log(work / "log"))
         wrong += [differing("the log", found)] * bool(found)
         figures = [f"{counts.get(name, 0):,}" for name in ("messages", "lost", "repeated", "swapped")]
