@@ -81,6 +81,8 @@ class AbstractGearLaw(AbstractLaw):
 
     rank: ClassVar[int]
     """Place among the laws of one spring: shift of the deflection 0, form of the spring 1, play 2, beside it 3."""
+    holds_deflection: ClassVar[bool] = False
+    """Whether its own states are deflections, which move along when a predictor corrects motor and arm."""
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the motors behind flexible gears."""

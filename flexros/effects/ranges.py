@@ -30,7 +30,8 @@ class Range:
         yardstick: What the bounds multiply.
         low: Smallest size, as a multiple of the yardstick; above zero where the spacing is logarithmic.
         high: Largest size, as a multiple of the yardstick.
-        starts: Number of starts between them: logarithmic, or where `signed` is set of both signs.
+        starts: Number of starts between them: logarithmic, or where `signed` is set of both signs. Or the starts
+            themselves, as multiples of the yardstick.
         signed: Whether the parameter may also be negative (the bounds hold of its magnitude).
         source: Where the range comes from.
         negative: Largest size of negative values of a signed parameter; None: as large as the positive ones.
@@ -39,7 +40,7 @@ class Range:
     yardstick: Yardstick
     low: float
     high: float
-    starts: int = 5
+    starts: int | tuple[float, ...] = 5
     signed: bool = False
     source: str = "chosen"
     negative: float | None = None

@@ -24,7 +24,7 @@ class AbstractRelativeError(AbstractChangedValues):
     """
 
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
-        {"relative": Range("relative", 0.003, 0.9, starts=4, signed=True)}
+        {"relative": Range("relative", 0.003, 9.0, starts=6, signed=True, negative=0.9)}
     )
 
     relative: float = Field(0.0, gt=-1.0, lt=10.0, description="deviation, relative to the nominal value [1]")

@@ -32,7 +32,9 @@ class TorqueSaturation(AbstractCommandLaw):
     fingerprint: ClassVar[str] = (
         "nothing is missing below a level of the command, and whatever is commanded above it is missing"
     )
-    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({"limit": Range("torque", 0.1, 1.0, starts=8)})
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
+        {"limit": Range("torque", 0.1, 1.0, starts=(0.15, 0.3, 0.5, 0.7, 0.85, 0.95, 0.98, 0.995))}
+    )
 
     limit: float = Field(0.0, ge=0.0, description="largest torque either way [Nm or N]; 0: no limit")
 

@@ -104,9 +104,9 @@ def _diagnosis(found: Findings, places: Where | None, settings: Mapping[str, Any
 
 
 def _causes(found: Findings) -> tuple[Cause, ...]:
-    """List the effects of the chosen explanation and of its rivals, by probability, then by what they close alone."""
+    """List the effects of the chosen explanation and of its rivals."""
     explanations = found.explanations
-    causes = {f"quantized {one.motor}": _rounding(found, one) for one in found.quantized}
+    causes = {name: _rounding(found, one) for name, one in found.quantized_by_name.items()}
     if not explanations.detected:
         return tuple(causes.values())
     for one in (explanations.chosen, *found.rivals):
@@ -128,12 +128,7 @@ def _causes(found: Findings) -> tuple[Cause, ...]:
                     parameters=parameters,
                     closed_fraction=None if alone is None else found.closed(alone),
                 )
-    return tuple(sorted(causes.values(), key=_order))
-
-
-def _order(cause: Cause) -> tuple[float, ...]:
-    """Order by probability and by what is closed, both to the hundredth, then by probability to the last digit."""
-    return -round(cause.probability, 2), -round(cause.closed_fraction or 0.0, 2), -cause.probability
+    return tuple(causes[name] for name in sorted(causes, key=found.order))
 
 
 def _rounding(found: Findings, one: Quantization) -> Cause:
@@ -151,7 +146,7 @@ def _rounding(found: Findings, one: Quantization) -> Cause:
 
 def _ranking(found: Findings) -> tuple[Candidate, ...]:
     """List every effect in its best explanation, the first few with the gain where they were not fitted."""
-    ranked = sorted(_candidates(found), key=lambda pair: (-pair[0].probability, -pair[0].score))
+    ranked = sorted(_candidates(found), key=lambda pair: found.order(f"{pair[0].effect}@{pair[0].location}"))
     return tuple(
         replace(one, holdout_gain=found.held_gain(fit)) if place < CONFIRMED else one
         for place, (one, fit) in enumerate(ranked)

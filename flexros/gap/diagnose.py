@@ -18,6 +18,7 @@ from flexros.gap.search import Search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.stages import Stages
 from flexros.gap.tolerance import tolerance_of
+from flexros.gap.weights import measurement_in
 from flexros.gap.where.find import where
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def diagnose(
     fitted, held = (record, holdout) if holdout is not None else split(record, numbers.fitted_share)
     _check_alike(fitted, held)
     data = fit_data(fitted, model, numbers)
-    held_data = fit_data(held, model, numbers, data.measurement)
+    held_data = fit_data(held, model, numbers, measurement_in(held, model.robot, data.measurement))
     search = Search(model, data, tolerance_of(model.robot, tolerance or {}), stages.inner)
     search.threads = numbers.threads or search.threads
     stages.begin("causes", 0.85)

@@ -22,8 +22,11 @@ if TYPE_CHECKING:
     from flexros.gap.fit_data import FitData
     from flexros.gap.hypothesis import Suspect
 
-PER_PARAMETER = 3.0
-"""What a fitted number costs in the logarithm of the probability [nats] (tempered; development seeds)."""
+PER_EFFECT = 3.0
+"""What an effect costs in the logarithm of the probability, and each of its numbers at most [nats] (tempered;
+development seeds)."""
+PER_NUMBER = 1.0
+"""What each further number of an effect costs at least [nats] (chosen)."""
 TEMPER_PLAIN = 2e-4
 """Share of the gap by which effects that are one number of the model may be wrong in form [1] (development seeds)."""
 TEMPER_SHAPED = 2e-3
@@ -132,9 +135,10 @@ class Evidence:
     def probabilities(self, among: Sequence[Fit]) -> FloatArray:
         """Distribute probability over rival explanations.
 
-        ln p = -(V - V_ref) / (2 V_ref / N + eps G) - 3 p, with reference to the most probable one: the gap G is what
-        the effects close in which an explanation differs from it, and eps is the share of it that may be error of their
-        form.
+        ln p = -(V - V_ref) / (2 V_ref / N + eps G) - 3 e - c p, with reference to the most probable one: the gap G is
+        what the effects close in which an explanation differs from it, and eps is the share of it that may be error of
+        their form. Each of e effects costs 3, each of p further numbers c = ln(n) / 2 by the Bayesian information
+        criterion, between 1 and 3, with the n = 1 / (1/N + eps G / 2 V_ref) values that the errors of form leave.
 
         Args:
             among: The rivals; the nominal model may be one of them.
@@ -143,7 +147,8 @@ class Evidence:
             Probabilities that add up to 1, shape (len(among),).
         """
         levels = np.array([self.level(one) for one in among])
-        costs = np.array([one.predictor.n_effect for one in among])
+        effects = np.array([len(one.predictor.hypothesis) for one in among])
+        numbers = np.array([one.predictor.n_effect for one in among]) - effects
         lacking = np.array([not self.adequate(one) for one in among])
         behind = INADEQUATE * (lacking & ~lacking.all())
         place = int(np.argmin(levels))
@@ -151,8 +156,11 @@ class Evidence:
         for _ in range(REFERRED):
             reference = among[place]
             temper = np.array([self._temper(one, reference) for one in among])
-            scale = 2 * max(levels.min(), LEAST_LEVEL) / self.n_values + temper
-            logarithm = -(levels - levels[place]) / scale - PER_PARAMETER * costs - behind
+            level = max(levels.min(), LEAST_LEVEL)
+            scale = 2 * level / self.n_values + temper
+            per_number = np.clip(np.log(2 * level / scale) / 2, PER_NUMBER, PER_EFFECT)
+            costs = PER_EFFECT * effects + per_number * (numbers - numbers[place])
+            logarithm = -(levels - levels[place]) / scale - costs - behind
             if int(np.argmax(logarithm)) == place:
                 break
             place = int(np.argmax(logarithm))
@@ -169,12 +177,14 @@ class Evidence:
     def _temper(self, one: Fit, reference: Fit) -> float:
         """Return the error of form that an explanation may have where it differs from another.
 
-        It is a share of the gap that its own effects close; those that both have are off by the same. An explanation
-        that the other one only adds to may be off by the form of all its effects, which the addition would imitate.
+        It is a share of the gap that its own effects close; those that both have are off by the same. Of two of which
+        one only adds to the other, it is that of the addition.
         """
         mine, theirs = ({suspect.name: suspect for suspect in fit.predictor.hypothesis} for fit in (one, reference))
-        own = mine.keys() - theirs.keys() or mine.keys()
-        if not own or mine.keys() == theirs.keys():
+        if mine.keys() < theirs.keys():
+            one, mine, theirs = reference, theirs, mine
+        own = mine.keys() - theirs.keys()
+        if not own:
             return 0.0
         without = self._fits_by_names.get(frozenset(mine.keys() - own), self.nothing)
         gap = max(self.level(without) - self.level(one), 0.0)

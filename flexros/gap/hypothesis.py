@@ -116,7 +116,9 @@ def free_parameter(name: str, allowed: Range, yardstick: float) -> FreeParameter
     """
     low, high = allowed.low * yardstick, allowed.high * yardstick
     negative = high if allowed.negative is None else allowed.negative * yardstick
-    if allowed.signed:
+    if isinstance(allowed.starts, tuple):
+        starts = tuple(start * yardstick for start in allowed.starts)
+    elif allowed.signed:
         half = np.geomspace(low, high, max(1, (allowed.starts + 1) // 2) + 1)[:-1]
         starts = tuple(
             float(sign * min(size, limit)) for size in half for sign, limit in ((1.0, high), (-1.0, negative))

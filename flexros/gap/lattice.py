@@ -26,7 +26,7 @@ FEWEST = 50
 OFF_LATTICE = 0.08
 """Largest rms distance of the differences from multiples of a step, in steps; 0.29 where there is none (chosen)."""
 
-MATTERS = 0.1
+MATTERS = 0.05
 """Rms error of rounding over the noise of the encoder from which a lattice is an effect (chosen)."""
 
 _DIVISORS = range(1, 7)  # the quantile may be so many steps

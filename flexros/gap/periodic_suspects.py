@@ -8,15 +8,17 @@ import numpy as np
 
 from flexros.effects import effects
 from flexros.gap.hypothesis import FreeParameter, Suspect
-from flexros.gap.orders import OrderSearch
+from flexros.gap.orders import OrderSearch, rotor_angle
 from flexros.gap.predictor import LANES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
+    from flexros.gap.fit import Fit
     from flexros.gap.fit_data import FitData
     from flexros.gap.orders import Entry, PeriodicFit
+    from flexros.gap.record import GapRecord
     from flexros.robot import Robot
 
 ENTRIES: tuple[tuple[str, Entry, tuple[tuple[str, bool], ...]], ...] = (
@@ -26,6 +28,8 @@ ENTRIES: tuple[tuple[str, Entry, tuple[tuple[str, bool], ...]], ...] = (
     ("transmission_error", "gear", ()),
 )
 """Periodic effects, where the wave of each enters, and what else is set with it."""
+VALLEYS = np.array([place for place in range(-8, 9) if place])
+"""Neighbours of an order that are tried as well, in half turns over the way of the rotor in a log [1] (chosen)."""
 LARGEST_PROPORTIONAL = 0.99
 """Largest amplitude of a ripple relative to the torque; such ripples are below 1 [1] (chosen)."""
 
@@ -61,6 +65,36 @@ def periodic_suspects(
             if together:
                 found.append(Suspect(effects()[name], location, _free(together, most), fixed, together=True))
     return tuple(found)
+
+
+def other_orders(one: Fit, record: GapRecord) -> FloatArray:
+    """List starts with other orders near those of a fit: its sum of squares has a valley per turn that the log covers.
+
+    The phase goes along, so that the wave in the middle of the motion stays the same, or turns into its opposite and
+    so stays nearly the same at both ends.
+
+    Args:
+        one: The fit.
+        record: The log.
+
+    Returns:
+        Numbers to start from, shape (n_fitted, starts); none without a periodic effect.
+    """
+    robot, first, starts = one.predictor.robot, 0, []
+    for suspect, values in zip(one.predictor.hypothesis, one.predictor.values(one.theta)):
+        names = [free.name for free in suspect.free]
+        if "order" in names:
+            angle = rotor_angle(robot, robot.joint_names.index(suspect.location), record.position[record.valid])
+            middle, valley = float(np.mean(angle)), np.pi / max(float(np.ptp(angle)), 1e-12)
+            for order in values["order"] + valley * VALLEYS:
+                for turn in (0.0, np.pi) if order > 0 else ():
+                    phase = values["phase"] + turn + (values["order"] - order) * middle
+                    theta = one.theta.copy()
+                    for name, value in (("order", order), ("phase", np.remainder(phase, 2 * np.pi))):
+                        theta[first + names.index(name)] = suspect.free[names.index(name)].encode(value)
+                    starts.append(theta)
+        first += len(names)
+    return np.array(starts).reshape(-1, len(one.theta)).T
 
 
 def _free(waves: Sequence[PeriodicFit], most: float) -> tuple[FreeParameter, ...]:

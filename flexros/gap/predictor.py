@@ -12,6 +12,7 @@ from flexros.effects.delay import Delay
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.effects.law import AbstractLaw
 from flexros.effects.model_change import AbstractChangedValues
+from flexros.effects.torque_saturation import TorqueSaturation
 from flexros.gap.fractional_delay import delayed
 from flexros.simulate.loop import feed_through
 from flexros.simulate.plant_model import PlantModel
@@ -131,7 +132,8 @@ class Predictor:
         Args:
             thetas: Numbers of the fit, shape (n_fitted, sets); the last set fills lanes that are left.
             record: The log.
-            gain: Gain of the predictor for the states of the robot; effects' own states are not corrected.
+            gain: Gain of the predictor for the states of the robot; of effects' own states those that hold a deflection
+                are corrected with it.
             start: State of the robot before the first sample, shape (2 n_coordinates,).
             pose_samples: Samples whose tool pose is recorded, increasing, shape (m,); None for none.
             record_states: Whether to record the states.
@@ -147,7 +149,7 @@ class Predictor:
         return self.loop.run(
             plant,
             columns,
-            self._gain(gain),
+            self.model.corrections(gain.gain),
             self._torque(record.torque, sets),
             record.position,
             record.valid.astype(float),
@@ -186,11 +188,6 @@ class Predictor:
             found.append(-one.innovation[horizon].T[: len(group)])
         return np.concatenate(found)
 
-    def _gain(self, gain: ObserverGain) -> FloatArray:
-        K = np.zeros((self.loop.sizes.state, self.robot.n_motors))
-        K[: len(gain.gain)] = gain.gain
-        return K
-
     def _column(self, theta: FloatArray) -> FloatArray:
         """Return the parameters of the plant for one set of numbers."""
         values = self.values(theta)
@@ -208,24 +205,40 @@ class Predictor:
                     robot[name] += value - nominal[name]
             elif _is_law(suspect):
                 assert isinstance(placed.effect, AbstractLaw)
-                laws += placed.effect.numbers.values()
+                own = placed.effect.numbers
+                laws += dict.fromkeys(own, 0.0).values() if self._cut_off_before(suspect) else own.values()
         return np.array([*robot.values(), *laws])
 
     def _torque(self, torque: FloatArray, sets: Sequence[FloatArray]) -> FloatArray:
-        """Delay the recorded torques where that is part of the hypothesis."""
+        """Delay the recorded torques where that is part of the hypothesis.
+
+        What saturates is cut off before: it may be done in either order, but the filter of a delay by part of a sample
+        is right only for torques that nothing cuts off behind it.
+        """
         if not any(_delays(suspect) for suspect in self.hypothesis):
             return torque
         lanes = []
         for theta in sets:
-            shifted = torque
-            for suspect, numbers in zip(self.hypothesis, self.values(theta)):
+            shifted = torque.copy()
+            pairs = list(zip(self.hypothesis, self.values(theta)))
+            for suspect, numbers in pairs:
+                if self._cut_off_before(suspect):
+                    motor, limit = self.robot.joint_names.index(suspect.location), numbers["limit"]
+                    shifted[:, motor] = np.clip(shifted[:, motor], -limit, limit)
+            for suspect, numbers in pairs:
                 if _delays(suspect):
-                    motors = [
-                        motor for motor, name in enumerate(self.robot.joint_names) if suspect.location in ("all", name)
-                    ]
-                    shifted = delayed(shifted, numbers["time"] / self.sample_time, motors)
+                    shifted = delayed(shifted, numbers["time"] / self.sample_time, self._delayed_by(suspect))
             lanes.append(shifted)
         return np.stack(lanes, axis=-1)
+
+    def _delayed_by(self, suspect: Suspect) -> list[int]:
+        """List the motors whose commands a delay delays."""
+        return [motor for motor, name in enumerate(self.robot.joint_names) if suspect.location in ("all", name)]
+
+    def _cut_off_before(self, suspect: Suspect) -> bool:
+        """Tell whether a suspect cuts off torques that another one delays."""
+        delays = [one for one in self.hypothesis if _delays(one)]
+        return suspect.effect is TorqueSaturation and any(one.location in ("all", suspect.location) for one in delays)
 
 
 def _is_law(suspect: Suspect) -> bool:

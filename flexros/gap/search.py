@@ -13,8 +13,9 @@ from flexros.effects.tool_error import AbstractToolError
 from flexros.gap.fit import EXACTLY, Fit, Linearised, best_of, chi2_of, fit, linearise, starts_of
 from flexros.gap.fitted_numbers import placed
 from flexros.gap.hypothesis import suspects
-from flexros.gap.periodic_suspects import periodic_suspects
-from flexros.gap.predictor import LANES, Predictor
+from flexros.gap.periodic_suspects import other_orders, periodic_suspects
+from flexros.gap.predictor import Predictor
+from flexros.gap.promises import promises
 from flexros.gap.relief import with_relief
 from flexros.gap.tolerance import Tolerance
 from flexros.gap.yardsticks import yardsticks
@@ -28,10 +29,8 @@ if TYPE_CHECKING:
     from flexros.gap.hypothesis import Hypothesis, Suspect
     from flexros.gap.yardsticks import Yardsticks
 
-IMITATED = 1e-12
-"""Share of a direction that rounding leaves where fitted numbers imitate it [1] (chosen)."""
-HUGE = 1e200
-"""Sum of squared changes beyond which a start has run away [1]."""
+FALLING = 0.5
+"""A fit goes on as long as some iterations lower its sum of squares to less than this share (chosen)."""
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 NULL, FEW, SOME, MANY = 60, 4, 5, 20
@@ -170,11 +169,21 @@ class Search:
 
     def _from_grid(self, predictor: Predictor, starts: FloatArray) -> Fit:
         """Fit from the best start for a few iterations, and from the second best where it is not far worse."""
-        order = np.argsort(chi2_of(predictor, self.data, starts))[:2]
-        first = self._quick(predictor, starts[:, order[0]])
+        sums = chi2_of(predictor, self.data, starts)
+        order = np.argsort(sums)[:2]
+        first = self._fallen(predictor, starts[:, order[0]], sums[order[0]])
         if len(order) < 2 or (first.converged and first.iterations <= SETTLED):
             return first
-        return best_of([first, self._quick(predictor, starts[:, order[1]])])
+        return best_of([first, self._fallen(predictor, starts[:, order[1]], sums[order[1]])])
+
+    def _fallen(self, predictor: Predictor, start: FloatArray, before: float) -> Fit:
+        """Fit for a few iterations, and on while the sum of squares falls steeply: it says nothing yet of its end."""
+        one = self._quick(predictor, start)
+        for _ in range(MANY // FEW):
+            if one.converged or not one.chi2 < FALLING * before:
+                break
+            before, one = one.chi2, self._quick(predictor, one.theta)
+        return one
 
     def _finished(self, found: Sequence[Fit]) -> list[Fit]:
         """Carry the best fits to their end, those after the first one as long as there is hope."""
@@ -189,6 +198,11 @@ class Search:
         return fit(predictor, self.data, start, FEW, self.tolerance_slopes)
 
     def _continued(self, one: Fit, rival: float) -> Fit:
+        """Carry a fit to its end, from the best order of a rotor near its own."""
+        starts = other_orders(one, self.data.record)
+        if starts.shape[1]:
+            nearest = np.argsort(chi2_of(one.predictor, self.data, starts))[:2]
+            one = best_of([one, *(self._quick(one.predictor, starts[:, place]) for place in nearest)])
         return fit(one.predictor, self.data, one.theta, MANY, enough=EXACTLY, rival=rival)
 
     def beside(self, firsts: Sequence[Fit], nothing: Fit, sizes: Yardsticks) -> list[Fit]:
@@ -226,29 +240,11 @@ class Search:
     def _promises(
         self, suspect: Suspect, nothing: Fit, plain: FloatArray, lines: Sequence[Linearised]
     ) -> list[tuple[float, FloatArray]]:
-        """Estimate the fall of the sum of squares when a suspect is added, by linear theory, and where to start.
-
-        Every start of the suspect gives a direction, how the errors of the nominal model change with it; the part of it
-        that the numbers fitted so far cannot imitate is what counts. The best direction at any length tells what is
-        promised, the direction that lowers the sum most as it is tells where to start.
-        """
+        """Estimate what a suspect gains beside other effects, and where to start."""
         predictor = self.predictor((suspect,))
         starts = starts_of(predictor)
         starts[predictor.n_effect :] = nothing.theta[nothing.predictor.n_effect :, None]
-        promised, lowered = np.zeros(len(lines)), np.full(len(lines), -np.inf)
-        chosen = [starts[: predictor.n_effect, 0]] * len(lines)
-        for begin in range(0, starts.shape[1], LANES):
-            errors = self.data.residuals(predictor, starts[:, begin : begin + LANES])
-            finite = np.all(np.isfinite(errors), axis=0)
-            change = np.subtract(errors, plain[:, None], out=errors)
-            change[:, ~finite] = 0.0
-            for place, line in enumerate(lines):
-                gains, falls = _gains(change, line)
-                lane = int(np.argmax(falls))
-                promised[place] = max(promised[place], float(gains.max()))
-                if falls[lane] > lowered[place]:
-                    lowered[place], chosen[place] = falls[lane], starts[: predictor.n_effect, begin + lane]
-        return list(zip(promised.tolist(), chosen))
+        return promises(predictor, self.data, starts, plain, lines)
 
     def _together(self, first: Fit, suspect: Suspect, theta: FloatArray) -> Fit:
         """Fit an explanation together with another suspect."""
@@ -269,21 +265,3 @@ def _extends(suspect: Suspect, simple: Fit) -> bool:
     """Tell whether an effect contains another one, at the same place."""
     other = simple.predictor.hypothesis[0]
     return other.effect.name in suspect.effect.extends and other.location == suspect.location
-
-
-def _gains(change: FloatArray, line: Linearised) -> tuple[FloatArray, FloatArray]:
-    """Return by how much directions may lower the sum of squares of a fit, its own numbers refitted.
-
-    What is tolerated has its price, so that a direction which tolerated deviations imitate still gains what they cost.
-
-    Returns:
-        At the best length, and as long as they are, shape (n_directions,) each.
-    """
-    shared = line.slopes.T @ change
-    refitted = np.linalg.lstsq(line.information, shared, rcond=1e-12)[0]
-    along = -(line.residual @ change - line.gradient @ refitted)
-    length = np.einsum("ij,ij->j", change, change) - np.einsum("ij,ij->j", shared, refitted)
-    usable = (along > 0) & (length < HUGE)
-    least = IMITATED * np.einsum("ij,ij->j", change, change) + 1e-300
-    gains = np.where(usable, along**2 / np.maximum(length, least), 0.0)
-    return gains, np.where(length < HUGE, 2 * along - length, -np.inf)

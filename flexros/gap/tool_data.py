@@ -22,7 +22,7 @@ NEAR = 0.2
 """Relative difference up to which the noise of a tracker counts as declared [1] (chosen)."""
 CERTAIN = 3.0
 """Standard deviations by which a time offset must exceed a sample to be told [1] (chosen)."""
-MOST_POSES = 3000
+MOST_POSES = 10_000
 """Most measurements of the tool that count; of more of them every second, third ... is taken (chosen)."""
 
 

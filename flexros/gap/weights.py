@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.gain import ObserverGain
     from flexros.gap.lattice import Quantization
+    from flexros.gap.noise import Noise
     from flexros.gap.record import GapRecord
     from flexros.robot import Robot
 
@@ -25,6 +26,8 @@ MEASURED_ERROR, COLOURED_ERROR = 0.01, 0.03
 """Relative error of the variance of measured noise, white and coloured [1] (development seeds)."""
 ROUNDING_ERROR = 0.1
 """Relative error of the variance that rounding is taken to add: it is not white where a motor is slow [1] (chosen)."""
+OTHERWISE = 0.5
+"""Error of the variance of noise over the difference between what a log shows and what is counted with [1] (chosen)."""
 COLOURED_BELOW = 0.6
 """Power above the band over that of the declared noise below which the noise is taken for coloured [1] (chosen)."""
 LEAST_JITTER = 0.3
@@ -45,6 +48,8 @@ class Measurement:
         quantizations: Encoders whose rounding matters.
         rounding: Largest share of rounding in the variance of the noise of an encoder [1].
         floor_error: Relative standard deviation of the variance of the noise [1]; zero where it is as declared.
+        doubt: The same by which noise may be other than declared in this very log, so that a gap of that size is none
+            [1].
         signal_tolerance: Share of the rms of a torque that counts as no gap [1].
         warnings: What was noticed, a sentence each.
     """
@@ -56,6 +61,7 @@ class Measurement:
     quantizations: tuple[Quantization, ...]
     rounding: float
     floor_error: float
+    doubt: float
     signal_tolerance: float
     warnings: tuple[str, ...]
 
@@ -106,9 +112,30 @@ def measurement_of(record: GapRecord, robot: Robot) -> Measurement:
         quantizations=quantizations,
         rounding=float(rounding),
         floor_error=float(np.hypot(error, ROUNDING_ERROR * rounding)),
+        doubt=0.0 if coloured else _doubt(noise, deviation),
         signal_tolerance=noise.signal_tolerance,
         warnings=noise.warnings,
     )
+
+
+def measurement_in(record: GapRecord, robot: Robot, measurement: Measurement) -> Measurement:
+    """Count with the noise that one log shows in another one of the same robot, whose noise may be a little different.
+
+    Args:
+        record: The other log.
+        robot: The nominal robot.
+        measurement: Noise of the encoders as the one log shows it.
+    """
+    coloured = measurement.whitening.shape[1] > 1
+    doubt = 0.0 if coloured else _doubt(measure_noise(record, robot), measurement.deviation)
+    return replace(measurement, doubt=doubt)
+
+
+def _doubt(noise: Noise, deviation: FloatArray) -> float:
+    """Return the error of the variance that the difference between shown and counted noise speaks for [1]."""
+    measured = np.array([source != "robot file" for source in noise.source])
+    differs = np.where(measured, (noise.standard_deviation / deviation) ** 2 - 1, 0.0)
+    return OTHERWISE * float(abs(np.mean(differs)))
 
 
 def spread_of(record: GapRecord, gain: ObserverGain, measurement: Measurement) -> FloatArray:

@@ -84,13 +84,11 @@ class Twin:
             Prediction errors [rad or m], zero where nothing was measured, shape (samples, M); None where the twin has
             lost the robot.
         """
-        K = np.zeros((self._loop.sizes.state, self.robot.n_motors))
-        K[: len(gain)] = gain
         length = self._loop.line_length
         found = self._loop.run(
             self._state,
             self._none,
-            K,
+            self._plant.corrections(gain),
             window.torque,
             window.position,
             window.measured.astype(float),
@@ -107,5 +105,4 @@ class Twin:
         Args:
             shift: What is added to positions and speeds of the robot, shape (2 n,).
         """
-        self._state = self._state.copy()
-        self._state[: len(shift), 0] += shift
+        self._state = self._state + self._plant.corrections(shift[:, None])

@@ -140,6 +140,24 @@ class PlantModel:
             plain[begin : begin + len(timed)] = timed
         return plain
 
+    def corrections(self, gain: FloatArray) -> FloatArray:
+        """Extend corrections of the robot's state to those of the effects: deflections that they hold move along.
+
+        Args:
+            gain: Change of [q, v] per unit of a prediction error, shape (2 nq, M).
+
+        Returns:
+            The same for the state of the plant, shape (n_states, M).
+        """
+        extended = np.zeros((self.n_states, gain.shape[1]))
+        extended[: len(gain)] = gain
+        for law, effect in self._plant.laws.gears:
+            if effect.holds_deflection:
+                index, joint = self._plant.joint(law)
+                motor = 0.0 if joint.motor_coordinate is None else gain[self.model.n_arm + joint.motor_coordinate]
+                extended[self._plant.place(law)] = motor - gain[index]
+        return extended
+
     def command_at_rest(self, state: FloatArray, torque: FloatArray, parameters: FloatArray) -> FloatArray:
         """Find the command under which the motors get a torque, at rest.
 

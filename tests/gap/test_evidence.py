@@ -64,6 +64,26 @@ def test_a_strong_gap_does_not_decide_by_a_trifle() -> None:
     assert of_other(1e4) > 100 * of_other(1.1)
 
 
+@pytest.mark.parametrize("swap", [False, True])
+def test_an_addition_counts_by_what_it_closes_itself(swap: bool) -> None:
+    """Whatever is looked at first, and however much larger the gap is that the other effect closes."""
+    friction, both = fitted(1.1, COULOMB), fitted(1.0, COULOMB, STIFFNESS)
+    among = [both, friction][:: -1 if swap else 1]
+    assert evidence(101.0, *among).probabilities(among)[1 if swap else 0] > 0.999
+    trifle = [fitted(1.1 - 2 / N, COULOMB, STIFFNESS), friction]
+    assert evidence(101.0, *trifle).probabilities(trifle)[0] < 0.2
+
+
+def test_numbers_of_a_law_cost_less_where_errors_of_form_count_more_than_noise() -> None:
+    one, richer = fitted(1.0, COULOMB), fitted(1.0, "presliding_friction@motor_1")
+
+    def of_richer(nothing: float) -> float:
+        return float(evidence(nothing, one, richer).probabilities([one, richer])[1])
+
+    assert of_richer(1.01) == pytest.approx(np.exp(-3 * 5), rel=1e-3)
+    assert of_richer(1e4) == pytest.approx(np.exp(-5), rel=1e-1)
+
+
 def test_nothing_wins_where_nothing_gains_more_than_chance() -> None:
     fits = [fitted(1.0 - 2.0 / N, COULOMB), fitted(1.0 - 4.0 / N, STRIBECK)]
     found = evidence(1.0, *fits)
@@ -110,7 +130,8 @@ def test_beside_an_exact_model_only_errors_of_form_excuse_what_is_left() -> None
 
 
 def test_what_leaves_too_much_is_behind_what_does_not_though_it_has_fewer_numbers() -> None:
-    poor, rich = fitted(45.0, COULOMB), fitted(1.0, "presliding_friction@motor_1")
+    poor = fitted(45.0, COULOMB)
+    rich = fitted(1.0, "presliding_friction@motor_1", STIFFNESS, "delay@all", "payload_error@tool")
     found = evidence(2001.0, poor, rich)
     assert found.probabilities([poor, rich])[0] > 0.9
     assert replace(found, exact=True).probabilities([poor, rich])[1] > 0.9

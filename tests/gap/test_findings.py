@@ -106,6 +106,19 @@ def test_an_effect_that_does_not_explain_the_gap_is_hardly_a_part_of_it() -> Non
     assert found.probability(COULOMB) == pytest.approx(0.1)
 
 
+def test_of_equally_sure_effects_the_one_that_is_missed_most_comes_first() -> None:
+    """Alone, the stiffness closes more than the friction does, but beside the friction it hardly matters."""
+    chosen, friction, stiffness = fitted(1.0, STIFFNESS, COULOMB), fitted(1.2, COULOMB), fitted(1.1, INERTIA)
+    found = findings(chosen, [friction, fitted(5.0, STIFFNESS), stiffness], [0.996, 0.003, 0.0, 0.001], TRUTH)
+    assert sorted([STIFFNESS, INERTIA, COULOMB], key=found.order) == [COULOMB, STIFFNESS, INERTIA]
+
+
+def test_rounding_stands_where_its_variance_puts_it() -> None:
+    found = quantized(findings(fitted(1.0, COULOMB), [], [1.0], TRUTH))
+    share = (1e-3) ** 2 / 12 / ROBOT.encoder_noise[0] ** 2
+    assert found.order("encoder_quantization@motor_1") == (-1.0, pytest.approx(-share), -1.0)
+
+
 def test_gap_numbers_are_of_the_held_out_log() -> None:
     found = findings(fitted(1.0, COULOMB), [fitted(9.0, INERTIA)], [1.0, 0.0], TRUTH)
     gap = found.gap

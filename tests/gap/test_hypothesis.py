@@ -57,6 +57,11 @@ def test_ranges_are_in_the_units_of_the_log() -> None:
     assert free.starts[-1] < free.high
 
 
+def test_starts_may_be_given_one_by_one() -> None:
+    free = free_parameter("limit", Range("torque", 0.1, 1.0, starts=(0.5, 0.99)), 20.0)
+    assert free.starts == pytest.approx((10.0, 19.8))
+
+
 def test_signed_numbers_start_on_both_sides() -> None:
     starts = free_parameter("relative", Range("relative", 0.01, 1.0, starts=4, signed=True), 1.0).starts
     assert sorted(starts) == pytest.approx([-0.1, -0.01, 0.01, 0.1])

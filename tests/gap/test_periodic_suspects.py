@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from flexros.effects import effects
-from flexros.gap.fit import starts_of
+from flexros.gap.fit import Fit, starts_of
 from flexros.gap.hypothesis import Suspect
-from flexros.gap.periodic_suspects import ENTRIES, periodic_suspects
+from flexros.gap.periodic_suspects import ENTRIES, VALLEYS, other_orders, periodic_suspects
 from flexros.gap.predictor import LANES
 
-from .diagnosis_logs import ROBOT, predictor_of, search_of
+from .diagnosis_logs import ROBOT, predictor_of, record_of, search_of, suspects_of
 
 
 def found_in(*effect: str) -> list[Suspect]:
@@ -49,6 +51,34 @@ def test_the_wave_that_is_there_starts_with_its_numbers(of_ripple: list[Suspect]
     assert start["order"] == pytest.approx(6, rel=0.02)
     assert start["amplitude"] == pytest.approx(0.02, rel=0.5)
     assert starts_of(predictor_of(ripple)).shape == (3, len(ripple.free[0].starts))
+
+
+def test_other_orders_are_tried_with_the_same_wave_in_the_middle_or_its_opposite(of_ripple: list[Suspect]) -> None:
+    (ripple,) = (one for one in of_ripple if one.effect.name == "torque_ripple" and not one.fixed)
+    friction = suspects_of()["coulomb_friction@motor_1"]
+    predictor, record = predictor_of(friction, ripple), record_of()
+    theta = np.array([0.0, *(one.encode(one.starts[0]) for one in ripple.free)])
+    found = other_orders(Fit(predictor, theta, 1.0), record)
+    first, middle = predictor.values(theta)[1], float(np.mean(record.position))
+    assert found.shape == (4, 2 * len(VALLEYS))
+    for start in found.T:
+        np.testing.assert_array_equal(start[:2], theta[:2])
+        other = predictor.values(start)[1]
+        turned = (other["order"] - first["order"]) * middle + other["phase"] - first["phase"]
+        assert np.sin(turned) == pytest.approx(0.0, abs=1e-9)
+        assert 0 < abs(other["order"] - first["order"]) * np.ptp(record.position) < 9 * np.pi
+    assert other_orders(Fit(predictor_of(friction), theta[:1], 1.0), record).shape == (1, 0)
+
+
+def test_a_fit_at_a_neighbouring_order_finds_the_true_one() -> None:
+    """A wave that is one turn off over the whole way of the rotor fits best among its neighbours, but not well."""
+    search = search_of("torque_ripple@motor_1:amplitude=0.02,order=6,phase=0.5")
+    (ripple, *_) = search.waves(search.nothing())
+    way = float(np.ptp(search.data.record.position))
+    off = replace(ripple.free[1], starts=tuple(start + 2 * np.pi / way for start in ripple.free[1].starts[:1]))
+    amplitude, phase = (replace(one, starts=one.starts[:1]) for one in (ripple.free[0], ripple.free[2]))
+    (found,) = search.singles(search.nothing(), [replace(ripple, free=(amplitude, off, phase))])
+    assert found.predictor.values(found.theta)[0]["order"] == pytest.approx(6.0, abs=0.01)
 
 
 def test_ripple_in_proportion_to_the_torque_stays_below_it() -> None:

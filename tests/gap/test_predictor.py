@@ -69,6 +69,40 @@ def test_effects_add_up() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("effect", "size"),
+    [
+        ("actuator_lag@motor_1", "time_constant"),
+        ("backlash@motor_1", "gap"),
+        ("coulomb_friction@motor_1", "level"),
+        ("delay@all", "time"),
+        ("hysteresis@motor_1", "level"),
+    ],
+)
+def test_the_smaller_an_effect_the_nearer_it_is_to_nothing(effect: str, size: str) -> None:
+    """The gap of a backlash, far smaller than what a correction by noise moves, once changed the predictions a lot."""
+    suspect, nothing = suspects_of()[effect], innovations(predictor_of(), [])
+    typical = {one.name: one.starts[0] for one in suspect.free}
+
+    def away(value: float) -> float:
+        found = innovations(predictor_of(suspect), numbers(suspect, **{**typical, size: value}))
+        return float(np.abs(found - nothing).max())
+
+    lowest = next(one.low for one in suspect.free if one.name == size)
+    assert away(lowest) < 0.05 * float(ROBOT.encoder_noise[0])
+
+
+def test_what_saturates_is_cut_off_before_a_delay_by_part_of_a_sample() -> None:
+    saturation, delay = (suspects_of()[name] for name in ("torque_saturation@motor_1", "delay@all"))
+    torque = record_of().part(0, N).torque
+    late = numbers(delay, time=2.4 * ROBOT.sample_time)
+    limit = 0.5 * float(np.abs(torque).max())
+    theta = [*numbers(saturation, limit=limit), *late]
+    expected = innovations(predictor_of(delay), late, torque=np.clip(torque, -limit, limit))
+    np.testing.assert_allclose(innovations(predictor_of(saturation, delay), theta), expected, atol=1e-15)
+    assert np.abs(expected - innovations(predictor_of(delay), late)).max() > 1e-3
+
+
 def test_a_delay_of_whole_samples_shifts_the_torque() -> None:
     suspect = suspects_of()["delay@all"]
     torque = record_of().part(0, N).torque

@@ -61,6 +61,27 @@ def test_the_second_of_two_effects_is_found_beside_the_first_which_is_not_put_be
     assert best.chi2 / search.data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / search.data.n_values))
 
 
+@pytest.mark.parametrize(
+    ("effect", "size", "true"),
+    [
+        ("torque_saturation@motor_1:limit=9.5", "limit", 9.5),  # the largest torque of the log is 9.6 Nm
+        ("damping_error@body_1.rz:relative=3", "relative", 3.0),
+        ("presliding_friction@motor_1:level=0.1,extra=0.03,velocity=0.8,stiffness=40,damping=0.4", "stiffness", 40.0),
+    ],
+)
+def test_an_effect_far_from_its_starts_is_found(effect: str, size: str, true: float) -> None:
+    """Its fit is nowhere after a few iterations, but falls steeply."""
+    search = search_of(effect)
+    nothing = search.nothing()
+    name = effect.partition(":")[0]
+    among = [one for one in search.suspects(search.yardsticks(nothing)) if one.location in name]
+    best = search.singles(nothing, [one for one in among if one.name == name or one.effect.name.endswith("friction")])[
+        0
+    ]
+    assert best.predictor.hypothesis[0].name == name
+    assert best.predictor.values(best.theta)[0][size] == pytest.approx(true, rel=0.05)
+
+
 def test_the_nominal_model_takes_up_what_is_tolerated() -> None:
     search = Search(search_of().model, data_of(SOFT), Tolerance(("body_2.rz.stiffness",), (0.05,)))
     nothing = search.nothing()

@@ -10,7 +10,7 @@ import pytest
 from flexros.gap import weights
 from flexros.gap.gain import observer_gain
 from flexros.gap.noise import Noise
-from flexros.gap.weights import Measurement, measurement_of, spread_of
+from flexros.gap.weights import Measurement, measurement_in, measurement_of, spread_of
 
 from .diagnosis_logs import ROBOT, record_of
 
@@ -18,13 +18,14 @@ NOISE = np.array([1e-4])
 
 
 def measurement(whitening: np.ndarray, jitter: float = 0.0) -> Measurement:
-    return Measurement(NOISE, whitening, NOISE, jitter, (), 0.0, 0.0, 0.0, ())
+    return Measurement(NOISE, whitening, NOISE, jitter, (), 0.0, 0.0, 0.0, 0.0, ())
 
 
 def test_noise_as_declared_is_that_of_the_file_and_exact() -> None:
     found = measurement_of(record_of(), ROBOT)
     np.testing.assert_array_equal(found.deviation, ROBOT.encoder_noise)
     assert found.floor_error == 0.0
+    assert found.doubt < 0.01
     assert found.whitening.tolist() == [[1.0]]
     assert found.quantizations == ()
 
@@ -35,6 +36,17 @@ def test_other_noise_is_measured_and_less_sure() -> None:
     found = measurement_of(replace(record, position=record.position + more), ROBOT)
     assert found.deviation[0] == pytest.approx(np.hypot(1e-4, 2e-4), rel=0.05)
     assert found.floor_error > 0
+
+
+def test_noise_a_little_off_the_declared_one_is_allowed_for() -> None:
+    record = record_of()
+    more = np.random.default_rng(0).normal(size=record.position.shape) * 0.3e-4
+    noisier = replace(record, position=record.position + more)
+    found = measurement_of(noisier, ROBOT)
+    np.testing.assert_array_equal(found.deviation, ROBOT.encoder_noise)
+    assert (found.floor_error, found.doubt) == (0.0, pytest.approx(0.5 * 0.3**2, rel=0.3))
+    elsewhere = measurement_in(noisier, ROBOT, measurement_of(record, ROBOT))
+    assert (elsewhere.floor_error, elsewhere.doubt) == (0.0, found.doubt)
 
 
 def test_rounding_adds_its_own_noise() -> None:

@@ -24,8 +24,8 @@ class MujocoPlant(Node):
 
     def __init__(self) -> None:
         super().__init__("mujoco_plant")
-        defaults = {"model": "two_mass.xml", "sample_time": 1e-3, "duration": 1.0, "listeners": 1}
-        model, self.sample_time, duration, self.listeners = (
+        defaults = {"model": "two_mass.xml", "sample_time": 1e-3, "duration": 1.0, "listeners": 1, "watchers": 0}
+        model, self.sample_time, duration, self.listeners, self.watchers = (
             self.declare_parameter(name, value).value for name, value in defaults.items()
         )
         self.model = mujoco.MjModel.from_xml_path(model)
@@ -43,9 +43,11 @@ class MujocoPlant(Node):
 
     def look_around(self) -> None:
         """Begin when all listeners are there; say again what no command has answered."""
-        if self.k < 0 and self.states.get_subscription_count() >= self.listeners:
-            self.measure()
-        elif self.k >= 0 and self.k == self.seen:
+        if self.k < 0:
+            states, poses = (topic.get_subscription_count() for topic in (self.states, self.poses))
+            if states >= self.listeners and poses >= self.watchers:  # each topic finds its subscribers for itself
+                self.measure()
+        elif self.k == self.seen:
             self.repeats += 1
             self.publish()
         self.seen = self.k
