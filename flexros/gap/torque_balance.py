@@ -21,6 +21,9 @@ FEWEST_BINS, FEWEST_BANDS = 12, 3
 WORTH = 0.02
 """Gain in mean agreement from which a rough delay is taken (chosen)."""
 
+AGREED = 0.7
+"""Mean agreement from which a rough delay is taken: torques that fit no time are not late (chosen)."""
+
 COHERENT = 0.8
 """Smallest cosine between torque and need of a band whose phase tells a delay (chosen)."""
 
@@ -115,7 +118,7 @@ class TorqueBalance:
         shares /= len(motors)
         best = int(np.argmax(np.abs(shares)))
         better = float(abs(shares[best]) - abs(shares[count]))
-        rough = float(tried[best]) if better > WORTH else 0.0
+        rough = float(tried[best]) if better > WORTH and abs(shares[best]) > AGREED else 0.0
         slopes = [slope for motor in motors for slope in self._phase_slopes(motor, rough)]
         if not slopes:
             return Delay(rough, float("inf"), better)

@@ -61,3 +61,19 @@ def test_delay_is_found_within_a_tenth_of_a_sample(healthy) -> None:
         found = CheckedRecord(record, load_robot("elbow")).delay
         assert found.time == pytest.approx(-samples * record.sample_time, abs=5e-5)
         assert np.isfinite(found.deviation)
+
+
+@pytest.mark.parametrize(("share", "late"), [(0.97, True), (0.2, False)])
+def test_torques_that_agree_with_the_motion_at_no_time_are_not_late(share: float, late: bool) -> None:
+    """Commands that got lost leave torques that fit one time a little better than others, but none well, but for slow parts."""
+    from flexros.gap.torque_balance import TorqueBalance
+
+    random = np.random.default_rng(0)
+    frequency = np.linspace(2.0, 60.0, 400)
+    needed, other = ((random.normal(size=(2, 400)) * [[1], [1j]]).sum(axis=0)[:, None] for _ in range(2))
+    alike = np.where(frequency < 8.0, 0.97, share)[:, None]
+    given = alike * needed * np.exp(2j * np.pi * 0.02 * frequency)[:, None] + np.sqrt(1 - alike**2) * other
+    band, still = np.floor(2 * np.log2(frequency)).astype(int), np.zeros((400, 1, 2), dtype=complex)
+    found = TorqueBalance(frequency, band, given, needed, still, np.ones((400, 1), dtype=bool)).delay()
+    assert (abs(found.time) > 5 * found.deviation) == late
+    assert found.time == pytest.approx(0.02, abs=1e-3) or not late
