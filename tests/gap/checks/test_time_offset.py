@@ -65,7 +65,7 @@ def test_delay_is_found_within_a_tenth_of_a_sample(healthy) -> None:
 
 @pytest.mark.parametrize(("share", "late"), [(0.97, True), (0.2, False)])
 def test_torques_that_agree_with_the_motion_at_no_time_are_not_late(share: float, late: bool) -> None:
-    """Commands that got lost leave torques that fit one time a little better than others, but none well, but for slow parts."""
+    """Commands that got lost leave torques of which only slow parts fit, one time a little better than others."""
     from flexros.gap.torque_balance import TorqueBalance
 
     random = np.random.default_rng(0)
