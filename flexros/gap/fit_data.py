@@ -32,8 +32,9 @@ STARTING_LEVEL = 0.3
 """Torque noise that the predictor allows for while it finds the state of a log that begins in motion [1] (chosen)."""
 RUN_AWAY = 1e6
 """Largest prediction error over the largest motion of the log; beyond it the prediction has run away [1] (chosen)."""
-REST = 0.02
-"""Time at the begin of a log that tells whether the robot stands still [s] (chosen)."""
+REST, AT_REST = 0.02, 10.0
+"""Time at the begin of a log that tells whether the robot starts from rest [s], and prediction errors from rest, over
+the noise, up to which it does [1] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,8 +161,9 @@ def fit_data(
     nominal = Predictor(model, (), Tolerance(), record.sample_time, measured_torque=record.measured_torque)
     start = robot.equilibrium(motor_position=record.position[0])
     fast = gain_at(STARTING_LEVEL)
-    first = np.ptp(record.position[: max(round(REST / record.sample_time), 2)], axis=0)
-    if np.any(first > 10 * measurement.deviation):
+    soon = record.part(0, max(round(REST / record.sample_time), 2))
+    from_rest = nominal.predict(np.zeros((0, 1)), soon, fast, start).innovation[:, :, 0]
+    if not np.all(np.abs(from_rest[soon.valid]) < AT_REST * measurement.deviation):
         cut = min(2 * fast.settling, record.n_samples // 4)
         found = nominal.predict(np.zeros((0, 1)), record.part(0, cut), fast, start)
         start, record = found.final[: len(start), 0], record.part(cut, record.n_samples)

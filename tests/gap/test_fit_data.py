@@ -86,6 +86,17 @@ def test_a_log_that_begins_in_motion_starts_with_its_state() -> None:
     assert residual @ residual / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
 
 
+def test_a_log_that_begins_with_a_start_from_rest_loses_nothing() -> None:
+    record, noise = record_of(), float(ROBOT.encoder_noise[0])
+    steps = np.abs(record.position[40:, 0] - record.position[:-40, 0])
+    part = record.part(int(np.argmax(steps > 15 * noise)), record.n_samples)
+    assert np.ptp(part.position[:40]) > 10 * noise
+    data = fit_data(part, MODEL, DiagnosisSettings())
+    residual = data.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
+    assert data.record.n_samples == part.n_samples
+    assert residual @ residual / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
+
+
 def test_the_frame_of_a_tracker_is_that_of_the_prediction_it_is_seen_by() -> None:
     data = data_of(tool=True)
     softer = ROBOT.with_values({"body_1.rz.stiffness": 0.9 * ROBOT.parameters["body_1.rz.stiffness"].value})
