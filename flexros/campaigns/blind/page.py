@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.campaigns.blind.missed import missed_cases, missed_sizes
 from flexros.gap.blind.answer import VISIBLE
 from flexros.gap.blind.score import record, score, scores_by
 from flexros.gap.blind.tables import figure_rows
@@ -64,6 +65,8 @@ def blind_page(
     for heading, key in GROUPS.items():
         lines += ["", f"## {heading}", "", *_table(scores_by(answers, key))]
     lines += ["", "## By effect", "", *_effects(answers)]
+    lines += ["", "## What was missed", "", *missed_cases(answers)]
+    lines += ["", "## Sizes outside their 95 % intervals", "", *missed_sizes(answers)]
     if failures:
         lines += ["", "## Logs without answer", ""]
         lines += [f"- {name}: {text.strip().splitlines()[-1]}" for name, text in failures.items()]

@@ -108,6 +108,28 @@ class Answer:
         return any(one.effect in names for one in self.truth.deviations)
 
     @property
+    def missed(self) -> str:
+        """What is wrong with the answer, in a few words; empty where it is right, or where what is hidden is small."""
+        kind, faint = self.truth.kind, self.truth.kind in ("single", "pair") and not self.visible
+        if self.diagnosis is None:
+            return "refused"
+        if kind == "null":
+            return "false alarm" if self.alarm else ""
+        if faint or (kind == "unknown" and self.unknown):
+            return ""
+        if not self.alarm:
+            return "not seen"
+        if kind == "unknown":
+            return "a known effect is named"
+        if self.unknown:
+            return "called unknown"
+        if self.both() if kind == "pair" else self.named(1):
+            return ""
+        if kind == "pair":
+            return "one of both is missing" if self.named(2) else "both are missing"
+        return "ambiguous, another one first" if self.in_group else "another one first"
+
+    @property
     def said(self) -> str:
         """The answer in a word, for the confusion matrix."""
         if self.diagnosis is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexros.effects import effects
@@ -36,8 +37,30 @@ WIDTH = 1.96
 """Half width of a 95 % interval [standard deviations]."""
 
 
-def covered(answers: Sequence[Answer]) -> Iterator[bool]:
-    """Tell for each rightly named single effect whether the 95 % interval of its size covers the truth.
+@dataclass(frozen=True, eq=False)
+class FittedSize:
+    """Size of a rightly named single effect.
+
+    Attributes:
+        answer: The case.
+        name: Number of the effect that is its size.
+        fitted: What was fitted.
+        true: The truth, in its unit.
+    """
+
+    answer: Answer
+    name: str
+    fitted: CauseParameter
+    true: float
+
+    @property
+    def covered(self) -> bool:
+        """Whether the 95 % interval of the fitted size covers the truth."""
+        return covers(self.answer.truth.deviations[0].effect, self.name, self.fitted, self.true)
+
+
+def fitted_sizes(answers: Sequence[Answer]) -> Iterator[FittedSize]:
+    """List the sizes of rightly named single effects.
 
     Logs whose nominal model is wrong are left out, because a size counts from the model there.
 
@@ -50,7 +73,7 @@ def covered(answers: Sequence[Answer]) -> Iterator[bool]:
         hidden, name = one.truth.deviations[0], COMPARABLE.get(one.first.effect, "")
         right = one.first.effect == hidden.effect
         if right and same_place(one.truth.robot, hidden.location, one.first.location) and name in one.first.parameters:
-            yield covers(one.first.effect, name, one.first.parameters[name], hidden.parameters[name])
+            yield FittedSize(one, name, one.first.parameters[name], hidden.parameters[name])
 
 
 def covers(effect: str, name: str, fitted: CauseParameter, true: float) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.gap.blind.answer import VISIBLE, Answer
-from flexros.gap.blind.coverage import covered
+from flexros.gap.blind.coverage import fitted_sizes
 from flexros.gap.blind.oracle import oracle_fraction
 from flexros.gap.blind.run import FAILURE_FILE, TIME_FILE, case_folders
 from flexros.gap.blind.seal import DIAGNOSIS_FILE, ROBOT_FILE, read_case, read_truth
@@ -159,7 +159,7 @@ def score(answers: Sequence[Answer]) -> Score:
         pairs=share(one.both() for one in pairs),
         pairs_nested=share(one.both(nested=True) for one in pairs),
         refused=share(one.diagnosis is None for one in answers),
-        covered=share(covered(answers)),
+        covered=share(one.covered for one in fitted_sizes(answers)),
         calibration=calibration(stated, right),
         detection=_curve(of["single"], lambda one: one.alarm),
         naming=_curve(of["single"], lambda one: one.named(1, nested=True)),

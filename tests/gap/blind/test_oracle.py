@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from flexros.gap.blind.coverage import covered
+from flexros.gap.blind.coverage import fitted_sizes
 from flexros.gap.blind.make import MakeSettings, make_case
 from flexros.gap.blind.oracle import oracle_fraction
 from flexros.gap.blind.plan import Case
@@ -40,4 +40,4 @@ def test_interval_covers_the_truth_or_not() -> None:
     hidden = hidden.model_copy(update={"deviations": (bias,)})
     answers = [answer(hidden, said(1.1, 0.1)), answer(hidden, said(1.3, 0.1))]
     other = answer(hidden.model_copy(update={"nuisance": "tolerance_1"}), said(1.3, 0.1))
-    assert list(covered([*answers, other])) == [True, False]
+    assert [one.covered for one in fitted_sizes([*answers, other])] == [True, False]
