@@ -9,7 +9,7 @@ from mcap.reader import make_reader
 
 from tests.soak.result import Result
 from tests.soak.starting import await_samples, ending, start_run
-from tests.soak.watching import growth, watch
+from tests.soak.watching import growth, growth_counts, watch
 
 SCENARIO = "regulator_four_mass"
 """Noise in every sample, so that nothing in the loop comes to rest."""
@@ -39,14 +39,14 @@ def long_run(folder: Path, layout: str, duration: float, period: float, real_tim
     run = start_run(folder, *options)
     with ending(run):
         await_samples(run, folder, timeout=300.0)
-        samples = watch(run.pid, lambda: run.ended, period)
+        watched = watch(run.pid, lambda: run.ended, period)
     figures = run.figures()
     result = Result(["process", "memory [MB]", "growth [bytes per sample]", "open files", "threads"])
     if figures["exit_code"]:
         result.add("run", "", "", "", "", wrong=f"exit code {figures['exit_code']}: {figures['message']}")
         return result
-    for name, rows in samples.items():
-        seen = growth(rows, figures["samples"] / figures["wall_time_s"])
+    for name, one in watched.items():
+        seen = growth(one.samples, figures["samples"] / figures["wall_time_s"])
         result.add(
             name,
             f"{seen.first_mb:.2f} to {seen.last_mb:.2f}",
@@ -55,6 +55,13 @@ def long_run(folder: Path, layout: str, duration: float, period: float, real_tim
             " to ".join(map(str, sorted(set(seen.threads)))),
             wrong="" if seen.is_flat else "not flat",
         )
+        begin, end = one.samples[0][0], one.samples[-1][0]
+        for at, opened, closed in one.opened:
+            if growth_counts(at, begin, end):
+                result.notes.append(
+                    f"{name}, {at - begin:.0f} s: opened {', '.join(opened) or 'nothing'}, closed "
+                    f"{', '.join(closed) or 'nothing'}."
+                )
     counts, size = messages(folder / "log" / "log_0.mcap")
     shutil.rmtree(folder / "log")
     lost = sum(figures["samples"] - counts.get(name, 0) for name in TOPICS)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import numpy as np
+import psutil  # type: ignore[import-untyped]
 import pytest
 
-from tests.soak.watching import Sample, growth, watch
+from tests.soak.watching import Sample, Watched, growth, growth_counts, watch
 
 RATE = 2000.0
 
@@ -53,5 +55,17 @@ def test_beginning_and_end_do_not_count() -> None:
 def test_processes_are_watched_until_it_is_over() -> None:
     looks = iter([False, False, True])
     seen = watch(os.getpid(), lambda: next(looks), 0.01)
-    assert len(seen["run"]) == 2
-    assert all(memory > 1e6 and handles > 0 for _, memory, handles, _ in seen["run"])
+    assert len(seen["run"].samples) == 2
+    assert all(memory > 1e6 and handles > 0 for _, memory, handles, _ in seen["run"].samples)
+
+
+def test_files_that_come_and_go_are_named(tmp_path: Path) -> None:
+    process, seen = psutil.Process(), Watched()
+    seen.look(process, 0.0)
+    with (tmp_path / "log").open("w"):
+        seen.look(process, 1.0)
+        seen.look(process, 2.0)
+    seen.look(process, 3.0)
+    name = str(tmp_path / "log")
+    assert seen.opened == [(1.0, [name], []), (3.0, [], [name])]
+    assert [growth_counts(at, 0.0, 30.0) for at in (1.0, 15.0, 29.9)] == [False, True, False]

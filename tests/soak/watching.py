@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
 
 import numpy as np
 import psutil  # type: ignore[import-untyped]
@@ -62,7 +64,41 @@ def name_of(process: psutil.Process) -> str:
     return "run"
 
 
-def watch(pid: int, over: Callable[[], bool], period: float) -> dict[str, list[Sample]]:
+@dataclass
+class Watched:
+    """What was seen of a process.
+
+    Attributes:
+        samples: Looks at it, the first one first.
+        files: What its open files were at the latest look at them.
+        opened: Files that were opened, and those that were closed, since the look before, with the time [s].
+    """
+
+    samples: list[Sample] = field(default_factory=list)
+    files: Counter[str] = field(default_factory=Counter)
+    opened: list[tuple[float, list[str], list[str]]] = field(default_factory=list)
+
+    def look(self, process: psutil.Process, now: float) -> None:
+        """Take a sample, and look at the open files where their number is another one."""
+        row = (now, float(process.memory_info().rss), process.num_fds(), process.num_threads())
+        if not self.samples or row[2] != self.samples[-1][2]:
+            files = open_files(process.pid)
+            if self.samples:
+                self.opened.append((now, sorted(files - self.files), sorted(self.files - files)))
+            self.files = files
+        self.samples.append(row)
+
+
+def open_files(pid: int) -> Counter[str]:
+    """Count the open files of a process by what they are."""
+    files: Counter[str] = Counter()
+    for link in Path(f"/proc/{pid}/fd").iterdir():
+        with suppress(OSError):
+            files[str(link.readlink())] += 1
+    return files
+
+
+def watch(pid: int, over: Callable[[], bool], period: float) -> dict[str, Watched]:
     """Sample a process and its children until something is over.
 
     Args:
@@ -71,19 +107,23 @@ def watch(pid: int, over: Callable[[], bool], period: float) -> dict[str, list[S
         period: Time between samples [s].
 
     Returns:
-        Samples by name of the process.
+        What was seen by name of the process.
     """
     root = psutil.Process(pid)
     tree = {name_of(one): one for one in (root, *root.children(recursive=True))}
-    samples: dict[str, list[Sample]] = {name: [] for name in tree}
+    seen = {name: Watched() for name in tree}
     while not over():
         now = time.monotonic()
         for name, process in tree.items():
-            with suppress(psutil.NoSuchProcess, psutil.ZombieProcess):
-                row = (now, float(process.memory_info().rss), process.num_fds(), process.num_threads())
-                samples[name].append(row)
+            with suppress(psutil.NoSuchProcess, psutil.ZombieProcess, FileNotFoundError):
+                seen[name].look(process, now)
         time.sleep(period)
-    return samples
+    return seen
+
+
+def growth_counts(at: float, begin: float, end: float) -> bool:
+    """Tell whether a time is neither in the warm-up of a run nor at its close."""
+    return WARM_UP <= (at - begin) / max(end - begin, 1e-9) <= 1 - CLOSE
 
 
 def growth(samples: list[Sample], samples_per_second: float) -> Growth:
