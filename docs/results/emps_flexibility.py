@@ -146,7 +146,7 @@ class _Beside:
         self.data = fit_data(fitted, model, DiagnosisSettings())
         self.search = Search(model, self.data)
         nothing = self.search.nothing()
-        among = self.search.suspects(nothing, self.search.yardsticks(nothing))
+        among = (*self.search.suspects(self.search.yardsticks(nothing)), *self.search.waves(nothing))
         self.suspects: dict[str, Suspect] = {one.name: one for one in among}
         known = self.search.predictor(tuple(self.suspects[name] for name in KNOWN))
         starts = starts_of(known)
