@@ -35,7 +35,7 @@ def encoder_reading(robot: Robot, laws: Sequence[PlacedLaw], motor: int) -> ca.F
         (position, speed) -> (reading, rate of the reading) [rad or m, per s], scalars.
     """
     q, v = ca.SX.sym("q"), ca.SX.sym("v")
-    turns = robot.chain.motor(motor).gear_ratio.value if robot.spec.coordinates == "arm" else 1.0
+    turns = float(robot.rotor_turns[motor])
     read = q
     for law in laws:
         effect = law.effect

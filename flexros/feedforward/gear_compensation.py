@@ -73,7 +73,7 @@ class _Gear:
         self._inertia = numbers[f"motor_{number + 1}.inertia"].value
         self._damping = numbers[f"{joint.name}.damping"].value
         self._spring = partial(spring.force, scale=numbers[f"{joint.name}.stiffness"].value)
-        self._turns = robot.chain.motor(number).gear_ratio.value if robot.spec.coordinates == "arm" else 1.0
+        self._turns = float(robot.rotor_turns[number])
         self._jumps = any(effect.stepwise_states > 0 for effect in effects)
         self._make_functions()
 

@@ -71,7 +71,7 @@ class _Motor:
         self._rows = [array[:, number] for array in (motion.motor_position, motion.motor_velocity, motion.torque)]
         self._sample_time = sample_time
         q, v, u = self._symbols = [ca.SX.sym(name) for name in "qvu"]
-        turns = robot.chain.motor(number).gear_ratio.value if robot.spec.coordinates == "arm" else 1.0
+        turns = float(robot.rotor_turns[number])
         friction = robot.parameters[f"{robot.joint_names[number]}.viscous_friction"].value
         self._state = MotorState(q, turns * q, v, u, viscous_friction=friction)
 

@@ -124,7 +124,8 @@ class OrderSearch:
         return PeriodicFit(order, float(np.hypot(*solution)), float(np.arctan2(solution[1], solution[0])), gain)
 
     def _angle(self, motor: int) -> FloatArray:
-        return rotor_angle(self.robot, motor, self._states[:, self.robot.chain.motor_places])
+        angle: FloatArray = self.robot.rotor_turns[motor] * self._states[:, self.robot.chain.motor_places[motor]]
+        return angle
 
     def _highest(self, angle: FloatArray) -> float:
         """Return the highest order that the sample time lets through."""
@@ -231,19 +232,6 @@ def _local_stiffness(robot: Robot, index: int, states: FloatArray) -> FloatArray
     motor = joint.motor_coordinate
     deflections = (0.0 if motor is None else states[:, robot.n_arm + motor]) - states[:, index]
     return np.asarray(slope(np.abs(deflections)[None])).ravel()
-
-
-def rotor_angle(robot: Robot, motor: int, position: FloatArray) -> FloatArray:
-    """Compute the angle of a rotor [rad], shape (n,).
-
-    Args:
-        robot: The robot.
-        motor: Number of the motor (0-based).
-        position: Positions of all motors in the coordinates of the robot file [rad or m], shape (n, M).
-    """
-    turns = robot.chain.motor(motor).gear_ratio.value if robot.spec.coordinates == "arm" else 1.0
-    angle: FloatArray = turns * position[:, motor]
-    return angle
 
 
 def angle_spectrum(signal: FloatArray, angle: FloatArray, highest: float) -> tuple[FloatArray, FloatArray]:

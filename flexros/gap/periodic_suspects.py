@@ -8,7 +8,7 @@ import numpy as np
 
 from flexros.effects import effects
 from flexros.gap.hypothesis import FreeParameter, Suspect
-from flexros.gap.orders import OrderSearch, rotor_angle
+from flexros.gap.orders import OrderSearch
 from flexros.gap.predictor import LANES
 
 if TYPE_CHECKING:
@@ -84,7 +84,8 @@ def other_orders(one: Fit, record: GapRecord) -> FloatArray:
     for suspect, values in zip(one.predictor.hypothesis, one.predictor.values(one.theta)):
         names = [free.name for free in suspect.free]
         if "order" in names:
-            angle = rotor_angle(robot, robot.joint_names.index(suspect.location), record.position[record.valid])
+            motor = robot.joint_names.index(suspect.location)
+            angle = robot.rotor_turns[motor] * record.position[record.valid, motor]
             middle, valley = float(np.mean(angle)), np.pi / max(float(np.ptp(angle)), 1e-12)
             for order in values["order"] + valley * VALLEYS:
                 for turn in (0.0, np.pi) if order > 0 else ():

@@ -112,6 +112,12 @@ class Robot:
         return np.array([(common if noise is None else noise).value for noise in own])
 
     @cached_property
+    def rotor_turns(self) -> FloatArray:
+        """Rotor angle per motor coordinate: gear ratios where the file states the arm's side, else 1, shape (M,)."""
+        ratios = [self.chain.motor(number).gear_ratio.value for number in range(self.n_motors)]
+        return np.array(ratios) if self.spec.coordinates == "arm" else np.ones(self.n_motors)
+
+    @cached_property
     def home(self) -> FloatArray:
         """Usual start pose, arm coordinates [rad or m], shape (N,)."""
         return np.array(self.spec.home or [0.0] * self.n_arm)

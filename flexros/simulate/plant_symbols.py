@@ -109,16 +109,12 @@ class PlantSymbols:
             torque[motor] = effect.passed(torque[motor], self.own(law), self.values(law))
         return torque
 
-    def turns(self, motor: int) -> float:
-        """Return the rotor angle per motor coordinate: the gear ratio where the robot file states the arm's side."""
-        return self.robot.chain.motor(motor).gear_ratio.value if self.robot.spec.coordinates == "arm" else 1.0
-
     def motor(self, law: PlacedLaw, torque: ca.SX) -> MotorState:
         """Return what a law at a motor sees; `torque` is that of all motors."""
         number = law.motor
         place = self.robot.chain.motor_places[number]
         position, speed = self.q[place], self.v[place]
-        angle = self.turns(number) * position
+        angle = float(self.robot.rotor_turns[number]) * position
         friction = self.robot_value(f"{law.location}.viscous_friction")
         return MotorState(position, angle, speed, torque[number], self.own(law), friction)
 
@@ -154,7 +150,7 @@ class PlantSymbols:
         else:
             place = self.model.n_arm + joint.motor_coordinate
             assert joint.motor is not None
-            motor, speed, turns = self.q[place], self.v[place], self.turns(joint.motor)
+            motor, speed, turns = self.q[place], self.v[place], float(self.robot.rotor_turns[joint.motor])
         deflection, rate = motor - self.q[index], speed - self.v[index]
         return GearState(
             deflection=deflection,

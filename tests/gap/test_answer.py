@@ -103,7 +103,7 @@ def test_rivals_of_an_ambiguous_answer_are_causes_too() -> None:
     assert len(found.ambiguity_groups) == 1
 
 
-def test_of_equally_sure_causes_the_one_that_closes_more_is_first() -> None:
+def test_of_equally_sure_causes_the_one_that_is_missed_most_is_first() -> None:
     both = fitted(1.0, STIFFNESS, COULOMB)
     singles = fitted(40.0, STIFFNESS), fitted(1.0, COULOMB)
     causes = answered(both, *singles, probabilities=(1.0, 0.0, 0.0)).diagnosis.causes

@@ -107,9 +107,9 @@ def test_an_effect_that_does_not_explain_the_gap_is_hardly_a_part_of_it() -> Non
 
 
 def test_of_equally_sure_effects_the_one_that_is_missed_most_comes_first() -> None:
-    """Alone, the stiffness closes more than the friction does, but beside the friction it hardly matters."""
-    chosen, friction, stiffness = fitted(1.0, STIFFNESS, COULOMB), fitted(1.2, COULOMB), fitted(1.1, INERTIA)
-    found = findings(chosen, [friction, fitted(5.0, STIFFNESS), stiffness], [0.996, 0.003, 0.0, 0.001], TRUTH)
+    """Without the friction 4 are lost, without the stiffness 0.2, and the inertia is in the rival only."""
+    chosen, friction, inertia = fitted(1.0, STIFFNESS, COULOMB), fitted(1.2, COULOMB), fitted(1.1, INERTIA)
+    found = findings(chosen, [friction, fitted(5.0, STIFFNESS), inertia], [0.996, 0.003, 0.0, 0.001], TRUTH)
     assert sorted([STIFFNESS, INERTIA, COULOMB], key=found.order) == [COULOMB, STIFFNESS, INERTIA]
 
 

@@ -75,9 +75,8 @@ def test_an_effect_far_from_its_starts_is_found(effect: str, size: str, true: fl
     nothing = search.nothing()
     name = effect.partition(":")[0]
     among = [one for one in search.suspects(search.yardsticks(nothing)) if one.location in name]
-    best = search.singles(nothing, [one for one in among if one.name == name or one.effect.name.endswith("friction")])[
-        0
-    ]
+    among = [one for one in among if one.name == name or one.effect.name.endswith("friction")]
+    best, *_ = search.singles(nothing, among)
     assert best.predictor.hypothesis[0].name == name
     assert best.predictor.values(best.theta)[0][size] == pytest.approx(true, rel=0.05)
 

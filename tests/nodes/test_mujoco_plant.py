@@ -36,17 +36,8 @@ def run_on_mujoco(
         ours = [start_node(name, scenario) for name in ("controller", "feedforward")]
         folder = model.parent / "log"
         recorder = start_node("recorder", scenario, f"folder:={folder}")
-        arguments = [
-            "--ros-args",
-            "-p",
-            f"model:={model}",
-            "-p",
-            "duration:=1.0",
-            "-p",
-            "listeners:=2",
-            "-p",
-            "watchers:=1",
-        ]
+        parameters = (f"model:={model}", "duration:=1.0", "listeners:=2", "watchers:=1")
+        arguments = ["--ros-args", *(word for one in parameters for word in ("-p", one))]
         plant = start_example("mujoco_plant.py", *arguments)
         assert end_with_plant(plant, recorder, *ours).startswith("1001 samples")
         return read_log(folder)

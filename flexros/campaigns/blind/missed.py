@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.gap.blind.answer import Answer
+    from flexros.gap.blind.coverage import FittedSize
 
 LISTED = 3
 """Causes that are listed of an answer."""
@@ -24,8 +25,8 @@ def missed_cases(answers: Sequence[Answer]) -> list[str]:
     Returns:
         Lines of a table in Markdown, one row per case.
     """
-    lines = ["| case | robot | nominal model | motion | hidden, gain in nats | said, probability | |", "|---" * 7 + "|"]
-    return [*lines, *(_row(one) for one in answers if one.missed)]
+    headings = ("case", "robot", "nominal model", "motion", "hidden, gain in nats", "said, probability", "")
+    return _table(headings, [_case(one) for one in answers if one.missed])
 
 
 def missed_sizes(answers: Sequence[Answer]) -> list[str]:
@@ -37,23 +38,26 @@ def missed_sizes(answers: Sequence[Answer]) -> list[str]:
     Returns:
         Lines of a table in Markdown, one row per case.
     """
-    lines = ["| case | robot | effect | size | true | fitted | standard deviations off |", "|---" * 7 + "|"]
-    for one in fitted_sizes(answers):
-        if not one.covered:
-            truth, fitted = one.answer.truth, one.fitted
-            off = abs(fitted.value - one.true) / fitted.std if fitted.std > 0 else float("inf")
-            sizes = f"{one.true:.5g} | {fitted.value:.5g} {fitted.unit}".rstrip()
-            lines.append(
-                f"| {truth.name} | {truth.robot} | {truth.deviations[0].effect} | {one.name} | {sizes} | {off:.1f} |"
-            )
-    return lines
+    headings = ("case", "robot", "effect", "size", "true", "fitted", "standard deviations off")
+    return _table(headings, [_size(one) for one in fitted_sizes(answers) if not one.covered])
 
 
-def _row(one: Answer) -> str:
+def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    return [f"| {' | '.join(row)} |" for row in (headings, ["---"] * len(headings), *rows)]
+
+
+def _size(one: FittedSize) -> tuple[str, ...]:
+    truth, fitted = one.answer.truth, one.fitted
+    off = abs(fitted.value - one.true) / fitted.std if fitted.std > 0 else float("inf")
+    sizes = f"{one.true:.5g}", f"{fitted.value:.5g} {fitted.unit}".rstrip()
+    return truth.name, truth.robot, truth.deviations[0].effect, one.name, *sizes, f"{off:.1f}"
+
+
+def _case(one: Answer) -> tuple[str, ...]:
     truth = one.truth
     hidden = [f"{what.effect} {what.location} {gain:.3g}" for what, gain in zip(truth.deviations, truth.gains)]
     causes = [f"{cause.effect} {cause.location} {cause.probability:.2f}" for cause in one.causes[:LISTED]]
-    cells = [
+    return (
         truth.name,
         truth.robot,
         truth.nuisance,
@@ -61,5 +65,4 @@ def _row(one: Answer) -> str:
         "; ".join(hidden) or "nothing",
         "; ".join(causes) or one.said,
         one.missed,
-    ]
-    return f"| {' | '.join(cells)} |"
+    )

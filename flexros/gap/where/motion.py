@@ -61,21 +61,15 @@ def motion_of(record: GapRecord, robot: Robot, states: FloatArray | None = None)
     else:
         speed = np.ascontiguousarray(states[:, nq:][:, places])
     torsion, gear_torque = _gears(robot, states, record.position.shape)
-    turns = np.array([_turns(robot, number) for number in range(robot.n_motors)])
     return Motion(
         position=record.position,
         speed=speed,
         acceleration=_smoothed(speed, record.sample_time, 1),
-        rotor_angle=record.position * turns,
+        rotor_angle=record.position * robot.rotor_turns,
         torque=record.torque,
         torsion=torsion,
         gear_torque=gear_torque,
     )
-
-
-def _turns(robot: Robot, number: int) -> float:
-    """Return the turns of a rotor per unit of its coordinate."""
-    return robot.chain.motor(number).gear_ratio.value if robot.spec.coordinates == "arm" else 1.0
 
 
 def _smoothed(values: FloatArray, sample_time: float, order: int) -> FloatArray:
