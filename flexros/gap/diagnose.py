@@ -83,7 +83,7 @@ def diagnose(
 def _places(found: Findings, before: Explanation, seed: int) -> Where:
     """Look where the gap shows, with what the tool tracker adds."""
     data, nothing = found.data, found.explanations.evidence.nothing
-    counted = replace(data.record, valid=data.counted)
+    counted = replace(data.record, valid=data.settled)
     if data.tool is None:
         return where(before.fit, counted, found.model.robot, seed)
     residual = data.residuals(nothing.predictor, nothing.theta[:, None])[data.spread.size :, 0]

@@ -13,13 +13,14 @@ from flexros.errors import InputError
 from flexros.gap.gain import observer_gain
 from flexros.gap.lost_commands import spoilt_by_lost_commands
 from flexros.gap.predictor import Predictor
+from flexros.gap.start_errors import StartErrors, start_errors
 from flexros.gap.tolerance import Tolerance
 from flexros.gap.tool_data import tool_data, tracker_noise
 from flexros.gap.tool_frame import FEWEST, usable_poses
 from flexros.gap.weights import measurement_of, spread_of
 
 if TYPE_CHECKING:
-    from flexros.arrays import BoolArray, FloatArray
+    from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.compile.prediction_loop import Prediction
     from flexros.effects import RobotWithEffects
     from flexros.gap.gain import ObserverGain
@@ -46,10 +47,12 @@ class FitData:
         gain: Gain of the predictor.
         start: State of the robot before the first sample, shape (2 n_coordinates,).
         spread: Standard deviation of a prediction error without gap [rad or m], shape (n, M); infinite where a sample
-            was not measured, or the start or a lost command has not decayed.
+            was not measured, or the start of a log that begins in motion or a lost command has not decayed.
         measurement: Noise of the encoders.
+        from_rest: Whether the log begins at rest, where every model starts from its own rest.
         pose: Arm coordinates at which the gain was computed [rad or m], shape (N,); None for home.
         tool: What a tool tracker saw; None where there was none.
+        start_errors: What errors of the start do, which is taken off; None where the start does not count.
     """
 
     record: GapRecord
@@ -57,8 +60,10 @@ class FitData:
     start: FloatArray
     spread: FloatArray
     measurement: Measurement
+    from_rest: bool = False
     tool: ToolData | None = None
     pose: FloatArray | None = None
+    start_errors: StartErrors | None = None
 
     @property
     def counted(self) -> BoolArray:
@@ -66,10 +71,44 @@ class FitData:
         return np.asarray(self.record.valid & np.all(np.isfinite(self.spread), axis=1))
 
     @property
+    def settled(self) -> BoolArray:
+        """Samples that count and before which an error of the start has decayed, shape (n,)."""
+        settled = self.counted
+        settled[: min(self.gain.settling, len(settled) // 4)] = False
+        return settled
+
+    @property
     def n_values(self) -> int:
         """Number of prediction errors that count."""
         of_tool = 0 if self.tool is None else self.tool.position.size - self.tool.basis.shape[1]
-        return int(np.isfinite(self.spread).sum()) + of_tool
+        of_start = 0 if self.start_errors is None else self.start_errors.number
+        return int(np.isfinite(self.spread).sum()) + of_tool - of_start
+
+    def predict(
+        self,
+        predictor: Predictor,
+        thetas: FloatArray,
+        *,
+        pose_samples: IntArray | None = None,
+        record_states: bool = False,
+    ) -> Prediction:
+        """Predict the log.
+
+        Args:
+            predictor: The hypothesis.
+            thetas: Numbers, shape (n_fitted, sets) with at most `LANES` sets.
+            pose_samples: Samples whose tool pose is recorded, increasing, shape (m,); None for none.
+            record_states: Whether to record the states.
+        """
+        return predictor.predict(
+            thetas,
+            self.record,
+            self.gain,
+            self.start,
+            from_rest=self.from_rest,
+            pose_samples=pose_samples,
+            record_states=record_states,
+        )
 
     def residuals(self, predictor: Predictor, thetas: FloatArray) -> FloatArray:
         """Predict and weigh.
@@ -83,13 +122,15 @@ class FitData:
             those of the tool, shape (M n + 3 m, sets).
         """
         samples = None if self.tool is None else self.tool.samples
-        prediction = predictor.predict(thetas, self.record, self.gain, self.start, pose_samples=samples)
+        prediction = self.predict(predictor, thetas, pose_samples=samples)
         sets = thetas.shape[1]
-        motors = self.weighted(prediction.innovation[:, :, :sets])
-        if self.tool is None:
-            return motors
-        assert prediction.tool_pose is not None
-        return np.vstack([motors, self.tool.residuals(prediction.tool_pose[:, :, :sets])])
+        residual = self.weighted(prediction.innovation[:, :, :sets])
+        if self.tool is not None:
+            assert prediction.tool_pose is not None
+            residual = np.vstack([residual, self.tool.residuals(prediction.tool_pose[:, :, :sets])])
+        if self.start_errors is not None:
+            residual = self.start_errors.taken_off(residual, self.record.n_samples)
+        return residual
 
     def weighted(self, innovation: FloatArray) -> FloatArray:
         """Weigh prediction errors.
@@ -122,8 +163,8 @@ class FitData:
         if self.tool is None:
             return self
         samples = np.arange(self.record.n_samples)
-        predicted = predictor.predict(theta[:, None], self.record, self.gain, self.start, pose_samples=samples)
-        return _with_tool(self, predicted, predictor.robot.tool_noise)
+        predicted = self.predict(predictor, theta[:, None], pose_samples=samples)
+        return _with_start_errors(_with_tool(self, predicted, predictor.robot.tool_noise), predictor, theta)
 
     @cached_property
     def _weight(self) -> FloatArray:
@@ -138,7 +179,9 @@ def fit_data(
 ) -> FitData:
     """Give a log gain, start and weights.
 
-    A log that begins in motion loses its first part, in which a predictor of high gain finds the state.
+    A log that begins at rest counts from its first sample, less what errors of the start explain. One that begins in
+    motion loses its first part, in which a predictor of high gain finds the state, and does not count until an error of
+    that has decayed.
 
     Args:
         record: The log.
@@ -162,19 +205,20 @@ def fit_data(
     start = robot.equilibrium(motor_position=record.position[0])
     fast = gain_at(STARTING_LEVEL)
     soon = record.part(0, max(round(REST / record.sample_time), 2))
-    from_rest = nominal.predict(np.zeros((0, 1)), soon, fast, start).innovation[:, :, 0]
-    if not np.all(np.abs(from_rest[soon.valid]) < AT_REST * measurement.deviation):
+    errors = nominal.predict(np.zeros((0, 1)), soon, fast, start).innovation[:, :, 0]
+    from_rest = bool(np.all(np.abs(errors[soon.valid]) < AT_REST * measurement.deviation))
+    if not from_rest:
         cut = min(2 * fast.settling, record.n_samples // 4)
         found = nominal.predict(np.zeros((0, 1)), record.part(0, cut), fast, start)
         start, record = found.final[: len(start), 0], record.part(cut, record.n_samples)
     gain = gain_at(settings.level)
-    spread = spread_of(record, gain, measurement)
+    spread = spread_of(record, gain, measurement, from_rest=from_rest)
     spread[spoilt_by_lost_commands(record, nominal, gain, start)] = np.inf
-    record = _with_usable_tool(record)
-    samples = None if record.tool is None else np.arange(record.n_samples)
-    predicted = nominal.predict(np.zeros((0, 1)), record, gain, start, pose_samples=samples)
+    data = FitData(_with_usable_tool(record), gain, start, spread, measurement, from_rest, None, pose)
+    samples = None if data.record.tool is None else np.arange(record.n_samples)
+    predicted = data.predict(nominal, np.zeros((0, 1)), pose_samples=samples)
     _check_bounded(predicted, record)
-    return _with_tool(FitData(record, gain, start, spread, measurement, None, pose), predicted, robot.tool_noise)
+    return _with_start_errors(_with_tool(data, predicted, robot.tool_noise), nominal, np.zeros(0))
 
 
 def _with_tool(data: FitData, predicted: Prediction, declared: float) -> FitData:
@@ -186,6 +230,11 @@ def _with_tool(data: FitData, predicted: Prediction, declared: float) -> FitData
     noise = tracker_noise(record.tool, declared)
     tool = tool_data(record.tool, predicted.tool_pose[:, :, 0], data.counted, record.sample_time, noise)
     return replace(data, tool=tool)
+
+
+def _with_start_errors(data: FitData, predictor: Predictor, theta: FloatArray) -> FitData:
+    """Find what errors of a start at rest do, as a model sees them."""
+    return replace(data, start_errors=start_errors(data, predictor, theta)) if data.from_rest else data
 
 
 def _with_usable_tool(record: GapRecord) -> GapRecord:

@@ -48,6 +48,23 @@ class ObserverGain:
     noise: FloatArray
     settling: int
 
+    def early(self, samples: int) -> FloatArray:
+        """Return the standard deviation of the prediction errors behind a start that is known, without gap.
+
+        Args:
+            samples: Number of samples n.
+
+        Returns:
+            Standard deviations [rad or m], shape (n, M).
+        """
+        R, C = np.diag(self.noise**2), self.readout
+        added = self.motion @ self.gain @ R @ self.gain.T @ self.motion.T + self.taken
+        covariance, variances = np.zeros_like(self.error), np.empty((samples, len(R)))
+        for k in range(samples):
+            variances[k] = np.diag(C @ covariance @ C.T + R)
+            covariance = self.transition @ covariance @ self.transition.T + added
+        return np.sqrt(variances)
+
     def ahead(self, samples: int) -> FloatArray:
         """Return the standard deviation of the error of a prediction without gap, noise of the sample included.
 

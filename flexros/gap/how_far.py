@@ -70,9 +70,9 @@ def errors_ahead(found: Fit, data: FitData) -> AheadErrors:
     """
     record, predictor = data.record, found.predictor
     horizon = max(1, round(HORIZON / record.sample_time))
-    prediction = predictor.predict(found.theta[:, None], record, data.gain, data.start, record_states=True)
+    prediction = data.predict(predictor, found.theta[:, None], record_states=True)
     assert prediction.states is not None
-    first = max(int(np.argmax(data.counted)), predictor.loop.line_length)
+    first = max(int(np.argmax(data.settled)), predictor.loop.line_length)
     starts = np.arange(first, record.n_samples - horizon, max(1, round(SPACING / record.sample_time)))
     counts = np.concatenate([[0], np.cumsum(~data.counted)])
     whole = starts[counts[starts + horizon + 1] == counts[starts]]

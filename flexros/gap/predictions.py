@@ -24,10 +24,10 @@ def prediction_of(one: Fit, data: FitData) -> Prediction:
         one: The fitted model.
         data: The log; it need not be the one that the model was fitted to.
     """
-    found = one.predictor.predict(one.theta[:, None], data.record, data.gain, data.start, record_states=True)
+    found = data.predict(one.predictor, one.theta[:, None], record_states=True)
     assert found.states is not None
     states = found.states[:, : 2 * one.predictor.robot.n_coordinates, 0].copy()  # keep one lane of the whole arrays
-    return Prediction(found.innovation[:, :, 0].copy(), data.gain.spread, states, int(np.argmax(data.counted)))
+    return Prediction(found.innovation[:, :, 0].copy(), data.gain.spread, states, int(np.argmax(data.settled)))
 
 
 def signature_evidence(

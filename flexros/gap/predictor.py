@@ -13,6 +13,7 @@ from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.effects.law import AbstractLaw
 from flexros.effects.model_change import AbstractChangedValues
 from flexros.effects.torque_saturation import TorqueSaturation
+from flexros.errors import InputError
 from flexros.gap.fractional_delay import delayed
 from flexros.simulate.loop import feed_through
 from flexros.simulate.plant_model import PlantModel
@@ -124,6 +125,7 @@ class Predictor:
         gain: ObserverGain,
         start: FloatArray,
         *,
+        from_rest: bool = False,
         pose_samples: IntArray | None = None,
         record_states: bool = False,
     ) -> Prediction:
@@ -134,7 +136,9 @@ class Predictor:
             record: The log.
             gain: Gain of the predictor for the states of the robot; of effects' own states those that hold a deflection
                 are corrected with it.
-            start: State of the robot before the first sample, shape (2 n_coordinates,).
+            start: State of the robot before the first sample, shape (2 n_coordinates,), or (2 n_coordinates, sets) for
+                one of each set.
+            from_rest: Whether every set of numbers starts from its own rest there, with the motors where they are.
             pose_samples: Samples whose tool pose is recorded, increasing, shape (m,); None for none.
             record_states: Whether to record the states.
 
@@ -144,7 +148,12 @@ class Predictor:
         sets = [np.asarray(thetas)[:, min(lane, np.shape(thetas)[1] - 1)] for lane in range(LANES)]
         columns = np.stack([self._column(theta) for theta in sets], axis=-1)
         torque, time = record.torque[0], record.begin
-        plants = [self.model.start(start, torque, columns[:, lane], time=time) for lane in range(LANES)]
+        states = start[:, None] if start.ndim == 1 else start
+        plants = []
+        for lane, column in enumerate(columns.T):
+            state = states[:, min(lane, states.shape[1] - 1)]
+            state = self._rest(state, column) if from_rest else state
+            plants.append(self.model.start(state, torque, column, time=time))
         plant = np.stack(plants, axis=-1)
         return self.loop.run(
             plant,
@@ -208,6 +217,13 @@ class Predictor:
                 own = placed.effect.numbers
                 laws += dict.fromkeys(own, 0.0).values() if self._cut_off_before(suspect) else own.values()
         return np.array([*robot.values(), *laws])
+
+    def _rest(self, near: FloatArray, column: FloatArray) -> FloatArray:
+        """Find the rest of the plant near a state, which is kept where there is none."""
+        try:
+            return self.model.rest(near, column).state
+        except InputError:
+            return near
 
     def _torque(self, torque: FloatArray, sets: Sequence[FloatArray]) -> FloatArray:
         """Delay the recorded torques where that is part of the hypothesis.

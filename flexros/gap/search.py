@@ -85,9 +85,7 @@ class Search:
 
     def states(self, found: Fit) -> FloatArray:
         """Predict the states of a fitted hypothesis, shape (n, n_states)."""
-        prediction = found.predictor.predict(
-            found.theta[:, None], self.data.record, self.data.gain, self.data.start, record_states=True
-        )
+        prediction = self.data.predict(found.predictor, found.theta[:, None], record_states=True)
         assert prediction.states is not None
         states: FloatArray = prediction.states[:, :, 0].copy()
         return states

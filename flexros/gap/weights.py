@@ -138,13 +138,16 @@ def _doubt(noise: Noise, deviation: FloatArray) -> float:
     return OTHERWISE * float(abs(np.mean(differs)))
 
 
-def spread_of(record: GapRecord, gain: ObserverGain, measurement: Measurement) -> FloatArray:
+def spread_of(
+    record: GapRecord, gain: ObserverGain, measurement: Measurement, *, from_rest: bool = False
+) -> FloatArray:
     """Compute the standard deviation of every whitened prediction error without gap.
 
     Args:
         record: The log.
         gain: Gain of the predictor, with the spread that it gives to noise.
         measurement: Noise of the encoders.
+        from_rest: Whether the log counts from its first sample; else not until an error of the start has decayed.
 
     Returns:
         Standard deviations [rad or m], infinite where samples do not count, shape (n, M).
@@ -156,7 +159,9 @@ def spread_of(record: GapRecord, gain: ObserverGain, measurement: Measurement) -
         added = np.abs(speed) * measurement.jitter
         if np.any(added.max(axis=0) > LEAST_JITTER * measurement.deviation):
             spread = np.hypot(spread, added * np.sqrt((measurement.whitening**2).sum(axis=1)))
-    spread[: min(gain.settling, record.n_samples // 4)] = np.inf
+    early = min(gain.settling, record.n_samples if from_rest else record.n_samples // 4)
+    spread[:early] = spread[:early] * gain.early(early) / gain.spread if from_rest else np.inf
+    spread[: measurement.whitening.shape[1] - 1] = np.inf  # the filter lacks what was before
     missing = ~record.valid
     for later in range(measurement.whitening.shape[1]):  # the filter carries a missing sample on
         spread[np.roll(missing, later)] = np.inf

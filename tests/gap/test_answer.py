@@ -13,9 +13,9 @@ from flexros.gap.evidence import Evidence
 from flexros.gap.explain import Explanations
 from flexros.gap.findings import Findings
 from flexros.gap.fit import Fit
+from flexros.gap.fit_data import FitData
 from flexros.gap.lattice import Quantization
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.tool_data import ToolData
 
 from .diagnosis_logs import MODEL, data_of, numbers, predictor_of, suspects_of
 
@@ -31,11 +31,10 @@ def fitted(level: float, *names: str) -> Fit:
 
 
 def answered(
-    chosen: Fit, *rivals: Fit, probabilities: tuple[float, ...], rounded: bool = False, tool: ToolData | None = None
+    chosen: Fit, *rivals: Fit, probabilities: tuple[float, ...], rounded: bool = False, data: FitData | None = None
 ) -> DiagnosisResult:
     """The answer to a log with friction."""
-    data, held = (data_of(TRUTH, seed=seed) for seed in (1, 2))
-    data = replace(data, tool=tool)
+    data, held = data or data_of(TRUTH), data_of(TRUTH, seed=2)
     if rounded:
         data = replace(data, measurement=replace(data.measurement, quantizations=(Quantization(0, 1e-3),)))
     nothing = fitted(50.0)
@@ -124,9 +123,10 @@ def test_what_an_explanation_leaves_is_warned_of() -> None:
 
 
 def test_what_was_noticed_of_the_tool_tracker_is_warned_of() -> None:
-    tool = data_of(TRUTH, tool=True).tool
-    assert tool is not None
-    found = answered(fitted(1.0, COULOMB), probabilities=(1.0,), tool=replace(tool, warnings=("late",))).diagnosis
+    seen = data_of(TRUTH, tool=True)
+    assert seen.tool is not None
+    seen = replace(seen, tool=replace(seen.tool, warnings=("late",)))
+    found = answered(fitted(1.0, COULOMB), probabilities=(1.0,), data=seen).diagnosis
     assert "late" in found.warnings
 
 

@@ -17,12 +17,14 @@ from .diagnosis_logs import MODEL, ROBOT, data_of, numbers, predictor_of, record
 
 
 def test_errors_that_do_not_count_are_zero() -> None:
-    data = data_of()
+    record = record_of()
+    valid = record.valid.copy()
+    valid[15_000:15_010] = False
+    data = fit_data(replace(record, valid=valid), MODEL, DiagnosisSettings())
     residual = data.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
-    counted = np.isfinite(data.spread[:, 0])
-    assert not np.any(residual[~counted])
-    assert np.all(residual[counted] != 0.0)
-    assert data.n_values == counted.sum()
+    np.testing.assert_array_equal(residual == 0.0, ~valid)
+    assert data.start_errors is not None
+    assert data.n_values == valid.sum() - data.start_errors.number
 
 
 def test_weighted_errors_are_errors_over_their_spread() -> None:
@@ -49,10 +51,11 @@ def test_errors_of_the_tool_stand_behind_those_of_the_motors() -> None:
     assert both.tool is not None
     theta = np.zeros((0, 1))
     residual = both.residuals(predictor_of(), theta)[:, 0]
-    n = both.record.n_samples
-    np.testing.assert_allclose(residual[:n], motors.residuals(predictor_of(), theta)[:, 0])
+    n, late = both.record.n_samples, 2 * both.gain.settling
+    np.testing.assert_allclose(residual[late:n], motors.residuals(predictor_of(), theta)[late:, 0])
     assert len(residual) == n + both.tool.position.size
-    assert both.n_values == motors.n_values + both.tool.position.size - both.tool.basis.shape[1]
+    assert both.start_errors is not None
+    assert both.n_values == n + both.tool.position.size - both.tool.basis.shape[1] - both.start_errors.number
     assert residual @ residual / both.n_values == pytest.approx(1.0, abs=4 * np.sqrt(2 / both.n_values))
 
 
@@ -83,6 +86,8 @@ def test_a_log_that_begins_in_motion_starts_with_its_state() -> None:
     data = fit_data(part, MODEL, DiagnosisSettings())
     residual = data.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
     assert data.record.n_samples < part.n_samples
+    assert data.start_errors is None
+    assert not np.any(data.counted[: data.gain.settling])
     assert residual @ residual / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
 
 

@@ -74,6 +74,14 @@ def test_an_error_of_the_start_decays_to_a_thousandth() -> None:
     assert slowest > 0.9e-3
 
 
+def test_behind_a_known_start_errors_grow_to_their_spread() -> None:
+    gain = observer_gain(ROBOT, STEP, 1e-3, NOISE)
+    early = gain.early(3 * gain.settling)
+    np.testing.assert_allclose(early[0], NOISE)
+    assert np.all(np.diff(early[:, 0]) >= -1e-9 * NOISE)
+    np.testing.assert_allclose(early[-1], gain.spread, rtol=1e-6)
+
+
 def test_tolerated_torques_are_part_of_the_spread() -> None:
     exact, lenient = (
         observer_gain(ROBOT, STEP, 1e-3, NOISE, tolerated=tolerated) for tolerated in (None, np.array([0.1]))

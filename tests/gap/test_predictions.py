@@ -27,7 +27,7 @@ def test_innovations_are_the_prediction_errors_and_counted_from_where_the_start_
     assert found.innovations.shape == data.record.position.shape
     assert found.states is not None
     assert found.states.shape == (data.record.n_samples, 2 * ROBOT.n_coordinates)
-    assert found.first == int(np.argmax(np.isfinite(data.spread[:, 0]))) > 0
+    assert found.first == data.gain.settling
     scaled = found.innovations[found.first :] / found.sd
     assert np.mean(scaled**2) == pytest.approx(1.0, abs=0.05)
 

@@ -9,8 +9,11 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.gap.gain import observer_gain
 from flexros.gap.predictor import LANES, Predictor
 from flexros.gap.tolerance import Tolerance
+from flexros.robot import load_robot
+from flexros.simulate.plant_model import PlantModel
 
 from .diagnosis_logs import MODEL, ROBOT, data_of, numbers, predictor_of, record_of, suspects_of
 
@@ -118,6 +121,30 @@ def test_measured_torque_acts_without_the_nominal_delay() -> None:
     behind = Predictor(MODEL, (), Tolerance(), ROBOT.sample_time, measured_torque=True)
     assert pytest.approx(ROBOT.sample_time) == ROBOT.delay
     np.testing.assert_allclose(innovations(behind, [], torque=late), innovations(predictor_of(), []), atol=1e-12)
+
+
+def test_every_set_of_numbers_starts_from_its_own_rest() -> None:
+    """An arm that carries more hangs deeper on the springs of its gears, and stays there."""
+    elbow = load_robot("elbow")
+    tolerance = Tolerance(("body_2.mass",), (0.1,))
+    predictor = Predictor(RobotWithEffects(elbow, ()), (), tolerance, elbow.sample_time)
+    heavy = elbow.with_values({"body_2.mass": elbow.parameters["body_2.mass"].value * float(np.exp(0.2))})
+    near = elbow.equilibrium(motor_position=np.array([0.1, 0.2]))
+    rest = PlantModel(heavy).rest(near)
+    still = replace(
+        record_of(),
+        position=np.repeat(rest.state[None, elbow.n_arm : elbow.n_coordinates], N, axis=0),
+        torque=np.repeat(rest.torque[None], N, axis=0),
+        valid=np.ones(N, dtype=bool),
+    )
+    gain = observer_gain(elbow, elbow.sample_time, 1e-3, elbow.encoder_noise)
+    theta = np.array([[2.0]])
+    own, shared = (
+        np.abs(predictor.predict(theta, still, gain, near, from_rest=from_rest).innovation[:, :, 0]).max()
+        for from_rest in (True, False)
+    )
+    assert own < 1e-3 * elbow.encoder_noise.min()
+    assert shared > elbow.encoder_noise.max()
 
 
 def test_a_tolerated_number_moves_by_its_standard_deviation() -> None:

@@ -85,6 +85,23 @@ def test_the_start_and_what_was_not_measured_do_not_count() -> None:
     np.testing.assert_allclose(spread[gain.settling : 9000], gain.spread[0])
 
 
+def test_a_log_from_rest_counts_from_its_first_sample() -> None:
+    """Behind a known start there is less noise than later."""
+    gain, record = observer_gain(ROBOT, ROBOT.sample_time, 1e-3, NOISE), record_of()
+    rested, moving = (
+        spread_of(record, gain, measurement(np.ones((1, 1))), from_rest=from_rest) for from_rest in (True, False)
+    )
+    assert rested[0, 0] == pytest.approx(NOISE[0])
+    assert np.all(np.diff(rested[: gain.settling, 0]) >= 0)
+    np.testing.assert_allclose(rested[gain.settling :], moving[gain.settling :])
+
+
+def test_whitening_needs_what_was_before() -> None:
+    gain = observer_gain(ROBOT, ROBOT.sample_time, 1e-3, NOISE)
+    spread = spread_of(record_of(), gain, measurement(np.array([[1.0, -0.5, 0.1]])), from_rest=True)
+    np.testing.assert_array_equal(np.isinf(spread[:4, 0]), [True, True, False, False])
+
+
 def test_jitter_adds_noise_where_the_motor_is_fast() -> None:
     gain = observer_gain(ROBOT, ROBOT.sample_time, 1e-3, NOISE)
     record = record_of()
