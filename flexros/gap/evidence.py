@@ -42,8 +42,8 @@ SIGNIFICANT = 4.0
 UNEXPLAINED = 0.1
 """Share of the gap that an explanation may leave before the cause counts as unknown [1] (the contract)."""
 FORM = 0.035
-"""The same beside an exact model, where only errors of form excuse that more than the noise is left [1]: between effects
-of another form (up to 0.025) and causes outside the library (from 0.052; development seeds)."""
+"""The same beside an exact model, where only errors of form excuse that more than the noise is left [1]: between
+effects of another form (up to 0.025) and causes outside the library (from 0.052; development seeds)."""
 INADEQUATE = 7.0
 """What leaving more than this costs in the logarithm of the probability, where another explanation does not [nats]
 (chosen)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -130,12 +131,13 @@ def test_beside_an_exact_model_only_errors_of_form_excuse_what_is_left() -> None
 
 
 def test_what_leaves_too_much_is_behind_what_does_not_though_it_has_fewer_numbers() -> None:
-    poor = fitted(45.0, COULOMB)
-    rich = fitted(1.0, "presliding_friction@motor_1", STIFFNESS, "delay@all", "payload_error@tool")
+    poor = fitted(77.0, COULOMB)
+    others = (one for one in suspects_of() if one not in (COULOMB, "presliding_friction@motor_1"))
+    rich = fitted(1.0, "presliding_friction@motor_1", *islice(others, 6))
     found = evidence(2001.0, poor, rich)
     assert found.probabilities([poor, rich])[0] > 0.9
     assert replace(found, exact=True).probabilities([poor, rich])[1] > 0.9
-    worst = fitted(70.0, COULOMB, STIFFNESS)
+    worst = fitted(90.0, COULOMB, STIFFNESS)
     left_alone = replace(found, exact=True).probabilities([poor, worst])
     assert left_alone == pytest.approx(found.probabilities([poor, worst]))
 
