@@ -116,7 +116,8 @@ def _with_part(model: RobotWithEffects, share: float, frequency: float) -> Robot
 def _friction(speed: FloatArray) -> FloatArray:
     forward, backward, level, other = FRICTION
     steps = np.where(speed > 0, level, other) * np.tanh(speed / 5e-4)
-    return np.where(speed > 0, forward, backward) * speed + steps
+    friction: FloatArray = np.where(speed > 0, forward, backward) * speed + steps
+    return friction
 
 
 def _response(record: GapRecord, pulses: FloatArray) -> list[str]:

@@ -10,6 +10,7 @@ import json
 import sys
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -96,7 +97,7 @@ def nominal() -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
     for number in range(max(COURSES.values())):
         for robot, count in COURSES.items():
             if number < count:
-                yield f"{robot} {number}", lambda robot=robot, number=number: nominal_case(robot, 5000 + number)
+                yield f"{robot} {number}", partial(nominal_case, robot, 5000 + number)
 
 
 def nominal_case(robot: str, seed: int) -> dict[str, Any]:
@@ -149,12 +150,7 @@ def detection() -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
             for text, sizes in effects:
                 for size in sizes:
                     name = f"{robot} {text}{size:g} {trial}"
-                    yield (
-                        name,
-                        lambda robot=robot, text=text, size=size, trial=trial: onset_case(
-                            robot, text, size, 6000 + trial
-                        ),
-                    )
+                    yield name, partial(onset_case, robot, text, size, 6000 + trial)
 
 
 def onset_case(robot: str, text: str, size: float, seed: int) -> dict[str, Any]:
@@ -223,7 +219,7 @@ def spliced(planned: Experiment, effect: str) -> Log:
 def accepted() -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
     """List robots that are not as their models, with a log that is accepted and others."""
     for robot in ACCEPTED:
-        yield robot, lambda robot=robot: accepted_case(robot)
+        yield robot, partial(accepted_case, robot)
 
 
 def accepted_case(robot: str) -> dict[str, Any]:

@@ -130,7 +130,8 @@ def _promised(row: dict[str, Any], rate: float) -> float:
     """Give the mean number of mean squares beyond the thresholds of a rate, in the whole windows of the runs."""
     windows, signals = round(row["watched_hours"] * 36000 / row["runs"]), len(row["mean"])
     chances = chances_of(signals, rate)
-    return row["runs"] * signals * sum(windows // length * chance for length, chance in zip(LENGTHS, chances))
+    beyond = sum(windows // length * chance for length, chance in zip(LENGTHS, chances))
+    return float(row["runs"] * signals * beyond)
 
 
 def _range(values: Any) -> str:
@@ -161,7 +162,7 @@ def _found_rows(rows: list[dict[str, Any]]) -> list[str]:
 
 def _right_joint(row: dict[str, Any], place: str) -> bool:
     """Tell whether the named joint is that of the effect; a robot of one motor has but one."""
-    return row["joint"] == place or (row["joint"] != "" and row["robot"].startswith("four_mass"))
+    return bool(row["joint"] == place or (row["joint"] != "" and row["robot"].startswith("four_mass")))
 
 
 def _accepted_rows(rows: list[dict[str, Any]]) -> list[str]:
