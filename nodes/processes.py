@@ -16,6 +16,7 @@ from rclpy.context import Context
 from rclpy.node import Node
 
 from flexros.errors import RunError
+from flexros_nodes.clock_steps import waking_at_clock_steps
 from flexros_nodes.domain import DOMAIN_VARIABLE
 from flexros_nodes.ending import GOODBYE_TIMEOUT
 from flexros_nodes.exposure import check_exposure
@@ -85,6 +86,10 @@ class ProcessManager:
     def run(self) -> None:
         """Bring all nodes up and wait until the run is over."""
         check_exposure(os.environ, int(os.environ[DOMAIN_VARIABLE]))
+        with waking_at_clock_steps(self._executor.wake):
+            self._bring_up_and_watch()
+
+    def _bring_up_and_watch(self) -> None:
         for name in self._plan.nodes:
             self._await_services(name)
         for transition in (Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rclpy.executors import SingleThreadedExecutor
 
+from flexros_nodes.clock_steps import waking_at_clock_steps
 from flexros_nodes.precise_timing import precise_timing
 
 try:
@@ -56,7 +57,7 @@ def spin(executor: Executor, stop: Future, interrupted: Interruption, node: Flex
         interrupted: Ends the spinning too.
         node: One of the nodes; it is called at the times of its schedule where the run is in real time.
     """
-    with _watching(interrupted, stop, node):
+    with _watching(interrupted, stop, node), waking_at_clock_steps(executor.wake):
         if (paced := node.paced) is None:
             while not (stop.done() or interrupted()):
                 executor.spin_until_future_complete(stop, timeout_sec=SLICE)

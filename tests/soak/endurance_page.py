@@ -21,7 +21,16 @@ from typing import Any
 
 from flexros.provenance import machine, versions
 from flexros.whole_file import write_whole
-from tests.soak import bad_transport, foreign_senders, frozen_partners, full_disk, killed_nodes, long_runs, many_runs
+from tests.soak import (
+    bad_transport,
+    foreign_senders,
+    frozen_partners,
+    full_disk,
+    killed_nodes,
+    long_runs,
+    many_runs,
+    stepped_clock,
+)
 from tests.soak.result import Result
 from tests.soak.starting import CHECKOUT
 from tests.soak.watching import BLOCKS, FLAT
@@ -31,7 +40,7 @@ HEAD = """# Endurance and faults
 Written by `make soak` (`python -m tests.soak.endurance_page`), part by part; short versions of the parts are among the
 tests. Everything ran on this machine, beside other work: speeds and late cycles are those of a loaded machine. The last
 column of a table says "ok", or what was not as it must be. That nodes look at steady clocks alone is tested
-(`tests/nodes/test_clock_jumps.py`); a step of the real system clock was not tried.
+(`tests/nodes/test_clock_jumps.py`).
 """
 
 
@@ -104,6 +113,13 @@ order; a plant may stop for as long as one likes.""",
         "A controller is frozen in real time",
         "The plant holds the last command for 0.1 s, counts what is missing, and then brakes.",
         frozen_partners.frozen_in_real_time,
+    ),
+    "stepped_clock": Part(
+        "The system clock is set",
+        """The clock of the machine is set off and right again, three times in a run. The libraries of the wheels wait
+on the system clock: before nodes were woken by the kernel when it is set, a loop in real time stood still until the
+clock was right again, for 1.5 s here. In real time no period may be longer than 100 ms.""",
+        stepped_clock.stepped,
     ),
     "bad_transport": Part(
         "Messages lost, repeated and swapped",

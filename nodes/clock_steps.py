@@ -1,0 +1,92 @@
+"""Waking what waits when the system clock is set; free of ROS.
+
+C++ libraries that were built for a glibc before 2.30, as those of the wheels, wait on condition variables until a time
+of the system clock. Where that is set back by an hour meanwhile, a wait of half a millisecond lasts for an hour.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import select
+import threading
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+_CLOCK_REALTIME = 0
+_ABSOLUTE, _CANCEL_ON_SET = 1, 2
+_NEVER = 1 << 33
+"""A time of the system clock in the year 2242 [s]."""
+
+
+class _Time(ctypes.Structure):
+    _fields_ = (
+        ("interval_s", ctypes.c_long),
+        ("interval_ns", ctypes.c_long),
+        ("first_s", ctypes.c_long),
+        ("first_ns", ctypes.c_long),
+    )
+
+
+@contextmanager
+def waking_at_clock_steps(wake: Callable[[], object]) -> Iterator[bool]:
+    """Call something, in a thread of its own, whenever the system clock is set while in the block.
+
+    The kernel tells it by a timer of the system clock that is cancelled (timerfd_create(2), TFD_TIMER_CANCEL_ON_SET).
+
+    Args:
+        wake: What is called; it must be safe to call from another thread.
+
+    Yields:
+        Whether the system tells when its clock is set.
+    """
+    timer = _timer()
+    if timer is None:
+        yield False
+        return
+    end, ended = os.pipe()
+    thread = threading.Thread(target=_watch, args=(timer, end, wake), name="clock steps", daemon=True)
+    thread.start()
+    try:
+        yield True
+    finally:
+        os.close(ended)
+        thread.join()
+        os.close(end)
+        os.close(timer)
+
+
+def _timer() -> int | None:
+    """Open a timer of the system clock; None where there is none."""
+    try:
+        timer = ctypes.CDLL(None).timerfd_create(_CLOCK_REALTIME, os.O_CLOEXEC | os.O_NONBLOCK)
+    except (AttributeError, OSError):
+        return None
+    if timer < 0:
+        return None
+    if _arm(timer):
+        return int(timer)
+    os.close(timer)
+    return None
+
+
+def _arm(timer: int) -> bool:
+    """Let a timer tell the next step of the clock."""
+    time = _Time(0, 0, _NEVER, 0)
+    result = ctypes.CDLL(None).timerfd_settime(timer, _ABSOLUTE | _CANCEL_ON_SET, ctypes.byref(time), None)
+    return bool(result == 0)
+
+
+def _watch(timer: int, end: int, wake: Callable[[], object]) -> None:
+    """Wait for steps of the clock until the other side of a pipe is closed."""
+    events = select.poll()
+    events.register(timer, select.POLLIN)
+    events.register(end, select.POLLIN)
+    while not any(descriptor == end for descriptor, _ in events.poll()):
+        with suppress(OSError):  # it was cancelled
+            os.read(timer, 8)
+        _arm(timer)
+        wake()
