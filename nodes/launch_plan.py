@@ -127,8 +127,10 @@ def plan_launch(given: Mapping[str, str], scratch: Path) -> LaunchPlan:
     nodes = [NodeStart(name, _parameters(plan, name), name == "plant") for name in plan.nodes]
     if model := given["monitor"]:
         load_model(model)
-        file = Path(model)
-        nodes.append(NodeStart("gap_monitor", {"model": str(file.absolute()) if file.is_file() else model}, False))
+        believed = Path(model)
+        nodes.append(
+            NodeStart("gap_monitor", {"model": str(believed.absolute()) if believed.is_file() else model}, False)
+        )
     return LaunchPlan(
         nodes=tuple(nodes),
         folder=folder,

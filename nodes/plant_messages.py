@@ -46,7 +46,7 @@ class PlantMessages:
 
     def listeners(self) -> int:
         """Count the subscriptions to joint_states."""
-        return self._states.get_subscription_count()
+        return int(self._states.get_subscription_count())
 
     def have_partners(self, observers: int) -> bool:
         """Tell whether a controller and a number of recorders are there."""
@@ -62,7 +62,7 @@ class PlantMessages:
         return self._publishers("joint_commands")
 
     def _publishers(self, name: str) -> int:
-        return self._node.count_publishers(self._node.resolve_topic_name(topic(name).name))
+        return int(self._node.count_publishers(self._node.resolve_topic_name(topic(name).name)))
 
     def fill(self, k: int, position: FloatArray, pose: FloatArray) -> int:
         """Prepare the messages of a sample.

@@ -64,7 +64,7 @@ class TopicRecording:
         sink: MessageSink,
         topic_id: int,
         arrival: Callable[[], int] | None = None,
-        on_first: Callable[[], None] = lambda: None,
+        on_first: Callable[[], object] = lambda: None,
     ) -> None:
         self.first = -1
         self.last = -1

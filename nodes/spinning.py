@@ -14,7 +14,7 @@ from flexros_nodes.precise_timing import precise_timing
 try:
     from rclpy.experimental.events_executor import EventsExecutor
 except ImportError:  # rclpy before 7.1.4
-    EventsExecutor = None  # type: ignore[assignment]
+    EventsExecutor = None
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
