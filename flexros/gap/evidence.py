@@ -15,7 +15,7 @@ from flexros.effects.tool_error import AbstractToolError
 from flexros.effects.torque_bias import TorqueBias
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.gap.fit import Fit
@@ -31,6 +31,13 @@ TEMPER_PLAIN = 2e-4
 """Share of the gap by which effects that are one number of the model may be wrong in form [1] (development seeds)."""
 TEMPER_SHAPED = 2e-3
 """The same for effects with a law of their own: friction, gap, spring law, ripple [1] (development seeds)."""
+ALONG = 0.6
+"""Error of form of two plain effects that do nearly the same, along the line between their predictions, over half of
+its length [1] (development seeds)."""
+ACROSS = 2e-6
+"""The same, whatever they do, as share of the gap [1] (development seeds)."""
+MATTERS, DECIDED = 0.5, 7.0
+"""Differences of the log-likelihoods between which the error of form decides how sure an answer is [nats] (chosen)."""
 PLAIN = (AbstractChangedValues, AbstractCommandLaw, AbstractToolError, TorqueBias, GravityError)
 """Kinds of effects without a shape of their own."""
 REFERRED = 6
@@ -64,6 +71,7 @@ class Evidence:
         floor_error: Relative standard deviation of the variance of the noise [1].
         rounding: Share of rounding in the variance of the noise, which no model of noise tells exactly [1].
         exact: Whether the nominal model is exact but for the effects.
+        distance: Sum of the squares by which the weighted prediction errors of two fits differ; None where not known.
     """
 
     nothing: Fit
@@ -72,6 +80,7 @@ class Evidence:
     floor_error: float = 0.0
     rounding: float = 0.0
     exact: bool = False
+    distance: Callable[[Fit, Fit], float] | None = None
 
     def level(self, one: Fit) -> float:
         """Return the mean squared weighted prediction error V of a fit; 1 without gap."""
@@ -135,10 +144,10 @@ class Evidence:
     def probabilities(self, among: Sequence[Fit]) -> FloatArray:
         """Distribute probability over rival explanations.
 
-        ln p = -(V - V_ref) / (2 V_ref / N + eps G) - 3 e - c p, with reference to the most probable one: the gap G is
-        what the effects close in which an explanation differs from it, and eps is the share of it that may be error of
-        their form. Each of e effects costs 3, each of p further numbers c = ln(n) / 2 by the Bayesian information
-        criterion, between 1 and 3, with the n = 1 / (1/N + eps G / 2 V_ref) values that the errors of form leave.
+        ln p = -(V - V_ref) / (2 V_ref / N + F) - 3 e - c p, with reference to the most probable one and the error of
+        form F of the effects in which an explanation differs from it, `form_error`. Each of e effects costs 3, each of
+        p further numbers c = ln(n) / 2 by the Bayesian information criterion, between 1 and 3, with the
+        n = 1 / (1/N + F / 2 V_ref) values that the errors of form leave.
 
         Args:
             among: The rivals; the nominal model may be one of them.
@@ -188,7 +197,15 @@ class Evidence:
             return 0.0
         without = self._fits_by_names.get(frozenset(mine.keys() - own), self.nothing)
         gap = max(self.level(without) - self.level(one), 0.0)
-        return gap * (TEMPER_PLAIN if all(is_plain(mine[name]) for name in own) else TEMPER_SHAPED)
+        plain = all(is_plain(mine[name]) for name in own)
+        error = form_error(gap, plain=plain)
+        others = theirs.keys() - mine.keys()
+        if not (plain and others and all(is_plain(theirs[name]) for name in others)) or self.distance is None:
+            return error
+        difference, noise = abs(self.level(one) - self.level(reference)), 2 * self.level(reference) / self.n_values
+        if difference < MATTERS * noise or difference > DECIDED * (noise + error):
+            return error
+        return form_error(gap, plain=True, apart=self.distance(one, reference) / self.n_values)
 
     @cached_property
     def _fits_by_names(self) -> dict[frozenset[str], Fit]:
@@ -196,17 +213,40 @@ class Evidence:
         return {**found, frozenset(): self.nothing}
 
 
-def evidence_of(data: FitData, nothing: Fit, fits: Sequence[Fit] = ()) -> Evidence:
+def form_error(gap: float, *, plain: bool, apart: float | None = None) -> float:
+    """Return what the errors of form of two explanations may make of the difference of their sums of squares.
+
+    F = eps G, a share of the gap. Where two plain effects do nearly the same, F = min(eps G, k^2 D / 2 + 2 a G): the
+    truth lies on the line between their predictions, whose distance is D, at one end but for errors of k half lengths
+    and of the share a of the gap.
+
+    Args:
+        gap: Sum of squares that the effects close, G.
+        plain: Whether all effects are one number of the model or of the signals.
+        apart: Sum of the squares by which the prediction errors of two plain explanations differ, D; None for others.
+
+    Returns:
+        Error in the unit of the sums, so that the difference over 2 + F is what the logarithm of the odds is.
+    """
+    error = gap * (TEMPER_PLAIN if plain else TEMPER_SHAPED)
+    return error if apart is None else min(error, 0.5 * ALONG**2 * apart + 2 * ACROSS * gap)
+
+
+def evidence_of(
+    data: FitData, nothing: Fit, fits: Sequence[Fit] = (), distance: Callable[[Fit, Fit], float] | None = None
+) -> Evidence:
     """Compare fits of a log.
 
     Args:
         data: Log and weights.
         nothing: The nominal model, with what is tolerated fitted.
         fits: All other fits.
+        distance: Sum of the squares by which the weighted prediction errors of two fits differ; None where not known.
     """
     measurement = data.measurement
     exact = not nothing.predictor.tolerance.names and not data.record.imported
-    return Evidence(nothing, tuple(fits), data.n_values, measurement.floor_error, measurement.rounding, exact)
+    error, rounding = measurement.floor_error, measurement.rounding
+    return Evidence(nothing, tuple(fits), data.n_values, error, rounding, exact, distance)
 
 
 def is_plain(suspect: Suspect) -> bool:

@@ -116,7 +116,7 @@ def _worth(search: Search, evidence: Evidence, before: Fit, after: Fit) -> bool:
 
 
 def _evidence(search: Search, nothing: Fit, fits: Sequence[Fit]) -> Evidence:
-    return evidence_of(search.data, nothing, fits)
+    return evidence_of(search.data, nothing, fits, search.distance)
 
 
 def unique(fits: list[Fit]) -> list[Fit]:

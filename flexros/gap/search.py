@@ -63,6 +63,7 @@ class Search:
     progress: Callable[[str, float], None] | None = None
     threads: int = field(default_factory=lambda: os.cpu_count() or 1)
     tolerance_slopes: FloatArray | None = None
+    _distances: dict[frozenset[Fit], float] = field(default_factory=dict, init=False, repr=False)
 
     def predictor(self, hypothesis: Hypothesis) -> Predictor:
         """Build the predictor of a hypothesis for this log."""
@@ -94,6 +95,13 @@ class Search:
         """Weigh the prediction errors of a fitted hypothesis, shape (M n,)."""
         residual: FloatArray = self.data.residuals(found.predictor, found.theta[:, None])[:, 0].copy()
         return residual
+
+    def distance(self, one: Fit, other: Fit) -> float:
+        """Return the sum of the squares by which the weighted prediction errors of two fits differ [1]."""
+        pair = frozenset((one, other))
+        if pair not in self._distances:
+            self._distances[pair] = float(np.sum((self.residual(one) - self.residual(other)) ** 2))
+        return self._distances[pair]
 
     def yardsticks(self, found: Fit) -> Yardsticks:
         """Take the largest torques, speeds and deflections from the log."""

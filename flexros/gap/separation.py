@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.config.scenario import load_scenario
 from flexros.effects import RobotWithEffects
+from flexros.gap.evidence import form_error, is_plain
 from flexros.gap.fit import chi2_of, fit
 from flexros.gap.fit_data import fit_data
 from flexros.gap.hypothesis import FreeParameter, Suspect
@@ -64,6 +65,11 @@ class Explained:
     def hypothesis(self) -> Hypothesis:
         """Its effects with their numbers free about what was fitted."""
         return tuple(_suspect(one) for one in self.placed)
+
+    def shared_with(self, other: Explained) -> Explained:
+        """Keep the effects that another explanation has, too."""
+        theirs = {(one.effect.name, one.location) for one in other.placed}
+        return replace(self, placed=tuple(one for one in self.placed if (one.effect.name, one.location) in theirs))
 
     def with_values(self, values: Mapping[str, float]) -> Explained:
         """Put known numbers into the nominal robot, e.g. a known load."""
@@ -124,18 +130,29 @@ def trial(truth: Explained, keys: Mapping[str, Any], seed: int, *, tool: bool = 
 def separation(truth: Explained, rival: Explained, made: Trial) -> float:
     """Compute by how much the truth would explain an experiment better than its rival at its best.
 
+    Errors of form count as they do when explanations are ranked.
+
     Args:
         truth: The explanation that was simulated.
         rival: The other one; its numbers, and what the model leaves open, are fitted to the experiment.
         made: The experiment on the truth.
 
     Returns:
-        Difference of the log-likelihoods [nats]; zero where the rival does as well.
+        Logarithm of the odds [nats]; zero where the rival does as well.
     """
-    right, theta_right = predictor_of(truth, made.record.sample_time)
-    wrong, theta_wrong = predictor_of(rival, made.record.sample_time)
-    least = float(chi2_of(right, made.data, theta_right[:, None])[0])
-    return 0.5 * max(fit(wrong, made.data, theta_wrong, ITERATIONS).chi2 - least, 0.0)
+    data, sample_time = made.data, made.record.sample_time
+    right, theta = predictor_of(truth, sample_time)
+    without, theta_without = predictor_of(truth.shared_with(rival), sample_time)
+    least, most = (
+        float(chi2_of(*one)[0]) for one in ((right, data, theta[:, None]), (without, data, theta_without[:, None]))
+    )
+    wrong, theta_wrong = predictor_of(rival, sample_time)
+    other = fit(wrong, data, theta_wrong, ITERATIONS)
+    apart = data.residuals(right, theta[:, None]) - data.residuals(wrong, other.theta[:, None])
+    names = {one.name for one in right.hypothesis} ^ {one.name for one in wrong.hypothesis}
+    plain = all(is_plain(one) for one in (*right.hypothesis, *wrong.hypothesis) if one.name in names)
+    error = form_error(max(most - least, 0.0), plain=plain, apart=float(np.sum(apart**2)) if plain else None)
+    return max(other.chi2 - least, 0.0) / (2.0 + error)
 
 
 def predictor_of(explained: Explained, sample_time: float) -> tuple[Predictor, FloatArray]:

@@ -8,7 +8,7 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from flexros.gap.evidence import Evidence, is_plain
+from flexros.gap.evidence import Evidence, form_error, is_plain
 from flexros.gap.fit import Fit
 from flexros.gap.hypothesis import Suspect
 from flexros.gap.tolerance import Tolerance
@@ -63,6 +63,37 @@ def test_a_strong_gap_does_not_decide_by_a_trifle() -> None:
         return float(evidence(nothing, one, other).probabilities([one, other])[1])
 
     assert of_other(1e4) > 100 * of_other(1.1)
+
+
+def test_of_plain_effects_that_do_nearly_the_same_what_parts_them_decides() -> None:
+    """Eight nats are lost in the errors of form of a large gap, unless predictions hardly differ by more than that."""
+    delay, lag = fitted(1.0, "delay@all"), fitted(1.0 + 16 / N, "actuator_lag@motor_1")
+    blurred = evidence(21.0, delay, lag)
+    told = replace(blurred, distance=lambda *_: 16.0)
+    assert blurred.probabilities([delay, lag])[0] < 0.6
+    assert told.probabilities([delay, lag])[0] > 0.8
+    far = replace(blurred, distance=lambda *_: 1e6)
+    assert far.probabilities([delay, lag]) == pytest.approx(blurred.probabilities([delay, lag]))
+
+
+def test_the_distance_is_asked_for_only_where_it_decides() -> None:
+    def distance(*_: Fit) -> float:
+        raise AssertionError("two predictions for nothing")
+
+    same, far = fitted(1.0 + 0.1 / N, "actuator_lag@motor_1"), fitted(2.0, "actuator_lag@motor_1")
+    shaped, both = fitted(1.0 + 16 / N, COULOMB), fitted(1.0 - 16 / N, "delay@all", STIFFNESS)
+    delay = fitted(1.0, "delay@all")
+    for other in (same, far, shaped, both):
+        found = replace(evidence(101.0, delay, other), distance=distance)
+        assert found.probabilities([delay, other]).sum() == pytest.approx(1.0)
+
+
+def test_errors_of_form() -> None:
+    """Shares of the gap; along the line between two predictions 0.6 of half its length."""
+    assert form_error(1e6, plain=True) == pytest.approx(200.0)
+    assert form_error(1e6, plain=False) == pytest.approx(2000.0)
+    assert form_error(1e6, plain=True, apart=100.0) == pytest.approx(0.18 * 100 + 4.0)
+    assert form_error(1e6, plain=True, apart=1e6) == pytest.approx(200.0)
 
 
 @pytest.mark.parametrize("swap", [False, True])

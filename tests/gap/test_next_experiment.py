@@ -61,7 +61,7 @@ def test_running_the_proposed_experiment_separates_what_the_log_did_not(
     proposed = next_experiment(model(), [true.placed, other.placed], entries=entries)
     assert proposed is not None
     run = trial(true, ENTRIES[proposed.name].keys(true.model.robot), 55)
-    assert separation(true, other, run) > 10.0
+    assert separation(true, other, run) > 4.0
 
 
 def test_a_known_load_tells_motor_inertia_from_torque_gain_better_than_rest() -> None:
@@ -93,7 +93,7 @@ def test_the_chosen_experiment_is_the_best_but_for_plainer_ones(gains: dict[str,
     chosen = next_experiment(load_robot("four_mass_linear"), survivors, entries=entries)
     assert chosen is not None
     assert chosen.name == "high_band"
-    assert chosen.expected_gain > max(10.0, 3 * gains["standard"])
+    assert chosen.expected_gain > max(4.0, 2 * gains["standard"])
     assert [place.effect for place in chosen.separates] == ["delay", "actuator_lag"]
 
 
