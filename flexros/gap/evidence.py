@@ -48,9 +48,10 @@ SIGNIFICANT = 4.0
 """Standard deviations of V without gap beyond which something is left [1] (development seeds)."""
 UNEXPLAINED = 0.1
 """Share of the gap that an explanation may leave before the cause counts as unknown [1] (the contract)."""
-FORM = 0.035
-"""The same beside an exact model, where only errors of form excuse that more than the noise is left [1]: between
-effects of another form (up to 0.025) and causes outside the library (from 0.052; development seeds)."""
+FORM, FORM_ELSEWHERE = 0.02, 0.035
+"""The same beside an exact model, in the fitted log and in another one, where only errors of form excuse that more than
+the noise is left [1]: between effects of another form (up to 0.015 and 0.025) and causes outside the library (from 0.03
+in one of both; development seeds)."""
 INADEQUATE = 7.0
 """What leaving more than this costs in the logarithm of the probability, where another explanation does not [nats]
 (chosen)."""
@@ -122,9 +123,14 @@ class Evidence:
             return 0.0
         return (self.level(one) - 1.0) / max(self.level(self.nothing) - 1.0, SIGNIFICANT * self.spread)
 
-    def adequate(self, one: Fit) -> bool:
-        """Tell whether a fit leaves no more of the gap than an explanation may."""
-        excused = FORM if self.exact and self.level(one) > 2.0 else UNEXPLAINED
+    def adequate(self, one: Fit, form: float = FORM) -> bool:
+        """Tell whether a fit leaves no more of the gap than an explanation may.
+
+        Args:
+            one: The fit.
+            form: What errors of form excuse beside an exact model [1].
+        """
+        excused = form if self.exact and self.level(one) > 2.0 else UNEXPLAINED
         return self.left(one) <= excused
 
     def removed(self, before: Fit, after: Fit) -> float:

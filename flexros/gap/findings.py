@@ -11,7 +11,7 @@ import numpy as np
 from flexros.effects import PlacedEffect
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.diagnosis_file import GapNumbers, Place
-from flexros.gap.evidence import Evidence, evidence_of
+from flexros.gap.evidence import FORM_ELSEWHERE, Evidence, evidence_of
 from flexros.gap.explain import RIVAL
 from flexros.gap.fitted_numbers import placed
 from flexros.gap.how_far import closed_fraction, errors_ahead
@@ -68,7 +68,8 @@ class Findings:
             if _doubted(found.evidence, self.data).significant(found.chosen) or self.held_out_gap:
                 return "unknown_effect"
             return "explained" if self.quantized else "no_gap"
-        if not (found.evidence.adequate(found.chosen) and self._held_evidence.adequate(self._on_held(found.chosen))):
+        elsewhere = self._on_held(found.chosen)
+        if not (found.evidence.adequate(found.chosen) and self._held_evidence.adequate(elsewhere, FORM_ELSEWHERE)):
             return "unknown_effect"
         return "ambiguous" if len(self.rivals) else "explained"
 

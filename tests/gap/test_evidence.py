@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import islice
 
 import numpy as np
 import pytest
 
-from flexros.gap.evidence import Evidence, form_error, is_plain
+from flexros.gap.evidence import FORM_ELSEWHERE, Evidence, form_error, is_plain
 from flexros.gap.fit import Fit
 from flexros.gap.hypothesis import Suspect
 from flexros.gap.tolerance import Tolerance
@@ -158,17 +157,18 @@ def test_beside_an_exact_model_only_errors_of_form_excuse_what_is_left() -> None
     assert [toleranced.adequate(one) for one in (poor, fair, small)] == [True, True, True]
     assert [exact.adequate(one) for one in (poor, fair, small)] == [False, True, True]
     assert replace(evidence(11.0), exact=True).adequate(small)  # no more than the noise
+    assert exact.adequate(fitted(30.0, COULOMB), FORM_ELSEWHERE)
+    assert not exact.adequate(fitted(30.0, COULOMB))
     assert not evidence(501.0).adequate(poor)
 
 
 def test_what_leaves_too_much_is_behind_what_does_not_though_it_has_fewer_numbers() -> None:
-    poor = fitted(77.0, COULOMB)
-    others = (one for one in suspects_of() if one not in (COULOMB, "presliding_friction@motor_1"))
-    rich = fitted(1.0, "presliding_friction@motor_1", *islice(others, 6))
+    poor = fitted(45.0, COULOMB)
+    rich = fitted(1.0, "presliding_friction@motor_1", STIFFNESS, "delay@all", "payload_error@tool")
     found = evidence(2001.0, poor, rich)
     assert found.probabilities([poor, rich])[0] > 0.9
     assert replace(found, exact=True).probabilities([poor, rich])[1] > 0.9
-    worst = fitted(90.0, COULOMB, STIFFNESS)
+    worst = fitted(70.0, COULOMB, STIFFNESS)
     left_alone = replace(found, exact=True).probabilities([poor, worst])
     assert left_alone == pytest.approx(found.probabilities([poor, worst]))
 
