@@ -14,8 +14,8 @@ SHORT: Mapping[str, Any] = {"diagnosis.parts": ["moves"], "diagnosis.length": 10
 PAIRS: Mapping[str, tuple[str, ...]] = {
     "delay, actuator_lag": ("delay@motor_1:time=0.0001", "actuator_lag@motor_1:time_constant=0.0001"),
     "motor_inertia_error, torque_gain_error": (
-        "motor_inertia_error@motor_1:relative=0.003",
-        "torque_gain_error@motor_1:relative=-0.00025",
+        "motor_inertia_error@motor_1:relative=0.001",
+        "torque_gain_error@motor_1:relative=-0.00005",
     ),
     "backlash, hysteresis": (
         "backlash@motor_1:gap=6e-05",
