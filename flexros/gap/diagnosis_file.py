@@ -66,7 +66,7 @@ class NextExperiment(Settings):
     name: str = Field(description="name in the catalogue")
     description: str = Field(description="what to do")
     separates: tuple[Place, ...] = Field(description="the explanations that it separates")
-    expected_gain: float = Field(description="expected difference of the log-likelihoods of the two closest [nats]")
+    expected_gain: float = Field(description="expected logarithm of the odds of the two closest [nats]")
     command: str = Field(default="", description="command that runs it, where one does")
 
 

@@ -39,8 +39,8 @@ class Separated:
 
     Attributes:
         entry: The experiment.
-        gain: Expected difference of the log-likelihoods of the two closest explanations, either being true as likely
-            as the other [nats].
+        gain: Expected logarithm of the odds of the two closest explanations, either being true as likely as the other
+            [nats].
         closest: Numbers of those two in the list of explanations.
     """
 
