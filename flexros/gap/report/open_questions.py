@@ -48,7 +48,7 @@ def _following(experiment: NextExperiment) -> tuple[Block, ...]:
     gain = number(experiment.expected_gain, 3)
     text = (
         f"Run '{experiment.name}' next{told}: {experiment.description.rstrip('.')}. Simulated with both explanations, "
-        f"it separates the two closest by {gain} nats of log-likelihood (3 nats mean odds of 20 to 1)."
+        f"it separates the two closest by {gain} nats (3 nats mean odds of 20 to 1)."
     )
     command = (Listing(experiment.command, "Command of the experiment."),) if experiment.command else ()
     return (Paragraph(text), *command)
