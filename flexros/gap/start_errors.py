@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,10 +69,8 @@ def start_errors(data: FitData, predictor: Predictor, theta: FloatArray) -> Star
     """
     first = min(2 * data.gain.settling, data.record.n_samples)
     innovations, poses = _moved_starts(data, predictor, theta, first)
-    M, n, k = data.record.position.shape[1], data.record.n_samples, innovations.shape[2]
-    whole = np.zeros((n, M, k))
-    whole[:first] = innovations
-    motors = data.weighted(whole).reshape(M, n, k)[:, :first].reshape(M * first, k)
+    M, k = innovations.shape[1:]
+    motors = replace(data, spread=data.spread[:first]).weighted(innovations)
     tool = np.zeros((0, k)) if data.tool is None else data.tool.residuals(poses) - data.tool.residuals(0.0 * poses)
     basis, sizes, _ = np.linalg.svd(np.vstack([motors, tool]), full_matrices=False)
     basis = basis[:, sizes > LEAST_SEEN]

@@ -153,14 +153,17 @@ def spread_of(
         Standard deviations [rad or m], infinite where samples do not count, shape (n, M).
     """
     spread = np.repeat((gain.spread / gain.noise * measurement.driving)[None], record.n_samples, axis=0)
+    early = min(gain.settling, record.n_samples if from_rest else record.n_samples // 4)
+    if from_rest:
+        spread[:early] *= gain.early(early) / gain.spread
     if measurement.jitter > 0:
         position = bridged(record.position, record.valid)
         speed = smooth_motion(position, record.sample_time, min(SMOOTH_CUTOFF, 0.1 / record.sample_time))[1]
         added = np.abs(speed) * measurement.jitter
         if np.any(added.max(axis=0) > LEAST_JITTER * measurement.deviation):
             spread = np.hypot(spread, added * np.sqrt((measurement.whitening**2).sum(axis=1)))
-    early = min(gain.settling, record.n_samples if from_rest else record.n_samples // 4)
-    spread[:early] = spread[:early] * gain.early(early) / gain.spread if from_rest else np.inf
+    if not from_rest:
+        spread[:early] = np.inf
     spread[: measurement.whitening.shape[1] - 1] = np.inf  # the filter lacks what was before
     missing = ~record.valid
     for later in range(measurement.whitening.shape[1]):  # the filter carries a missing sample on

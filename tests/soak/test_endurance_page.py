@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -66,6 +67,17 @@ def test_parts_that_are_done_are_not_done_again(
     assert run(monkeypatch, tmp_path, "--only", "good") == 0
     assert calls == ["good"]
     run(monkeypatch, tmp_path, "--only", "good", "--again")
+    assert calls == ["good", "good"]
+
+
+def test_what_touches_more_than_the_checkout_is_run_by_its_name_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, calls: list[str]
+) -> None:
+    good = endurance_page.PARTS["good"]
+    monkeypatch.setattr(endurance_page, "PARTS", {"good": good, "asked": replace(good, asked=True)})
+    run(monkeypatch, tmp_path)
+    assert calls == ["good"]
+    run(monkeypatch, tmp_path, "--only", "asked")
     assert calls == ["good", "good"]
 
 
