@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 STATES = ("waiting", "running", "stopping", "done")
 """Before its start, under way as planned, being brought to rest or at rest after that, and at the end of the plan."""
 
+MOST = 1e15
+"""Largest number in a message; JSON knows larger ones than a float holds (chosen)."""
+
 _KINDS = {"state": str, "recording": bool, "percent": float, "time_left_s": float} | dict.fromkeys(
     (
         *("position", "positions", "block", "blocks", "experiment", "experiments"),
@@ -126,6 +129,8 @@ def read_experiment_state(message: bytes) -> ExperimentState:
             value = getattr(state, name)
             if type(value) is not kind and not (kind is float and type(value) is int):
                 raise ValueError(f"{name} is {value!r}, needed is a value of type {kind.__name__}")
+            if isinstance(value, (int, float)) and not abs(value) <= MOST:  # NaN is not, either
+                raise ValueError(f"{name} must be a number of at most {MOST:g}")
         if state.state not in STATES:
             raise ValueError(f"state is '{state.state}', allowed are {', '.join(STATES)}")
     except (TypeError, ValueError, RecursionError, MessageError) as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -102,6 +103,13 @@ def test_message_is_read_back(plan: ExperimentPlan) -> None:
 def test_message_of_something_else_is_refused(message: bytes) -> None:
     with pytest.raises(RunError, match="a message on experiment_state is refused: .*; needed is JSON with the keys"):
         read_experiment_state(message)
+
+
+@pytest.mark.parametrize("number", ["1" + 400 * "0", "1e400", "NaN", "-1e16"])
+def test_numbers_out_of_all_bounds_are_refused(plan: ExperimentPlan, number: str) -> None:
+    text = json.dumps({**json.loads(ExperimentCourse(plan).state("running", 0).as_json()), "percent": 0})
+    with pytest.raises(RunError, match="percent must be a number of at most 1e"):
+        read_experiment_state(serialised(text.replace('"percent": 0', f'"percent": {number}')))
 
 
 def test_state_that_does_not_exist_is_refused(plan: ExperimentPlan) -> None:
