@@ -243,6 +243,10 @@ HOSTILE: Mapping[str, tuple[str, Callable[[], bytes]]] = {
         "experiment_state",
         lambda: samples.text_message(json.dumps({**samples.EXPERIMENT_STATE, "stopped_at_sample": "5"})),
     ),
+    "experiment_state: number beyond a float": (
+        "experiment_state",
+        lambda: samples.text_message(json.dumps({**samples.EXPERIMENT_STATE, "percent": 10**400})),
+    ),
     "patch: robot with a long name": ("patch", lambda: b"{robot: " + b"x" * 3000 + b", effects: []}"),
     "scenario: robot with a long name": ("scenario", lambda: b"{robot: " + b"x" * 3000 + b".yaml, duration: 1}"),
     "metadata: file with a long name": (

@@ -34,4 +34,5 @@ MENDED: dict[str, str] = {
     "recorded: stamp before 1970": "the recorder ended (OverflowError)",
     "experiment_state: deep lists": "RecursionError",
     "experiment_state: number as text": "taken, and TypeError in the recorder later",
+    "experiment_state: number beyond a float": "OverflowError",
 }
