@@ -51,7 +51,7 @@ def test_the_directions_are_orthonormal_and_at_most_as_many_as_states(tool: bool
 
 
 def test_a_gap_that_shows_only_while_the_start_decays_is_seen() -> None:
-    """Where the log ends before the start has decayed, friction is still there."""
+    """Friction shows in the first samples, and explains them."""
     friction = "coulomb_friction@motor_1:level=0.05"
     data = data_of(friction)
     assert data.start_errors is not None
