@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.fit import Fit
     from flexros.gap.fit_data import FitData
-    from flexros.gap.hypothesis import Suspect
+    from flexros.gap.hypothesis import Hypothesis, Suspect
 
 PER_EFFECT = 3.0
 """What an effect costs in the logarithm of the probability, and each of its numbers at most [nats] (tempered;
@@ -195,18 +195,15 @@ class Evidence:
         It is a share of the gap that its own effects close; those that both have are off by the same. Of two of which
         one only adds to the other, it is that of the addition.
         """
-        mine, theirs = ({suspect.name: suspect for suspect in fit.predictor.hypothesis} for fit in (one, reference))
-        if mine.keys() < theirs.keys():
-            one, mine, theirs = reference, theirs, mine
-        own = mine.keys() - theirs.keys()
-        if not own:
+        if _names(one.predictor.hypothesis) < _names(reference.predictor.hypothesis):
+            one, reference = reference, one
+        contrast = contrast_of(one.predictor.hypothesis, reference.predictor.hypothesis)
+        if not contrast.own:
             return 0.0
-        without = self._fits_by_names.get(frozenset(mine.keys() - own), self.nothing)
+        without = self._fits_by_names.get(_names(one.predictor.hypothesis) - contrast.own, self.nothing)
         gap = max(self.level(without) - self.level(one), 0.0)
-        plain = all(is_plain(mine[name]) for name in own)
-        error = form_error(gap, plain=plain)
-        others = theirs.keys() - mine.keys()
-        if not (plain and others and all(is_plain(theirs[name]) for name in others)) or self.distance is None:
+        error = form_error(gap, plain=contrast.plain)
+        if not contrast.between or self.distance is None:
             return error
         difference, noise = abs(self.level(one) - self.level(reference)), 2 * self.level(reference) / self.n_values
         if difference < MATTERS * noise or difference > DECIDED * (noise + error):
@@ -215,8 +212,37 @@ class Evidence:
 
     @cached_property
     def _fits_by_names(self) -> dict[frozenset[str], Fit]:
-        found = {frozenset(suspect.name for suspect in one.predictor.hypothesis): one for one in reversed(self.fits)}
+        found = {_names(one.predictor.hypothesis): one for one in reversed(self.fits)}
         return {**found, frozenset(): self.nothing}
+
+
+@dataclass(frozen=True)
+class Contrast:
+    """In what one explanation differs from another.
+
+    Attributes:
+        own: Names of the effects that the other one lacks.
+        plain: Whether each of these is one number of the model or of the signals.
+        between: Whether the other one has effects of its own as well and all of both are plain, so that what lies
+            between the two predictions tells them apart.
+    """
+
+    own: frozenset[str]
+    plain: bool
+    between: bool
+
+
+def contrast_of(one: Hypothesis, other: Hypothesis) -> Contrast:
+    """Compare the effects of two explanations.
+
+    Args:
+        one: Effects of the one.
+        other: Effects of the other.
+    """
+    own, others = _names(one) - _names(other), _names(other) - _names(one)
+    plain = all(is_plain(suspect) for suspect in one if suspect.name in own)
+    plain_others = all(is_plain(suspect) for suspect in other if suspect.name in others)
+    return Contrast(own, plain, bool(own and others) and plain and plain_others)
 
 
 def form_error(gap: float, *, plain: bool, apart: float | None = None) -> float:
@@ -258,3 +284,7 @@ def evidence_of(
 def is_plain(suspect: Suspect) -> bool:
     """Tell whether an effect is one number of the model or of the signals, without a shape of its own."""
     return issubclass(suspect.effect, PLAIN)
+
+
+def _names(hypothesis: Hypothesis) -> frozenset[str]:
+    return frozenset(suspect.name for suspect in hypothesis)

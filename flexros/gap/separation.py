@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.config.scenario import load_scenario
 from flexros.effects import RobotWithEffects
-from flexros.gap.evidence import form_error, is_plain
+from flexros.gap.evidence import contrast_of, form_error
 from flexros.gap.fit import chi2_of, fit
 from flexros.gap.fit_data import fit_data
 from flexros.gap.hypothesis import FreeParameter, Suspect
@@ -142,16 +142,17 @@ def separation(truth: Explained, rival: Explained, made: Trial) -> float:
     """
     data, sample_time = made.data, made.record.sample_time
     right, theta = predictor_of(truth, sample_time)
-    without, theta_without = predictor_of(truth.shared_with(rival), sample_time)
-    least, most = (
-        float(chi2_of(*one)[0]) for one in ((right, data, theta[:, None]), (without, data, theta_without[:, None]))
-    )
     wrong, theta_wrong = predictor_of(rival, sample_time)
     other = fit(wrong, data, theta_wrong, ITERATIONS)
-    apart = data.residuals(right, theta[:, None]) - data.residuals(wrong, other.theta[:, None])
-    names = {one.name for one in right.hypothesis} ^ {one.name for one in wrong.hypothesis}
-    plain = all(is_plain(one) for one in (*right.hypothesis, *wrong.hypothesis) if one.name in names)
-    error = form_error(max(most - least, 0.0), plain=plain, apart=float(np.sum(apart**2)) if plain else None)
+    residuals = data.residuals(right, theta[:, None])
+    least = float(np.sum(residuals**2))
+    contrast = contrast_of(right.hypothesis, wrong.hypothesis)
+    apart = None
+    if contrast.between:
+        apart = float(np.sum((residuals - data.residuals(wrong, other.theta[:, None])) ** 2))
+    without, theta_without = predictor_of(truth.shared_with(rival), sample_time)
+    most = float(chi2_of(without, data, theta_without[:, None])[0])
+    error = form_error(max(most - least, 0.0), plain=contrast.plain, apart=apart)
     return max(other.chi2 - least, 0.0) / (2.0 + error)
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.gap.evidence import FORM_ELSEWHERE, Evidence, form_error, is_plain
+from flexros.gap.evidence import FORM_ELSEWHERE, Contrast, Evidence, contrast_of, form_error, is_plain
 from flexros.gap.fit import Fit
 from flexros.gap.hypothesis import Suspect
 from flexros.gap.tolerance import Tolerance
@@ -93,6 +93,25 @@ def test_errors_of_form() -> None:
     assert form_error(1e6, plain=False) == pytest.approx(2000.0)
     assert form_error(1e6, plain=True, apart=100.0) == pytest.approx(0.18 * 100 + 4.0)
     assert form_error(1e6, plain=True, apart=1e6) == pytest.approx(200.0)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "own", "plain", "between"),
+    [
+        (("delay@all",), ("actuator_lag@motor_1",), {"delay@all"}, True, True),
+        ((STIFFNESS, "delay@all"), (STIFFNESS, "actuator_lag@motor_1"), {"delay@all"}, True, True),
+        (("delay@all",), (COULOMB,), {"delay@all"}, True, False),
+        ((COULOMB,), ("delay@all",), {COULOMB}, False, False),
+        ((COULOMB, "delay@all"), (COULOMB,), {"delay@all"}, True, False),  # an addition: there is nothing between
+        ((COULOMB,), (COULOMB, "delay@all"), set(), True, False),
+    ],
+)
+def test_contrast_of_two_explanations(
+    one: tuple[str, ...], other: tuple[str, ...], own: set[str], plain: bool, between: bool
+) -> None:
+    suspects = suspects_of()
+    found = contrast_of(*(tuple(suspects[name] for name in names) for names in (one, other)))
+    assert found == Contrast(frozenset(own), plain, between)
 
 
 @pytest.mark.parametrize("swap", [False, True])
