@@ -109,14 +109,22 @@ class FlexrosNode(AbstractTopicNode):
     def _with_unreadable(self, figures: dict[str, float]) -> dict[str, float]:
         return {**figures, "unreadable_messages": self.unreadable} if self.unreadable else figures
 
-    def diagnose(self, level: bytes = DiagnosticStatus.OK, message: str = "running") -> None:
+    def diagnose(
+        self,
+        level: bytes = DiagnosticStatus.OK,
+        message: str = "running",
+        recent: Mapping[str, float] | None = None,
+    ) -> None:
         """Publish the figures on /diagnostics.
 
         Args:
             level: DiagnosticStatus.OK, WARN or ERROR.
             message: State of the node in words.
+            recent: The figures; default: `recent_figures`.
         """
-        figures = self._with_unreadable(self.recent_figures()) if self.configured else {}
+        figures: Mapping[str, float] = {}
+        if self.configured:
+            figures = self._with_unreadable(self.recent_figures() if recent is None else recent)
         values = [KeyValue(key=key, value=f"{value:.9g}") for key, value in figures.items()]
         status = DiagnosticStatus(
             level=level, name=self.get_fully_qualified_name(), message=message, hardware_id="flexros", values=values

@@ -13,6 +13,7 @@ from flexros_nodes.ending import Ending
 from flexros_nodes.executable import run_node
 from flexros_nodes.lockstep import FASTEST_RESEND
 from flexros_nodes.loop_figures import loop_figures
+from flexros_nodes.loop_warnings import loop_warnings
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.pacing import Schedule
 from flexros_nodes.pause import Pause
@@ -57,6 +58,7 @@ class PlantNode(FlexrosNode):
         self.loop = PlantLoop(self, run, self._pacing, self._on_loop_end)
         self._view = PlantView(self, run)
         self._ending, self._search_time = None, 0.0
+        self._told: dict[str, float] = {}
         PlantServices(self)
 
     def reset(self) -> None:
@@ -97,17 +99,18 @@ class PlantNode(FlexrosNode):
         if loop.sample < 0:
             return {"samples": 0}
         samples, time, wall = loop.times(self.active)
-        return loop_figures(time, samples, wall, loop.lockstep, loop.loss, loop.window, self._ending)
+        counts = loop_figures(time, samples, wall, loop.lockstep, loop.loss, loop.window, self._ending)
+        return counts | loop.torque_use.figures()
 
     def _timing(self, sum_up: Callable[[Schedule], PeriodStatistics | None]) -> dict[str, float]:
         return self._pacing.figures(sum_up) if self.value("real_time") else {}
 
     def _tell(self) -> None:
-        state, controllers = "paused" if self.loop.pause.on else "running", self.loop.messages.controllers()
-        if controllers > 1:
-            self.diagnose(DiagnosticStatus.WARN, f"{state}; {controllers} nodes publish joint_commands")
-        else:
-            self.diagnose(message=state)
+        state, figures = "paused" if self.loop.pause.on else "running", self.recent_figures()
+        warnings = loop_warnings(figures, self._told, self.loop.messages.controllers())
+        self._told = figures
+        level = DiagnosticStatus.WARN if warnings else DiagnosticStatus.OK
+        self.diagnose(level, "; ".join([state, *warnings]), figures)
 
     def _look_around(self) -> None:
         """Look for the partners before the first sample; see to the end after the last one."""

@@ -16,6 +16,7 @@ from flexros_nodes.lockstep import FASTEST_RESEND, PlantLockStep, Tick
 from flexros_nodes.message_loss import MessageLoss
 from flexros_nodes.pause import Pause
 from flexros_nodes.plant_messages import PlantMessages, read_recorder_progress, recorder_window
+from flexros_nodes.torque_use import TorqueUse
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,6 +44,7 @@ class PlantLoop:
         window: How far the loop may run ahead of the recorder.
         lockstep: Which stamp is awaited, and what was sent again.
         loss: Counts what was lost on purpose.
+        torque_use: Counts the commands at the limits of the motors.
         over: Whether the loop has ended.
     """
 
@@ -75,6 +77,7 @@ class PlantLoop:
         self._reader = CommandReader(self._run.nominal.joint_names, self.messages.controllers)
         self.loss = MessageLoss(value("drop_fraction"), value("drop_seed"))
         self._drops: Callable[[], bool] | None = self.loss.drops if value("drop_fraction") else None
+        self.torque_use = TorqueUse(self._run.nominal.joint_names, self._run.nominal.torque_limits)
         timeouts = (value(f"{name}_timeout") for name in ("resend", "partner", "start"))
         self.lockstep = PlantLockStep(FASTEST_RESEND, *timeouts)
         self.window = recorder_window(
@@ -146,6 +149,7 @@ class PlantLoop:
         if self.sample + 1 >= self._n_samples:
             self._on_end(None)
             return
+        self.torque_use.take(command)
         self.plant.advance(command)
         self.next_sample()
 

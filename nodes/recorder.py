@@ -11,7 +11,7 @@ from std_msgs.msg import Header
 
 from flexros.config.topics import load_topics
 from flexros.errors import InputError, RunError
-from flexros.logs.stamps import NANOSECONDS
+from flexros.logs.stamps import NANOSECONDS, stamp_of
 from flexros.logs.writer import LogWriter
 from flexros_nodes.executable import run_node
 from flexros_nodes.experiment_state import read_experiment_state
@@ -31,6 +31,9 @@ CONFIRM_PERIOD = 0.05
 
 STALL_PERIODS = 16
 """While the loop stands still, confirmations are said again after 1, 2, 4, 8 and then every 16 periods, chosen."""
+
+MARKERS = "arm_markers"
+"""Topic that is recorded where the user wants it, so that a player shows the arm."""
 
 LOOP_PRODUCERS = ("plant", "controller")
 """Nodes whose topics go on sample by sample; the others may run ahead, or end."""
@@ -52,7 +55,8 @@ class RecorderNode(FlexrosNode):
         real_time = bool(self.value("real_time"))
         self._provenance: Mapping[str, Any] = {**run.provenance(), "transport": "ros", "real_time": real_time}
         self._arrival = ArrivalTime(perf_counter) if real_time else None
-        self._topics = {name: row for name, row in load_topics().items() if row.recorded}
+        more = [MARKERS] if self.value("markers") else []
+        self._topics = {name: row for name, row in load_topics().items() if row.recorded or name in more}
         self._all_confirmed = -1
         self._confirmed: dict[str, int] = {}
         self._confirm_every = self.value("confirm_every")
@@ -78,7 +82,9 @@ class RecorderNode(FlexrosNode):
 
     def _record(self, writer: LogWriter, name: str, row: Topic, number: int) -> None:
         if name not in sampled_topics():
-            self._events[name] = EventRecording(writer, number, self._arrival, lambda: self.stamp)
+            present = self._present
+            read_stamp = present if name == MARKERS else stamp_of  # the headers of markers stand in a list
+            self._events[name] = EventRecording(writer, number, self._arrival, present, read_stamp)
             self.listen(name, self._events[name].take, recorder=True)
             return
         recording = self._samples[name] = TopicRecording(writer, number, self._arrival, self._confirm_each)
@@ -86,6 +92,9 @@ class RecorderNode(FlexrosNode):
             self._in_loop.append(recording)
         take = partial(self._take_and_confirm, recording) if name == "joint_states" else recording.take
         self.listen(name, take, recorder=True)
+
+    def _present(self, *_: bytes) -> int:
+        return self.stamp
 
     def _take_and_confirm(self, recording: TopicRecording, message: bytes) -> None:
         if self._arrival is not None:

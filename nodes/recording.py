@@ -133,6 +133,7 @@ class EventRecording:
         topic_id: Number of the topic there.
         arrival: Gives the log time [ns]; the stamp if None, or the present where the stamp is of another time.
         present: Gives the newest stamp of the loop [ns].
+        read_stamp: Reads the stamp of a message [ns]; default: of one that begins with a std_msgs/Header.
 
     Attributes:
         count: Messages written.
@@ -144,16 +145,18 @@ class EventRecording:
         topic_id: int,
         arrival: Callable[[], int] | None = None,
         present: Callable[[], int] = lambda: START_NS,
+        read_stamp: Callable[[bytes], int] = stamp_of,
     ) -> None:
         self._present = present
+        self._read_stamp = read_stamp
         self.count = 0
         self._sink = sink
         self._topic_id = topic_id
         self._arrival = arrival
 
     def take(self, message: bytes) -> None:
-        """Write a message that begins with a std_msgs/Header."""
-        stamp = stamp_of(message)
+        """Write a message."""
+        stamp = self._read_stamp(message)
         self.count += 1
         log_time = self._log_time(stamp) if self._arrival is None else self._arrival()
         self._sink.write(self._topic_id, log_time, max(stamp, 0), message)

@@ -23,6 +23,7 @@ HEAD = """# Effects
 Every deviation of a real robot from its ideal model is one file in `flexros/effects`. The same effects make a simulated
 robot real and are the hypotheses of a gap diagnosis. Any number combine at any places:
 
+<!-- run by tests/contracts/test_guide.py with ROS 2 -->
 ```
 flexros run circle_dae --effect coulomb_friction@motor_1:level=20 --effect extra_mode@base:frequency=9,ratio=0.5
 ```

@@ -31,8 +31,12 @@ def test_marked_commands_run_with_ros(page: str, run_marked: Run) -> None:
     assert run_marked(PAGES[page], MARKER_WITH_ROS)
 
 
-def test_commands_are_run_or_the_page_says_why_not() -> None:
+@pytest.mark.parametrize("page", PAGES)
+def test_commands_are_run_or_the_page_says_why_not(page: str) -> None:
+    """Blocks without a language are commands: each stands below a mark."""
     known = {MARKER, MARKER_WITH_ROS}
-    for name, text in PAGES.items():
-        for line in re.findall(r"<!-- (.*?) -->", text):
-            assert line in known or line.startswith(("not run: ", "written by ")), f"{name}: <!-- {line} -->"
+    text = PAGES[page]
+    for line in re.findall(r"<!-- (.*?) -->", text):
+        assert line in known or line.startswith(("not run: ", "written by ")), f"<!-- {line} -->"
+    for before, language, first in re.findall(r"^(.*)\n```(\w*)\n(.*)\n(?:.*\n)*?```$", text, re.MULTILINE):
+        assert language or before.startswith("<!-- "), f"not marked: {first}"

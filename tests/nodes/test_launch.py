@@ -32,6 +32,9 @@ from tests.nodes.launch_stand_in import DeclareLaunchArgument, LaunchContext, Lo
 CHECKOUT = Path(__file__).parents[2]
 FILES = {path.name.split(".")[0]: path for path in sorted((CHECKOUT / "nodes" / "launch").glob("*.launch.py"))}
 ONE_ROBOT = sorted(set(FILES) - {"several_robots"})
+needs_ros2 = pytest.mark.skipif(
+    shutil.which("ros2") is None, reason="needs a full ROS 2: there is no command ros2 here"
+)
 
 
 class Launch:
@@ -240,7 +243,7 @@ def test_robots_side_by_side_do_not_hear_each_other(tmp_path: Path, log_differen
         np.testing.assert_array_equal(run.joint_commands.effort, alone.joint_commands.effort[recorded])
 
 
-@pytest.mark.skipif(shutil.which("ros2") is None, reason="needs a full ROS 2: there is no command ros2 here")
+@needs_ros2
 @pytest.mark.parametrize("name", FILES)
 def test_ros2_launch_shows_the_arguments(name: str) -> None:
     command = ["ros2", "launch", str(FILES[name]), "--show-args"]
@@ -249,12 +252,56 @@ def test_ros2_launch_shows_the_arguments(name: str) -> None:
     assert "'realtime'" in run.stdout
 
 
-@pytest.mark.usefixtures("ros_domain")
-@pytest.mark.skipif(shutil.which("ros2") is None, reason="needs a full ROS 2: there is no command ros2 here")
-def test_ros2_launch_runs_and_records(tmp_path: Path) -> None:
+def needs_flexros_in_workspace() -> None:
     found = subprocess.run(["ros2", "pkg", "prefix", "flexros"], capture_output=True, text=True, check=False)
     if found.returncode:
         pytest.skip("needs flexros in a sourced workspace: ros2 pkg prefix flexros finds none")
+
+
+@needs_ros2
+@pytest.mark.parametrize("name", entry_points())
+def test_ros2_run_finds_the_node(name: str) -> None:
+    needs_flexros_in_workspace()
+    nothing = [word for what in ("scenario", "model", "bag") for word in ("-p", f"{what}:=none")]
+    command = ["ros2", "run", "flexros", name, "--ros-args", *nothing]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert run.returncode == 2
+    assert "'none'" in run.stderr or "at none" in run.stderr
+
+
+@needs_ros2
+@pytest.mark.usefixtures("ros_domain")
+def test_ros2_run_runs_the_loop(tmp_path: Path) -> None:
+    needs_flexros_in_workspace()
+    scenario = short_scenario(tmp_path, "short", "circle_dae")
+    own = {"recorder": ["-p", f"folder:={tmp_path / 'log'}"]}
+    nodes = {}
+    for name in ("controller", "feedforward", "recorder", "plant"):
+        command = ["ros2", "run", "flexros", name, "--ros-args", "-p", f"scenario:={scenario}", *own.get(name, [])]
+        nodes[name] = subprocess.Popen(command, start_new_session=True)
+    try:
+        assert nodes["plant"].wait(60) == 0
+    finally:
+        for node in nodes.values():
+            if node.poll() is None:
+                os.killpg(node.pid, signal.SIGINT)  # ros2 run and the node that it has started
+        for node in nodes.values():
+            node.wait(30)
+    assert len(read_log(tmp_path / "log").joint_states.stamp) == 101
+
+
+@needs_ros2
+def test_ros2_bag_reads_the_log() -> None:
+    sample = Path(__file__).parents[2] / "bags" / "sample_circle_dae"
+    run = subprocess.run(["ros2", "bag", "info", str(sample)], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert "/joint_states" in run.stdout
+
+
+@needs_ros2
+@pytest.mark.usefixtures("ros_domain")
+def test_ros2_launch_runs_and_records(tmp_path: Path) -> None:
+    needs_flexros_in_workspace()
     scenario = short_scenario(tmp_path, "short", "circle_dae")
     command = ["ros2", "launch", "flexros", "closed_loop.launch.py", f"scenario:={scenario}", "out:=log"]
     subprocess.run(command, check=True, timeout=120)

@@ -8,11 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 
 from flexros.config.scenario import load_scenario
 from flexros.errors import InputError
+from flexros.logs.diagnostic_array_message import read_diagnostic_array
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
+from flexros.robot import load_robot
 from flexros.simulate.closed_loop import closed_loop
 from flexros.simulate.experiment import Experiment
 
@@ -88,6 +91,36 @@ def test_diagnostics_and_provenance_are_in_the_log(tmp_path: Path) -> None:
     assert log.other_topics["/diagnostics"] >= 1
     assert log.provenance["scenario"]["name"] == "circle_dae"
     assert log.provenance["recorded"]["joint_states.messages"] == len(log.joint_states.stamp)
+
+
+def test_recorder_keeps_the_markers_of_the_arm_where_asked(tmp_path: Path) -> None:
+    scenario = load_scenario("circle_dae").with_values({"duration": 0.3})
+    run_scenario(scenario, tmp_path / "log", real_time=True, parameters={"recorder": {"markers": True}})
+    with (tmp_path / "log" / "log_0.mcap").open("rb") as file:
+        found = [
+            (entry.publish_time, decoded.markers[0].header.stamp, [marker.ns for marker in decoded.markers])
+            for _, _, entry, decoded in make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages(
+                topics=["/arm_markers"]
+            )
+        ]
+    assert len(found) >= 3
+    for published, stamp, names in found:
+        assert names == ["true", "magnified", "stiff"]
+        assert published == pytest.approx(
+            stamp.sec * 1e9 + stamp.nanosec, abs=5e7
+        )  # the newest stamp the recorder knows
+
+
+def test_plant_warns_of_a_motor_at_its_torque_limit(tmp_path: Path) -> None:
+    scenario = load_scenario("regulator_four_mass").with_values({"duration": 15.0, "controller.kp": 1e4})
+    run_scenario(scenario, tmp_path / "log")
+    with (tmp_path / "log" / "log_0.mcap").open("rb") as file:
+        messages = [entry.data for _, _, entry in make_reader(file).iter_messages(topics=["/diagnostics"])]
+    said = [status for data in messages for status in read_diagnostic_array(data) if status.name == "/plant"]
+    efforts = read_log(tmp_path / "log").joint_commands.effort
+    limit = load_robot("four_mass").torque_limits
+    assert said[-1].numbers()["motor_1.samples_at_torque_limit"] == np.sum(np.abs(efforts[:-1]) >= limit) > 0
+    assert any(status.level == 1 and "motor_1 at its torque limit in" in status.message for status in said)
 
 
 def test_real_time_run_keeps_statistics_and_never_waits(tmp_path: Path) -> None:

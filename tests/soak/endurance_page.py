@@ -1,6 +1,7 @@
 """Write docs/results/endurance.md: python -m tests.soak.endurance_page [--only PART ...] [--again] [--out FOLDER].
 
-Parts that have a whole result in endurance.json are not run again; so a broken-off campaign goes on where it was.
+Results of parts are kept in a folder of work, and parts that have a whole one there are not run again; so a broken-off
+campaign goes on where it was. Parts that were not run here stay on the page as they are.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ from tests.soak import (
 from tests.soak.result import Result
 from tests.soak.starting import CHECKOUT
 from tests.soak.watching import BLOCKS, FLAT
+
+PAGE, FIGURES = "endurance.md", "endurance.json"
 
 HEAD = """# Endurance and faults
 
@@ -188,6 +191,12 @@ def version() -> str:
     return found.stdout.strip() or os.environ.get("FLEXROS_COMMIT", "unknown")
 
 
+def read_results(file: Path) -> dict[str, dict[str, Any]]:
+    """Read results of parts; none where there is no file."""
+    results: dict[str, dict[str, Any]] = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    return results
+
+
 def page(results: dict[str, dict[str, Any]]) -> str:
     """Write the page from the results of parts."""
     described = machine()
@@ -222,12 +231,14 @@ def main() -> int:
     )
     parser.add_argument("--again", action="store_true", help="run parts that have a result, too")
     parser.add_argument("--out", type=Path, default=CHECKOUT / "docs" / "results", help="folder of the page")
+    parser.add_argument("--work", type=Path, default=CHECKOUT / "bags" / "soak", help="folder of finished parts")
     given = parser.parse_args()
-    file = given.out / "endurance.json"
+    given.work.mkdir(parents=True, exist_ok=True)
+    file, kept = given.out / FIGURES, given.work / FIGURES
     failed = False
     for name in given.only:
-        results = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
-        if given.again or name not in results or results[name].get("partial"):
+        finished = read_results(kept)
+        if given.again or name not in finished:
             print(f"{name} ...", flush=True)
             try:
                 found = done(PARTS[name])
@@ -236,10 +247,11 @@ def main() -> int:
                 failed = True
                 continue
             # read again: another part may have been done beside this one
-            results = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
-            results[name] = found
-            write_whole(file, json.dumps(results, indent=1) + "\n")
-        write_whole(given.out / "endurance.md", page(results))
+            finished = {**read_results(kept), name: found}
+            write_whole(kept, json.dumps(finished, indent=1) + "\n")
+        results = {**read_results(file), name: finished[name]}
+        write_whole(file, json.dumps(results, indent=1) + "\n")
+        write_whole(given.out / PAGE, page(results))
         wrong = Result(results[name]["columns"], results[name]["rows"]).wrong
         failed = failed or bool(wrong)
         for row in wrong:

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
@@ -39,7 +40,7 @@ def in_a_row(folder: Path, in_one_process: int = 180, commands: int = 40, proces
         result.notes.append("Shared memory was that of the whole machine: this user may not mount a file system.")
     output = subprocess.check_output(command, cwd=CHECKOUT, env=user_environment(TMPDIR=str(folder)), text=True)
     for row in json.loads(output):
-        left = [f"{row[name]} {name} left" for name in ("memory", "temporary", "children") if row[name]]
+        left = [f"{row[name]} {name} left" for name in ("memory", "temporary", "processes") if row[name]]
         left += [f"{row['failed']} broken off"] * bool(row["failed"])
         left += row["names"]
         left += ["files stay open"] * (row["handles"][0] != row["handles"][1])
@@ -48,7 +49,7 @@ def in_a_row(folder: Path, in_one_process: int = 180, commands: int = 40, proces
             row["failed"],
             row["memory"],
             row["temporary"],
-            row["children"],
+            row["processes"],
             " to ".join(map(str, row["handles"])),
         )
         result.add(*map(str, texts), wrong="; ".join(left))
@@ -60,6 +61,21 @@ def segments() -> set[str]:
     return {path.name for path in SHARED_MEMORY.iterdir() if "fast" in path.name}
 
 
+def others_of(folder: Path) -> list[str]:
+    """Name the processes that were started with this folder for temporary files, but for this one and its parents.
+
+    Those whose parent has ended are among them.
+    """
+    me = psutil.Process()
+    known = {me.pid, *(one.pid for one in me.parents())}
+    found = []
+    for one in psutil.process_iter():
+        with suppress(psutil.Error):
+            if one.pid not in known and one.environ().get("TMPDIR") == str(folder):
+                found.append(" ".join(one.cmdline())[:100] or one.name())
+    return found
+
+
 def runs_here(folder: str, in_one_process: int, commands: int, processes: int) -> None:
     """Do the runs, and print what they left, as JSON."""
     from flexros_nodes.run import run_scenario
@@ -67,35 +83,35 @@ def runs_here(folder: str, in_one_process: int, commands: int, processes: int) -
     me, rows = psutil.Process(), []
     work = Path(folder)
 
-    def left(what: str, before: set[str], failed: int, handles: tuple[int, int]) -> None:
-        memory = segments() - before
+    def left(what: str, before: set[str], failed: int, first: int) -> None:
+        memory, others = segments() - before, others_of(work)
         temporary = [path.name for path in Path(tempfile.gettempdir()).iterdir() if path.name.startswith("flexros_")]
         rows.append(
             {
                 "what": what,
                 "failed": failed,
                 "memory": len(memory),
-                "names": sorted(memory)[:20],
                 "temporary": len(temporary),
-                "children": len(me.children(recursive=True)),
-                "handles": handles,
+                "processes": len(others),
+                "names": [*sorted(memory)[:20], *others[:20]],
+                "handles": [first, me.num_fds()],
             }
         )
 
     before = segments()
     for layout, number in (("composed", commands), ("processes", processes)):
-        failed = 0
+        failed, first = 0, me.num_fds()
         for _ in range(number):
             run = start_run(work, "circle_dae", "--layout", layout)
             failed += run.exit_code() != 0
             shutil.rmtree(work / "log", ignore_errors=True)
-        left(f"{number} commands, {layout}", before, failed, (me.num_fds(), me.num_fds()))
+        left(f"{number} commands, {layout}", before, failed, first)
     failed, first = 0, 0
     for number in range(in_one_process):
         failed += run_scenario("circle_dae", work / "log").exit_code != 0
         shutil.rmtree(work / "log", ignore_errors=True)
         first = first or (me.num_fds() if number == min(5, in_one_process - 1) else 0)
-    left(f"{in_one_process} in one process", before, failed, (first, me.num_fds()))
+    left(f"{in_one_process} in one process", before, failed, first)
     print(json.dumps(rows))
 
 

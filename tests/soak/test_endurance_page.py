@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -43,7 +44,8 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def run(monkeypatch: pytest.MonkeyPatch, folder: Path, *options: str) -> int:
-    monkeypatch.setattr(sys, "argv", ["endurance_page", "--out", str(folder), *options])
+    words = ["endurance_page", "--out", str(folder), "--work", str(folder / "work"), *options]
+    monkeypatch.setattr(sys, "argv", words)
     return main()
 
 
@@ -68,6 +70,16 @@ def test_parts_that_are_done_are_not_done_again(
     assert calls == ["good"]
     run(monkeypatch, tmp_path, "--only", "good", "--again")
     assert calls == ["good", "good"]
+
+
+def test_results_of_another_checkout_stay_on_the_page_and_are_made_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, calls: list[str]
+) -> None:
+    run(monkeypatch, tmp_path, "--only", "good", "bad")
+    shutil.rmtree(tmp_path / "work")
+    assert run(monkeypatch, tmp_path, "--only", "good") == 0
+    assert calls == ["good", "bad", "good"]
+    assert "| Part bad | 1 | 0 |" in (tmp_path / "endurance.md").read_text()
 
 
 def test_what_touches_more_than_the_checkout_is_run_by_its_name_only(
