@@ -147,10 +147,9 @@ def short_scenario(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.fixture
-def identification_scenario(tmp_path: Path) -> Path:
-    """Write a short identification of the two-mass robot: two positions, two blocks, 4.2 s."""
-    settings = {
+def identification_settings() -> dict[str, Any]:
+    """Settings of a short identification of the two-mass robot: two positions, two blocks, 4.2 s."""
+    return {
         **{key: load_scenario("two_mass_step").settings()[key] for key in ("robot", "controller")},
         "name": "identify",
         "identification": {
@@ -163,8 +162,13 @@ def identification_scenario(tmp_path: Path) -> Path:
             "settle": 0.1,
         },
     }
+
+
+@pytest.fixture
+def identification_scenario(tmp_path: Path) -> Path:
+    """Write a short identification of the two-mass robot."""
     path = tmp_path / "identify.yaml"
-    path.write_text(json.dumps(settings))
+    path.write_text(json.dumps(identification_settings()))
     return path
 
 

@@ -13,6 +13,7 @@ from mcap.writer import Writer
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
+import rclpy
 from rclpy.parameter import Parameter
 from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
@@ -22,7 +23,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from flexros.config.scenario import load_scenario
-from flexros.logs.joint_state_message import JointStateView
+from flexros.logs.joint_state_message import JointStateTemplate, JointStateView
 from flexros.logs.joint_trajectory_message import read_joint_trajectory
 from flexros.logs.reader import read_log
 from flexros.logs.schemas import message_schema
@@ -35,6 +36,7 @@ from flexros_nodes.controller import ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
 from flexros_nodes.identification import IdentificationNode
 from flexros_nodes.parameters import node_parameters
+from flexros_nodes.plant import PlantNode
 from flexros_nodes.recorder import RecorderNode
 from flexros_nodes.replay import ReplayNode
 from flexros_nodes.topic_interface import qos_profile, topic
@@ -169,6 +171,31 @@ def test_a_recorder_writes_the_log_again_in_every_bit(
     assert log_differences(read_log(SAMPLE), read_log(tmp_path / "again")) == []
 
 
+def test_a_plant_gives_the_recorded_states_again_when_the_recorded_commands_answer_it(bench: Bench) -> None:
+    """To rounding: last bits of a simulation are those of the machine."""
+    log = read_log(SAMPLE)
+    recorded = log.joint_commands
+    assert recorded is not None
+    plant = bench.add(PlantNode, observers=0)
+    other = bench.hold(rclpy.create_node("player", context=bench.context))
+    publisher = other.create_publisher(JointState, "joint_commands", qos_profile(topic("joint_commands").qos))
+    command = JointStateTemplate(recorded.names, effort=True)
+    efforts = dict(zip(recorded.stamp.tolist(), recorded.effort, strict=True))
+    view, found = JointStateView(recorded.names), {}
+
+    def answer(message: bytes) -> None:
+        state = view.unpack(message)
+        found[state.stamp_ns] = state.position
+        publisher.publish(command.fill(state.stamp_ns, effort=efforts[state.stamp_ns]))
+
+    other.create_subscription(JointState, "joint_states", answer, qos_profile(topic("joint_states").qos), raw=True)
+    up(plant)
+    bench.spin_until(lambda: plant.report is not None, 60.0)
+    assert (plant.report.exit_code, plant.report.message) == (0, "")
+    assert list(found) == log.joint_states.stamp.tolist()
+    np.testing.assert_allclose(list(found.values()), log.joint_states.position, rtol=0, atol=1e-9)
+
+
 @pytest.mark.parametrize("node_class", [FeedforwardNode, IdentificationNode])
 def test_a_leader_streams_the_recorded_reference_again_in_every_bit(
     bench: Bench, tmp_path: Path, identification_scenario: Path, node_class: Any
@@ -176,7 +203,7 @@ def test_a_leader_streams_the_recorded_reference_again_in_every_bit(
     scenario = str(identification_scenario) if node_class is IdentificationNode else "circle_dae"
     log = closed_loop(Experiment.prepare(load_scenario(scenario)))
     write_log(log, tmp_path / "log")
-    reference = log.joint_reference
+    reference = log.joint_reference  # tests/golden compares it with a committed one
     assert reference is not None
     leader = bench.add(node_class, scenario=scenario, observers=0)
     player = replay(

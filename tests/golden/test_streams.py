@@ -1,0 +1,32 @@
+"""What nodes without a log of their own stream is what they streamed when it was committed.
+
+tests/nodes/test_replay.py and test_gap_monitor.py show that the nodes give what is computed here, in every bit.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.golden.streams import FILE, identification_reference, monitor_statuses
+
+GOLDEN = json.loads(FILE.read_text(encoding="utf-8"))
+
+
+def test_reference_of_an_identification(tmp_path: Path) -> None:
+    found, golden = np.array(identification_reference(tmp_path)), np.array(GOLDEN["identification_reference"])
+    assert found.shape == golden.shape
+    scale = np.abs(golden).max(axis=0)
+    np.testing.assert_allclose(found / scale, golden / scale, rtol=0, atol=1e-9)
+
+
+def test_statuses_of_a_gap_monitor() -> None:
+    found, golden = monitor_statuses(), GOLDEN["monitor_statuses"]
+    assert [one["says"] for one in found] == [one["says"] for one in golden]
+    for one, other in zip(found, golden, strict=True):
+        assert one.keys() == other.keys()
+        for key, value in other.items():
+            assert one[key] == (value if isinstance(value, str) else pytest.approx(value, rel=1e-4, abs=1e-9)), key
