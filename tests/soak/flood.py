@@ -37,6 +37,11 @@ def _not_finite(random: Random) -> bytes:
     return JointStateTemplate(NAMES, effort=True).fill(random.randrange(10**9), effort=effort)
 
 
+def _denormal(random: Random) -> bytes:
+    effort = [random.choice((1, -1)) * random.random() * sys.float_info.min for _ in NAMES]
+    return JointStateTemplate(NAMES, effort=True).fill(random.randrange(10**9), effort=effort)
+
+
 def _trajectory(random: Random) -> bytes:
     names, times, value = random.choice(
         (
@@ -56,6 +61,7 @@ KINDS: dict[str, tuple[str, Callable[[Random], object]]] = {
     "bytes": ("joint_commands", _bytes),
     "sizes": ("joint_commands", _size),
     "not_finite": ("joint_commands", _not_finite),
+    "denormal": ("joint_commands", _denormal),
     "trajectories": ("joint_trajectory", _bytes),
     "bad_trajectories": ("joint_trajectory", _trajectory),
     "type": ("joint_commands", _text),

@@ -30,6 +30,7 @@ FLOODS = {
     "bytes": "random bytes, 0 to 300, on joint_commands",
     "sizes": "commands with 1 and with 50 joints, stamps of other times",
     "not_finite": "commands of NaN and infinity, stamps of other times",
+    "denormal": "commands of numbers below 1e-307, stamps of other times",
     "trajectories": "random bytes on joint_trajectory",
     "bad_trajectories": "trajectories of NaN, of other joints and with times that do not increase, on joint_trajectory",
     "type": "messages of type std_msgs/String on joint_commands",
@@ -57,9 +58,7 @@ def flooded(folder: Path, kinds: Sequence[str] = tuple(FLOODS), duration: float 
     return result
 
 
-def flooded_in_real_time(
-    folder: Path, kinds: Sequence[str] = ("bytes", "trajectories"), duration: float = 20.0
-) -> Result:
+def flooded_in_real_time(folder: Path, kinds: Sequence[str] = tuple(FLOODS), duration: float = 20.0) -> Result:
     """Flood a loop in real time: it has to go on."""
     result = Result(
         ["flood", "sent", "samples without command, of all", "late cycles [%]", "samples missing in the log"]
