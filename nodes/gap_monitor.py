@@ -17,7 +17,14 @@ from flexros.monitor.calibration import read_calibration
 from flexros.monitor.gap_monitor import GapMonitor
 from flexros.monitor.joint_messages import JointMessages
 from flexros.monitor.load_budget import LoadBudget
-from flexros.monitor.statement import motor_sentence, motor_values, robot_sentence, robot_values, torque_units
+from flexros.monitor.statement import (
+    motor_sentence,
+    motor_values,
+    robot_sentence,
+    robot_values,
+    stands_still,
+    torque_units,
+)
 from flexros_nodes.executable import run_node
 from flexros_nodes.node_base import FlexrosNode
 from flexros_nodes.topic_interface import message_class, qos_profile, topic
@@ -113,8 +120,9 @@ class GapMonitorNode(FlexrosNode):
         begun = thread_time()
         reading = self._watching().reading()
         level, text = LEVELS[reading.level], robot_sentence(reading)
-        if not_heard := self._not_heard():
-            level, text = max(level, DiagnosticStatus.WARN), f"{text}; {not_heard}"
+        not_heard = self._not_heard()
+        if not_heard or stands_still(reading):
+            level, text = max(level, DiagnosticStatus.WARN), "; ".join([text, not_heard] if not_heard else [text])
         name = self.get_fully_qualified_name()
         statuses = [self._status(name, level, text, {**robot_values(reading), **self.figures()})]
         for motor, unit in zip(reading.motors, self._units):

@@ -106,8 +106,8 @@ class FlexrosNode(AbstractTopicNode):
 
     # Diagnostics and end.
 
-    def _with_unreadable(self, figures: dict[str, float]) -> dict[str, float]:
-        return {**figures, "unreadable_messages": self.unreadable} if self.unreadable else figures
+    def _with_unreadable(self, figures: Mapping[str, float]) -> dict[str, float]:
+        return {**figures, **({"unreadable_messages": self.unreadable} if self.unreadable else {})}
 
     def diagnose(
         self,

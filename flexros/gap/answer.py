@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from flexros.gap.fit_data import FitData
     from flexros.gap.lattice import Quantization
     from flexros.gap.result import Explanation
+    from flexros.gap.stages import Stages
     from flexros.gap.where.find import Where
 
 LIKELY = 0.01
@@ -39,7 +40,7 @@ def result_of(
     before: Explanation,
     places: Where | None,
     settings: Mapping[str, Any],
-    timings: Mapping[str, float],
+    stages: Stages,
 ) -> DiagnosisResult:
     """Put the answer together.
 
@@ -48,7 +49,7 @@ def result_of(
         before: The nominal model and what it predicts.
         places: Where the gap shows; None where it was not looked for.
         settings: Settings of the diagnosis.
-        timings: Time of every stage [s].
+        stages: Told how far the answer is; its timings go into the result.
     """
     explanations, evidence = found.explanations, found.explanations.evidence
     chosen = explanations.chosen
@@ -57,7 +58,7 @@ def result_of(
     after = found.explanation(chosen) if found.patch else None
     tolerated = chosen.theta[chosen.predictor.n_effect :]
     return DiagnosisResult(
-        diagnosis=_diagnosis(found, places, settings),
+        diagnosis=_diagnosis(found, places, settings, stages),
         robot=found.model.robot,
         record=found.data.record,
         holdout=found.held.record,
@@ -77,11 +78,11 @@ def result_of(
         tolerance={name: float(value) for name, value in zip(chosen.predictor.tolerance.names, tolerated)},
         cannot_tell=cannot_tell(found),
         settings=settings,
-        timings=timings,
+        timings=stages.timings,
     )
 
 
-def _diagnosis(found: Findings, places: Where | None, settings: Mapping[str, Any]) -> Diagnosis:
+def _diagnosis(found: Findings, places: Where | None, settings: Mapping[str, Any], stages: Stages) -> Diagnosis:
     """Put together what is written into diagnosis.json."""
     return Diagnosis(
         schema=1,
@@ -90,7 +91,7 @@ def _diagnosis(found: Findings, places: Where | None, settings: Mapping[str, Any
         ambiguity_groups=found.groups(),
         where=() if places is None else places.places,
         gap=found.gap,
-        next_experiment=_next(found) if settings.get("next_experiment") else None,
+        next_experiment=_next(found, stages) if settings.get("next_experiment") else None,
         warnings=tuple(dict.fromkeys((*_of_logs(found), *_of_sensors(found.data), *_warnings(found)))),
         provenance={
             "log": found.data.record.name,
@@ -140,7 +141,7 @@ def _rounding(found: Findings, one: Quantization) -> Cause:
         location=robot.joint_names[one.motor],
         probability=1.0,
         parameters={"step": CauseParameter(value=one.step, std=STEP_ERROR * one.step, unit=unit)},
-        closed_fraction=found.gap.closed_fraction,
+        closed_fraction=found.closed(found.explanations.evidence.nothing),
     )
 
 
@@ -179,12 +180,18 @@ def _candidates(found: Findings) -> list[tuple[Candidate, Fit]]:
     return list(best.values())
 
 
-def _next(found: Findings) -> NextExperiment | None:
+def _next(found: Findings, stages: Stages) -> NextExperiment | None:
     """Choose the experiment that separates the explanations that are left."""
     if found.verdict != "ambiguous":
         return None
     survivors = [placed(one) for one in (found.explanations.chosen, *found.rivals)]
-    return next_experiment(found.model, survivors, tool_measured=found.data.tool is not None)
+    return next_experiment(
+        found.model,
+        survivors,
+        tool_measured=found.data.tool is not None,
+        tolerance=found.tolerance,
+        progress=lambda share: stages.inner("next experiment", share),
+    )
 
 
 def _of_logs(found: Findings) -> list[str]:

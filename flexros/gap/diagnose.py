@@ -20,6 +20,7 @@ from flexros.gap.stages import Stages
 from flexros.gap.tolerance import tolerance_of
 from flexros.gap.weights import measurement_in
 from flexros.gap.where.find import where
+from flexros.gap.where.floor import autoregressive
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -57,6 +58,9 @@ def diagnose(
 
     Returns:
         What was found, with the evidence.
+
+    Raises:
+        InputError: A log that nothing can be told from, or a holdout that was recorded in another way.
     """
     numbers = settings or DiagnosisSettings()
     model = robot if isinstance(robot, RobotWithEffects) else RobotWithEffects(robot, ())
@@ -67,32 +71,35 @@ def diagnose(
     held_data = fit_data(held, model, numbers, measurement_in(held, model.robot, data.measurement))
     search = Search(model, data, tolerance_of(model.robot, tolerance or {}), stages.inner)
     search.threads = numbers.threads or search.threads
-    stages.begin("causes", 0.85)
+    stages.begin("causes", 0.8)
     explanations = explain(search)
-    stages.begin("held-out data", 0.95)
+    stages.begin("held-out data", 0.85)
     nothing = explanations.evidence.nothing
     held_data = held_data.tool_seen_by(nothing.predictor, nothing.theta)
-    found = Findings(model, search.data, held_data, explanations)
-    stages.begin("places", 1.0)
+    found = Findings(model, search.data, held_data, explanations, dict(tolerance or {}))
+    stages.begin("places", 0.9)
     before = found.explanation(explanations.evidence.nothing)
     places = _places(found, before, numbers.seed) if numbers.where else None
+    stages.begin("answer", 1.0)
+    result = result_of(found, before, places, {**asdict(numbers), **found.tolerance}, stages)
     stages.end()
-    return result_of(found, before, places, {**asdict(numbers), **dict(tolerance or {})}, stages.timings)
+    return result
 
 
 def _places(found: Findings, before: Explanation, seed: int) -> Where:
     """Look where the gap shows, with what the tool tracker adds."""
     data, nothing = found.data, found.explanations.evidence.nothing
-    counted = replace(data.record, valid=data.settled)
+    counted, whitening = replace(data.record, valid=data.settled), data.measurement.whitening
+    spectrum = autoregressive(-whitening[:, 1:].T) if whitening.shape[1] > 1 else None
     if data.tool is None:
-        return where(before.fit, counted, found.model.robot, seed)
+        return where(before.fit, counted, found.model.robot, seed, spectrum=spectrum)
     residual = data.residuals(nothing.predictor, nothing.theta[:, None])[data.spread.size :, 0]
     tool = data.tool
     time_of = (tool.samples[tool.place] + tool.share) * data.record.sample_time
     record = replace(counted, tool=ToolRecord(time_of, tool.position))
     error = tool.spread * residual.reshape(-1, 3)
     error[:, np.sqrt(np.mean(error**2, axis=0)) < SEEN_BY_TOOL * tool.spread] = 0.0
-    return where(before.fit, record, found.model.robot, seed, tool_error=error)
+    return where(before.fit, record, found.model.robot, seed, tool_error=error, spectrum=spectrum)
 
 
 def split(record: GapRecord, share: float) -> tuple[GapRecord, GapRecord]:

@@ -129,7 +129,8 @@ def _check_rate(step: float, topic: str) -> None:
         if rate < 1.5 * 10 and 100 <= rate * factor <= 1e4:
             hint = f"the unit of time looks wrong by a factor of {text} (e.g. microseconds given as milliseconds)"
     raise InputError(
-        f"{topic} is stamped every {step:.6g} s, which is a rate of {rate:.6g} Hz; allowed are 100 Hz to 10 kHz: {hint}"
+        f"{topic} is stamped every {step:.6g} s, which is a rate of {rate:.6g} Hz; allowed are {LOWEST_RATE:g} Hz to "
+        f"{HIGHEST_RATE:g} Hz: {hint}"
     )
 
 

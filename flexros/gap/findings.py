@@ -22,6 +22,8 @@ from flexros.gap.rounding import over_expected_floor, unknown_rounding
 from flexros.gap.signal_gaps import signal_gaps
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.effects import RobotWithEffects
     from flexros.gap.diagnosis_file import Verdict
     from flexros.gap.explain import Explanations
@@ -45,14 +47,16 @@ class Findings:
         data: The log that was fitted to.
         held: The log that was set aside.
         explanations: All fits.
+        tolerance: Relative tolerance of stiffness, inertia and damping [1]; those of the robot file where left out.
     """
 
     model: RobotWithEffects
     data: FitData
     held: FitData
     explanations: Explanations
-    _errors: dict[int, AheadErrors] = field(default_factory=dict, init=False)
-    _held_fits: dict[int, Fit] = field(default_factory=dict, init=False)
+    tolerance: Mapping[str, float] = field(default_factory=dict)
+    _errors: dict[Fit, AheadErrors] = field(default_factory=dict, init=False)
+    _held_fits: dict[Fit, Fit] = field(default_factory=dict, init=False)
 
     def explanation(self, one: Fit) -> Explanation:
         """Predict both logs with a fitted model."""
@@ -65,7 +69,7 @@ class Findings:
         """The answer in a word."""
         found = self.explanations
         if not found.detected:
-            if _doubted(found.evidence, self.data).significant(found.chosen) or self.held_out_gap:
+            if doubted(found.evidence, self.data).significant(found.chosen) or self.held_out_gap:
                 return "unknown_effect"
             return "explained" if self.quantized else "no_gap"
         elsewhere = self._on_held(found.chosen)
@@ -76,7 +80,7 @@ class Findings:
     @cached_property
     def held_out_gap(self) -> bool:
         """Whether the nominal model leaves more than noise in the held-out log."""
-        return _doubted(self._held_evidence, self.held).significant(self._held_evidence.nothing)
+        return doubted(self._held_evidence, self.held).significant(self._held_evidence.nothing)
 
     @cached_property
     def held_out_left(self) -> float:
@@ -96,11 +100,11 @@ class Findings:
 
     def _on_held(self, one: Fit) -> Fit:
         """Take the sum of squares of a fit from the held-out log, with the numbers of the fitted one."""
-        if id(one) not in self._held_fits:
+        if one not in self._held_fits:
             residual = self.held.residuals(one.predictor, one.theta[:, None])
             squares = float(np.sum(residual**2))
-            self._held_fits[id(one)] = replace(one, chi2=squares if np.isfinite(squares) else np.inf)
-        return self._held_fits[id(one)]
+            self._held_fits[one] = replace(one, chi2=squares if np.isfinite(squares) else np.inf)
+        return self._held_fits[one]
 
     @cached_property
     def quantized(self) -> tuple[Quantization, ...]:
@@ -119,7 +123,7 @@ class Findings:
         found = self.explanations
         if not found.detected:
             return ()
-        of_chosen = dict(zip(map(id, found.rivals), found.probabilities))[id(found.chosen)]
+        of_chosen = dict(zip(found.rivals, found.probabilities))[found.chosen]
         return tuple(
             one
             for one, probability in zip(found.rivals, found.probabilities)
@@ -174,9 +178,9 @@ class Findings:
 
     def errors(self, one: Fit) -> AheadErrors:
         """Predict the held-out log a tenth of a second ahead with a fitted model."""
-        if id(one) not in self._errors:
-            self._errors[id(one)] = errors_ahead(one, self.held)
-        return self._errors[id(one)]
+        if one not in self._errors:
+            self._errors[one] = errors_ahead(one, self.held)
+        return self._errors[one]
 
     @cached_property
     def patch(self) -> tuple[PlacedEffect, ...]:
@@ -223,7 +227,7 @@ class Findings:
         )
 
 
-def _doubted(evidence: Evidence, data: FitData) -> Evidence:
+def doubted(evidence: Evidence, data: FitData) -> Evidence:
     """Allow for noise that is a little other than declared: alone it is no gap."""
     return replace(evidence, floor_error=float(np.hypot(evidence.floor_error, data.measurement.doubt)))
 

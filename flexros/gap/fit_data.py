@@ -206,7 +206,8 @@ def fit_data(
     fast = gain_at(STARTING_LEVEL)
     soon = record.part(0, max(round(REST / record.sample_time), 2))
     errors = nominal.predict(np.zeros((0, 1)), soon, fast, start).innovation[:, :, 0]
-    from_rest = bool(np.all(np.abs(errors[soon.valid]) < AT_REST * measurement.deviation))
+    seen = np.abs(errors[soon.valid])
+    from_rest = bool(len(seen) and np.all(seen < AT_REST * measurement.deviation))
     if not from_rest:
         cut = min(2 * fast.settling, record.n_samples // 4)
         found = nominal.predict(np.zeros((0, 1)), record.part(0, cut), fast, start)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from flexros.gap.diagnosis_file import GapNumbers
 from flexros.gap.evidence import evidence_of
-from flexros.gap.findings import METRIC
+from flexros.gap.findings import METRIC, doubted
 from flexros.gap.fit_data import fit_data
 from flexros.gap.how_far import closed_fraction, errors_ahead
 from flexros.gap.rounding import over_expected_floor, unknown_rounding
@@ -83,4 +83,5 @@ def _errors(model: RobotWithEffects, data: FitData, tolerance: Mapping[str, floa
     """Predict with a model; also tells whether it leaves more than noise and tolerance, or lacks a rounding."""
     found = Search(model, data, tolerance_of(model.robot, tolerance)).nothing()
     errors = over_expected_floor(errors_ahead(found, data), model, data)
-    return errors, evidence_of(data, found).significant(found) or bool(unknown_rounding(model, data.measurement))
+    significant = doubted(evidence_of(data, found), data).significant(found)
+    return errors, significant or bool(unknown_rounding(model, data.measurement))

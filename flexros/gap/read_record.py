@@ -167,7 +167,7 @@ def _reference(log: Log, robot: Robot, grid: EvenGrid, rows: slice, warnings: li
         )
         return None
     if np.array_equal(series.stamp[finite], log.joint_states.stamp) and np.abs(grid.deviation).max() < 1e-9:
-        return np.asarray(values[finite][grid.held()[0]][rows])
+        return np.asarray(values[finite][grid.rows][grid.held()[0]][rows])
     return np.column_stack([np.interp(at, time, column) for column in values[finite].T])
 
 

@@ -68,6 +68,7 @@ class Reading:
         settling: Whether the twin is still finding the robot, so that nothing is watched.
         suspected: Places of the gap, the likeliest first; empty where there is none.
         seen: Share of the time that was watched [1].
+        unpaired: Time of the newest states for which there are no commands [s].
     """
 
     stamp: int
@@ -75,6 +76,7 @@ class Reading:
     settling: bool
     suspected: tuple[Suspicion, ...]
     seen: float
+    unpaired: float
 
     @property
     def level(self) -> Level:
@@ -197,12 +199,13 @@ class GapMonitor:
     def reading(self) -> Reading:
         """Tell what was found."""
         if self._watch is None or self._alarms is None:
-            return Reading(-1, (), True, (), 0.0)
+            return Reading(-1, (), True, (), 0.0, self.stream.unpaired)
         states = self._alarms.states(self._stamp)
         passed = self.windows + self.settled + self.counts.lost_windows
         suspected = self._suspected() if any(state.level for state in states) else ()
         motors = self._motors(states)
-        return Reading(self._stamp, motors, self._watch.settling, suspected, self.windows / max(passed, 1))
+        seen = self.windows / max(passed, 1)
+        return Reading(self._stamp, motors, self._watch.settling, suspected, seen, self.stream.unpaired)
 
     def _made(self) -> tuple[Watch, Alarms]:
         """Make twin and thresholds once the sample time is known, and anew where it has changed."""

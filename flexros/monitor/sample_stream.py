@@ -74,7 +74,7 @@ class SampleStream:
 
     def __post_init__(self) -> None:
         self._states, self._commands = TopicQueue.empty(self.motors), TopicQueue.empty(self.motors)
-        self._epoch, self._origin, self._next = 0, 0.0, 0
+        self._epochs, self._origin, self._next = (0, 0), 0.0, 0
         self._held = self._anew = False
 
     def add_states(self, stamp: IntArray, position: FloatArray) -> None:
@@ -113,17 +113,31 @@ class SampleStream:
             InputError: The rate of the states is none that can be watched.
         """
         states, commands = self._both
-        while states.epoch == commands.epoch:
-            if self._epoch != states.epoch or not self.sample_time:
-                if len(states.stamp) < FIRST or len(commands.stamp) < FIRST:
-                    break
-                self._begin()
+        while self._is_paired():
             end = self._time(self._next + self.samples)
             if min(states.last, commands.last) <= end:
                 break
             if (window := self._window(end)) is not None:
                 yield window
         self._bound()
+
+    @property
+    def unpaired(self) -> float:
+        """Time of the states that wait for commands of the same time [s]."""
+        waiting = self._states.stamp
+        return (int(waiting[-1]) - int(waiting[0])) * 1e-9 if len(waiting) else 0.0
+
+    def _is_paired(self) -> bool:
+        """Tell whether states and commands are put together; begin where their stamps meet, anew after a jump."""
+        if self.sample_time and self._epochs == tuple(topic.epoch for topic in self._both):
+            return True
+        if any(len(topic.stamp) < FIRST for topic in self._both):
+            return False
+        first, last = max(topic.stamp[0] for topic in self._both), min(topic.last for topic in self._both)
+        if any(np.count_nonzero((first <= topic.stamp) & (topic.stamp <= last)) < FIRST // 2 for topic in self._both):
+            return False
+        self._begin()
+        return True
 
     def _begin(self) -> None:
         """Read sample time and grid off the first states."""
@@ -133,12 +147,12 @@ class SampleStream:
         step = float(np.polyfit(numbers, time, 1)[0])
         if not 1 / HIGHEST_RATE <= step <= 1 / LOWEST_RATE:
             raise InputError(
-                f"joint_states is stamped every {step:.6g} s, which is a rate of {1 / step:.6g} Hz; rates from 100 Hz "
-                "to 20 kHz can be watched: check the stamps"
+                f"joint_states is stamped every {step:.6g} s, which is a rate of {1 / step:.6g} Hz; rates from "
+                f"{LOWEST_RATE:g} Hz to {HIGHEST_RATE:g} Hz can be watched: check the stamps"
             )
         rounded = [one for one in (self.nominal, 1 / round(1 / step)) if abs(one / step - 1) < AS_NOMINAL]
         self.sample_time = rounded[0] if rounded else step
-        self._epoch = self._states.epoch
+        self._epochs = (self._states.epoch, self._commands.epoch)
         self._origin = float(stamp[0])
         self._next = 0
         self._anew = True

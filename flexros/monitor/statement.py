@@ -20,11 +20,25 @@ CAUSES: dict[Kind, str] = {
     "tool": "payload or contact",
 }
 """What usually acts at a place."""
+UNPAIRED = 2.0
+"""Time of states without commands from which on that is said [s] (chosen)."""
 _WORDS = {Level.WARNING: "warning", Level.ALARM: "alarm"}
 
 
 def robot_sentence(reading: Reading) -> str:
-    """Say how the robot is."""
+    """Say how the robot is, and whether that is still known."""
+    said = _state(reading)
+    if not stands_still(reading):
+        return said
+    return f"{said}; nothing is watched: for the last {reading.unpaired:.1f} s of joint_states there are no commands"
+
+
+def stands_still(reading: Reading) -> bool:
+    """Tell whether states come without commands of the same time."""
+    return reading.unpaired > UNPAIRED
+
+
+def _state(reading: Reading) -> str:
     if reading.stamp < 0:
         return "waits for joint_states and joint_commands"
     if reading.level is Level.OK:

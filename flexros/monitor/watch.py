@@ -73,6 +73,8 @@ class Watch:
         self._twin = Twin(model, sample_time)
         self.sample_time, self._samples = sample_time, samples
         self._stay = max(round(STAYS / (sample_time * samples)), 1)
+        self._cell = self.book.home
+        self._here = self.book.at(self._cell)
         self._running = False
         self.settling = True
         self.runaways = 0

@@ -16,11 +16,13 @@ from flexros.gap.fit import Fit
 from flexros.gap.fit_data import FitData
 from flexros.gap.lattice import Quantization
 from flexros.gap.result import DiagnosisResult
+from flexros.gap.stages import Stages
 
 from .diagnosis_logs import MODEL, data_of, numbers, predictor_of, suspects_of
 
 TRUTH = "coulomb_friction@motor_1:level=0.05"
 COULOMB, STIFFNESS = "coulomb_friction@motor_1", "stiffness_error@body_2.rz"
+TOLERANCE = {"stiffness": 0.01}
 VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}}
 
 
@@ -31,7 +33,12 @@ def fitted(level: float, *names: str) -> Fit:
 
 
 def answered(
-    chosen: Fit, *rivals: Fit, probabilities: tuple[float, ...], rounded: bool = False, data: FitData | None = None
+    chosen: Fit,
+    *rivals: Fit,
+    probabilities: tuple[float, ...],
+    rounded: bool = False,
+    data: FitData | None = None,
+    following: bool = False,
 ) -> DiagnosisResult:
     """The answer to a log with friction."""
     data, held = data or data_of(TRUTH), data_of(TRUTH, seed=2)
@@ -40,9 +47,9 @@ def answered(
     nothing = fitted(50.0)
     evidence = Evidence(nothing, (chosen, *rivals), data.n_values)
     explanations = Explanations(evidence, chosen, (chosen, *rivals, nothing), np.array([*probabilities, 0.0]), True)
-    found = Findings(MODEL, data, held, explanations)
-    settings = {"level": 1e-3, "next_experiment": False}
-    return result_of(found, found.explanation(nothing), None, settings, {"causes": 1.0})
+    found = Findings(MODEL, data, held, explanations, TOLERANCE)
+    settings = {"level": 1e-3, "next_experiment": following}
+    return result_of(found, found.explanation(nothing), None, settings, Stages(None))
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +97,6 @@ def test_before_after_and_rival_are_told_apart(result: DiagnosisResult) -> None:
 def test_provenance_names_log_robot_and_settings(result: DiagnosisResult) -> None:
     provenance = result.diagnosis.provenance
     assert (provenance["log"], provenance["robot"], provenance["level"]) == ("log", "four_mass_linear", 1e-3)
-    assert result.timings == {"causes": 1.0}
 
 
 def test_rivals_of_an_ambiguous_answer_are_causes_too() -> None:
@@ -100,6 +106,13 @@ def test_rivals_of_an_ambiguous_answer_are_causes_too() -> None:
         ("coulomb_friction", 0.55), ("stiffness_error", 0.45),
     ]  # fmt: skip
     assert len(found.ambiguity_groups) == 1
+
+
+def test_next_experiment_is_chosen_with_the_tolerance_of_the_diagnosis(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[object] = []
+    monkeypatch.setattr(answer, "next_experiment", lambda *_, tolerance, **__: asked.append(tolerance))
+    answered(fitted(1.0, COULOMB), fitted(1.0, STIFFNESS), probabilities=(0.55, 0.45), following=True)
+    assert asked == [TOLERANCE]
 
 
 def test_of_equally_sure_causes_the_one_that_is_missed_most_is_first() -> None:
@@ -115,6 +128,8 @@ def test_rounding_is_a_sure_cause_beside_others() -> None:
     assert found.causes[0].probability == 1.0
     assert found.causes[0].parameters["step"].value == 1e-3
     assert found.causes[0].parameters["step"].unit == "rad"
+    assert found.causes[0].closed_fraction == pytest.approx(0.0, abs=0.01)  # the log has no such rounding
+    assert found.causes[1].closed_fraction == pytest.approx(1.0, abs=0.05)
 
 
 def test_what_an_explanation_leaves_is_warned_of() -> None:

@@ -27,6 +27,14 @@ def test_errors_that_do_not_count_are_zero() -> None:
     assert data.n_values == valid.sum() - data.start_errors.number
 
 
+def test_a_log_that_begins_with_a_hole_in_motion_does_not_begin_at_rest() -> None:
+    moving = record_of().part(9000, 20_000)
+    valid = moving.valid.copy()
+    valid[:80] = False
+    data = fit_data(replace(moving, valid=valid), MODEL, DiagnosisSettings())
+    assert not data.from_rest
+
+
 def test_weighted_errors_are_errors_over_their_spread() -> None:
     data = data_of()
     errors = np.random.default_rng(0).normal(size=(data.record.n_samples, 1, 3))

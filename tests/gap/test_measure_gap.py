@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.effects import parse_effect, place_effects
+from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.gap.evidence import evidence_of
+from flexros.gap.fit_data import fit_data
 from flexros.gap.measure_gap import measure_gap
+from flexros.gap.search import Search
+from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.tolerance import Tolerance
+from flexros.robot.robot import Robot
 
 from .diagnosis_logs import MODEL, ROBOT, record_of
 
@@ -17,6 +23,18 @@ def test_without_gap_it_is_one_and_not_significant() -> None:
     assert found.numbers.before == pytest.approx(1.0, abs=0.3)
     assert found.numbers.after is None
     assert not found.significant
+
+
+def test_noise_that_is_a_little_more_than_declared_is_no_gap_here_as_it_is_none_in_a_diagnosis() -> None:
+    sensors = ROBOT.spec.sensors
+    noise = sensors.encoder_noise.model_copy(update={"value": sensors.encoder_noise.value / 1.04})
+    spec = ROBOT.spec.model_copy(update={"sensors": sensors.model_copy(update={"encoder_noise": noise})})
+    quieter = RobotWithEffects(Robot(spec, ROBOT.source), ())
+    record = record_of()
+    data = fit_data(record, quieter, DiagnosisSettings())
+    nothing = Search(quieter, data, Tolerance()).nothing()
+    assert evidence_of(data, nothing).significant(nothing)
+    assert not measure_gap(record, quieter).significant
 
 
 def test_a_hidden_effect_is_significant() -> None:

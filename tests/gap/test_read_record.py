@@ -198,6 +198,21 @@ def test_reference_of_a_lower_rate_is_interpolated(emps: Robot) -> None:
     np.testing.assert_allclose(record.reference[:, 0], np.arange(N), atol=1e-6)
 
 
+def test_reference_stands_at_its_samples_where_messages_share_an_instant(emps: Robot) -> None:
+    rows = np.sort(np.append(np.arange(N), [100, 1000]))
+    again = np.append(False, rows[1:] == rows[:-1])
+    stamp, ramp = stamps_ns(N, T)[rows] + 200_000 * again, rows + 0.5 * again
+    states = JointSeries(stamp, ONE, position=motion(rows * T)[:, None])
+    record = read(make_log(joint_states=states, joint_reference=JointSeries(stamp, ONE, position=ramp[:, None])), emps)
+    np.testing.assert_array_equal(record.reference[:, 0], np.arange(N))
+
+
+def test_commands_that_overlap_the_states_for_some_samples_only_are_too_short(emps: Robot) -> None:
+    commands = JointSeries(stamps_ns(N, T) + (N - 10) * 10**6, ONE, effort=column(2))
+    with pytest.raises(InputError, match="the log is too short: it has 0.00[0-9]+ s with [0-9]+ measured samples"):
+        read_record(make_log(joint_commands=commands), emps, name="log")
+
+
 def test_reference_that_ends_early_is_unknown(emps: Robot) -> None:
     stamp = stamps_ns(N // 2, T)
     record = read(make_log(joint_reference=JointSeries(stamp, ONE, position=column(1, N // 2))), emps)

@@ -152,3 +152,23 @@ def test_logs_that_cannot_be_watched_are_refused(make_log: MakeLog, make_monitor
     keep[:500] = True
     with pytest.raises(InputError, match="^log: nothing could be watched: 500 states .* give a log of ten seconds"):
         watch_log(changed(log, keep), make_monitor("elbow"), name="log")
+
+
+def test_states_without_commands_are_told_of(make_log: MakeLog, make_monitor: MakeMonitor) -> None:
+    """Where commands have another clock since a while, the last verdict must not stand alone."""
+    log, monitor = make_log("elbow"), make_monitor("elbow")
+    states, commands = log.joint_states, log.joint_commands
+    assert states.position is not None
+    assert commands is not None
+    assert commands.effort is not None
+    half = len(states.stamp) // 2
+    offset = np.where(np.arange(len(commands.stamp)) < half, 0, 500 * 10**9)
+    monitor.add_states(states.stamp, states.position)
+    monitor.add_commands(commands.stamp + offset, commands.effort)
+    monitor.advance()
+    reading = monitor.reading()
+    assert reading.stamp > 0
+    assert reading.unpaired == pytest.approx((len(states.stamp) - half) * 5e-4, abs=0.2)
+    said = robot_sentence(reading)
+    assert said.startswith("no gap beyond what is accepted; nothing is watched: for the last ")
+    assert said.endswith(" s of joint_states there are no commands")

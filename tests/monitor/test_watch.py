@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from flexros.effects.patched_robot import load_model
+from flexros.errors import InputError
 from flexros.logs.time_series import Log
 from flexros.monitor.sample_stream import SampleStream
+from flexros.monitor.twin import Twin
 from flexros.monitor.watch import Missed, Watch
 
 
@@ -59,3 +61,15 @@ def test_a_robot_that_is_another_one_is_lost_and_found_again(make_log: Callable[
     found, watch, windows = missed(log, "elbow", torque=1e9)
     assert watch.runaways > 0
     assert len(found) < windows
+
+
+def test_a_robot_without_a_rest_from_the_first_window_on_is_lost_and_can_be_asked_about(
+    make_log: Callable[..., Log], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_rest(*_: object) -> None:
+        raise InputError("no rest here")
+
+    monkeypatch.setattr(Twin, "begin", no_rest)
+    found, watch, windows = missed(make_log("elbow"), "elbow")
+    assert (found, watch.runaways) == ([], windows)
+    assert np.all(watch.here.design.torque_spread > 0)

@@ -32,17 +32,21 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     """
     from flexros.gap.fit_data import fit_data
     from flexros.gap.how_far import closed_fraction, errors_ahead
+    from flexros.gap.rounding import over_expected_floor
     from flexros.gap.search import Search
     from flexros.gap.tolerance import tolerance_of
+    from flexros.gap.weights import measurement_in
 
     if truth.kind != "single" or truth.gain < VISIBLE:
         return None
     robot, record, holdout = read_logs(folder, case)
     model = RobotWithEffects(robot, ())
-    data, held = (fit_data(one, model, case_settings()) for one in (record, holdout))
+    data = fit_data(record, model, case_settings())
+    held = fit_data(holdout, model, case_settings(), measurement_in(holdout, robot, data.measurement))
     search = Search(model, data, tolerance_of(robot, {}))
     search.threads = 1
     nothing = search.nothing()
+    held = held.tool_seen_by(nothing.predictor, nothing.theta)
     among = (*search.suspects(search.yardsticks(nothing)), *search.waves(nothing))
     true = _true(search, among, truth)
     if not true:
@@ -51,8 +55,8 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     fits = [one for one in search.singles(nothing, true) if one.predictor.hypothesis[0].effect.name == hidden]
     if not fits:
         return None
-    before, after = errors_ahead(nothing, held), errors_ahead(fits[0], held)
-    share = closed_fraction(before, after, held.record.sample_time)
+    before = over_expected_floor(errors_ahead(nothing, held), model, held)
+    share = closed_fraction(before, errors_ahead(fits[0], held), held.record.sample_time)
     return None if share is None else share.value
 
 

@@ -100,10 +100,13 @@ def diagnosed(folder: Path, case: OpenCase) -> DiagnosisResult:
 
 
 def case_settings() -> DiagnosisSettings:
-    """Give the settings of a diagnosis: the usual ones, on one core because cases run side by side, without a map."""
+    """Give the settings of a diagnosis: the usual ones, on one core because cases run side by side.
+
+    Nothing is done that is not scored: no map of where, no next experiment.
+    """
     from flexros.gap.settings import DiagnosisSettings
 
-    return DiagnosisSettings(threads=1, where=False)
+    return DiagnosisSettings(threads=1, where=False, next_experiment=False)
 
 
 def read_logs(folder: Path, case: OpenCase) -> tuple[Robot, GapRecord, GapRecord]:

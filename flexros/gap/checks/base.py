@@ -38,8 +38,8 @@ class AbstractCheck(ABC):
     How to add one: write one file in `flexros/gap/checks` with one final subclass; it is then found by its name. It
     provides:
 
-    1. `name`, a class variable, and `stage`: checks of the first stage look at single signals; those of the second
-       compare torque with motion and are not asked where the first stage found a log hopeless.
+    1. `name`, a class variable, and `stage`: 0 looks whether there is enough to look at, 1 looks at single signals, 2
+       compares torque with motion. A stage is not asked where the one before found a log hopeless.
     2. `look`: what is wrong with a record, nothing for one that is usable as it is. An effect of realistic size is no
        problem of a record.
     """

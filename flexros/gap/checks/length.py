@@ -23,7 +23,7 @@ class Length(AbstractCheck):
     """A record has to be long enough to be fitted, and a third of it to verify."""
 
     name: ClassVar[str] = "length"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[int] = 0
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Compare duration and number of samples with the least."""
