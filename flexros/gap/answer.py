@@ -74,7 +74,7 @@ def result_of(
         covariance=covariance if len(names) else None,
         excess=() if places is None else places.looked,
         signals=found.signals,
-        evidence=signature_evidence(found.model, found.data, before, after),
+        evidence=signature_evidence(found.model, found.data, evidence.nothing, before, after),
         tolerance={name: float(value) for name, value in zip(chosen.predictor.tolerance.names, tolerated)},
         cannot_tell=cannot_tell(found),
         settings=settings,

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.errors import InputError, RunError
+from flexros.errors import RunError
+from flexros.gap.recorded_experiment import recorded_experiment
 from flexros.gap.result import SignalGap
 from flexros.logs.time_series import BASE_FRAME
 
@@ -39,8 +40,8 @@ def closed_loop_gap(
         Root mean square of the tool's distance in mm and of each motor's difference in mrad or mm; nothing where
         reference and controller are not known, or the nominal model does not stay in control.
     """
-    experiment = _experiment(log, nominal)
-    if experiment is None:
+    experiment = recorded_experiment(log)
+    if experiment is None or experiment.plant.joint_names != nominal.robot.joint_names:
         return ()
     before = _run(experiment, nominal)
     if before is None:
@@ -71,22 +72,6 @@ def with_closed_loop(result: DiagnosisResult, model: RobotWithEffects, log: Log)
         repaired = model.with_effects(result.patch)
     begin = 0.0 if result.holdout is None else result.holdout.begin
     return replace(result, signals=(*result.signals, *closed_loop_gap(log, model, repaired, begin=begin)))
-
-
-def _experiment(log: Log, nominal: RobotWithEffects) -> Experiment | None:
-    """Prepare the scenario of a log without noise and hidden effects; None where it is none of this robot."""
-    from flexros.config.scenario import Scenario
-    from flexros.simulate.experiment import Experiment
-
-    given = log.provenance.get("scenario")
-    if not isinstance(given, dict):
-        return None
-    try:
-        scenario = Scenario.model_validate({**given, "noise": False, "plant": {}})
-        experiment = Experiment.prepare(scenario)
-    except (InputError, ValueError):  # of another version, or its robot is not on this machine: then it is not known
-        return None
-    return experiment if experiment.plant.joint_names == nominal.robot.joint_names else None
 
 
 def _run(experiment: Experiment, model: RobotWithEffects) -> Log | None:

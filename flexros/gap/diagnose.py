@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
 from flexros.gap.answer import result_of
 from flexros.gap.explain import explain
 from flexros.gap.findings import Findings
 from flexros.gap.fit_data import fit_data
-from flexros.gap.record import ToolRecord
+from flexros.gap.predictions import tool_errors
 from flexros.gap.search import Search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.stages import Stages
@@ -31,8 +29,6 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 
-SEEN_BY_TOOL = 1e-3
-"""Least rms of a tool error that is more than rounding, over the noise of the tracker [1] (chosen)."""
 SAME_RATE = 1e-3
 """Relative difference of sample times up to which two logs have the same rate [1] (chosen)."""
 
@@ -88,18 +84,16 @@ def diagnose(
 
 def _places(found: Findings, before: Explanation, seed: int) -> Where:
     """Look where the gap shows, with what the tool tracker adds."""
-    data, nothing = found.data, found.explanations.evidence.nothing
-    counted, whitening = replace(data.record, valid=data.settled), data.measurement.whitening
-    spectrum = autoregressive(-whitening[:, 1:].T) if whitening.shape[1] > 1 else None
-    if data.tool is None:
-        return where(before.fit, counted, found.model.robot, seed, spectrum=spectrum)
-    residual = data.residuals(nothing.predictor, nothing.theta[:, None])[data.spread.size :, 0]
-    tool = data.tool
-    time_of = (tool.samples[tool.place] + tool.share) * data.record.sample_time
-    record = replace(counted, tool=ToolRecord(time_of, tool.position))
-    error = tool.spread * residual.reshape(-1, 3)
-    error[:, np.sqrt(np.mean(error**2, axis=0)) < SEEN_BY_TOOL * tool.spread] = 0.0
-    return where(before.fit, record, found.model.robot, seed, tool_error=error, spectrum=spectrum)
+    data, whitening = found.data, found.data.measurement.whitening
+    tool, error = tool_errors(found.explanations.evidence.nothing, data) or (None, None)
+    return where(
+        before.fit,
+        replace(data.record, valid=data.settled, tool=tool),
+        found.model.robot,
+        seed,
+        tool_error=error,
+        spectrum=autoregressive(-whitening[:, 1:].T) if whitening.shape[1] > 1 else None,
+    )
 
 
 def split(record: GapRecord, share: float) -> tuple[GapRecord, GapRecord]:

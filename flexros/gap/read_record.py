@@ -12,7 +12,9 @@ from flexros.gap.even_grid import even_grid
 from flexros.gap.held_torque import held_torque, sampled_torque
 from flexros.gap.motor_columns import motor_columns
 from flexros.gap.record import GapRecord, ToolRecord
+from flexros.gap.recorded_experiment import recorded_parts
 from flexros.gap.stamp_jitter import positions_on_grid
+from flexros.logs.stamps import START_NS
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
@@ -40,7 +42,7 @@ def read_record(log: Log, robot: Robot, *, name: str, check: bool = True) -> Gap
         robot: The nominal robot.
         name: Name of the log, for messages.
         check: Whether the record is also checked for what would lead a diagnosis astray (units, signs, order of the
-            joints, clipping ...).
+            joints, clipping ...), and the periodic parts of a diagnosis experiment are looked up.
 
     Returns:
         The record; its warnings say what was repaired or is doubtful.
@@ -62,6 +64,7 @@ def read_record(log: Log, robot: Robot, *, name: str, check: bool = True) -> Gap
     valid &= finite
     rows = slice(held.first, max(held.first, min(held.end, grid.n_slots)))
     _count_lost(valid[rows], name, warnings)
+    begin = round(((grid.origin - START_NS) * 1e-9 + grid.start) / grid.sample_time)
     record = GapRecord(
         name=name,
         sample_time=grid.sample_time,
@@ -74,6 +77,7 @@ def read_record(log: Log, robot: Robot, *, name: str, check: bool = True) -> Gap
         measured_torque=measured,
         simulated=bool(log.provenance.get("scenario")),
         imported=bool(log.provenance.get("import")),
+        parts=recorded_parts(log, grid.sample_time, begin + rows.start, begin + rows.stop) if check else (),
         warnings=tuple(dict.fromkeys(warnings)),
     )
     return check_record(record, robot) if check else record

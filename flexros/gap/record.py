@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
+    from flexros.gap.where.periodic import PeriodicPart
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,7 @@ class GapRecord:
         measured_torque: Whether the torques were measured at the motor, so that no delay lies before them.
         simulated: Whether the log was made by this program's plant, as its provenance says.
         imported: Whether the log was imported from files of a real machine, whose model is never exact.
+        parts: Periodic parts of the motion, as far as they are known.
         begin: Time of the first sample since the log began [s], for what changes with time; zero but for a part.
         warnings: What was repaired or is doubtful, a sentence each.
     """
@@ -54,6 +56,7 @@ class GapRecord:
     measured_torque: bool = False
     simulated: bool = False
     imported: bool = False
+    parts: tuple[PeriodicPart, ...] = ()
     begin: float = 0.0
     warnings: tuple[str, ...] = ()
 
@@ -83,18 +86,15 @@ class GapRecord:
             inside = (tool.time >= begin) & (tool.time <= (end - 1) * self.sample_time)
             tool = ToolRecord(tool.time[inside] - begin, tool.position[inside])
         cut = slice(first, end)
-        return GapRecord(
-            name=self.name,
-            sample_time=self.sample_time,
+        kept = (part.within(first, end) for part in self.parts)
+        return replace(
+            self,
             position=self.position[cut],
             torque=self.torque[cut],
             valid=self.valid[cut],
             late=None if self.late is None else self.late[cut],
             reference=None if self.reference is None else self.reference[cut],
             tool=tool,
-            measured_torque=self.measured_torque,
-            simulated=self.simulated,
-            imported=self.imported,
+            parts=tuple(part for part in kept if part is not None),
             begin=self.begin + first * self.sample_time,
-            warnings=self.warnings,
         )

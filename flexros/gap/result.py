@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from flexros.arrays import FloatArray
     from flexros.effects.base import PlacedEffect
@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from flexros.gap.record import GapRecord
     from flexros.gap.signatures.evidence import Evidence
     from flexros.robot import Robot
-
-Progress: TypeAlias = "Callable[[str, float], None]"
-"""Told of the progress of a diagnosis: what is being done, and the share of the whole work that is done [1]."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,9 +32,6 @@ class Yardsticks:
             yardstick: Which size.
             location: Where.
         """
-        if yardstick == "torque/speed" or yardstick == "torque/angle":
-            divisor: Yardstick = "speed" if yardstick == "torque/speed" else "angle"
-            return self.of("torque", location) / self.of(divisor, location)
         over, _, under = yardstick.partition("/")
         return self._largest(over, location) / (self._largest(under, location) if under else 1.0)
 

@@ -154,10 +154,10 @@ def driven_by_noise(pose: LinearPose, gain: FloatArray, found: LinearFilter) -> 
         gain: Gain of the twin.
         found: Filter of the missing torque.
     """
-    F, C, M, s = pose.transition, pose.readout, len(pose.readout), len(found.A)
+    F, C, s = pose.transition, pose.readout, len(found.A)
     keep = F @ (np.eye(len(F)) - gain @ C)
     A = np.block([[keep, np.zeros((len(F), s))], [found.B @ C, found.A]])
-    return LinearFilter(A, np.vstack([-F @ gain, found.B]), np.hstack([found.D @ C, found.C]), found.D @ np.eye(M))
+    return LinearFilter(A, np.vstack([-F @ gain, found.B]), np.hstack([found.D @ C, found.C]), found.D)
 
 
 def autocovariances(found: Design, pose: LinearPose, noise: FloatArray, lags: int) -> FloatArray:

@@ -48,8 +48,7 @@ def room_of(robot: Robot) -> Room:
         Its room.
     """
     rest = robot.equilibrium(robot.home)
-    limits = np.where(np.isfinite(robot.torque_limits), robot.torque_limits, ACCELERATION / TORQUE_SHARE * np.inf)
-    acceleration = TORQUE_SHARE * limits / rigid_inertia(robot)
+    acceleration = TORQUE_SHARE * robot.torque_limits / rigid_inertia(robot)
     acceleration = np.where(np.isfinite(acceleration), acceleration, ACCELERATION)
     reach = REACH_MOTOR if robot.spec.coordinates == "motor" else REACH_ARM
     return Room(rest[list(robot.chain.motor_places)], reach, acceleration)

@@ -33,7 +33,7 @@ class DetectionLines(AbstractSignature):
         """Show the lines; None where no periodic part of the log is known."""
         motor, record = evidence.motor_of(location), evidence.record
         errors = evidence.before.innovations
-        every = [line_levels(errors, record.valid, part, record.sample_time) for part in evidence.parts]
+        every = [line_levels(errors, record.valid, part, record.sample_time) for part in record.parts]
         known = [levels for levels in every if levels is not None]
         if not known:
             return None

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from flexros.gap.gain import ObserverGain
     from flexros.gap.record import GapRecord
     from flexros.gap.result import Prediction
-    from flexros.gap.where.periodic import PeriodicPart
     from flexros.robot import Robot
 
 
@@ -34,7 +33,6 @@ class Evidence:
         repaired: The repaired robot, without the laws of its effects; None where nothing was repaired.
         tool_error: Measured minus predicted tool positions [m], shape (n_t, 3), at the times of the record's tool;
             None where the tool was not measured.
-        parts: Periodic parts of the log, as far as they are known.
     """
 
     robot: Robot
@@ -44,7 +42,6 @@ class Evidence:
     after: Prediction | None = None
     repaired: Robot | None = None
     tool_error: FloatArray | None = None
-    parts: tuple[PeriodicPart, ...] = ()
 
     @cached_property
     def motion(self) -> Motion:

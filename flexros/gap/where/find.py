@@ -17,14 +17,11 @@ from flexros.gap.where.settings import WhereSettings
 from flexros.random_streams import generator
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from flexros.arrays import FloatArray
     from flexros.gap.diagnosis_file import GapPlace
     from flexros.gap.record import GapRecord
     from flexros.gap.result import Prediction
     from flexros.gap.where.channel import Channel
-    from flexros.gap.where.periodic import PeriodicPart
     from flexros.robot import Robot
 
 NULL_STREAM = 40
@@ -60,7 +57,6 @@ def where(
     tool_error: FloatArray | None = None,
     projected: FloatArray | None = None,
     spectrum: FloatArray | None = None,
-    parts: Sequence[PeriodicPart] = (),
     settings: WhereSettings | None = None,
 ) -> Where:
     """Find where a gap shows, before any hypothesis.
@@ -70,7 +66,8 @@ def where(
 
     Args:
         prediction: Of the nominal model; its states, where kept, tell the speeds and gear torques.
-        record: The log, n samples of M motors.
+        record: The log, n samples of M motors; the lines of its periodic parts tell linear from nonlinear, with
+            p-values of their own.
         robot: The nominal robot.
         seed: Seed of the simulated logs without gap.
         tool_error: Measured minus predicted tool positions [m], shape (n_t, 3), with frame and offset of the tracker
@@ -80,7 +77,6 @@ def where(
         spectrum: Spectrum of the prediction errors without gap, from `flexros.gap.where.floor`, shape (any, M);
             default: white, which is right of predictors with a small gain. That of a linearised predictor does not
             hold where springs are nonlinear.
-        parts: Periodic parts of the log, whose lines tell linear from nonlinear; they have p-values of their own.
         settings: Numbers of the search.
 
     Returns:
@@ -101,7 +97,7 @@ def where(
     found = places_of(seen)
     tested = np.array([place.p_value for place in found])
     whole = [one.excess[one.full, 0] for one in seen[: robot.n_motors]]
-    lines = periodic_places(errors, record.valid, parts, record.sample_time, robot.joint_names)
+    lines = periodic_places(errors, record.valid, record.parts, record.sample_time, robot.joint_names)
     at_lines = [place for place in lines if place.p_value <= chosen.significant and place.share >= LEAST_SHARE]
     return Where(
         places=(*told(found, chosen), *at_lines),

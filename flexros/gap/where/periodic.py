@@ -52,6 +52,18 @@ class PeriodicPart:
         """Sample behind the last period."""
         return self.first + self.n_periods * self.period
 
+    def within(self, begin: int, end: int) -> PeriodicPart | None:
+        """Keep the whole periods that lie between two samples; None where fewer than two do.
+
+        Args:
+            begin: First sample that is kept, from which the samples of the result count.
+            end: Sample behind the last one.
+        """
+        skipped = max(0, -((self.first - begin) // self.period))
+        left = min(self.n_periods, (end - self.first) // self.period) - skipped
+        first = self.first + skipped * self.period - begin
+        return PeriodicPart(first, self.period, left, self.lines) if left >= 2 else None
+
 
 @dataclass(frozen=True, eq=False)
 class LineLevels:
@@ -80,16 +92,15 @@ class LineLevels:
         return np.asarray(np.sqrt(self.power / np.maximum(pooled, 1e-300)))
 
 
-def periodic_parts(trajectory: Trajectory, sample_time: float, offset: int = 0) -> tuple[PeriodicPart, ...]:
+def periodic_parts(trajectory: Trajectory, sample_time: float) -> tuple[PeriodicPart, ...]:
     """Find the multisines of a motion.
 
     Args:
         trajectory: The motion asked for, as of a diagnosis experiment.
         sample_time: Time between two samples [s].
-        offset: Samples at the begin of the motion that the log does not have.
 
     Returns:
-        Parts between the fades, in the samples of the log.
+        Parts between the fades, in samples from the beginning of the motion.
     """
     found = []
     begin = 0.0
@@ -100,8 +111,8 @@ def periodic_parts(trajectory: Trajectory, sample_time: float, offset: int = 0) 
             lines = np.round(path.frequency * period * sample_time).astype(np.int64)
             # the steady part begins behind the fade, its last period ends where the fade begins
             n_periods = int((path.duration - 2 * path.fade) / (period * sample_time) + 1e-6)
-            first = round((begin + path.fade) / sample_time) - offset
-            if n_periods >= 2 and first >= 0:
+            first = round((begin + path.fade) / sample_time)
+            if n_periods >= 2:
                 found.append(PeriodicPart(first, period, n_periods, lines))
         begin += move.law.duration
     return tuple(found)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -95,8 +97,8 @@ def test_multisines_of_a_diagnosis_experiment_are_found_where_they_repeat() -> N
 def test_picture_shows_the_lines() -> None:
     log = shaken(cubic)
     assert DetectionLines().picture(Evidence(log.robot, log.record, log.observer, log.prediction), "motor_1") is None
-    evidence = Evidence(log.robot, log.record, log.observer, log.prediction, parts=(PART,))
-    found = DetectionLines().picture(evidence, "motor_1")
+    record = replace(log.record, parts=(PART,))
+    found = DetectionLines().picture(Evidence(log.robot, record, log.observer, log.prediction), "motor_1")
     assert found is not None
     assert found.series["odd detection lines"].y.max() > 5
     assert found.series["even detection lines"].y.max() < 5
@@ -105,6 +107,24 @@ def test_picture_shows_the_lines() -> None:
 def test_lines_are_told_with_the_other_places() -> None:
     log = shaken(square)
     few = WhereSettings(realisations=30)
-    found = where(log.prediction, log.record, log.robot, 1, parts=[PART], settings=few)
+    found = where(log.prediction, replace(log.record, parts=(PART,)), log.robot, 1, settings=few)
     assert "even detection lines" in {place.signal for place in found.places}
     assert "odd detection lines" not in {place.signal for place in found.places}
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "expected"),
+    [
+        (0, 99_999, (PERIOD, 3)),
+        (PERIOD, 4 * PERIOD, (0, 3)),
+        (PERIOD + 1, 4 * PERIOD, (PERIOD - 1, 2)),
+        (2 * PERIOD, 4 * PERIOD, (0, 2)),
+        (100, 4 * PERIOD - 1, (PERIOD - 100, 2)),
+        (2 * PERIOD + 1, 4 * PERIOD, None),
+        (0, 3 * PERIOD - 1, None),
+        (5 * PERIOD, 9 * PERIOD, None),
+    ],
+)
+def test_whole_periods_of_a_cut_log_are_kept(begin: int, end: int, expected: tuple[int, int] | None) -> None:
+    kept = PART.within(begin, end)
+    assert (None if kept is None else (kept.first, kept.n_periods)) == expected
