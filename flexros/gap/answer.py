@@ -114,14 +114,7 @@ def _causes(found: Findings) -> tuple[Cause, ...]:
         numbers = parameters_of(one, found.data)
         for suspect, parameters in zip(one.predictor.hypothesis, numbers):
             if suspect.name not in causes:
-                alone = next(
-                    (
-                        single
-                        for single in explanations.rivals
-                        if [s.name for s in single.predictor.hypothesis] == [suspect.name]
-                    ),
-                    None,
-                )
+                alone = next((single for single in explanations.rivals if single.names == {suspect.name}), None)
                 causes[suspect.name] = Cause(
                     effect=suspect.effect.name,
                     location=suspect.location,

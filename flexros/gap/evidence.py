@@ -13,6 +13,7 @@ from flexros.effects.gravity_error import GravityError
 from flexros.effects.model_change import AbstractChangedValues
 from flexros.effects.tool_error import AbstractToolError
 from flexros.effects.torque_bias import TorqueBias
+from flexros.gap.hypothesis import names_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -195,12 +196,12 @@ class Evidence:
         It is a share of the gap that its own effects close; those that both have are off by the same. Of two of which
         one only adds to the other, it is that of the addition.
         """
-        if _names(one.predictor.hypothesis) < _names(reference.predictor.hypothesis):
+        if one.names < reference.names:
             one, reference = reference, one
         contrast = contrast_of(one.predictor.hypothesis, reference.predictor.hypothesis)
         if not contrast.own:
             return 0.0
-        without = self._fits_by_names.get(_names(one.predictor.hypothesis) - contrast.own, self.nothing)
+        without = self._fits_by_names.get(one.names - contrast.own, self.nothing)
         gap = max(self.level(without) - self.level(one), 0.0)
         error = form_error(gap, plain=contrast.plain)
         if not contrast.between or self.distance is None:
@@ -212,7 +213,7 @@ class Evidence:
 
     @cached_property
     def _fits_by_names(self) -> dict[frozenset[str], Fit]:
-        found = {_names(one.predictor.hypothesis): one for one in reversed(self.fits)}
+        found = {one.names: one for one in reversed(self.fits)}
         return {**found, frozenset(): self.nothing}
 
 
@@ -239,7 +240,7 @@ def contrast_of(one: Hypothesis, other: Hypothesis) -> Contrast:
         one: Effects of the one.
         other: Effects of the other.
     """
-    own, others = _names(one) - _names(other), _names(other) - _names(one)
+    own, others = names_of(one) - names_of(other), names_of(other) - names_of(one)
     plain = all(is_plain(suspect) for suspect in one if suspect.name in own)
     plain_others = all(is_plain(suspect) for suspect in other if suspect.name in others)
     return Contrast(own, plain, bool(own and others) and plain and plain_others)
@@ -284,7 +285,3 @@ def evidence_of(
 def is_plain(suspect: Suspect) -> bool:
     """Tell whether an effect is one number of the model or of the signals, without a shape of its own."""
     return issubclass(suspect.effect, PLAIN)
-
-
-def _names(hypothesis: Hypothesis) -> frozenset[str]:
-    return frozenset(suspect.name for suspect in hypothesis)

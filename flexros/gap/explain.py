@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.evidence import Evidence, evidence_of
+from flexros.gap.hypothesis import names_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -89,8 +90,8 @@ def explain(search: Search) -> Explanations:
 
 def _backward(search: Search, best: Fit, found: list[Fit], nothing: Fit, sizes: Yardsticks) -> list[Fit]:
     """Take what was found first out again, and look what else goes with the rest."""
-    rest = {suspect.name for suspect in best.predictor.hypothesis[1:]}
-    alone = [one for one in found if {suspect.name for suspect in one.predictor.hypothesis} == rest]
+    rest = names_of(best.predictor.hypothesis[1:])
+    alone = [one for one in found if one.names == rest]
     return search.beside([min(alone, key=lambda one: one.chi2)], nothing, sizes) if alone else []
 
 
@@ -123,9 +124,8 @@ def unique(fits: list[Fit]) -> list[Fit]:
     """Keep the best fit of every set of effects, the best first."""
     best: dict[frozenset[str], Fit] = {}
     for one in fits:
-        key = frozenset(suspect.name for suspect in one.predictor.hypothesis)
-        if key not in best or one.chi2 < best[key].chi2:
-            best[key] = one
+        if one.names not in best or one.chi2 < best[one.names].chi2:
+            best[one.names] = one
     return sorted(best.values(), key=lambda one: one.chi2)
 
 

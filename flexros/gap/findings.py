@@ -157,7 +157,7 @@ class Findings:
         Where none explains the gap, it is the probability that the effect is a part of it all the same.
         """
         pairs = zip(self.explanations.rivals, self.explanations.probabilities)
-        among = sum(p for one, p in pairs if name in {suspect.name for suspect in one.predictor.hypothesis})
+        among = sum(p for one, p in pairs if name in one.names)
         return float(min(1.0, among) * (PART_OF_UNKNOWN if self.verdict == "unknown_effect" else 1.0))
 
     def order(self, name: str) -> tuple[float, float, float]:
@@ -170,9 +170,9 @@ class Findings:
         if rounded is not None:
             return -1.0, -(rounded.step**2) / 12 / float(self.model.robot.encoder_noise[rounded.motor]) ** 2, -1.0
         found, level = self.explanations, self.explanations.evidence.level
-        rest = names_of(found.chosen) - {name}
-        without = min(level(one) for one in found.rivals if names_of(one) <= rest)
-        lost = without - level(found.chosen) if name in names_of(found.chosen) else 0.0
+        rest = found.chosen.names - {name}
+        without = min(level(one) for one in found.rivals if one.names <= rest)
+        lost = without - level(found.chosen) if name in found.chosen.names else 0.0
         probability = self.probability(name)
         return -round(probability, 2), -lost, -probability
 
@@ -230,11 +230,6 @@ class Findings:
 def doubted(evidence: Evidence, data: FitData) -> Evidence:
     """Allow for noise that is a little other than declared: alone it is no gap."""
     return replace(evidence, floor_error=float(np.hypot(evidence.floor_error, data.measurement.doubt)))
-
-
-def names_of(one: Fit) -> frozenset[str]:
-    """Name the effects at places of a fit."""
-    return frozenset(suspect.name for suspect in one.predictor.hypothesis)
 
 
 def place_of(name: str) -> Place:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.gap.hypothesis import names_of
 from flexros.gap.predictor import LANES
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ class Fit:
         predictor: The hypothesis.
         theta: Numbers at the minimum, shape (n_fitted,).
         chi2: Sum of the squared weighted prediction errors and of the tolerated deviations in standard deviations.
-        information: J'J + prior at the minimum, shape (n_fitted, n_fitted); empty where not computed.
+        information: J'J + prior where it was linearised last, shape (n_fitted, n_fitted); empty where not computed.
         iterations: Iterations taken.
         converged: Whether the sum of squares fell no more.
     """
@@ -60,6 +61,11 @@ class Fit:
     information: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     iterations: int = 0
     converged: bool = False
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Effects at places that it has."""
+        return names_of(self.predictor.hypothesis)
 
     @property
     def price(self) -> float:

@@ -101,6 +101,11 @@ Hypothesis = tuple[Suspect, ...]
 """Effects that are there together; the empty one is "nothing"."""
 
 
+def names_of(hypothesis: Hypothesis) -> frozenset[str]:
+    """Name the effects at places of a hypothesis."""
+    return frozenset(suspect.name for suspect in hypothesis)
+
+
 def name_of(hypothesis: Hypothesis) -> str:
     """Name a hypothesis by its effects and places."""
     return " + ".join(suspect.name for suspect in hypothesis) or "nothing"

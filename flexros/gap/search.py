@@ -231,11 +231,10 @@ class Search:
         screened = self._parallel("further effects", lambda pair: self._promises(pair[0], nothing, plain, lines), among)
         pairs: list[tuple[Fit, Suspect, FloatArray]] = []
         for place, first in enumerate(firsts):
-            held = {suspect.name for suspect in first.predictor.hypothesis}
             options = [
                 (suspect, *with_relief(suspect, first, *found[place]))
                 for (suspect, only), found in zip(among, screened)
-                if only in (None, place) and suspect.name not in held
+                if only in (None, place) and suspect.name not in first.names
             ]
             options.sort(key=lambda option: -option[1])
             pairs += [(first, suspect, theta) for suspect, _, theta in options[:SECONDS]]

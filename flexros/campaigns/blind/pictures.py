@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.analysis.drawing import Drawing, Line, Panel
 from flexros.analysis.report.theme import GRID, INK, MUTED, run_colour
-from flexros.campaigns.study.drawing import Drawing, Line, Panel
 from flexros.gap.blind.answer import NO_GAP, REFUSED, UNKNOWN
 from flexros.gap.blind.score import confusion, score
 from flexros.gap.blind.statistics import DetectionCurve, detection_curve

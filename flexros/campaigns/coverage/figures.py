@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.stats import binomtest
 
 from flexros.identify.graybox.covariance import NORMAL_95
 from flexros.identify.graybox.parameter_scale import parameter_scale
@@ -103,10 +104,8 @@ def wilson(hits: int, number: int) -> Share:
     Returns:
         Share and interval.
     """
-    share, z = hits / number, NORMAL_95
-    centre = (share + z**2 / (2 * number)) / (1 + z**2 / number)
-    reach = z / (1 + z**2 / number) * np.sqrt(share * (1 - share) / number + z**2 / (4 * number**2))
-    return Share(share, float(max(centre - reach, 0.0)), float(min(centre + reach, 1.0)))
+    interval = binomtest(hits, number).proportion_ci(0.95, method="wilson")
+    return Share(hits / number, float(interval.low), float(interval.high))
 
 
 def way_coverage(

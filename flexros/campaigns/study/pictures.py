@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.analysis.drawing import Band, Drawing, Line, Panel
 from flexros.analysis.report.theme import run_colour
 from flexros.campaigns.study.choices import REASONABLE, SIX
-from flexros.campaigns.study.drawing import Band, Drawing, Line, Panel
 from flexros.campaigns.study.figures import normalised_costs, of_gears, sorted_values, springs
 from flexros.identify.graybox.response_noise import response_noise
 

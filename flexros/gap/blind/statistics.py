@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.stats import norm
+from scipy.stats import binomtest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -58,13 +58,11 @@ def share(hits: Iterable[bool]) -> Share:
         The share.
     """
     values = [bool(hit) for hit in hits]
-    n, k = len(values), sum(values)
+    k, n = sum(values), len(values)
     if not n:
         return Share(0, 0, 0.0, 1.0)
-    z = float(norm.ppf(0.975))
-    middle = (k / n + z**2 / (2 * n)) / (1 + z**2 / n)
-    half = z / (1 + z**2 / n) * np.sqrt(k / n * (1 - k / n) / n + z**2 / (4 * n**2))
-    return Share(k, n, max(0.0, float(middle - half)), min(1.0, float(middle + half)))
+    interval = binomtest(k, n).proportion_ci(0.95, method="wilson")
+    return Share(k, n, float(interval.low), float(interval.high))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from flexros.campaigns.study.drawing import Band, Drawing, Line, Panel
+from flexros.analysis.drawing import Band, Drawing, Line, Panel
 
 SPACE = "{http://www.w3.org/2000/svg}"
 X = np.array([1.0, 10.0, 100.0])
