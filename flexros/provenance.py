@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+import subprocess
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -21,6 +22,16 @@ def versions(packages: tuple[str, ...] = NUMERIC_PACKAGES) -> dict[str, str]:
         Version by name, that of Python first; "not installed" where a package is absent.
     """
     return {"python": platform.python_version(), **{name: _version(name) for name in packages}}
+
+
+def code_version() -> str:
+    """Name the commit of the checkout that runs, or what FLEXROS_COMMIT says; "unknown" where neither tells it."""
+    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "--short", "HEAD"]
+    try:
+        found = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - our own words
+    except FileNotFoundError:
+        return os.environ.get("FLEXROS_COMMIT", "unknown")
+    return found.stdout.strip() or os.environ.get("FLEXROS_COMMIT", "unknown")
 
 
 def machine() -> dict[str, object]:

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from flexros.config.text_file import read_json
 from flexros.errors import InputError
+from flexros.provenance import code_version, versions
 from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
     from pathlib import Path
 
     from distributed import Client
 
 LARGEST_PART = 256 * 2**20
 """Largest file of a part [byte], chosen."""
+CODE = "code"
+"""Key of a part that names the version of the code that computed it."""
 SETTINGS = "settings.json"
 """File that says what the parts of a folder belong to."""
 
@@ -69,19 +73,31 @@ def finished_parts(
     """
     from distributed import as_completed  # here, because it loads slowly
 
+    code = code_version()
     missing = {name: arguments for name, arguments in jobs.items() if not _file(folder, name).exists()}
     progress(len(jobs) - len(missing))
     sent = client.scatter(list(shared), broadcast=True, hash=False) if shared and missing else []
     submitted = {client.submit(function, *sent, *arguments, pure=False): name for name, arguments in missing.items()}
     try:
         for done, future in enumerate(as_completed(list(submitted)), start=1):
-            write_whole(_file(folder, submitted[future]), json.dumps(future.result()))
+            write_whole(_file(folder, submitted[future]), json.dumps({**future.result(), CODE: code}))
             future.release()
             progress(len(jobs) - len(missing) + done)
     except BaseException:
         client.cancel(list(submitted))
         raise
     return {name: _read(_file(folder, name)) for name in jobs}
+
+
+def versions_of(parts: Iterable[Mapping[str, Any]]) -> dict[str, str]:
+    """Name the versions of packages, and of the code of every part.
+
+    Args:
+        parts: Results of parts; a campaign that went on after a change holds those of several versions.
+    """
+    counted = Counter(str(part.get(CODE, "unknown")) for part in parts)
+    code = ", ".join(f"{name} ({number} parts)" for name, number in sorted(counted.items()))
+    return {**versions(), "commit": code}
 
 
 def _read(file: Path) -> dict[str, Any]:

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import pytest
 from distributed import Client
 
-from flexros.campaigns.parts import claim_folder, finished_parts
+from flexros.campaigns import parts as parts_module
+from flexros.campaigns.parts import claim_folder, finished_parts, versions_of
 from flexros.errors import InputError
 from flexros.scheduler import connected
 
@@ -31,7 +32,7 @@ def refuse(number: int) -> dict[str, Any]:
 def test_parts_come_in_the_order_of_the_jobs(client: Client, tmp_path: Path) -> None:
     told: list[int] = []
     parts = finished_parts(tmp_path, client, {f"part_{k}": (k,) for k in range(4)}, square, told.append)
-    assert parts == {f"part_{k}": {"square": k**2} for k in range(4)}
+    assert [part["square"] for part in parts.values()] == [k**2 for k in range(4)]
     assert list(parts) == [f"part_{k}" for k in range(4)]
     assert told == [0, 1, 2, 3, 4]
 
@@ -47,8 +48,19 @@ def test_finished_parts_are_not_computed_again(client: Client, tmp_path: Path) -
     finished_parts(tmp_path, client, {"a": (2,)}, square, lambda done: None)
     told: list[int] = []
     again = finished_parts(tmp_path, client, {"a": (2,)}, refuse, told.append)
-    assert again == {"a": {"square": 4}}
+    assert again["a"]["square"] == 4
     assert told == [1]
+
+
+def test_versions_of_the_code_are_those_of_all_parts(
+    client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    jobs = {f"part_{k}": (k,) for k in range(3)}
+    for code, number in (("abc", 2), ("def", 3)):
+        monkeypatch.setattr(parts_module, "code_version", lambda code=code: code)
+        parts = finished_parts(tmp_path, client, dict(list(jobs.items())[:number]), square, lambda done: None)
+    assert versions_of(parts.values())["commit"] == "abc (2 parts), def (1 parts)"
+    assert versions_of([{}])["commit"] == "unknown (1 parts)"
 
 
 def test_error_in_a_part_reaches_the_caller_and_keeps_the_others(client: Client, tmp_path: Path) -> None:
@@ -75,7 +87,7 @@ def kind(shared: Counted, number: int) -> dict[str, Any]:
 def test_what_parts_share_is_not_sent_with_every_part(client: Client, tmp_path: Path) -> None:
     jobs = {f"part_{k}": (k,) for k in range(6)}
     parts = finished_parts(tmp_path, client, jobs, kind, lambda done: None, shared=(Counted(),))
-    assert [parts[name] for name in jobs] == [{"kind": "Counted", "number": k} for k in range(6)]
+    assert [(parts[name]["kind"], parts[name]["number"]) for name in jobs] == [("Counted", k) for k in range(6)]
     assert len(Counted.sent) <= 1
 
 

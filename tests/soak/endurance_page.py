@@ -9,7 +9,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import subprocess
 import sys
 import tempfile
 import traceback
@@ -20,7 +19,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from flexros.provenance import machine, versions
+from flexros.provenance import code_version, machine, versions
 from flexros.whole_file import write_whole
 from tests.soak import (
     bad_transport,
@@ -180,15 +179,8 @@ def done(part: Part) -> dict[str, Any]:
         "wall_time_s": monotonic() - began,
         "load": [load, os.getloadavg()[0]],
         "date": f"{datetime.now(timezone.utc):%Y-%m-%d}",
-        "commit": version(),
+        "commit": code_version(),
     }
-
-
-def version() -> str:
-    """Give the version of the code, from git; "unknown" outside a repository."""
-    command = ["git", "rev-parse", "--short", "HEAD"]
-    found = subprocess.run(command, cwd=CHECKOUT, capture_output=True, text=True, check=False)
-    return found.stdout.strip() or os.environ.get("FLEXROS_COMMIT", "unknown")
 
 
 def read_results(file: Path) -> dict[str, dict[str, Any]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from flexros.campaigns.base import AbstractCampaign, CampaignResult
 from flexros.campaigns.blind.settings import BlindSettings
-from flexros.campaigns.parts import claim_folder, finished_parts
+from flexros.campaigns.parts import claim_folder, finished_parts, versions_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -54,11 +54,15 @@ class BlindCheck(AbstractCampaign):
         )
         answers = [answer_of(name, part) for name, part in parts.items()]
         failures = {name: part["failure"] for name, part in parts.items() if part["failure"]}
-        return blind_result(answers, failures, len(plan), settings)
+        return blind_result(answers, failures, len(plan), settings, versions_of(parts.values()))
 
 
 def blind_result(
-    answers: Sequence[Answer], failures: dict[str, str], planned: int, settings: BlindSettings
+    answers: Sequence[Answer],
+    failures: dict[str, str],
+    planned: int,
+    settings: BlindSettings,
+    used: dict[str, str],
 ) -> CampaignResult:
     """Count and write the pages.
 
@@ -67,6 +71,7 @@ def blind_result(
         failures: What stopped a diagnosis, by name of the case.
         planned: Number of cases of the whole plan.
         settings: Settings of the campaign.
+        used: Versions of packages and code.
 
     Returns:
         Pages, pictures, figures and summary.
@@ -75,9 +80,7 @@ def blind_result(
     from flexros.campaigns.blind.pictures import pictures
     from flexros.gap.blind.score import record
     from flexros.json_text import json_text
-    from flexros.provenance import versions
 
-    used = versions()
     drawn = pictures(answers)
     figures: dict[str, Any] = {
         "settings": json.loads(json.dumps(asdict(settings))),

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from flexros.campaigns.base import AbstractCampaign, CampaignResult
 from flexros.campaigns.coverage.settings import CoverageSettings
-from flexros.campaigns.parts import claim_folder, finished_parts
-from flexros.provenance import versions
+from flexros.campaigns.parts import claim_folder, finished_parts, versions_of
 from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
@@ -68,7 +67,7 @@ def _result(
     ways = [
         way_coverage(way.name, _by_phases([part[way.name] for part in parts], settings), robot, names) for way in WAYS
     ]
-    duration, used = plan_of_scenario(scenario).duration, versions()
+    duration, used = plan_of_scenario(scenario).duration, versions_of(parts)
     record = {
         "settings": asdict(settings),
         "robot_time_s": duration,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from flexros.campaigns.base import AbstractCampaign, CampaignResult
 from flexros.campaigns.hard_pairs.settings import HardPairsSettings
-from flexros.campaigns.parts import claim_folder, finished_parts
+from flexros.campaigns.parts import claim_folder, finished_parts, versions_of
 
 if TYPE_CHECKING:
     from flexros.campaigns.base import CampaignRequest
@@ -33,7 +33,6 @@ class HardPairs(AbstractCampaign):
         from flexros.campaigns.hard_pairs.page import pairs_page, pairs_summary
         from flexros.campaigns.hard_pairs.pair_part import pair_part
         from flexros.json_text import json_text
-        from flexros.provenance import versions
 
         settings = self._settings
         claim_folder(request.work, asdict(settings))
@@ -47,7 +46,7 @@ class HardPairs(AbstractCampaign):
         )
         found = {part["truth"]: part for part in parts.values()}
         by_pair = {pair: [found[truth] for truth in members] for pair, members in settings.pairs.items()}
-        used = versions()
+        used = versions_of(parts.values())
         record = {"settings": asdict(settings), "pairs": by_pair, "versions": used}
         return CampaignResult(
             files={PAGE: pairs_page(by_pair, settings, used), FIGURES: json_text(record)},

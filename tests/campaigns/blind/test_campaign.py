@@ -45,7 +45,9 @@ def answers() -> list[Answer]:
 
 
 def test_page_holds_figures_pictures_and_what_is_left() -> None:
-    result = blind_result(answers(), {"case_0009": "Traceback\nValueError: no"}, 100, BlindSettings())
+    result = blind_result(
+        answers(), {"case_0009": "Traceback\nValueError: no"}, 100, BlindSettings(), {"commit": "abc"}
+    )
     page = result.files["blind.md"]
     assert "4 of 100 planned cases" in page
     assert "| right effect first (top-1) | 50.0 % (9.5 to 90.5), 1 of 2 |" in page
@@ -59,7 +61,7 @@ def test_page_holds_figures_pictures_and_what_is_left() -> None:
 
 
 def test_confusion_matrix_has_a_cell_for_every_truth_and_answer() -> None:
-    picture = blind_result(answers(), {}, 4, BlindSettings()).files["blind_confusion.svg"]
+    picture = blind_result(answers(), {}, 4, BlindSettings(), {}).files["blind_confusion.svg"]
     assert picture.count("<rect") == 1 + 3 * 4  # background; three truths, one effect that was said and three others
 
 
