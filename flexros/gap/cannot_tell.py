@@ -9,6 +9,11 @@ import numpy as np
 if TYPE_CHECKING:
     from flexros.gap.findings import Findings
 
+TESTED = 0.6
+"""Share of the torque limit below which a motor has not shown what it does under load [1] (chosen)."""
+HIGHEST = 0.4
+"""Frequency over the sampling rate up to which a log tells anything [1] (chosen)."""
+
 
 def cannot_tell(found: Findings) -> tuple[str, ...]:
     """Say what the signals of a log cannot tell.
@@ -34,14 +39,13 @@ def cannot_tell(found: Findings) -> tuple[str, ...]:
     limits = robot.torque_limits
     reached = np.max(np.abs(record.torque), axis=0)
     for name, limit, most in zip(robot.joint_names, limits, reached):
-        if np.isfinite(limit) and most < 0.6 * limit:
+        if np.isfinite(limit) and most < TESTED * limit:
             told.append(
                 f"{name} was given at most {100 * most / limit:.0f} % of its torque limit: a saturation above that, "
                 "and stiffness at higher loads, are not tested."
             )
-    nyquist = 0.5 / record.sample_time
     told.append(
-        f"Nothing is known above {0.4 * 2 * nyquist:.0f} Hz, and a lag far below {record.sample_time * 1e3:g} ms looks "
+        f"Nothing is known above {HIGHEST / record.sample_time:.0f} Hz, and a lag far below {record.sample_time * 1e3:g} ms looks "
         "like a delay."
     )
     if not np.any(robot.spec.gravity.value):

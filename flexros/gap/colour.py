@@ -27,7 +27,7 @@ def without_trend(values: FloatArray) -> FloatArray:
     """
     time = np.linspace(-1.0, 1.0, len(values))
     return np.asarray(
-        values - np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, values, 2))
+        values - np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, values, TREND - 1))
     )
 
 

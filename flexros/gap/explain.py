@@ -37,8 +37,8 @@ class Explanations:
     Attributes:
         evidence: All fits, each hypothesis once.
         chosen: The explanation; "nothing" where no effect was detected.
-        probabilities: Of all fits and, last, of nothing, in the order of `rivals`, shape (n_rivals,).
-        rivals: All fits by probability, the nominal model among them.
+        rivals: Fits with no more effects than the chosen one, and the nominal model, by probability.
+        probabilities: Theirs, shape (n_rivals,).
         detected: Whether an effect was detected.
     """
 

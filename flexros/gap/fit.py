@@ -28,6 +28,7 @@ slow effects, whose errors are smaller than white prediction errors tell, finer 
 HOPE = 10.0
 """Times what linear theory promises that a fit may still gain [1] (chosen)."""
 DAMPINGS = 10.0 ** np.arange(-8.0, 4.0, 1.5)
+"""Dampings of a step that are tried side by side, over the information of each number [1] (chosen)."""
 ALIKE = 1e-6
 """Largest information of a number to the unit of the dampings that are alike for all numbers [1] (chosen)."""
 KEPT = 0.3

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 ARM_SHARE = 0.3
 """Assumed torque noise on arm coordinates, relative to that on motors [1] (chosen)."""
 DOUBLINGS = 40
-"""Most doublings of the time over which noise is added up: 2^40 samples."""
+"""Most doublings of the time over which noise is added up: 2^40 samples (chosen)."""
 REFERENCE_STEP = 5e-4
-"""Sample time for which the level of the torque noise is stated [s]."""
+"""Sample time for which the level of the torque noise is stated [s] (chosen)."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,9 @@ SPACING = 0.025
 BLOCK = 1.0
 """Length of the blocks that the interval is drawn from [s] (chosen)."""
 DRAWS = 400
+"""Draws of the bootstrap (chosen)."""
 BOOTSTRAP_STREAM = 20
+"""Stream of its random numbers."""
 RUN_AWAY = 1e15
 """What a prediction counts that has run away: its error over the floor [1] (chosen)."""
 SHOWS = 4.0

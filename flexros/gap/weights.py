@@ -32,6 +32,8 @@ COLOURED_BELOW = 0.6
 """Power above the band over that of the declared noise below which the noise is taken for coloured [1] (chosen)."""
 LEAST_JITTER = 0.3
 """Least jitter that counts: at the largest speed it adds this share of the encoder noise [1] (chosen)."""
+REMEMBERED = 400
+"""Samples after which coloured noise has forgotten what drove it (chosen)."""
 SMOOTH_CUTOFF = 40.0
 """Highest frequency of the motion whose speed tells what jitter does [Hz] (chosen)."""
 
@@ -173,7 +175,7 @@ def spread_of(
 
 def _amplification(whitening: FloatArray) -> float:
     """Return the standard deviation of coloured noise over that of the white noise that drives it."""
-    response = np.zeros(400)
+    response = np.zeros(REMEMBERED)
     response[0] = 1.0
     for k in range(1, len(response)):
         past = response[max(0, k - len(whitening) + 1) : k][::-1]

@@ -25,6 +25,8 @@ WARNINGS = 100.0
 """False warnings for each false alarm [1] (chosen)."""
 LAGS = 4096
 """Lags of the autocovariances that are computed (chosen)."""
+MOST_LIKELY = 0.01
+"""Largest probability of a false alarm of one mean square, whatever rate is asked for [1] (chosen)."""
 HOUR = 3600.0
 """Seconds of an hour."""
 
@@ -77,7 +79,7 @@ def chances_of(signals: int, rate: float) -> FloatArray:
         signals: Number of signals.
         rate: Rate of false alarms of all of them together [1/h].
     """
-    return np.array([min(rate / (signals * len(LENGTHS)) * length * WINDOW / HOUR, 0.01) for length in LENGTHS])
+    return np.array([min(rate / (signals * len(LENGTHS)) * length * WINDOW / HOUR, MOST_LIKELY) for length in LENGTHS])
 
 
 def _by_noise(book: DesignBook, samples: int, rate: float) -> FloatArray:

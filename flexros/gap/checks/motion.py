@@ -18,6 +18,9 @@ STANDS_OUT = 10.0
 FEWEST = 200
 """Fewest samples in which some motor moves (chosen)."""
 
+SLOWEST = 0.02
+"""Speed over the largest one from which a sample counts as in motion [1] (chosen)."""
+
 FASTEST_LOOK = 50.0
 """Corner of the low-pass under which motion is looked for [Hz] (chosen)."""
 
@@ -43,7 +46,7 @@ class Motion(AbstractCheck):
                     hopeless=True,
                 ),
             )
-        in_motion = np.any((np.abs(speed) > 0.02 * np.abs(speed).max(axis=0))[:, moves], axis=1)
+        in_motion = np.any((np.abs(speed) > SLOWEST * np.abs(speed).max(axis=0))[:, moves], axis=1)
         if in_motion.sum() < FEWEST:
             return (
                 Finding(
