@@ -45,8 +45,8 @@ def cannot_tell(found: Findings) -> tuple[str, ...]:
                 "and stiffness at higher loads, are not tested."
             )
     told.append(
-        f"Nothing is known above {HIGHEST / record.sample_time:.0f} Hz, and a lag far below {record.sample_time * 1e3:g} ms looks "
-        "like a delay."
+        f"Nothing is known above {HIGHEST / record.sample_time:.0f} Hz, and a lag far below "
+        f"{record.sample_time * 1e3:g} ms looks like a delay."
     )
     if not np.any(robot.spec.gravity.value):
         told.append("Without gravity, errors of masses and of inertias cannot be told apart.")
