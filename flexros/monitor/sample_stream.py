@@ -74,7 +74,7 @@ class SampleStream:
 
     def __post_init__(self) -> None:
         self._states, self._commands = TopicQueue.empty(self.motors), TopicQueue.empty(self.motors)
-        self._epochs, self._origin, self._next = (0, 0), 0.0, 0
+        self._epochs, self._origin, self._next, self._until = (0, 0), 0.0, 0, -1
         self._held = self._anew = False
 
     def add_states(self, stamp: IntArray, position: FloatArray) -> None:
@@ -118,14 +118,17 @@ class SampleStream:
             if min(states.last, commands.last) <= end:
                 break
             if (window := self._window(end)) is not None:
+                self._until = end
                 yield window
         self._bound()
 
     @property
     def unpaired(self) -> float:
-        """Time of the states that wait for commands of the same time [s]."""
-        waiting = self._states.stamp
-        return (int(waiting[-1]) - int(waiting[0])) * 1e-9 if len(waiting) else 0.0
+        """Time of the newest states that were not put together with commands [s]."""
+        waiting, last = self._states.stamp, self._states.last
+        known = 0 <= self._until <= last  # else the states have begun anew
+        begin = self._until if known or not len(waiting) else int(waiting[0])
+        return max(last - begin, 0) * 1e-9
 
     def _is_paired(self) -> bool:
         """Tell whether states and commands are put together; begin where their stamps meet, anew after a jump."""
@@ -154,6 +157,7 @@ class SampleStream:
         self.sample_time = rounded[0] if rounded else step
         self._epochs = (self._states.epoch, self._commands.epoch)
         self._origin = float(stamp[0])
+        self._until = int(stamp[0])
         self._next = 0
         self._anew = True
         self.counts.restarts += 1

@@ -7,7 +7,7 @@ import pytest
 
 from flexros.gap.fit import Fit
 from flexros.gap.fitted_numbers import placed
-from flexros.gap.predictions import prediction_of, signature_evidence
+from flexros.gap.predictions import prediction_of, signature_evidence, tool_errors
 from flexros.gap.result import Explanation
 
 from .diagnosis_logs import MODEL, ROBOT, data_of, numbers, predictor_of, suspects_of
@@ -42,9 +42,24 @@ def test_states_are_corrected_ones() -> None:
 
 def test_pictures_see_the_log_before_and_after_the_repair() -> None:
     before, after = explanation(None), explanation(-0.05)
-    found = signature_evidence(MODEL, data_of(SOFT), before, after)
+    data, nothing = data_of(SOFT), Fit(predictor_of(), np.zeros(0), 0.0)
+    found = signature_evidence(MODEL, data, nothing, before, after)
     assert (found.before, found.after) == (before.fit, after.fit)
     assert found.repaired is not None
     nominal = ROBOT.parameters["body_2.rz.stiffness"].value
     assert found.repaired.parameters["body_2.rz.stiffness"].value == pytest.approx(0.95 * nominal)
-    assert signature_evidence(MODEL, data_of(SOFT), before, None).repaired is None
+    assert found.tool_error is None
+    assert signature_evidence(MODEL, data, nothing, before, None).repaired is None
+
+
+def test_error_of_the_tool_is_what_the_model_lacks_beyond_noise_and_the_frame_of_the_tracker() -> None:
+    """A soft spring shows; without it the error is the noise of the tracker."""
+    nothing = Fit(predictor_of(), np.zeros(0), 0.0)
+    still, soft = (tool_errors(nothing, data_of(*effects, tool=True)) for effects in ((), (SOFT,)))
+    assert still is not None
+    assert soft is not None
+    record, error = still
+    assert error.shape == record.position.shape
+    sizes = [float(np.sqrt(np.mean(np.sum(one**2, axis=1)))) for _, one in (still, soft)]
+    assert sizes[0] < 2.5 * ROBOT.tool_noise
+    assert sizes[1] > sizes[0]
