@@ -121,8 +121,10 @@ class GapMonitorNode(FlexrosNode):
         reading = self._watching().reading()
         level, text = LEVELS[reading.level], robot_sentence(reading)
         not_heard = self._not_heard()
+        if not_heard:
+            text = f"{text}; {not_heard}"
         if not_heard or stands_still(reading):
-            level, text = max(level, DiagnosticStatus.WARN), "; ".join([text, not_heard] if not_heard else [text])
+            level = max(level, DiagnosticStatus.WARN)
         name = self.get_fully_qualified_name()
         statuses = [self._status(name, level, text, {**robot_values(reading), **self.figures()})]
         for motor, unit in zip(reading.motors, self._units):

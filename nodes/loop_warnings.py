@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros_nodes.torque_use import SAMPLES_AT_LIMIT
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
 LATE_PERCENT = 5.0
 """Share of late cycles beyond which a plant warns [%], chosen: what a recorder beside the loop may cost."""
-AT_LIMIT = ".samples_at_torque_limit"
 
 
 def loop_warnings(figures: Mapping[str, float], before: Mapping[str, float], controllers: int) -> list[str]:
@@ -30,8 +31,8 @@ def loop_warnings(figures: Mapping[str, float], before: Mapping[str, float], con
 
     found = [f"{controllers} nodes publish joint_commands"] if controllers > 1 else []
     for name in figures:
-        if name.endswith(AT_LIMIT) and new(name):
-            found.append(f"{name.removesuffix(AT_LIMIT)} at its torque limit in {new(name)} samples")
+        if name.endswith(SAMPLES_AT_LIMIT) and new(name):
+            found.append(f"{name.removesuffix(SAMPLES_AT_LIMIT)} at its torque limit in {new(name)} samples")
     if missed := new("missed_commands"):
         found.append(f"{missed} commands came too late")
     if (late := figures.get("late_percent", 0.0)) > LATE_PERCENT:

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 AT_LIMIT = 1.0 - 1e-9
 """Share of the limit from which on a command counts as limited, chosen: rounding of a controller that cuts off."""
+SAMPLES_AT_LIMIT = ".samples_at_torque_limit"
+"""End of the key of a motor's samples at its limit."""
 TOGETHER = 1000
 """Commands that are counted together, chosen: one by one it would cost the loop a microsecond for each sample."""
 
@@ -43,7 +45,7 @@ class TorqueUse:
         if self._waiting:
             self._count()
         return {f"{name}.largest_share_of_torque_limit": float(self._peak[i]) for i, name in self._limited} | {
-            f"{name}.samples_at_torque_limit": int(self._at_limit[i]) for i, name in self._limited
+            f"{name}{SAMPLES_AT_LIMIT}": int(self._at_limit[i]) for i, name in self._limited
         }
 
     def _count(self) -> None:
