@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
-    from distributed import Client
+    from distributed import Client, Future
 
 ANSWER = 10.0
 """Time in which a scheduler must answer [s]."""
@@ -67,3 +67,29 @@ def connected(address: str = "", threads: int | None = None) -> Iterator[Client]
         ) as client,
     ):
         yield client
+
+
+def finished(client: Client, submitted: Iterable[Future]) -> Iterator[Future]:
+    """Give submitted jobs as they finish; whatever stops this takes the others back.
+
+    Args:
+        client: The client.
+        submitted: Jobs.
+
+    Yields:
+        Each job, finished; what it holds is released afterwards.
+
+    Raises:
+        Exception: What went wrong in a job.
+    """
+    from distributed import as_completed  # here, because it loads slowly
+
+    waiting = list(submitted)
+    try:
+        for job in as_completed(list(waiting)):
+            job.result()
+            yield job
+            job.release()
+    except BaseException:
+        client.cancel(waiting)
+        raise

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from flexros.config.text_file import read_json
 from flexros.errors import InputError
 from flexros.provenance import code_version, versions
+from flexros.scheduler import finished
 from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
@@ -71,21 +72,14 @@ def finished_parts(
     Returns:
         Results by name of the part, in the order of the jobs.
     """
-    from distributed import as_completed  # here, because it loads slowly
-
     code = code_version()
     missing = {name: arguments for name, arguments in jobs.items() if not _file(folder, name).exists()}
     progress(len(jobs) - len(missing))
     sent = client.scatter(list(shared), broadcast=True, hash=False) if shared and missing else []
     submitted = {client.submit(function, *sent, *arguments, pure=False): name for name, arguments in missing.items()}
-    try:
-        for done, future in enumerate(as_completed(list(submitted)), start=1):
-            write_whole(_file(folder, submitted[future]), json.dumps({**future.result(), CODE: code}))
-            future.release()
-            progress(len(jobs) - len(missing) + done)
-    except BaseException:
-        client.cancel(list(submitted))
-        raise
+    for done, job in enumerate(finished(client, submitted), start=1):
+        write_whole(_file(folder, submitted[job]), json.dumps({**job.result(), CODE: code}))
+        progress(len(jobs) - len(missing) + done)
     return {name: _read(_file(folder, name)) for name in jobs}
 
 

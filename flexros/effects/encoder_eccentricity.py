@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field
 
-from flexros.effects.ranges import Range
+from flexros.effects.ranges import HIGHEST_ORDER, Range
 from flexros.effects.sensor import AbstractSensor
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class EncoderEccentricity(AbstractSensor):
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "amplitude": Range("angle", 1e-8, 1e-2, starts=3),
-            "order": Range("order", 0.5, 1000.0, starts=1),
+            "order": Range("order", 0.5, HIGHEST_ORDER, starts=1),
             "phase": Range("phase", 0.5, 3.1416, starts=1, signed=True),
         }
     )

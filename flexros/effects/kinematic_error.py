@@ -25,7 +25,8 @@ class KinematicError(AbstractToolError):
     The length vector of the body is longer by `length` (along the x axis where it has none), and the coordinate by
     which the body turns (the one with the motor, else the first) counts from an angle that is wrong by `angle`: the
     measured tool pose is that of the arm with l + length and q + angle. A tool point that the robot file states apart
-    (`tool.position`) does not move with the length of the last body.
+    (`tool.position`) does not move with the length of the last body. A diagnosis does not look for the angle of the
+    first body, because the unknown frame of a tool tracker takes it up.
 
     Reference: Hollerbach, Khalil, Gautier 2016, Springer Handbook of Robotics, chapter 8: model calibration.
     """
@@ -58,6 +59,11 @@ class KinematicError(AbstractToolError):
             return ()
         bodies = moved_bodies(robot.chain, len(robot.spec.bodies))
         return tuple(f"body_{body + 1}" for body in bodies if _turning(robot, body))
+
+    def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
+        """Leave out the angle of the first body: to turn the whole arm is to turn the frame of the tracker."""
+        first = moved_bodies(robot.chain, len(robot.spec.bodies))[0]
+        return {name: one for name, one in self.ranges.items() if name != "angle" or _number(location) != first}
 
     def geometry(self, robot: Robot, location: str, values: Mapping[str, Value]) -> dict[str, Value]:
         """Lengthen the body."""

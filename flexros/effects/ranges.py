@@ -21,6 +21,10 @@ Yardstick = Literal[
 """What the bounds of a range multiply: the largest torque, speed, motor angle or deflection of a gear in the log (of
 the joint in question), a quotient of two of them, or 1 with the unit 1, s, Hz, periods per turn, rad."""
 
+HIGHEST_ORDER = 10_000.0
+"""Highest order of a rotor that is looked for [periods per turn]: 50 per turn of a rotor whose angle counts behind a
+gear of 200 (chosen)."""
+
 
 @dataclass(frozen=True)
 class Range:

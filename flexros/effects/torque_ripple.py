@@ -9,7 +9,7 @@ import casadi as ca
 from pydantic import Field, model_validator
 
 from flexros.effects.motor_law import AbstractMotorTorque, MotorState
-from flexros.effects.ranges import Range
+from flexros.effects.ranges import HIGHEST_ORDER, Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -37,7 +37,7 @@ class TorqueRipple(AbstractMotorTorque):
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "amplitude": Range("torque", 1e-6, 1.0, starts=3, source="0.5 to 3 % of the rated torque"),
-            "order": Range("order", 0.5, 1000.0, starts=1),
+            "order": Range("order", 0.5, HIGHEST_ORDER, starts=1),
             "phase": Range("phase", 0.5, 3.1416, starts=1, signed=True),
         }
     )

@@ -10,7 +10,7 @@ import casadi as ca
 from pydantic import Field
 
 from flexros.effects.gear_law import AbstractGearLaw, GearTorques
-from flexros.effects.ranges import Range
+from flexros.effects.ranges import HIGHEST_ORDER, Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -43,7 +43,7 @@ class TransmissionError(AbstractGearLaw):
             "amplitude": Range(
                 "deflection", 1e-5, 1.0, 3, source="catalogues of strain wave gears: 1.5e-4 to 5.8e-4 rad"
             ),
-            "order": Range("order", 0.5, 1000.0, 1, source="chosen; found by a search over orders"),
+            "order": Range("order", 0.5, HIGHEST_ORDER, 1, source="chosen; found by a search over orders"),
             "phase": Range("phase", 0.5, 3.1416, 1, signed=True),
         }
     )

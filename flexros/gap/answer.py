@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.cannot_tell import cannot_tell
 from flexros.gap.diagnosis_file import Cause, CauseParameter, Diagnosis
+from flexros.gap.explain import LIKELY
 from flexros.gap.findings import place_of
 from flexros.gap.fitted_numbers import covariance_of, parameters_of, placed
 from flexros.gap.next_experiment import next_experiment
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from flexros.gap.stages import Stages
     from flexros.gap.where.find import Where
 
-LIKELY = 0.01
-"""Probability of an explanation from which the errors of its numbers are computed with care [1] (chosen)."""
 CONFIRMED = 5
 """Effects, the first of the ranking, whose gain in the held-out log is computed, a second each at most (chosen)."""
 STEP_ERROR = 1e-3

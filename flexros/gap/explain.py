@@ -28,6 +28,8 @@ REMOVED_OF_ALL = 0.3
 """Share of all that is left that a further effect must remove on a real machine [1] (chosen)."""
 RIVAL = 3.0
 """A rival whose probability is within this factor makes the answer ambiguous [1] (the contract)."""
+LIKELY = 0.01
+"""Probability of an explanation from which its numbers and their errors are looked at with care [1] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +87,7 @@ def explain(search: Search) -> Explanations:
         evidence = _evidence(search, nothing, unique(found))
         level = evidence.ranked(unique([*level, *again]))
         chosen = level[0]
-    return _explanations(evidence, chosen, detected=True)
+    return _lean(search, _explanations(evidence, chosen, detected=True))
 
 
 def _backward(search: Search, best: Fit, found: list[Fit], nothing: Fit, sizes: Yardsticks) -> list[Fit]:
@@ -93,6 +95,15 @@ def _backward(search: Search, best: Fit, found: list[Fit], nothing: Fit, sizes: 
     rest = names_of(best.predictor.hypothesis[1:])
     alone = [one for one in found if one.names == rest]
     return search.beside([min(alone, key=lambda one: one.chi2)], nothing, sizes) if alone else []
+
+
+def _lean(search: Search, found: Explanations) -> Explanations:
+    """Leave numbers that the log does not show out of all likely explanations, so that none of them has a handicap."""
+    likely = [one for one, p in zip(found.rivals, found.probabilities) if p > LIKELY or one is found.chosen]
+    leaner = {one: search.lean(one) for one in likely}
+    fits = [leaner.get(one, one) for one in found.evidence.fits]
+    evidence = _evidence(search, found.evidence.nothing, fits)
+    return _explanations(evidence, leaner[found.chosen], detected=True)
 
 
 def _left(search: Search, evidence: Evidence, chosen: Fit) -> bool:

@@ -10,11 +10,11 @@ import numpy as np
 
 from flexros.effects import PlacedEffect
 from flexros.effects.encoder_quantization import EncoderQuantization
-from flexros.gap.diagnosis_file import GapNumbers, Place
+from flexros.gap.diagnosis_file import Place
 from flexros.gap.evidence import FORM_ELSEWHERE, Evidence, evidence_of
 from flexros.gap.explain import RIVAL
 from flexros.gap.fitted_numbers import placed
-from flexros.gap.how_far import closed_fraction, errors_ahead
+from flexros.gap.how_far import closed_fraction, errors_ahead, gap_numbers
 from flexros.gap.hypothesis import name_of
 from flexros.gap.predictions import prediction_of
 from flexros.gap.result import Explanation
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects import RobotWithEffects
-    from flexros.gap.diagnosis_file import Verdict
+    from flexros.gap.diagnosis_file import GapNumbers, Verdict
     from flexros.gap.explain import Explanations
     from flexros.gap.fit import Fit
     from flexros.gap.fit_data import FitData
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
 PART_OF_UNKNOWN = 0.1
 """How often the best known effect is part of a gap that it does not explain [1] (development seeds: 3 of 39)."""
-METRIC = "mean squared prediction error 0.1 s ahead over its floor variance"
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,22 +208,10 @@ class Findings:
     @cached_property
     def gap(self) -> GapNumbers:
         """How far the gap shrinks on held-out data."""
-        before = self.errors_before
-        if not self.explanations.detected and not self.quantized:
-            return GapNumbers(metric=METRIC, unit="1", before=before.mean, noise_floor=1.0)
-        after = self.errors(self.explanations.chosen)
-        share = closed_fraction(before, after, self.held.record.sample_time)
-        rival = None if self.best_rival is None else self.errors(self.best_rival).mean
-        return GapNumbers(
-            metric=METRIC,
-            unit="1",
-            before=before.mean,
-            after=after.mean,
-            noise_floor=1.0,
-            best_rival=rival,
-            closed_fraction=None if share is None else share.value,
-            interval=None if share is None else share.interval,
-        )
+        repaired = self.explanations.detected or self.quantized
+        after = self.errors(self.explanations.chosen) if repaired else None
+        rival = self.errors(self.best_rival) if repaired and self.best_rival is not None else None
+        return gap_numbers(self.errors_before, after, self.held.record.sample_time, rival)
 
 
 def doubted(evidence: Evidence, data: FitData) -> Evidence:

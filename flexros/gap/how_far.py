@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.gap.diagnosis_file import GapNumbers
 from flexros.random_streams import generator
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from flexros.gap.fit import Fit
     from flexros.gap.fit_data import FitData
 
+METRIC = "mean squared prediction error 0.1 s ahead over its floor variance"
 HORIZON = 0.1
 """How far ahead a prediction is made [s] (the contract)."""
 SPACING = 0.025
@@ -131,6 +133,30 @@ def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float)
     means = means[:, means[0] - 1.0 > least]
     low, high = np.quantile((means[0] - means[1]) / (means[0] - 1.0), [0.025, 0.975])
     return ClosedShare((before.mean - after.mean) / (before.mean - 1.0), (float(low), float(high)))
+
+
+def gap_numbers(
+    before: AheadErrors, after: AheadErrors | None, sample_time: float, rival: AheadErrors | None = None
+) -> GapNumbers:
+    """Put the gap before and after a repair into numbers.
+
+    Args:
+        before: Errors of the nominal model.
+        after: Errors of the repaired model, at the same windows; None where nothing was repaired.
+        sample_time: Time between two samples [s].
+        rival: Errors of the best explanation that was not chosen.
+    """
+    share = None if after is None else closed_fraction(before, after, sample_time)
+    return GapNumbers(
+        metric=METRIC,
+        unit="1",
+        before=before.mean,
+        after=None if after is None else after.mean,
+        noise_floor=1.0,
+        best_rival=None if rival is None else rival.mean,
+        closed_fraction=None if share is None else share.value,
+        interval=None if share is None else share.interval,
+    )
 
 
 def _sampling_error(errors: AheadErrors) -> float:

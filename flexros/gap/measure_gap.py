@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flexros.gap.diagnosis_file import GapNumbers
 from flexros.gap.evidence import evidence_of
-from flexros.gap.findings import METRIC, doubted
+from flexros.gap.findings import doubted
 from flexros.gap.fit_data import fit_data
-from flexros.gap.how_far import closed_fraction, errors_ahead
+from flexros.gap.how_far import errors_ahead, gap_numbers
 from flexros.gap.rounding import over_expected_floor, unknown_rounding
 from flexros.gap.search import Search
 from flexros.gap.settings import DiagnosisSettings
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects import RobotWithEffects
+    from flexros.gap.diagnosis_file import GapNumbers
     from flexros.gap.fit_data import FitData
     from flexros.gap.how_far import AheadErrors
     from flexros.gap.record import GapRecord
@@ -62,21 +62,10 @@ def measure_gap(
     """
     data = fit_data(record, model, settings or DiagnosisSettings())
     before, significant = _errors(model, data, tolerance or {})
-    if repaired is None:
-        numbers = GapNumbers(metric=METRIC, unit="1", before=before.mean, noise_floor=1.0)
-        return MeasuredGap(numbers, significant)
-    after, significant = _errors(repaired, data, tolerance or {})
-    share = closed_fraction(before, after, record.sample_time)
-    numbers = GapNumbers(
-        metric=METRIC,
-        unit="1",
-        before=before.mean,
-        after=after.mean,
-        noise_floor=1.0,
-        closed_fraction=None if share is None else share.value,
-        interval=None if share is None else share.interval,
-    )
-    return MeasuredGap(numbers, significant)
+    after = None
+    if repaired is not None:
+        after, significant = _errors(repaired, data, tolerance or {})
+    return MeasuredGap(gap_numbers(before, after, record.sample_time), significant)
 
 
 def _errors(model: RobotWithEffects, data: FitData, tolerance: Mapping[str, float]) -> tuple[AheadErrors, bool]:

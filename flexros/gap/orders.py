@@ -13,6 +13,7 @@ from scipy.linalg import expm
 from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, lfilter
 
+from flexros.effects.ranges import HIGHEST_ORDER
 from flexros.robot.linearise import linear_model
 from flexros.robot.spring import Spring
 
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
 Entry = Literal["torque", "proportional torque", "gear", "encoder"]
 """Where a wave enters: torque at the motor, the same relative to the torque, torsion of the gear, encoder."""
 
-HIGHEST = 1000.0
-"""Highest order that is looked for [periods per turn] (chosen)."""
 MOST_SPEED = 0.4
 """Highest frequency of an order at the largest speed, relative to the sampling frequency [1] (chosen)."""
 POINTS = 8
@@ -130,7 +129,7 @@ class OrderSearch:
     def _highest(self, angle: FloatArray) -> float:
         """Return the highest order that the sample time lets through."""
         fastest = float(np.quantile(np.abs(np.diff(angle)), 0.95))
-        return min(HIGHEST, 2 * np.pi * MOST_SPEED / max(fastest, 1e-12))
+        return min(HIGHEST_ORDER, 2 * np.pi * MOST_SPEED / max(fastest, 1e-12))
 
     def _factor(self, motor: int, entry: Entry) -> FloatArray | float:
         """Return what the wave is multiplied with where it enters: the torque, or the stiffness over the linear one."""

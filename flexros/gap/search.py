@@ -17,6 +17,7 @@ from flexros.gap.periodic_suspects import other_orders, periodic_suspects
 from flexros.gap.predictor import Predictor
 from flexros.gap.promises import promises
 from flexros.gap.relief import with_relief
+from flexros.gap.spare_numbers import without_least_number
 from flexros.gap.tolerance import Tolerance
 from flexros.gap.yardsticks import yardsticks
 
@@ -210,6 +211,23 @@ class Search:
             nearest = np.argsort(chi2_of(one.predictor, self.data, starts))[:2]
             one = best_of([one, *(self._quick(one.predictor, starts[:, place]) for place in nearest)])
         return fit(one.predictor, self.data, one.theta, MANY, enough=EXACTLY, rival=rival)
+
+    def lean(self, one: Fit) -> Fit:
+        """Leave out the numbers of a fit that are not worth their price by the information criterion (Schwarz 1978).
+
+        Args:
+            one: The fit.
+
+        Returns:
+            A fit of the same effects with fewer numbers, or the same fit.
+        """
+        n = self.data.n_values
+        while (less := without_least_number(one)) is not None:
+            leaner = fit(self.predictor(less[0]), self.data, less[1], MANY, enough=EXACTLY)
+            if not n * np.log(leaner.chi2 / one.chi2) < np.log(n):
+                break
+            one = leaner
+        return one
 
     def beside(self, firsts: Sequence[Fit], nothing: Fit, sizes: Yardsticks) -> list[Fit]:
         """Fit the most promising suspects beside each of some explanations.

@@ -58,3 +58,9 @@ def test_neutral_values_switch_it_off_and_tools_without_geometry_have_none() -> 
     assert PlantModel(E12, laws_of(E12, "kinematic_error@body_2:length=0")).laws == ()
     assert KinematicError().locations(load_robot("four_mass")) == ()
     assert KinematicError().locations(E12) == ("body_1", "body_2", "body_3")
+
+
+@pytest.mark.parametrize(("location", "names"), [("body_1", {"length"}), ("body_2", {"length", "angle"})])
+def test_the_angle_of_the_first_body_is_not_looked_for(location: str, names: set[str]) -> None:
+    """A tracker that stands turned by this angle sees the same."""
+    assert set(KinematicError().fitted(load_robot("elbow"), location)) == names

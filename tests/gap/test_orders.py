@@ -42,6 +42,17 @@ def test_a_wave_is_found_where_it_enters(effect: str, entry: Entry, amplitude: f
     assert found.amplitude == pytest.approx(amplitude, rel=0.4)
 
 
+def test_an_order_that_counts_behind_a_gear_may_be_high() -> None:
+    """24 periods per turn of a rotor behind a gear of 100, on a robot whose file does not tell the ratio."""
+    search = order_search()
+    search._states = search._states / 400.0
+    wave = 1e-4 * np.sin(2400.0 * search._angle(0) + 0.8)
+    search._residual = search._weighted(search._forward(search._source(0, "encoder"), wave)).reshape(1, -1).T
+    found = search.search(0, "encoder")[0]
+    assert found.order == pytest.approx(2400.0, abs=0.3 * 400.0 * resolution())
+    assert found.amplitude == pytest.approx(1e-4, rel=0.2)
+
+
 def test_a_wave_of_the_right_order_is_fitted_with_amplitude_and_phase() -> None:
     found = order_search("torque_ripple@motor_1:amplitude=0.005,order=7,phase=0.8").fit(0, "torque", 7.0)
     assert found.amplitude == pytest.approx(0.005, rel=0.03)

@@ -133,6 +133,13 @@ period may be longer than 100 ms.""",
 swaps 5 % with the next one. The log must equal that of an undisturbed run.""",
         bad_transport.disturbed,
     ),
+    "bad_transport_real_time": Part(
+        "Messages lost, repeated and swapped in real time",
+        """The same at 2 kHz: nothing is sent again, the plant holds the last command where none came. The loop has to
+go on, nothing may be missing in the log, and no motor may leave the undisturbed motion by more than 1 % of its
+range.""",
+        bad_transport.disturbed_in_real_time,
+    ),
     "flood": Part(
         "Floods in lock-step",
         """A foreign node sends 10,000 messages per second while the loop runs. The log must equal that of an

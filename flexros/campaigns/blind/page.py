@@ -94,14 +94,16 @@ def _table(scores: dict[str, Score]) -> list[str]:
 
 def _effects(answers: Sequence[Answer]) -> list[str]:
     lines = [
-        "| effect | well above the noise | first | first, nested counted | among three | seen | named at 90 % [nats] |",
-        "|---|---|---|---|---|---|---|",
+        "| effect | well above the noise | first | first, nested counted | among three | seen | named at 90 % [nats] "
+        "| size in its 95 % interval |",
+        "|---|---|---|---|---|---|---|---|",
     ]
     for name, one in record(answers)["effects"].items():
         shares = [_percent(one[key]) for key in ("top_1", "top_1_nested", "top_3", "detected")]
         half = one["naming"]["at_90"]
         bound = f"{half:.3g}" if np.isfinite(half) else ""
-        lines.append(f"| {name} | {one['top_1']['cases']} | {' | '.join(shares)} | {bound} |")
+        sizes = f"{one['covered']['hits']} of {one['covered']['cases']}" if one["covered"]["cases"] else ""
+        lines.append(f"| {name} | {one['top_1']['cases']} | {' | '.join(shares)} | {bound} | {sizes} |")
     return lines
 
 

@@ -11,6 +11,7 @@ from flexros.errors import FlexrosError, InputError
 from flexros.gap.blind.seal import CASE_FILE, DIAGNOSIS_FILE, ROBOT_FILE, OpenCase, read_case
 from flexros.gap.repair import write_patch
 from flexros.json_text import json_text
+from flexros.scheduler import finished
 from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
@@ -136,15 +137,7 @@ def on_workers(
         jobs: Its arguments.
         progress: Called with the number of jobs that are done.
     """
-    from distributed import as_completed  # here, because it loads slowly
-
     submitted = [client.submit(function, *arguments, pure=False) for arguments in jobs]
     progress(0)
-    try:
-        for done, future in enumerate(as_completed(list(submitted)), start=1):
-            future.result()
-            future.release()
-            progress(done)
-    except BaseException:
-        client.cancel(submitted)
-        raise
+    for done, _ in enumerate(finished(client, submitted), start=1):
+        progress(done)
