@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+import time
 from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
@@ -18,6 +19,8 @@ FOLDER = Path("/dev/shm")  # noqa: S108 - where Linux keeps shared memory
 PROCESSES = Path("/proc")
 LOCK_SUFFIX = "_el"
 _MOST_FILES = 65_536
+_LOOKS, _PAUSE = 5, 0.05
+"""Looks while a segment is locked that nobody maps (another cleaner tries its lock), and seconds between (chosen)."""
 
 _NAME = re.compile(r"^(?:sem\.)?((?:fastrtps|fastdds)_[a-z0-9]+)(?:_el|_sl|_mutex)?$")
 
@@ -36,18 +39,23 @@ def remove_segments_without_owner(folder: Path = FOLDER, processes: Path = PROCE
     Returns:
         Names of the removed segments.
     """
+    removed: list[str] = []
     if fcntl is None or not folder.is_dir():
-        return []
-    files: dict[str, list[Path]] = {}
-    for path in folder.iterdir():
-        if (match := _NAME.match(path.name)) and _is_ours(path):
-            files.setdefault(match[1], []).append(path)
-    in_use = _mapped_names(folder, processes) if files else set()
-    unused = {name: paths for name, paths in sorted(files.items()) if name not in in_use and _unlocked(folder, name)}
-    for paths in unused.values():
-        for path in paths:
-            path.unlink(missing_ok=True)
-    return list(unused)
+        return removed
+    for look in range(_LOOKS):
+        if look:
+            time.sleep(_PAUSE)
+        files = _files(folder)
+        in_use = _mapped_names(folder, processes) if files else set()
+        idle = [name for name in sorted(files) if name not in in_use]
+        unused = [name for name in idle if _unlocked(folder, name)]
+        for name in unused:
+            for path in files[name]:
+                path.unlink(missing_ok=True)
+        removed += unused
+        if len(unused) == len(idle):
+            break
+    return removed
 
 
 def become_cleaner() -> NoReturn:
@@ -59,6 +67,15 @@ def become_cleaner() -> NoReturn:
     sys.stderr.flush()
     os.closerange(3, _MOST_FILES)  # they would keep their locks
     os.execv(sys.executable, [sys.executable, "-m", "flexros_nodes.shared_memory"])  # noqa: S606 - our own module
+
+
+def _files(folder: Path) -> dict[str, list[Path]]:
+    """List the files of each segment of this user, by its name."""
+    files: dict[str, list[Path]] = {}
+    for path in folder.iterdir():
+        if (match := _NAME.match(path.name)) and _is_ours(path):
+            files.setdefault(match[1], []).append(path)
+    return files
 
 
 def _is_ours(path: Path) -> bool:

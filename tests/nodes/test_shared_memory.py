@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import threading
 from pathlib import Path
 
 import pytest
@@ -39,6 +40,16 @@ def test_locked_segment_stays(folder: Path, processes: Path) -> None:
         fcntl.flock(owner, fcntl.LOCK_EX)
         assert remove_segments_without_owner(folder, processes) == ["fastrtps_port7413"]
     assert (folder / SEGMENT).exists()
+
+
+def test_segment_whose_lock_another_cleaner_tries_just_now_is_removed(folder: Path, processes: Path) -> None:
+    with (folder / f"{SEGMENT}_el").open("rb") as cleaner:
+        fcntl.flock(cleaner, fcntl.LOCK_EX)
+        release = threading.Timer(0.07, fcntl.flock, (cleaner, fcntl.LOCK_UN))
+        release.start()
+        assert remove_segments_without_owner(folder, processes) == ["fastrtps_port7413", SEGMENT]
+        release.join()
+    assert [path.name for path in folder.iterdir()] == ["other_data"]
 
 
 def test_mapped_segment_stays(folder: Path, processes: Path) -> None:
