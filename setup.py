@@ -65,6 +65,7 @@ setup(
         "xarray>=2024.1",
         "cvxpy>=1.5",
         "distributed>=2024.5",
+        "threadpoolctl>=3.1",
     ],
     extras_require={
         "ros": ROS_WHEELS,

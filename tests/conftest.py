@@ -12,6 +12,8 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+# Workers and the processes that tests start run side by side: threads of BLAS would wait for each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Message setters check types while tests run; read when a message package is first imported.
 os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
 

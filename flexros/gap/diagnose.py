@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
+from flexros.blas_threads import one_blas_thread
 from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
 from flexros.gap.answer import result_of
@@ -33,6 +34,7 @@ SAME_RATE = 1e-3
 """Relative difference of sample times up to which two logs have the same rate [1] (chosen)."""
 
 
+@one_blas_thread()
 def diagnose(
     record: GapRecord,
     robot: Robot | RobotWithEffects,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from flexros.blas_threads import one_blas_thread
 from flexros.gap.evidence import evidence_of
 from flexros.gap.findings import doubted
 from flexros.gap.fit_data import fit_data
@@ -38,6 +39,7 @@ class MeasuredGap:
     significant: bool
 
 
+@one_blas_thread()
 def measure_gap(
     record: GapRecord,
     model: RobotWithEffects,

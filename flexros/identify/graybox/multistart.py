@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.blas_threads import one_blas_thread
 from flexros.errors import InputError, RunError
 from flexros.identify.graybox.fit import Fit, FitSettings, fit
 
@@ -90,7 +91,7 @@ def multistart(
     chosen = np.asarray(starts, dtype=float)
     if client is not None:
         return _on_cluster(problem, chosen, bounds, settings, client, progress)
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+    with one_blas_thread(), ThreadPoolExecutor(threads or os.cpu_count()) as pool:
         try:
             return _collected(pool.map(lambda start: fit(problem, start, bounds, settings), chosen), progress)
         except BaseException:
