@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 import re
 import sys
-import time
 from contextlib import suppress
 from pathlib import Path
+from time import sleep
 from typing import NoReturn
 
 try:
@@ -44,7 +44,7 @@ def remove_segments_without_owner(folder: Path = FOLDER, processes: Path = PROCE
         return removed
     for look in range(_LOOKS):
         if look:
-            time.sleep(_PAUSE)
+            sleep(_PAUSE)
         files = _files(folder)
         in_use = _mapped_names(folder, processes) if files else set()
         idle = [name for name in sorted(files) if name not in in_use]
