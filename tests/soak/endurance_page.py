@@ -133,12 +133,12 @@ period may be longer than 100 ms.""",
 swaps 5 % with the next one. The log must equal that of an undisturbed run.""",
         bad_transport.disturbed,
     ),
-    "bad_transport_real_time": Part(
-        "Messages lost, repeated and swapped in real time",
-        """The same at 2 kHz: nothing is sent again, the plant holds the last command where none came. The loop has to
-go on, nothing may be missing in the log, and no motor may leave the undisturbed motion by more than 1 % of its
-range.""",
-        bad_transport.disturbed_in_real_time,
+    "loss_real_time": Part(
+        "Messages lost in real time",
+        """Plant and controller do not see 5 % of the commands, measurements and references, at 2 kHz: nothing is sent
+again, the plant holds the last command. The loop has to go on, nothing may be missing in the log, and no motor may
+leave the undisturbed motion by more than 1 % of its range.""",
+        bad_transport.lossy_in_real_time,
     ),
     "flood": Part(
         "Floods in lock-step",
