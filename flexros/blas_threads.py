@@ -13,9 +13,6 @@ if TYPE_CHECKING:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Let every call of BLAS in this process use one thread while in the block, or in a function that it decorates.
-
-    Two fits at the same time, each with two such threads on two processors, take half as long again as with one each.
-    """
+    """Let every call of BLAS in this process use one thread while in the block, or in a function that it decorates."""
     with threadpool_limits(limits=1, user_api="blas"):
         yield

@@ -86,7 +86,7 @@ def finished(client: Client, submitted: Iterable[Future]) -> Iterator[Future]:
 
     waiting = list(submitted)
     try:
-        for job in as_completed(list(waiting)):
+        for job in as_completed(waiting):
             job.result()
             yield job
             job.release()

@@ -148,7 +148,7 @@ undisturbed run.""",
     ),
     "flood_real_time": Part(
         "Floods in real time",
-        "The same at 2 kHz: the loop has to go on.",
+        "The same at 2 kHz: the loop has to go on, and nothing may be missing in its log.",
         foreign_senders.flooded_in_real_time,
     ),
     "second_controller": Part(

@@ -59,7 +59,7 @@ def flooded(folder: Path, kinds: Sequence[str] = tuple(FLOODS), duration: float 
 
 
 def flooded_in_real_time(folder: Path, kinds: Sequence[str] = tuple(FLOODS), duration: float = 20.0) -> Result:
-    """Flood a loop in real time: it has to go on."""
+    """Flood a loop in real time: it has to go on, and nothing may be missing in its log."""
     result = Result(
         ["flood", "sent", "samples without command, of all", "late cycles [%]", "samples missing in the log"]
     )
@@ -69,9 +69,11 @@ def flooded_in_real_time(folder: Path, kinds: Sequence[str] = tuple(FLOODS), dur
         work = folder / (kind or "alone")
         code, figures, flood = _run(work, scenario, kind, RATE, "--realtime", "--layout", "processes")
         missed = f"{figures['missed_commands']:.0f} of {figures['samples']:,}"
-        wrong = f"exit code {code}" if code else ""
+        wrong = [f"exit code {code}"] * bool(code) + ["the log lacks samples"] * bool(figures["missing_in_log"])
         late, lost = f"{figures['late_percent']:.1f}", str(figures["missing_in_log"])
-        result.add(FLOODS[kind] if kind else "none", f"{flood.get('sent', 0):,}", missed, late, lost, wrong=wrong)
+        result.add(
+            FLOODS[kind] if kind else "none", f"{flood.get('sent', 0):,}", missed, late, lost, wrong="; ".join(wrong)
+        )
         shutil.rmtree(work)
     return result
 
