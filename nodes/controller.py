@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from std_msgs.msg import Header
+
 from flexros.errors import FlexrosError, RunError
 from flexros.logs.joint_state_message import JointStateTemplate, JointStateView
 from flexros.logs.joint_trajectory_message import read_joint_trajectory
@@ -60,9 +62,11 @@ class ControllerNode(FlexrosNode):
         self._view = JointStateView(self._names)
         self._command_message = JointStateTemplate(self._names, effort=True)
         self._reference_message = JointStateTemplate(self._names, position=True, velocity=True, effort=True)
+        self._confirmation = Header()
         self._begin()
         self._commands = self.announce("joint_commands")
         self._references = self.announce("joint_reference")
+        self._received = self.announce("reference_received")
         self.listen("joint_states", self._on_state)
         self.listen("joint_reference_ahead", self._on_chunk)
         self.listen("joint_trajectory", self._on_trajectory)
@@ -213,6 +217,8 @@ class ControllerNode(FlexrosNode):
             raise RunError(f"a message on joint_reference_ahead is refused: {error}") from error
         self._buffer.append(chunk)
         self._answer()
+        self._confirmation.stamp.sec, self._confirmation.stamp.nanosec = divmod(chunk.stamp_ns, NANOSECONDS)
+        self._received.publish(self._confirmation)
 
     def _on_trajectory(self, message: bytes) -> None:
         """Look at a trajectory; in a flood of them only now and then, at the newest."""

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 class HeldCommand:
     """Holds the last command while no new one comes, for a while.
 
+    A partner that answers late is not gone: its command is held, too, but the sample that it answers was missed.
+
     Args:
         first: Command of the first sample [Nm or N], shape (M,).
         sample_time: Time between two samples [s].
@@ -32,10 +34,11 @@ class HeldCommand:
         """Whether a command has come that was not taken yet."""
         return self._is_new
 
-    def offer(self, command: FloatArray) -> None:
-        """Take a command that has come [Nm or N], shape (M,)."""
+    def offer(self, command: FloatArray, *, late: bool = False) -> None:
+        """Take a command that has come [Nm or N], shape (M,); a late one answers a sample that is over."""
         self._command = command
-        self._is_new = True
+        self._is_new = not late
+        self._in_a_row = 0
 
     def take(self) -> FloatArray | None:
         """Give the command of the sample that is due, shape (M,); None when the last one is too old."""

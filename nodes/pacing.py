@@ -56,9 +56,8 @@ class Paced(Protocol):
     schedule: Schedule | None
     prioritised: bool
 
-    @property
     def answered(self) -> bool:
-        """Whether what the next cycle needs is there."""
+        """Look whether what the next cycle needs has come."""
 
     def cycle(self) -> None:
         """Do the cycle that is due."""

@@ -49,7 +49,7 @@ class PlantNode(FlexrosNode):
 
     def __init__(self, *, context: Context | None = None, values: Mapping[str, Value] | None = None) -> None:
         super().__init__(context=context, values=values)
-        self._pacing = PlantPacing(lambda command: self.loop.on_cycle(command))
+        self._pacing = PlantPacing(lambda command: self.loop.on_cycle(command), lambda: self.loop.receive())
 
     def configure(self) -> None:
         """Prepare the robot, publishers, services and the subscription to commands."""

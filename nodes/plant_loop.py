@@ -59,7 +59,7 @@ class PlantLoop:
         self._real_time = bool(node.value("real_time"))
         self.messages = PlantMessages(node, run.nominal.joint_names, run.sample_time)
         self.pause = Pause(False, 0.0)
-        node.listen("joint_commands", self._on_command)
+        self._commands = node.listen("joint_commands", self._on_command)
         node.listen("recorder_progress", self._on_recorded)
         node.listen("experiment_state", self._on_experiment)
         self.begin()
@@ -70,6 +70,8 @@ class PlantLoop:
         self.plant = self._run.plant_in_time()
         self._n_samples = self._run.n_samples
         self._pacing.forget()
+        self._node.poll(self._commands, polled=False)
+        self._newest_command = -1
         self.sample, self.stamp = -1, stamp_ns(0, self._sample_time)
         self._began = self._ended = 0.0
         self._kept: FloatArray | None = None
@@ -133,12 +135,17 @@ class PlantLoop:
     def _on_command(self, message: bytes) -> None:
         if self.over or (self._drops is not None and self._drops()):
             return
-        if not self.lockstep.answers(self._reader.stamp(message)):
+        stamp = self._reader.stamp(message)
+        answers = self.lockstep.answers(stamp)
+        if self._real_time and self._pacing.has_begun:
+            if self._newest_command < stamp <= self.lockstep.awaited:
+                self._newest_command = stamp
+                self._pacing.offer(self._reader.read(message, self.sample), late=not answers)
+            return
+        if not answers:
             return
         command = self._reader.read(message, self.sample)
-        if self._real_time and self._pacing.has_begun:
-            self._pacing.offer(command)
-        elif self.sample and not self.pause.on:
+        if self.sample and not self.pause.on:
             self._advance(command)
         else:
             self._kept = command if self._kept is None else self._kept
@@ -203,11 +210,17 @@ class PlantLoop:
         self._n_samples = min(self._run.n_samples, state.last_sample + 1)
 
     def _begin_pacing(self, command: FloatArray, now: float) -> None:
+        self._newest_command = self.stamp
         self._pacing.begin(command, self._sample_time, self._node.value("real_time_patience"))
+        self._node.poll(self._commands)
         if self.pause.on:
             self._pacing.step()
         else:
             self._pacing.go_on(now)
+
+    def receive(self) -> bool:
+        """Take one command that has come in real time; tells whether there was one."""
+        return self._node.take(self._commands)
 
     def on_cycle(self, command: FloatArray | None) -> None:
         """Do a cycle of real time.
@@ -215,6 +228,8 @@ class PlantLoop:
         Args:
             command: Newest command [Nm or N], shape (M,); None when it is too old.
         """
+        if self.over:  # among what came there was a command that is refused
+            return
         try:
             if command is None:
                 raise RunError(silence_text(self.sample, self.stamp, self._node.value("real_time_patience")))

@@ -33,8 +33,9 @@ STALL_PERIODS = 16
 class ReferenceStream:
     """The reference of a run in chunks that append to each other, and the tool reference beside it.
 
-    /clock tells how far the loop is. When it stands still, what its readers may lack is sent again, which does no harm:
-    a message says the same however often it comes. When the loop begins anew, so does the stream.
+    /clock tells how far the loop is. When it stands still, what its readers may lack is sent again; so is a chunk that is
+    not confirmed by a controller which has confirmed others. That does no harm: a message says the same however often it
+    comes. When the loop begins anew, so does the stream.
 
     Args:
         node: Node that owns the topics; configured anew, it makes a new stream.
@@ -64,6 +65,7 @@ class ReferenceStream:
         self._chunks = node.announce("joint_reference_ahead")
         self._poses = node.announce("tool_reference")
         node.listen("clock", self._on_clock)
+        node.listen("reference_received", self._on_received)
 
     def _begin(self) -> None:
         """Stand before the first chunk."""
@@ -127,6 +129,10 @@ class ReferenceStream:
         if self._found and not self.closed:
             self._send_due()
 
+    def _on_received(self, message: bytes) -> None:
+        for samples in self._stream.confirm(sample_number(stamp_of(message), self._sample_time)):
+            self._send(samples)
+
     def _send_due(self) -> None:
         for samples in self._stream.due(self.progress):
             self._send(samples)
@@ -156,11 +162,14 @@ class ReferenceStream:
         self._chunks.publish(serialise_joint_trajectory(chunk))
 
     def _watch(self) -> None:
-        """Send again what a loop that stands still may lack."""
+        """Send again what has not arrived, and what a loop that stands still may lack."""
         stands_still = self._running and self.progress == self._seen and self.progress < self._n_samples - 1
         self._seen = self.progress
         self._stalls = self._stalls + 1 if stands_still else 0
         if stands_still and (self._stalls & (self._stalls - 1) == 0 or self._stalls % STALL_PERIODS == 0):
-            for samples in self._stream.again(self.progress):
-                self._send(samples)
+            lacking = self._stream.again(self.progress)
             self._send_poses(range(self.progress, self._poses_sent))
+        else:
+            lacking = self._stream.overdue(self.progress)
+        for samples in lacking:
+            self._send(samples)

@@ -26,9 +26,14 @@ NODES = ("recorder", *LEADERS, "controller", "plant")
 IN_REAL_TIME: dict[str, dict[str, Value]] = {
     "plant": {"priority": PRIORITY},
     "controller": {"priority": PRIORITY},
-    "recorder": {"niceness": 10},
+    **{leader: {"priority": PRIORITY // 2} for leader in LEADERS},
+    "recorder": {"priority": PRIORITY // 2, "niceness": 10},
 }
-"""How nodes in processes of their own stand to each other in real time, chosen: the recorder has until the end."""
+"""How nodes in processes of their own stand to each other in real time, chosen.
+
+What others do on the machine must delay neither reference nor log; where the system gives no priority, the recorder
+steps back for the loop: it has until the end.
+"""
 
 
 def leader_of(scenario: Scenario) -> str:

@@ -7,6 +7,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.task import Future
 
 from flexros_nodes.clock_steps import waking_at_clock_steps
 from flexros_nodes.precise_timing import precise_timing
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 
     from rclpy.context import Context
     from rclpy.executors import Executor
-    from rclpy.task import Future
 
     from flexros_nodes.interruption import Interruption
     from flexros_nodes.node_base import FlexrosNode
@@ -33,8 +33,8 @@ SLICE = 0.2
 WATCH_PERIOD = 0.05
 """Period at which the executor looks whether a signal has come [s], chosen."""
 
-BUSY = 40e-6
-"""Time before a cycle is due from which the paced loop watches the clock instead of sleeping [s], chosen."""
+BUSY = 130e-6
+"""Time before a cycle is due from which the paced loop watches clock and messages instead of sleeping [s], chosen."""
 
 
 MOST_EVENTS = 16
@@ -64,10 +64,10 @@ def spin(executor: Executor, stop: Future, interrupted: Interruption, node: Flex
             return
         with precise_timing() as paced.prioritised:
             while not (stop.done() or interrupted()):
-                schedule = paced.schedule
-                remaining = SLICE if schedule is None else schedule.due - BUSY - perf_counter()
-                if schedule is None or remaining > 0.0:
-                    executor.spin_once(timeout_sec=min(remaining, SLICE))
+                if (schedule := paced.schedule) is None:
+                    executor.spin_once(timeout_sec=SLICE)
+                elif (remaining := schedule.due - BUSY - perf_counter()) > 0.0:
+                    executor.spin_until_future_complete(Future(), timeout_sec=min(remaining, SLICE))
                 else:
                     _start_cycle(executor, paced, schedule)
 
@@ -91,9 +91,9 @@ def _watching(interrupted: Interruption, stop: Future, node: FlexrosNode) -> Ite
 def _start_cycle(executor: Executor, paced: Paced, schedule: Schedule) -> None:
     """Start the cycle that is about to be due."""
     while perf_counter() < schedule.due:
-        pass
+        paced.answered()
     for _ in range(MOST_EVENTS):  # after a delay the answer may lie in the queue already
-        if paced.answered:
+        if paced.answered():
             break
         executor.spin_once(timeout_sec=0.0)
     schedule.started(perf_counter())

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from rclpy.context import Context
     from rclpy.publisher import Publisher
+    from rclpy.subscription import Subscription
     from rclpy.timer import Timer
 
     from flexros_nodes.parameters import Value
@@ -48,6 +49,7 @@ class AbstractTopicNode(AbstractParameterNode):
     """
 
     def __init__(self, name: str, context: Context | None, values: Mapping[str, Value]) -> None:
+        self._polled: set[Subscription] = set()
         super().__init__(name, context, values)
         self.active = False
         self.unreadable = 0
@@ -72,13 +74,16 @@ class AbstractTopicNode(AbstractParameterNode):
         self._made.append(partial(self.destroy_publisher, publisher))
         return publisher
 
-    def listen(self, name: str, callback: Callable[[bytes], None], *, recorder: bool = False) -> None:
+    def listen(self, name: str, callback: Callable[[bytes], None], *, recorder: bool = False) -> Subscription:
         """Subscribe to a topic.
 
         Args:
             name: Topic.
             callback: Takes the serialised message; called only while the node is active.
             recorder: Ask for the producer's QoS instead of that of the loop.
+
+        Returns:
+            The subscription, for `poll`.
         """
         row = topic(name)
         profile = row.qos if recorder else row.subscription_qos
@@ -101,7 +106,33 @@ class AbstractTopicNode(AbstractParameterNode):
                 qos_overriding_options=overriding_options(profile, where, publisher=False),
                 raw=True,
             )
-        self._made.append(partial(self.destroy_subscription, subscription))
+        self._made.append(partial(self._forget_subscription, subscription))
+        return subscription
+
+    def _forget_subscription(self, subscription: Subscription) -> None:
+        self._polled.discard(subscription)
+        self.destroy_subscription(subscription)
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription]:
+        """Give the subscriptions that an executor answers: all but those that are polled."""
+        return (one for one in super().subscriptions if one not in self._polled)
+
+    def poll(self, subscription: Subscription, *, polled: bool = True) -> None:
+        """Let no executor answer a subscription but `take` alone, or give it back to the executor."""
+        (self._polled.add if polled else self._polled.discard)(subscription)
+        if self.executor is not None:
+            self.executor.wake()
+
+    def take(self, subscription: Subscription) -> bool:
+        """Hand the oldest message of a polled subscription to its callback; tells whether there was one."""
+        handle = subscription.handle
+        with handle:
+            taken = handle.take_message(subscription.msg_type, subscription.raw)
+        if taken is None:
+            return False
+        subscription.callback(taken[0])
+        return True
 
     def _leave_aside(self, name: str, error: MessageError) -> None:
         self.unreadable += 1

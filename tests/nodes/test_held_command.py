@@ -31,6 +31,16 @@ def test_command_that_is_too_old_is_no_more() -> None:
     assert taken[6] is None
 
 
+def test_late_command_is_held_though_its_sample_was_missed() -> None:
+    held = HeldCommand(FIRST, 5e-4, 0.001)
+    held.take()
+    for _ in range(9):
+        held.offer(NEXT, late=True)
+        assert not held.is_new
+        assert held.take() is NEXT
+    assert held.missed == 9
+
+
 def test_command_in_between_starts_the_patience_anew() -> None:
     held = HeldCommand(FIRST, 5e-4, 0.001)
     for _ in range(5):

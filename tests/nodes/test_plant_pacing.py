@@ -7,7 +7,7 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros_nodes.pacing import Schedule
-from flexros_nodes.plant_pacing import PlantPacing
+from flexros_nodes.plant_pacing import MOST_MESSAGES, PlantPacing
 
 T = 5e-4
 
@@ -17,10 +17,19 @@ class Cycles:
 
     def __init__(self) -> None:
         self.commands: list[float | None] = []
-        self.pacing = PlantPacing(self.note)
+        self.waiting: list[float | None] = []
+        self.pacing = PlantPacing(self.note, self.receive)
 
     def note(self, command: FloatArray | None) -> None:
         self.commands.append(None if command is None else float(command[0]))
+
+    def receive(self) -> bool:
+        """Take what waits: a command, or None for a message that is none."""
+        if not self.waiting:
+            return False
+        if (command := self.waiting.pop(0)) is not None:
+            self.pacing.offer(np.array([command]))
+        return True
 
 
 @pytest.fixture
@@ -33,7 +42,7 @@ def cycles() -> Cycles:
 def test_nothing_is_paced_before_the_first_command() -> None:
     pacing = Cycles().pacing
     assert not pacing.has_begun
-    assert pacing.answered
+    assert pacing.answered()
     assert pacing.schedule is None
 
 
@@ -49,6 +58,26 @@ def test_cycles_hold_the_last_command_until_it_is_too_old(cycles: Cycles) -> Non
         cycles.pacing.cycle()
     assert cycles.commands == [1.0, 1.0, 1.0, None]
     assert cycles.pacing.figures(Schedule.statistics)["missed_commands"] == 0  # no period as yet
+
+
+def test_command_is_found_among_what_has_come(cycles: Cycles) -> None:
+    cycles.pacing.go_on(0.0)
+    cycles.pacing.cycle()
+    assert not cycles.pacing.answered()
+    cycles.waiting = [None, None, 2.0, None]
+    assert cycles.pacing.answered()
+    cycles.pacing.cycle()
+    assert cycles.commands == [1.0, 2.0]
+    assert cycles.waiting == [None]
+
+
+def test_flood_does_not_keep_a_cycle_for_ever(cycles: Cycles) -> None:
+    cycles.pacing.go_on(0.0)
+    cycles.pacing.cycle()
+    cycles.waiting = [None] * 10 * MOST_MESSAGES
+    cycles.pacing.cycle()
+    assert cycles.commands == [1.0, 1.0]
+    assert len(cycles.waiting) == 9 * MOST_MESSAGES
 
 
 def test_pause_counts_neither_as_a_period_nor_as_a_miss(cycles: Cycles) -> None:

@@ -222,7 +222,7 @@ def test_real_time_goes_on_after_a_pause_without_misses(bench: Bench, short_scen
     def turn(until: int) -> None:
         """Spin as whoever paces the plant, at a pace of its own, so that no machine is too slow."""
         while loop.sample < until:
-            bench.spin_until(lambda: pacing.answered)
+            bench.spin_until(pacing.answered)
             pacing.schedule.started(pacing.schedule.due)
             pacing.cycle()
 

@@ -70,6 +70,20 @@ def test_lost_reference_chunks_are_sent_again(tmp_path: Path, log_differences: D
     assert log_differences(closed_loop(Experiment.prepare(scenario)), read_log(tmp_path / "log")) == []
 
 
+def test_lost_reference_chunks_are_sent_again_before_they_are_needed_in_real_time(tmp_path: Path) -> None:
+    # nothing stands still in real time: the plant holds its last command, so what was lost would be passed over
+    parameters = {
+        "controller": {"drop_fraction": 0.2},
+        "feedforward": {"chunk_duration": 0.02, "lead": 0.4},
+        "plant": {"real_time_patience": 10.0},
+    }
+    scenario = load_scenario("circle_dae").with_values({"duration": 1.0})
+    summary = run_scenario(scenario, tmp_path / "log", real_time=True, parameters=parameters)
+    assert summary.exit_code == 0, summary.message
+    assert summary.reports["feedforward"].figures["chunks_resent"] > 0
+    assert summary.reports["controller"].figures["waits_for_reference"] < 0.02 * summary.samples, "a fifth if not"
+
+
 def test_single_threaded_executor_gives_the_same_samples(
     tmp_path: Path, log_differences: Differences, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -37,6 +37,13 @@ def test_given_parameters_come_last() -> None:
     assert plan.values("recorder")["niceness"] == 5
 
 
+def test_loop_goes_before_reference_and_log_and_these_before_all_else_in_real_time() -> None:
+    plan = RunPlan("circle_pd", Path("log"), {"plant": {"real_time": True}})
+    priorities = [plan.process_values(node)["priority"] for node in ("plant", "controller", "feedforward", "recorder")]
+    assert priorities == [10, 10, 5, 5]
+    assert "priority" not in RunPlan("circle_pd", Path("log"), {}).process_values("recorder")
+
+
 def test_recorder_is_told_folder_and_pace() -> None:
     plan = RunPlan("circle_pd", Path("log"), {"plant": {"real_time": True}})
     assert plan.values("recorder")["folder"] == "log"

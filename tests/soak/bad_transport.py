@@ -18,8 +18,9 @@ PAIRS = (
     ("plant/joint_states", "joint_states"),
     ("joint_commands", "plant/joint_commands"),
     ("feedforward/joint_reference_ahead", "joint_reference_ahead"),
+    ("controller/reference_received", "reference_received"),
 )
-"""What the relay stands in: measurements, commands, reference."""
+"""What the relay stands in: measurements, commands, reference and its confirmation."""
 COUNTED = ("messages", "lost", "repeated", "swapped")
 """What the relay counts."""
 SAME_MOTION = 0.01
@@ -111,7 +112,8 @@ def _run(work: Path, scenario: Path, seed: int, share: float) -> tuple[int, dict
             common = {"scenario": scenario}
             report = work / "plant.json"
             plant = take(start_node("plant", work, environment, *to_plant, **common, report_file=report))
-            take(start_node("controller", work, environment, **common))
+            received = ("-r", "reference_received:=controller/reference_received")
+            take(start_node("controller", work, environment, *received, **common))
             take(start_node("feedforward", work, environment, *ahead, **common))
             recorder = take(start_node("recorder", work, environment, *measured, **common, folder=work / "log"))
             code = plant.exit_code(600.0)

@@ -89,6 +89,12 @@ PARTS = {
         long_runs.long_run,
         {"layout": "composed", "duration": 1800.0, "period": 3.0, "real_time": True},
     ),
+    "real_time_processes": Part(
+        "30 minutes of wall clock in real time, one process per node",
+        MEMORY,
+        long_runs.long_run,
+        {"layout": "processes", "duration": 1800.0, "period": 3.0, "real_time": True},
+    ),
     "killed": Part(
         "A node of a run is killed",
         """`flexros run --layout processes`, SIGKILL in the midst: exit code 3, a sentence, a plant that brakes, a
@@ -135,9 +141,9 @@ swaps 5 % with the next one. The log must equal that of an undisturbed run.""",
     ),
     "loss_real_time": Part(
         "Messages lost in real time",
-        """Plant and controller do not see 5 % of the commands, measurements and references, at 2 kHz: nothing is sent
-again, the plant holds the last command. The loop has to go on, nothing may be missing in the log, and no motor may
-leave the undisturbed motion by more than 1 % of its range.""",
+        """Plant and controller do not see 5 % of the commands, measurements and references, at 2 kHz: commands and
+measurements are not sent again, the plant holds the last command; chunks of the reference are. The loop has to go on,
+nothing may be missing in the log, and no motor may leave the undisturbed motion by more than 1 % of its range.""",
         bad_transport.lossy_in_real_time,
     ),
     "flood": Part(
@@ -148,7 +154,9 @@ undisturbed run.""",
     ),
     "flood_real_time": Part(
         "Floods in real time",
-        "The same at 2 kHz: the loop has to go on, and nothing may be missing in its log.",
+        """The same at 2 kHz, with one process per node: the loop has to go on, and its log must hold all that its nodes
+have sent. A sample that the controller never saw has neither command nor reference; it counts as one without
+command. Cycles count as late from 50 us on, and looking through a flood takes longer.""",
         foreign_senders.flooded_in_real_time,
     ),
     "second_controller": Part(
