@@ -33,9 +33,9 @@ STALL_PERIODS = 16
 class ReferenceStream:
     """The reference of a run in chunks that append to each other, and the tool reference beside it.
 
-    /clock tells how far the loop is. When it stands still, what its readers may lack is sent again; so is a chunk that is
-    not confirmed by a controller which has confirmed others. That does no harm: a message says the same however often it
-    comes. When the loop begins anew, so does the stream.
+    /clock tells how far the loop is. When it stands still, what its readers may lack is sent again; so is a chunk
+    that is not confirmed by a controller which has confirmed others. That does no harm: a message says the same
+    however often it comes. When the loop begins anew, so does the stream.
 
     Args:
         node: Node that owns the topics; configured anew, it makes a new stream.

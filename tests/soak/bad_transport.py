@@ -59,6 +59,7 @@ def lossy_in_real_time(
             "seed",
             "commands lost",
             "samples without command, of all",
+            "most lateness of a cycle [ms]",
             "largest deviation [%]",
             "what the run says",
             "log",
@@ -91,7 +92,9 @@ def lossy_in_real_time(
         missed = f"{figures['missed_commands']:,.0f} of {figures['samples']:,.0f}"
         what = f"{len(both):,} of {len(wanted.stamp):,} samples"
         lost = f"{figures['dropped_on_purpose']:,.0f}"
-        result.add(str(seed), lost, missed, f"{100 * deviation:.2g}", run.last_sentence(), what, wrong="; ".join(wrong))
+        late = f"{figures['lateness_max_us'] / 1e3:.1f}"
+        said, wrong_text = run.last_sentence(), "; ".join(wrong)
+        result.add(str(seed), lost, missed, late, f"{100 * deviation:.2g}", said, what, wrong=wrong_text)
         shutil.rmtree(work)
     return result
 
