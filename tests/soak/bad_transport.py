@@ -52,8 +52,8 @@ def lossy_in_real_time(
 ) -> Result:
     """Run a loop in real time whose plant and controller do not see some messages: the motion must hardly change.
 
-    A relay in Python is too slow for 2 kHz, so the nodes themselves drop what reaches them. The first run loses nothing: it
-    shows what the lateness of the machine does alone.
+    A relay in Python is too slow for 2 kHz, so the nodes themselves drop what reaches them. The first run loses
+    nothing: it shows what the lateness of the machine does alone.
     """
     result = Result(
         [
