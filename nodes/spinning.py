@@ -7,7 +7,6 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.task import Future
 
 from flexros_nodes.clock_steps import waking_at_clock_steps
 from flexros_nodes.precise_timing import precise_timing
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
 
     from rclpy.context import Context
     from rclpy.executors import Executor
+    from rclpy.task import Future
 
     from flexros_nodes.interruption import Interruption
     from flexros_nodes.node_base import FlexrosNode
@@ -67,7 +67,7 @@ def spin(executor: Executor, stop: Future, interrupted: Interruption, node: Flex
                 if (schedule := paced.schedule) is None:
                     executor.spin_once(timeout_sec=SLICE)
                 elif (remaining := schedule.due - BUSY - perf_counter()) > 0.0:
-                    executor.spin_until_future_complete(Future(), timeout_sec=min(remaining, SLICE))
+                    executor.spin_once(timeout_sec=min(remaining, SLICE))
                 else:
                     _start_cycle(executor, paced, schedule)
 

@@ -90,10 +90,10 @@ PARTS = {
         {"layout": "composed", "duration": 1800.0, "period": 3.0, "real_time": True},
     ),
     "real_time_processes": Part(
-        "20 minutes of wall clock in real time, one process per node",
+        "15 minutes of wall clock in real time, one process per node",
         f"With real-time priority for all nodes. {MEMORY}",
         long_runs.long_run,
-        {"layout": "processes", "duration": 1200.0, "period": 3.0, "real_time": True},
+        {"layout": "processes", "duration": 900.0, "period": 3.0, "real_time": True},
     ),
     "killed": Part(
         "A node of a run is killed",
