@@ -64,9 +64,9 @@ def spin(executor: Executor, stop: Future, interrupted: Interruption, node: Flex
             return
         with precise_timing() as paced.prioritised:
             while not (stop.done() or interrupted()):
-                if (schedule := paced.schedule) is None:
-                    executor.spin_once(timeout_sec=SLICE)
-                elif (remaining := schedule.due - BUSY - perf_counter()) > 0.0:
+                schedule = paced.schedule
+                remaining = SLICE if schedule is None else schedule.due - BUSY - perf_counter()
+                if schedule is None or remaining > 0.0:
                     executor.spin_once(timeout_sec=min(remaining, SLICE))
                 else:
                     _start_cycle(executor, paced, schedule)
