@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
 
+from flexros.config.topics import load_topics
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, RunError
 from flexros_nodes.pacing import PeriodStatistics
 from flexros_nodes.precise_timing import PRIORITY
@@ -109,7 +110,8 @@ class RunSummary:
         samples_per_second: Speed of the loop [1/s].
         resends: States that were sent again.
         dropped: Messages lost on purpose.
-        missing: Samples that are missing in the log, over all topics.
+        missing: Samples that are missing in the log, over all topics, though their node has sent them.
+        unseen: Samples in the midst that the controller never saw; they have neither command nor reference.
         timing: Period and lateness of a real-time run by name, else empty.
         reports: Report of each node that left one.
         domain_id: ROS domain of the run, by which other nodes can join; -1 if not known.
@@ -126,6 +128,7 @@ class RunSummary:
     resends: int
     dropped: int
     missing: int
+    unseen: int
     timing: Mapping[str, float] = field(default_factory=dict)
     reports: Mapping[str, NodeReport] = field(default_factory=dict)
     domain_id: int = -1
@@ -166,6 +169,7 @@ def summarise(
     plant = reports["plant"].figures if "plant" in reports else {}
     recorder = reports["recorder"].figures if "recorder" in reports else {}
     recorded = int(recorder.get("joint_states.messages", 0))
+    unseen = int(reports["controller"].figures.get("missed_states", 0)) if "controller" in reports else 0
     log = folder if folder is not None and folder.is_dir() else None
     if exit_code in (RunError.exit_code, INTERNAL_ERROR, INTERRUPTED):
         message += _state_of_log(log, reports.get("recorder"), recorded, wanted=folder is not None)
@@ -180,10 +184,20 @@ def summarise(
         samples_per_second=plant.get("samples_per_s", 0.0),
         resends=int(plant.get("resends", 0)),
         dropped=int(sum(report.figures.get("dropped_on_purpose", 0) for report in reports.values())),
-        missing=int(sum(count for name, count in recorder.items() if name.endswith(".missing"))),
+        missing=_missing(recorder, unseen),
+        unseen=unseen,
         timing={name: plant[name] for name in _TIMING if name in plant},
         reports=reports,
     )
+
+
+def _missing(recorder: Mapping[str, float], unseen: int) -> int:
+    """Count the samples that the log lacks, but for those that nobody sent, because the controller never saw them."""
+    missing = 0
+    for name, row in load_topics().items():
+        never_sent = unseen if row.producer == "controller" else 0
+        missing += max(0, int(recorder.get(f"{name}.missing", 0)) - never_sent)
+    return missing
 
 
 def _stopped(reports: Mapping[str, NodeReport]) -> str:

@@ -27,6 +27,7 @@ FIGURES = {
     "resends": ("states sent again", ""),
     "dropped_on_purpose": ("messages lost on purpose", ""),
     "missing_in_log": ("samples missing in the log", ""),
+    "unseen_samples": ("samples that the controller never saw", ""),
     "samples_per_second": ("speed of the loop", "samples/s"),
     "cycles": ("paced cycles", ""),
     "rate_hz": ("mean rate", "Hz"),

@@ -162,6 +162,7 @@ def run_ros(
             "resends": summary.resends,
             "dropped_on_purpose": summary.dropped,
             "missing_in_log": summary.missing,
+            "unseen_samples": summary.unseen,
             "samples_per_second": summary.samples_per_second,
             "ros_domain_id": summary.domain_id,
             **summary.timing,

@@ -55,7 +55,7 @@ def test_fields_exist_in_the_message(name):
 def test_loop_and_observer_profiles():
     profiles = read_qos(data_folder("msgs_config") / "qos.yaml")
     loop, observer = profiles["loop"], profiles["observer"]
-    assert (loop.reliability, loop.history, loop.depth, loop.durability) == ("reliable", "keep_last", 10, "volatile")
+    assert (loop.reliability, loop.history, loop.depth, loop.durability) == ("reliable", "keep_last", 200, "volatile")
     assert observer.reliability == "reliable"
     assert observer.depth >= 2000
 

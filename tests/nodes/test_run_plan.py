@@ -62,6 +62,13 @@ def test_counts_are_added_up() -> None:
     assert (summary.exit_code, summary.message) == (0, "")
 
 
+def test_a_sample_the_controller_never_saw_is_not_missing_in_the_log() -> None:
+    controller = NodeReport("controller", figures={"missed_states": 5})
+    recorder = NodeReport("recorder", figures={"joint_commands.missing": 5, "joint_reference.missing": 7})
+    summary = summarise({"controller": controller, "recorder": recorder}, Path("log"), "composed", interrupted=False)
+    assert (summary.unseen, summary.missing) == (5, 2)
+
+
 def test_cause_comes_before_the_plant_that_noticed() -> None:
     reports = {
         "plant": NodeReport("plant", 3, "no command"),

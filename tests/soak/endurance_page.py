@@ -155,8 +155,8 @@ undisturbed run.""",
     "flood_real_time": Part(
         "Floods in real time",
         """The same at 2 kHz, with one process per node: the loop has to go on, and its log must hold all that its nodes
-have sent. A sample that the controller never saw has neither command nor reference; it counts as one without
-command. Cycles count as late from 50 us on, and looking through a flood takes longer.""",
+have sent: a sample that the controller never saw has neither command nor reference, and is not lost. Cycles count as
+late from 50 us on, and looking through a flood takes longer.""",
         foreign_senders.flooded_in_real_time,
     ),
     "second_controller": Part(

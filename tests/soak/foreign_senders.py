@@ -9,7 +9,6 @@ from pathlib import Path
 
 from flexros.logs.reader import read_log
 from flexros_nodes.domain import DOMAIN_VARIABLE
-from flexros_nodes.topic_interface import sampled_topics
 from tests.nodes.conftest import differences
 from tests.soak.result import Result, differing
 from tests.soak.starting import (
@@ -68,7 +67,7 @@ def flooded_in_real_time(folder: Path, kinds: Sequence[str] = tuple(FLOODS), dur
         work = folder / (kind or "alone")
         code, figures, flood = _run(work, scenario, kind, RATE, "--realtime", "--layout", "processes")
         missed = f"{figures['missed_commands']:.0f} of {figures['samples']:,}"
-        lost = _lost(work / "log")
+        lost = figures["missing_in_log"]
         wrong = [f"exit code {code}"] * bool(code) + ["the log lacks samples"] * bool(lost)
         late = f"{figures['late_percent']:.1f}"
         result.add(
@@ -81,14 +80,6 @@ def flooded_in_real_time(folder: Path, kinds: Sequence[str] = tuple(FLOODS), dur
         )
         shutil.rmtree(work)
     return result
-
-
-def _lost(log: Path) -> int:
-    """Count what was sent and is not in the log: command and reference of a sample are sent together, or neither."""
-    recorded = json.loads((log / "provenance.json").read_text())["recorded"]
-    missing = {name: recorded[f"{name}.missing"] for name in sampled_topics()}
-    unequal = abs(missing.pop("joint_commands") - missing.pop("joint_reference"))
-    return int(unequal + sum(missing.values()))
 
 
 def _run(

@@ -64,7 +64,8 @@ def long_run(folder: Path, layout: str, duration: float, period: float, real_tim
                 )
     counts, size = messages(folder / "log" / "log_0.mcap")
     shutil.rmtree(folder / "log")
-    lost = sum(figures["samples"] - counts.get(name, 0) for name in TOPICS)
+    unseen = figures["unseen_samples"]  # neither command nor reference was ever sent for them
+    lost = sum(figures["samples"] - counts.get(name, 0) for name in TOPICS) - 2 * unseen
     planned = round(duration * 2000) + 1
     short = f"{figures['samples']} of {planned} samples" if figures["samples"] < planned else ""
     result.add(
@@ -73,7 +74,7 @@ def long_run(folder: Path, layout: str, duration: float, period: float, real_tim
         f"{lost} samples lost",
         "",
         "",
-        wrong=short or ("samples lost" if lost else ""),
+        wrong=short or ("samples lost" if lost else "samples unseen" if unseen and not real_time else ""),
     )
     result.notes.append(
         f"{figures['samples']:,} samples of five topics, {figures['simulated_time_s']:.0f} s simulated in "
@@ -83,7 +84,8 @@ def long_run(folder: Path, layout: str, duration: float, period: float, real_tim
     if real_time:
         result.notes.append(
             f"{figures['late_percent']:.1f} % of the cycles late by more than a tenth, longest period "
-            f"{figures['period_max_us'] / 1e3:.1f} ms, {figures['missed_commands']:.0f} samples without command, "
+            f"{figures['period_max_us'] / 1e3:.1f} ms, {figures['missed_commands']:.0f} samples without command in "
+            f"time, {unseen} of which the controller never saw, "
             "beside the other work of the machine."
         )
     return result
