@@ -36,7 +36,6 @@ WATCH_PERIOD = 0.05
 BUSY = 130e-6
 """Time before a cycle is due from which the paced loop watches clock and messages instead of sleeping [s], chosen."""
 
-
 MOST_EVENTS = 16
 """Events in the queue that a late cycle looks through for its command, chosen: all that one sample makes."""
 
