@@ -88,9 +88,10 @@ def _watching(interrupted: Interruption, stop: Future, node: FlexrosNode) -> Ite
 
 
 def _start_cycle(executor: Executor, paced: Paced, schedule: Schedule) -> None:
-    """Start the cycle that is about to be due."""
+    """Start the cycle that is about to be due; a node of this process may owe its command, so answer others until then."""
     while perf_counter() < schedule.due:
-        paced.answered()
+        if not paced.answered():
+            executor.spin_once(timeout_sec=0.0)
     for _ in range(MOST_EVENTS):  # after a delay the answer may lie in the queue already
         if paced.answered():
             break
