@@ -88,7 +88,7 @@ def _watching(interrupted: Interruption, stop: Future, node: FlexrosNode) -> Ite
 
 
 def _start_cycle(executor: Executor, paced: Paced, schedule: Schedule) -> None:
-    """Start the cycle that is about to be due; until then let others work: a node of this process may owe its command."""
+    """Start the cycle that is about to be due; until then others work: a node of this process may owe its command."""
     while perf_counter() < schedule.due:
         if not paced.answered():
             executor.spin_once(timeout_sec=0.0)
