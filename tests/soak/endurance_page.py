@@ -121,7 +121,8 @@ order; a plant may stop for as long as one likes.""",
     ),
     "frozen_real_time": Part(
         "A controller is frozen in real time",
-        "The plant holds the last command for 0.1 s, counts what is missing, and then brakes.",
+        """The plant holds the last command for 0.1 s, counts what is missing, and then brakes. A controller that comes
+back in time answers all that it has missed.""",
         frozen_partners.frozen_in_real_time,
     ),
     "stepped_clock": Part(

@@ -70,8 +70,10 @@ def frozen_in_real_time(folder: Path, times: Sequence[float] = (0.04, 0.5)) -> R
             _freeze(run.pid, "controller", seconds)
             code = run.exit_code()
         survives = seconds < 0.1
-        missed = run.figures()["missed_commands"]
+        figures = run.figures()
+        missed, unseen = figures["missed_commands"], figures["unseen_samples"]
         wrong = [f"exit code {code}"] * (code != (0 if survives else 3)) + ["no miss counted"] * (not missed)
+        wrong += [f"the controller never saw {unseen} samples"] * (survives and bool(unseen))
         result.add(
             "controller", f"{seconds:g}", str(code), run.last_sentence(), f"{missed:.0f}", wrong="; ".join(wrong)
         )

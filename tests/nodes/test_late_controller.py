@@ -1,0 +1,48 @@
+"""A controller that the machine has kept waiting, while a plant in real time went on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from flexros.logs.joint_state_message import JointStateTemplate
+from flexros.logs.stamps import START_NS, stamp_of
+
+pytest.importorskip("rclpy", reason="needs ROS 2")
+
+import rclpy
+
+from flexros_nodes.controller import ControllerNode
+from flexros_nodes.feedforward import FeedforwardNode
+from flexros_nodes.topic_interface import message_class, qos_profile, topic
+
+NAMES = ("motor_1", "motor_2")
+SAMPLE_NS = 500_000
+SAMPLES = 200
+"""Those of 0.1 s, after which a plant takes its controller for gone."""
+
+Bench = Any  # the class is in conftest
+
+
+def test_every_measurement_of_a_tenth_of_a_second_is_answered(bench: Bench, short_scenario: Path) -> None:
+    common = {"scenario": str(short_scenario), "observers": 0}
+    controller, _ = nodes = [bench.add(kind, **common) for kind in (ControllerNode, FeedforwardNode)]
+    plant = bench.hold(rclpy.create_node("user", context=bench.context))
+    row, commands = topic("joint_commands"), list[bytes]()
+    plant.create_subscription(message_class(row.type), row.name, commands.append, qos_profile(row.qos), raw=True)
+    row = topic("joint_states")
+    states = plant.create_publisher(message_class(row.type), row.name, qos_profile(row.qos))
+    for node in nodes:
+        node.trigger_configure()
+        node.trigger_activate()
+    bench.spin_until(lambda: states.get_subscription_count() > 0 and controller._partners_found())
+    bench.spin_until(lambda: len(controller._buffer) >= SAMPLES)
+
+    message = JointStateTemplate(NAMES, position=True)
+    for k in range(SAMPLES):  # nothing spins meanwhile
+        states.publish(message.fill(START_NS + k * SAMPLE_NS, [0.0, 0.0]))
+
+    bench.spin_until(lambda: len(commands) == SAMPLES)
+    assert [stamp_of(one) for one in commands] == [START_NS + k * SAMPLE_NS for k in range(SAMPLES)]
