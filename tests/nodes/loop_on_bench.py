@@ -6,11 +6,20 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
+from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from flexros_nodes.plant import PlantNode
 from flexros_nodes.recorder import RecorderNode
 from flexros_nodes.topic_interface import message_class, qos_profile, topic
+
+
+def hear(node: Node, name: str) -> list[bytes]:
+    """Let a node collect the messages of a topic."""
+    heard: list[bytes] = []
+    row = topic(name)
+    node.create_subscription(message_class(row.type), row.name, heard.append, qos_profile(row.qos), raw=True)
+    return heard
 
 
 class Loop:
@@ -59,10 +68,7 @@ class Loop:
 
     def hear(self, name: str) -> list[bytes]:
         """Collect the messages of a topic."""
-        heard: list[bytes] = []
-        row = topic(name)
-        self.user.create_subscription(message_class(row.type), row.name, heard.append, qos_profile(row.qos), raw=True)
-        return heard
+        return hear(self.user, name)
 
     def finish(self) -> None:
         self.bench.spin_until(lambda: self.plant.report is not None)

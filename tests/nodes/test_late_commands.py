@@ -14,6 +14,7 @@ from flexros.logs.stamps import stamp_ns
 from flexros_nodes.plant import PlantNode
 from flexros_nodes.topic_interface import message_class, qos_profile, topic
 from tests.nodes.conftest import Bench
+from tests.nodes.loop_on_bench import hear
 
 T = 5e-4
 PATIENCE = 10
@@ -28,8 +29,7 @@ class Partner:
         self.plant = bench.add(PlantNode, observers=0, real_time=True, real_time_patience=PATIENCE * T)
         node = bench.hold(rclpy.create_node("partner", context=bench.context))
         for name in ("joint_states", "tool_pose"):
-            row = topic(name)
-            node.create_subscription(message_class(row.type), row.name, lambda _: None, qos_profile(row.qos), raw=True)
+            hear(node, name)
         row = topic("joint_commands")
         self._publisher = node.create_publisher(message_class(row.type), row.name, qos_profile(row.qos))
         self._command = JointStateTemplate(("motor_1", "motor_2"), effort=True)

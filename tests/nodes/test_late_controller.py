@@ -17,6 +17,7 @@ import rclpy
 from flexros_nodes.controller import ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
 from flexros_nodes.topic_interface import message_class, qos_profile, topic
+from tests.nodes.loop_on_bench import hear
 
 NAMES = ("motor_1", "motor_2")
 SAMPLE_NS = 500_000
@@ -29,9 +30,8 @@ Bench = Any  # the class is in conftest
 def test_every_measurement_of_a_tenth_of_a_second_is_answered(bench: Bench, short_scenario: Path) -> None:
     common = {"scenario": str(short_scenario), "observers": 0}
     controller, _ = nodes = [bench.add(kind, **common) for kind in (ControllerNode, FeedforwardNode)]
-    plant = bench.hold(rclpy.create_node("user", context=bench.context))
-    row, commands = topic("joint_commands"), list[bytes]()
-    plant.create_subscription(message_class(row.type), row.name, commands.append, qos_profile(row.qos), raw=True)
+    plant = bench.hold(rclpy.create_node("plant", context=bench.context))
+    commands = hear(plant, "joint_commands")
     row = topic("joint_states")
     states = plant.create_publisher(message_class(row.type), row.name, qos_profile(row.qos))
     for node in nodes:

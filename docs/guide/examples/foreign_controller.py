@@ -20,7 +20,7 @@ class ForeignController(Node):
         self.kp, self.ki, self.kd, self.swing, self.period = given
         self.first = self.stamp = None
         self.commands = self.create_publisher(JointState, "joint_commands", 100)
-        self.create_subscription(JointState, "joint_states", self.answer, 10)
+        self.create_subscription(JointState, "joint_states", self.answer, 200)
 
     def answer(self, state: JointState) -> None:
         """Compute the torque of a measurement that is new, and publish it."""

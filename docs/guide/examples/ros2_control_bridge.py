@@ -22,7 +22,7 @@ class Bridge(Node):
         self.reply = JointState()
         self.commands = self.create_publisher(JointState, "joint_commands", 100)
         self.create_subscription(JointState, "ros2_control_commands", self.hold, 1)
-        self.create_subscription(JointState, "joint_states", self.answer, 10)
+        self.create_subscription(JointState, "joint_states", self.answer, 200)
 
     def hold(self, command: JointState) -> None:
         """Take a command of the hardware interface."""
