@@ -65,8 +65,12 @@ class FlexrosNode(AbstractTopicNode):
         self._end_announced = False
         self.stamp = START_NS
         self._holds = False
-        self.declare(node_parameters(self.node_name))
-        self._diagnostics = self.announce("diagnostics")
+        try:
+            self.declare(node_parameters(self.node_name))
+            self._diagnostics = self.announce("diagnostics")
+        except FlexrosError:
+            self.destroy_node()  # nobody else has it yet
+            raise
         self._made.clear()  # the publisher of diagnostics stays for the node's whole life
 
     # What a node provides.
@@ -226,6 +230,11 @@ class FlexrosNode(AbstractTopicNode):
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """End to work and leave a report."""
         return self._transition(partial(self.end, None))
+
+    def destroy_node(self) -> None:
+        """Give everything back; when the last node of a context is destroyed, its sockets and shared memory go too."""
+        super().destroy_node()
+        self._state_machine.destroy_when_not_in_use()  # rclpy lets it hold the node until both are garbage collected
 
     def _begin_anew(self) -> None:
         self.report = None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import tempfile
 from pathlib import Path
@@ -188,8 +187,6 @@ class ProcessManager:
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
         if self._has_killed or any(process.killed for process in self.processes.values()):
-            del self._node, self._executor, self._changers, self._watchers, self._context
-            gc.collect()  # until then this process itself may hold the segments
             remove_segments_without_owner()
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import importlib
 import os
-import socket
 from typing import TYPE_CHECKING
 
 import pytest
+
+from flexros_nodes.domain import claim_domain
+from tests.segments import own_ports
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -17,42 +19,21 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Message setters check types while tests run; read when a message package is first imported.
 os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
 
-DOMAINS = range(1, 102)  # the domain numbers whose ports are free of the system's on every platform
-FIRST_LOCK_PORT = 21_500
-
-
-def claim_domain() -> tuple[int, socket.socket]:
-    """Claim a domain number no other test process of this machine holds.
-
-    Returns:
-        The domain and the bound socket that stands for the claim; it ends when the socket closes or the process dies.
-    """
-    offset = os.getpid() % len(DOMAINS)
-    for domain in (*DOMAINS[offset:], *DOMAINS[:offset]):
-        claim = socket.socket()
-        try:
-            claim.bind(("127.0.0.1", FIRST_LOCK_PORT + domain))
-        except OSError:
-            claim.close()
-            continue
-        return domain, claim
-    raise RuntimeError(f"all {len(DOMAINS)} ROS domains are claimed by running tests; end those first")
-
 
 @pytest.fixture
 def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     """Give the test, and processes it starts, a ROS 2 domain of its own on this machine only.
 
-    Skips where rclpy cannot be imported, stating why.
+    Skips where rclpy cannot be imported, stating why. A test that leaves a participant in this process fails: it would
+    be a partner of the next test.
     """
     try:
         importlib.import_module("rclpy")
     except ImportError as error:
         pytest.skip(f"needs ROS 2: rclpy cannot be imported ({error})")
-    domain, claim = claim_domain()
+    domain, claim = claim_domain(os.getpid())
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    try:
+    with claim:
         yield domain
-    finally:
-        claim.close()
+        assert not own_ports(domain), "the test left a participant in this process"

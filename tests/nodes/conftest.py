@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import json
 import os
 import signal
@@ -22,9 +21,6 @@ from flexros.config.scenario import load_scenario
 from flexros.logs.time_series import Log
 
 if TYPE_CHECKING:
-    from rclpy.context import Context
-    from rclpy.executors import Executor
-
     from flexros_nodes.node_base import FlexrosNode
 
 CHECKOUT = Path(__file__).parents[2]
@@ -175,10 +171,24 @@ def identification_scenario(tmp_path: Path) -> Path:
 class Bench:
     """Nodes in a context of their own, with an executor to spin them."""
 
-    def __init__(self, context: Context, executor: Executor) -> None:
-        self.context = context
-        self.executor = executor
+    def __init__(self, domain: int) -> None:
+        import rclpy
+        from rclpy.context import Context
+
+        from flexros_nodes.spinning import make_executor
+
+        self.context = Context()
+        rclpy.init(context=self.context, args=[], domain_id=domain)
+        self.executor = make_executor(self.context)
         self.nodes: list[Any] = []
+
+    def close(self) -> None:
+        import rclpy
+
+        self.executor.shutdown()
+        for node in self.nodes:
+            node.destroy_node()
+        rclpy.try_shutdown(context=self.context)
 
     def add(self, node_class: type[FlexrosNode], **values: Any) -> Any:
         return self.hold(node_class(context=self.context, values={"scenario": "circle_dae", **values}))
@@ -203,18 +213,6 @@ class Bench:
 @pytest.fixture
 def bench(ros_domain: int) -> Iterator[Bench]:
     """Give a context and an executor for nodes that a test makes itself."""
-    import rclpy
-    from rclpy.context import Context
-
-    from flexros_nodes.spinning import make_executor
-
-    context = Context()
-    rclpy.init(context=context, args=[], domain_id=ros_domain)
-    bench = Bench(context, make_executor(context))
+    bench = Bench(ros_domain)
     yield bench
-    bench.executor.shutdown()
-    for node in bench.nodes:
-        node.destroy_node()
-    bench.nodes.clear()
-    rclpy.try_shutdown(context=context)
-    gc.collect()
+    bench.close()

@@ -20,7 +20,7 @@ from flexros_nodes import composed
 from flexros_nodes.feedforward import FeedforwardNode
 from flexros_nodes.interruption import PARTNER_ENDED, interruption
 from flexros_nodes.run import run_scenario
-from flexros_nodes.shared_memory import FOLDER
+from tests.segments import left_ports
 
 CHECKOUT = Path(__file__).parents[2]
 TIMEOUT = 60.0
@@ -115,9 +115,7 @@ def test_nodes_do_not_outlive_a_killed_run(tmp_path: Path, long_scenario: Path, 
     assert len(nodes) == 4
     wait_until(lambda: not any(exists(pid) for pid in nodes), "a node lives on")
     assert read_log(folder).warnings == ()
-    ports = {f"fastrtps_port{port}" for port in range(7400 + 250 * ros_domain, 7650 + 250 * ros_domain)}
-    # The cleaner of another run that ends just now may have taken it over to remove them.
-    wait_until(lambda: not ports & {path.name for path in FOLDER.iterdir()}, "the nodes left segments that nobody uses")
+    assert not left_ports(ros_domain), "the nodes left segments that nobody uses"
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

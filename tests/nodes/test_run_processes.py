@@ -27,7 +27,7 @@ from flexros_nodes.interruption import Interruption
 from flexros_nodes.processes import ProcessManager
 from flexros_nodes.run import run_scenario
 from flexros_nodes.run_plan import RunPlan
-from flexros_nodes.shared_memory import remove_segments_without_owner
+from tests.segments import left_ports
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
 
@@ -63,8 +63,7 @@ def test_killed_node_breaks_the_run_off(
         assert "a partner of the plant has ended at sample" in summary.message
         assert summary.message.endswith("the plant has braked to zero torque; the log is readable up to there")
         assert summary.reports["plant"].figures["braked_samples"] == 20
-    ports = {f"fastrtps_port{port}" for port in range(7400 + 250 * ros_domain, 7650 + 250 * ros_domain)}
-    assert not ports & set(remove_segments_without_owner()), "the run left segments that nobody uses"
+    assert not left_ports(ros_domain), "the run left segments that nobody uses"
 
 
 def test_child_that_offers_only_some_services_is_started_once_more(

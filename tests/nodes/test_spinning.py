@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -48,7 +47,6 @@ def context(ros_domain: int) -> Iterator[Context]:
     rclpy.init(context=context, args=[], domain_id=ros_domain)
     yield context
     rclpy.try_shutdown(context=context)
-    gc.collect()
 
 
 @pytest.mark.parametrize("make", [make_executor, lambda context: SingleThreadedExecutor(context=context)])
