@@ -73,6 +73,7 @@ def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport
     report = close(node)
     if path := node.value("report_file"):
         report.write(Path(path))
+    interrupted.parent_died = _parent_died(node)
     executor.shutdown()
     node.destroy_node()
     return report
@@ -80,13 +81,16 @@ def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport
 
 def _look_around(node: FlexrosNode, stop: Future, interrupted: Interruption) -> None:
     """End with the parent, and pass on that a partner has ended."""
-    parent = node.value("parent_process")
-    if parent and os.getppid() != parent:
-        interrupted.parent_died = True
+    if _parent_died(node):
         stop.set_result(None)
     if interrupted.partner_ended:
         interrupted.partner_ended = False
         node.partner_ended()
+
+
+def _parent_died(node: FlexrosNode) -> bool:
+    parent = node.value("parent_process")
+    return bool(parent) and os.getppid() != parent
 
 
 def bring_up(node: FlexrosNode) -> None:

@@ -104,7 +104,7 @@ def test_nodes_do_not_outlive_a_killed_run(tmp_path: Path, long_scenario: Path, 
     process = subprocess.Popen(
         [sys.executable, "-c", RUN, str(long_scenario), str(folder), "processes"],
         cwd=CHECKOUT,
-        env={**os.environ, "PYTHONPATH": str(CHECKOUT)},
+        env={**os.environ, "PYTHONPATH": str(CHECKOUT), "TMPDIR": str(tmp_path)},
     )
     try:
         grow_beyond(folder / "log_0.mcap", 100_000, process)
