@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from pathlib import Path
-from time import monotonic
+from time import monotonic, sleep
 from typing import TYPE_CHECKING
 
 import rclpy
@@ -42,6 +42,9 @@ START_TIMEOUT = 10.0
 
 SHUTDOWN_TIMEOUT = 20.0
 """Longest time for a node to shut down [s], chosen: on a loaded machine a recorder needs seconds to close its log."""
+
+VANISHING_TIMEOUT = 0.5
+"""Longest wait for nodes that have ended to vanish from the graph [s], chosen: one that was killed stays for long."""
 
 BRAKING_MARGIN = 2.0
 """Times the duration of braking and one second: longest that the plant may take to brake, chosen."""
@@ -183,11 +186,18 @@ class ProcessManager:
             self.processes[name].ask_to_stop()
         for name in reversed(self._plan.nodes):
             self.processes[name].stop(SHUTDOWN_TIMEOUT)
+        self._let_nodes_vanish()
         self._executor.shutdown()
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
         if self._has_killed or any(process.killed for process in self.processes.values()):
             remove_segments_without_owner()
+
+    def _let_nodes_vanish(self) -> None:
+        """Wait a little until the middleware knows that the nodes are gone: ended meanwhile, it may hang."""
+        deadline = monotonic() + VANISHING_TIMEOUT
+        while len(self._node.get_node_names()) > 1 and monotonic() < deadline:
+            sleep(SLICE)
 
 
 def run_processes(plan: RunPlan, interrupted: Interruption) -> RunSummary:

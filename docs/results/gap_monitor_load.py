@@ -1,4 +1,7 @@
-"""What the gap monitor costs beside a loop: nodes as processes, their processor time as the system counts it."""
+"""Write gap_monitor_load.md, what the gap monitor costs beside a loop: python docs/results/gap_monitor_load.py.
+
+All nodes are processes of their own; their processor time is as the system counts it. It takes a quarter of an hour.
+"""
 
 from __future__ import annotations
 
@@ -9,70 +12,146 @@ import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from statistics import median
+from typing import TYPE_CHECKING
 
 from flexros.config.scenario import load_scenario
+from flexros_nodes.run_plan import IN_REAL_TIME
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 SETTLE = 25.0
 """Time for which nodes that have been started are left to make what they need [s]."""
 SCENARIOS = {"e12": "circle_dae", "six_axis": "six_axis_moves"}
 SHORT, LONG = 1.0, 31.0
-"""Simulated times of the two runs whose difference is taken [s], so that the start does not count."""
+"""Simulated times of the two runs in lock-step whose difference is taken [s], so that the start does not count."""
+REAL_TIME, ROUNDS = 20.0, 3
+"""Duration of a run in real time [s], and how often it is done with and without the monitor in turn."""
 RATE = 2000.0
 """Rate for which the load is told [Hz]."""
 TICK = os.sysconf("SC_CLK_TCK")
 
+HEAD = """# Load of the gap monitor
 
-def measured_load() -> list[dict[str, Any]]:
-    """Measure all robots: in lock-step, as fast as the machine permits, with and without the monitor."""
-    return [_measured(robot, scenario) for robot, scenario in SCENARIOS.items()]
+Written by `python docs/results/gap_monitor_load.py`. Every node is a process of its own, on a machine of two processors
+that had other work. `Computing` is the part of the monitor's processor time that is not the receiving of messages by
+the middleware. The monitor runs at lower priority and nobody waits for it: it skips what it does not hear.
+
+"""
+WAITING = """## In lock-step
+
+Processor time for each sample, without the start, times 2000: what the node takes of one processor at 2 kHz. Then the
+speed of the loop with and without the monitor, and which share of the states the monitor heard.
+
+| robot | plant | monitor | computing | monitor / plant | samples/s alone | samples/s beside it | heard |
+|---|---|---|---|---|---|---|---|
+"""
+PACED = """
+## In real time
+
+{rounds} runs of {duration:g} s at 2 kHz with and without the monitor, in turn: medians, with the least and the most.
+Plant, controller and feedforward have the priorities of `flexros run --realtime`, the monitor has none. Processor time
+over wall time, of one processor; `late` are cycles that began more than a tenth of a period late.
+
+| robot | monitor | computing | late alone | late beside it | rate alone | rate beside it | heard |
+|---|---|---|---|---|---|---|---|
+"""
 
 
-def _measured(robot: str, scenario: str) -> dict[str, Any]:
-    short, long, alone = (_run(robot, scenario, *one) for one in ((SHORT, True), (LONG, True), (LONG, False)))
-    samples = RATE * (LONG - SHORT)
-    return {
-        "robot": robot,
-        "plant": RATE * (long["plant"] - short["plant"]) / samples,
-        "monitor": RATE * (long["monitor"] - short["monitor"]) / max(long["heard"] - short["heard"], 1),
-        "computing": RATE * (long["computing"] - short["computing"]) / max(long["heard"] - short["heard"], 1),
-        "heard": long["heard"] / (RATE * LONG),
-        "alone": alone["samples_per_s"],
-        "beside": long["samples_per_s"],
-    }
+@dataclass(frozen=True)
+class Run:
+    """What was measured in a run.
+
+    Attributes:
+        plant: Figures of the plant.
+        plant_time: Processor time of the plant [s].
+        monitor_time: Processor time of the monitor [s], 0 without it.
+        monitor: Figures of the monitor, empty without it.
+    """
+
+    plant: dict[str, float]
+    plant_time: float
+    monitor_time: float
+    monitor: dict[str, float]
 
 
-def _run(robot: str, scenario: str, duration: float, watched: bool) -> dict[str, float]:
-    """Run a loop, and give the processor times of plant and monitor [s], what was heard, and the speed."""
+def page() -> str:
+    """Measure, and write the page."""
+    parts = [HEAD, WAITING, *(_in_lockstep(robot) for robot in SCENARIOS)]
+    parts += [PACED.format(rounds=ROUNDS, duration=REAL_TIME), *(_in_real_time(robot) for robot in SCENARIOS)]
+    return "".join(parts)
+
+
+def _in_lockstep(robot: str) -> str:
+    short, long = _run(robot, SHORT), _run(robot, LONG)
+    alone = _run(robot, LONG, watched=False)
+    plant = (long.plant_time - short.plant_time) / (LONG - SHORT)
+    states = max(long.monitor["states"] - short.monitor["states"], 1.0)
+    monitor = RATE * (long.monitor_time - short.monitor_time) / states
+    computing = RATE * (long.monitor["processor_time_s"] - short.monitor["processor_time_s"]) / states
+    heard = min(long.monitor["states"] / (RATE * LONG), 1.0)
+    return (
+        f"| {robot} | {plant:.1%} | {monitor:.1%} | {computing:.1%} | {monitor / plant:.2f} | "
+        f"{alone.plant['samples_per_s']:.0f} | {long.plant['samples_per_s']:.0f} | {heard:.1%} |\n"
+    )
+
+
+def _in_real_time(robot: str) -> str:
+    alone, beside = [], []
+    for _ in range(ROUNDS):
+        alone.append(_run(robot, REAL_TIME, watched=False, real_time=True))
+        beside.append(_run(robot, REAL_TIME, real_time=True))
+    cells = [
+        _spread([100.0 * run.monitor_time / REAL_TIME for run in beside], " %"),
+        _spread([100.0 * run.monitor["processor_time_s"] / REAL_TIME for run in beside], " %"),
+        *(_spread([run.plant["late_percent"] for run in runs], " %") for runs in (alone, beside)),
+        *(_spread([run.plant["rate_hz"] for run in runs], " Hz") for runs in (alone, beside)),
+        _spread([100.0 * min(run.monitor["states"] / (RATE * REAL_TIME), 1.0) for run in beside], " %"),
+    ]
+    return f"| {robot} | {' | '.join(cells)} |\n"
+
+
+def _spread(values: list[float], unit: str) -> str:
+    return f"{median(values):.1f}{unit} ({min(values):.1f} to {max(values):.1f})"
+
+
+def _run(robot: str, duration: float, *, watched: bool = True, real_time: bool = False) -> Run:
+    """Run a loop for a time [s], with or without the monitor beside it."""
     with tempfile.TemporaryDirectory() as scratch:
         file = Path(scratch) / "run.yaml"
-        file.write_text(json.dumps({**load_scenario(scenario).settings(), "duration": duration}))
+        file.write_text(json.dumps({**load_scenario(SCENARIOS[robot]).settings(), "duration": duration}))
         reports = {name: Path(scratch) / f"{name}.json" for name in ("plant", "gap_monitor")}
         values = [f"scenario:={file}", "observers:=0"]
-        started = [_start(name, values) for name in ("controller", "feedforward")]
+        standing = IN_REAL_TIME if real_time else {}
+        started = [_start(name, values, standing) for name in ("controller", "feedforward")]
         if watched:
-            started.append(_start("gap_monitor", ["model:=" + robot, f"report_file:={reports['gap_monitor']}"]))
+            watching = ["model:=" + robot, f"report_file:={reports['gap_monitor']}"]
+            started.append(_start("gap_monitor", watching, standing))
         time.sleep(SETTLE)
         before = _used(started[-1].pid)
-        plant = _start("plant", [*values, f"report_file:={reports['plant']}"])
+        pace = f"real_time:={str(real_time).lower()}"
+        plant = _start("plant", [*values, pace, f"report_file:={reports['plant']}"], standing)
         usage = os.wait4(plant.pid, 0)[2]
         time.sleep(3.0)
-        monitor = _used(started[-1].pid) - before
+        used = _used(started[-1].pid) - before
         for one in started:
             one.send_signal(signal.SIGINT)
         for one in started:
             one.wait(60.0)
-        speed = json.loads(reports["plant"].read_text())["figures"]["samples_per_s"]
-        found = {"plant": usage.ru_utime + usage.ru_stime, "samples_per_s": speed}
-        if watched:
-            figures = json.loads(reports["gap_monitor"].read_text())["figures"]
-            found |= {"monitor": monitor, "heard": figures["states"], "computing": figures["processor_time_s"]}
-        return found
+        return Run(
+            plant=json.loads(reports["plant"].read_text())["figures"],
+            plant_time=usage.ru_utime + usage.ru_stime,
+            monitor_time=used if watched else 0.0,
+            monitor=json.loads(reports["gap_monitor"].read_text())["figures"] if watched else {},
+        )
 
 
-def _start(node: str, values: list[str]) -> subprocess.Popen[bytes]:
-    arguments = [word for value in values for word in ("-p", value)]
+def _start(node: str, values: list[str], standing: Mapping[str, Mapping[str, object]]) -> subprocess.Popen[bytes]:
+    own = [f"{name}:={value}" for name, value in standing.get(node, {}).items()]
+    arguments = [word for value in (*values, *own) for word in ("-p", value)]
     environment = {**os.environ, "ROS_DOMAIN_ID": "87", "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     command = [sys.executable, "-m", f"flexros_nodes.{node}", "--ros-args", *arguments]
     return subprocess.Popen(command, env=environment)  # noqa: S603
@@ -82,3 +161,7 @@ def _used(process: int) -> float:
     """Give the processor time of a process so far [s]."""
     fields = Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / TICK
+
+
+if __name__ == "__main__":
+    (Path(__file__).parent / "gap_monitor_load.md").write_text(page(), encoding="utf-8")

@@ -1,7 +1,7 @@
-"""Write gap_monitor.md: python docs/results/gap_monitor_page.py nominal|detection|accepted|load|page [WORK].
+"""Write gap_monitor.md: python docs/results/gap_monitor_page.py nominal|detection|accepted|page [WORK].
 
 `nominal`, `detection` and `accepted` add what they find, case by case, to WORK/*.jsonl until all cases are there;
-`load` measures nodes, and `page` writes the page. Seeds from 5000 on were not used in development.
+`page` writes the page. Seeds from 5000 on were not used in development.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from gap_monitor_load import measured_load
 from gap_monitor_text import page_text
 
 from flexros.config.scenario import load_scenario
@@ -260,8 +259,6 @@ def main(what: str, work: Path) -> None:
     cases = {"nominal": nominal, "detection": detection, "accepted": accepted}
     if what in cases:
         add(work / f"{what}.jsonl", cases[what]())
-    elif what == "load":
-        (work / "load.json").write_text(json.dumps(measured_load(), indent=1) + "\n", encoding="utf-8")
     else:
         text = page_text(work, RATES, ONSET)
         (Path(__file__).parent / "gap_monitor.md").write_text(text, encoding="utf-8")

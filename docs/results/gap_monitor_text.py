@@ -16,10 +16,11 @@ if TYPE_CHECKING:
 
 HEAD = """# The gap monitor
 
-Written by `python docs/results/gap_monitor_page.py page`, from what `... nominal`, `... detection` and `... load`
+Written by `python docs/results/gap_monitor_page.py page`, from what `... nominal`, `... detection` and `... accepted`
 measured (`docs/results/gap_monitor_page.py` says how; the page tells how far each of them has come). Motions and noise
 are of seeds from 5000 on, which were not used in development. Motions are those of the diagnosis experiment, another
-sequence for each seed. All thresholds are those of noise, without a calibration.
+sequence for each seed. All thresholds are those of noise, without a calibration. What the monitor costs beside a loop
+is in `docs/results/gap_monitor_load.md`.
 """
 FALSE = """
 ## False alarms
@@ -55,17 +56,6 @@ missing torque over noise, median. `Told`: runs with an alarm, and with the righ
 | robot | accepted | accepted gap | alarms in six logs | on top, told |
 |---|---|---|---|---|
 """
-LOAD = """
-## Load
-
-A loop in lock-step, every node a process of its own, on a machine of two processors that had other work. Processor time
-for each sample, without the start, times 2000: what the node takes of one processor at 2 kHz. `Computing` is the part
-of it that is not the receiving of messages by the middleware. Then the speed of the loop with and without the monitor,
-and which share of the states the monitor heard: it runs at lower priority, and nobody waits for it.
-
-| robot | plant | monitor | computing | monitor / plant | samples/s alone | samples/s beside it | heard |
-|---|---|---|---|---|---|---|---|
-"""
 SIDES = {
     "coulomb_friction": ("motor",),
     "viscous_friction": ("motor",),
@@ -89,8 +79,6 @@ def page_text(work: Path, rates: Sequence[float], onset: float) -> str:
         parts += [FOUND.format(onset=onset), *_found_rows(rows)]
     if rows := _rows(work / "accepted.jsonl"):
         parts += [ACCEPTED, *_accepted_rows(rows)]
-    if (work / "load.json").exists():
-        parts += _load_text(json.loads((work / "load.json").read_text(encoding="utf-8")))
     return "".join(parts)
 
 
@@ -173,16 +161,5 @@ def _accepted_rows(rows: list[dict[str, Any]]) -> list[str]:
         lines.append(
             f"| {row['robot']} | {', '.join(f'`{one}`' for one in row['known'])} | {gaps} | {row['false']} | "
             f"`{row['effect']}` {told} |\n"
-        )
-    return lines
-
-
-def _load_text(rows: list[dict[str, Any]]) -> list[str]:
-    lines = [LOAD]
-    for row in rows:
-        lines.append(
-            f"| {row['robot']} | {100 * row['plant']:.1f} % | {100 * row['monitor']:.1f} % | "
-            f"{100 * row['computing']:.1f} % | {row['monitor'] / row['plant']:.2f} | {row['alone']:.0f} | "
-            f"{row['beside']:.0f} | {100 * min(row['heard'], 1.0):.1f} % |\n"
         )
     return lines

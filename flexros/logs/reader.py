@@ -212,6 +212,11 @@ class _BagContent:
 
     def lacking(self, path: Path | str, name: str, topic: Topic, warnings: list[str]) -> InputError:
         """The error for a required topic that is missing."""
+        if warnings and not any(self.counts.values()):
+            return InputError(
+                f"{path} has no complete message of any topic; {'; '.join(warnings)}; give a whole copy of it, or "
+                "record the run again"
+            )
         present = ", ".join(f"{n} ({self.types.get(n, 'unknown type')}, {c})" for n, c in sorted(self.counts.items()))
         hints = f"; {'; '.join(warnings)}" if warnings else ""
         return InputError(

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flexros.errors import InputError
 from flexros.logs.reader import read_log
 from tests.logs.cut_log import chunk_edges, cuts_of, in_small_chunks, recovery
 
@@ -40,3 +41,15 @@ def test_log_goes_up_to_its_last_complete_chunk(log: Path) -> None:
     assert 0 < len(before.joint_states.stamp) < len(after.stamp) < len(whole.stamp)
     np.testing.assert_array_equal(after.position, whole.position[: len(after.stamp)])
     assert any("is cut off at byte" in warning for warning in before.warnings)
+
+
+def test_log_that_is_cut_off_in_its_first_chunk_is_refused_with_what_to_do(log: Path) -> None:
+    content = log.read_bytes()
+    start = chunk_edges(content)[0][0]
+    log.write_bytes(content[: start + 100])
+    with pytest.raises(InputError) as caught:
+        read_log(log)
+    assert str(caught.value) == (
+        f"{log} has no complete message of any topic; {log} is cut off at byte {start} of {start + 100}: everything "
+        "before was read; give a whole copy of it, or record the run again"
+    )

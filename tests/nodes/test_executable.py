@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +14,7 @@ import pytest
 from flexros.logs.reader import read_log
 
 StartNode = Callable[..., subprocess.Popen[str]]
+CHECKOUT = Path(__file__).parents[2]
 TIMEOUT = 60.0
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
@@ -36,6 +39,15 @@ def test_node_whose_parent_is_gone_ends_also_where_the_time_of_ros_stands_still(
     process = start_node("feedforward", "parent_process:=1", "use_sim_time:=true", "autostart:=false")
     _, errors = process.communicate(timeout=TIMEOUT)
     assert process.returncode == 0, errors
+
+
+def test_process_that_the_middleware_does_not_let_go_is_ended_by_the_system() -> None:
+    hang = (
+        "import ctypes; from flexros_nodes.executable import end_at_the_latest_after; end_at_the_latest_after(0.2); "
+        "ctypes.PyDLL(None).pause()"  # PyDLL keeps the lock of Python meanwhile
+    )
+    environment = {**os.environ, "PYTHONPATH": str(CHECKOUT)}
+    assert subprocess.run([sys.executable, "-c", hang], env=environment, timeout=TIMEOUT).returncode == -signal.SIGALRM
 
 
 def test_four_executables_find_each_other_and_the_plant_ends_the_run(start_node: StartNode, tmp_path: Path) -> None:
