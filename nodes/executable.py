@@ -94,8 +94,10 @@ def end_at_the_latest_after(timeout: float) -> None:
     """Let the system end this process by SIGALRM after a time [s]: its work is done, its report written.
 
     Where Fast DDS was built with an old compiler, as in the wheels, a participant that is taken away just while a
-    partner goes may wait for itself, with the lock of Python (eProsima/Fast-DDS issue 6513): 2 of 1,849 processes, of
-    which five to eight ended together.
+    partner goes may wait for itself, with the lock of Python (eProsima/Fast-DDS issue 6513).
+
+    Args:
+        timeout: Time left to the process [s].
     """
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.setitimer(signal.ITIMER_REAL, timeout)
