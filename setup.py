@@ -30,7 +30,8 @@ data_files = [
     (str(SHARE / "launch"), sorted(str(path) for path in Path("nodes/launch").glob("*.launch.py"))),
 ]
 if "COLCON" in os.environ:  # `ros2 run` looks in lib/flexros, where colcon puts scripts; pip would put them on the PATH
-    console_scripts += [f"{name} = flexros_nodes.{name}:main" for name in NODES]
+    modules = {name: f"{name}.__main__" if Path("nodes", name).is_dir() else name for name in NODES}
+    console_scripts += [f"{name} = flexros_nodes.{module}:main" for name, module in modules.items()]
     data_files += [("bin", ["resource/bin/flexros"])]
 
 setup(
@@ -42,7 +43,7 @@ setup(
     packages=find_packages(include=["flexros", "flexros.*", "flexros_nodes", "flexros_nodes.*"]),
     package_data={
         "flexros": ["py.typed", "**/*.yaml", "**/*.html", "**/*.css", "**/*.js"],
-        "flexros_nodes": ["local_host.xml"],
+        "flexros_nodes": ["shell/local_host.xml"],
     },
     data_files=data_files,
     zip_safe=False,
@@ -71,11 +72,12 @@ setup(
         "ros": ROS_WHEELS,
         "test": TEST,
         "docs": ["mkdocs>=1.6,<2", "mkdocs-material>=9.6", "mkdocstrings[python]>=0.29"],
-        "dev": [*TEST, "ruff>=0.12", "mypy>=1.15", "colcon-common-extensions>=0.3"],
+        "dev": [*TEST, "ruff>=0.12", "mypy>=1.15", "import-linter>=2.5", "colcon-common-extensions>=0.3"],
     },
     entry_points={
         "console_scripts": console_scripts,
-        "flexros.transports": ["ros = flexros_nodes.run:run_scenario"],
-        "flexros.replay": ["ros = flexros_nodes.replay_run:replay_log"],
+        "flexros.commands": [f"{name} = flexros.validation.commands.{name}" for name in ("bench", "blind", "campaign")],
+        "flexros.transports": ["ros = flexros_nodes.bringup.run:run_scenario"],
+        "flexros.replay": ["ros = flexros_nodes.bringup.replay_run:replay_log"],
     },
 )

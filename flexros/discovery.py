@@ -12,16 +12,15 @@ from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
-    from types import ModuleType
 
 Base = TypeVar("Base")
 
 
-def members(package: ModuleType, base: type[Base], key: str = "name") -> Mapping[str, type[Base]]:
+def members(package: str, base: type[Base], key: str = "name") -> Mapping[str, type[Base]]:
     """Find all final subclasses of a base class in the files of a package.
 
     Args:
-        package: Package whose modules are imported.
+        package: Name of the package whose modules are imported.
         base: What the members derive from, directly or through an abstract class between.
         key: Class variable that holds a member's name.
 
@@ -31,11 +30,11 @@ def members(package: ModuleType, base: type[Base], key: str = "name") -> Mapping
     Raises:
         InputError: Two members have the same name.
     """
-    for module in pkgutil.iter_modules(package.__path__):
-        importlib.import_module(f"{package.__name__}.{module.name}")
+    for module in pkgutil.iter_modules(importlib.import_module(package).__path__):
+        importlib.import_module(f"{package}.{module.name}")
     found: dict[str, type[Base]] = {}
     for member in _subclasses(base):
-        if inspect.isabstract(member) or not member.__module__.startswith(f"{package.__name__}."):
+        if inspect.isabstract(member) or not member.__module__.startswith(f"{package}."):
             continue
         name = getattr(member, key)
         if name in found:

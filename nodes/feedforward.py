@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from flexros_nodes.executable import run_node
-from flexros_nodes.node_base import FlexrosNode
-from flexros_nodes.prepared_run import prepared_run
-from flexros_nodes.reference_stream import ReferenceStream
+from flexros_nodes.shell.executable import run_node
+from flexros_nodes.shell.node_base import FlexrosNode
+from flexros_nodes.shell.prepared_run import prepared_run
+from flexros_nodes.shell.reference_stream import ReferenceStream
 
 
 class FeedforwardNode(FlexrosNode):

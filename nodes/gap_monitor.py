@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-from flexros.effects.patched_robot import load_patched
+from flexros.effects.patching.patched_robot import load_patched
 from flexros.errors import InputError
 from flexros.logs.stamps import NANOSECONDS
 from flexros.monitor.alarms import Level
@@ -25,9 +25,9 @@ from flexros.monitor.statement import (
     stands_still,
     torque_units,
 )
-from flexros_nodes.executable import run_node
-from flexros_nodes.node_base import FlexrosNode
-from flexros_nodes.topic_interface import message_class, qos_profile, topic
+from flexros_nodes.shell.executable import run_node
+from flexros_nodes.shell.node_base import FlexrosNode
+from flexros_nodes.shell.topic_interface import message_class, qos_profile, topic
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 from std_msgs.msg import String
 
 from flexros.errors import InputError
-from flexros_nodes.executable import run_node
-from flexros_nodes.experiment_state import ExperimentCourse, ExperimentState
-from flexros_nodes.node_base import FlexrosNode
-from flexros_nodes.prepared_run import prepared_run
-from flexros_nodes.reference_rows import RowsToRest
-from flexros_nodes.reference_stream import ReferenceStream
-from flexros_nodes.topic_interface import period
-from flexros_nodes.topic_node import Answer
+from flexros_nodes.protocol.experiment_state import ExperimentCourse, ExperimentState
+from flexros_nodes.protocol.reference_rows import RowsToRest
+from flexros_nodes.shell.executable import run_node
+from flexros_nodes.shell.node_base import FlexrosNode
+from flexros_nodes.shell.prepared_run import prepared_run
+from flexros_nodes.shell.reference_stream import ReferenceStream
+from flexros_nodes.shell.topic_interface import period
+from flexros_nodes.shell.topic_node import Answer
 
 if TYPE_CHECKING:
-    from flexros.simulate.experiment import Experiment
+    from flexros.scenario.experiment import Experiment
 
 STATE_PERIOD = 0.2
 """Period at which the state goes to plant and recorder [s] (wall clock), chosen: a lost one is soon made up for."""

@@ -13,12 +13,12 @@ from flexros.config.topics import load_topics
 from flexros.errors import InputError, RunError
 from flexros.logs.stamps import NANOSECONDS, stamp_of
 from flexros.logs.writer import LogWriter
-from flexros_nodes.executable import run_node
-from flexros_nodes.experiment_state import read_experiment_state
-from flexros_nodes.node_base import FlexrosNode
-from flexros_nodes.prepared_run import prepared_run
-from flexros_nodes.recording import ArrivalTime, EventRecording, TopicRecording
-from flexros_nodes.topic_interface import sampled_topics
+from flexros_nodes.protocol.experiment_state import read_experiment_state
+from flexros_nodes.protocol.recording import ArrivalTime, EventRecording, TopicRecording
+from flexros_nodes.shell.executable import run_node
+from flexros_nodes.shell.node_base import FlexrosNode
+from flexros_nodes.shell.prepared_run import prepared_run
+from flexros_nodes.shell.topic_interface import sampled_topics
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -16,12 +16,12 @@ from flexros.logs.replay.pace import ReplayPace
 from flexros.logs.replay.playlist import LATEST_STAMP, Playlist
 from flexros.logs.replay.source import ReplayChoice, read_remaps
 from flexros.logs.stamps import NANOSECONDS
-from flexros_nodes.executable import run_node
-from flexros_nodes.fed_controller import ControllerAnswers
-from flexros_nodes.node_base import FlexrosNode
-from flexros_nodes.raw_topic import MissingTypeError, installed_class, played_qos
-from flexros_nodes.topic_interface import qos_profile, topic
-from flexros_nodes.topic_node import Answer
+from flexros_nodes.protocol.fed_controller import ControllerAnswers
+from flexros_nodes.shell.executable import run_node
+from flexros_nodes.shell.node_base import FlexrosNode
+from flexros_nodes.shell.raw_topic import MissingTypeError, installed_class, played_qos
+from flexros_nodes.shell.topic_interface import qos_profile, topic
+from flexros_nodes.shell.topic_node import Answer
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from flexros.logs.replay.file_messages import ReplayMessage
     from flexros.logs.replay.source import PlayedTopic
-    from flexros_nodes.parameters import Value
+    from flexros_nodes.protocol.parameters import Value
 
 LOOK_PERIOD = 5e-4
 """Period at which the node looks what is due [s], chosen: a message is seldom later than that."""

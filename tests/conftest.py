@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from flexros_nodes.domain import claim_domain
+from flexros_nodes.shell.domain import claim_domain
 from tests.segments import own_ports
 
 if TYPE_CHECKING:

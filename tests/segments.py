@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 from time import monotonic, sleep
 
-from flexros_nodes.domain import FIRST_PORT, PORTS_PER_DOMAIN
-from flexros_nodes.shared_memory import FOLDER
+from flexros_nodes.shell.domain import FIRST_PORT, PORTS_PER_DOMAIN
+from flexros_nodes.shell.shared_memory import FOLDER
 
 
 def _ports(domain: int, names: set[str]) -> set[str]:

@@ -11,8 +11,7 @@ from flexros.gap import diagnose as diagnose_module
 from flexros.gap.diagnose import diagnose
 from flexros.gap.settings import DiagnosisSettings
 from flexros.robot import load_robot
-
-from .gap.diagnosis_logs import record_of
+from tests.gap.diagnosis_logs import record_of
 
 
 def threads() -> set[int]:

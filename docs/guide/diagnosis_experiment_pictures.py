@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from svg_picture import Curve, Panel, picture
 
-from flexros.config.scenario import load_scenario
-from flexros.identify.gap_experiment.course import diagnosis_course
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.identify.diagnosis_experiment.course import diagnosis_course
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

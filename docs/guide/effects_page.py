@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, get_args
 
 from effects_pictures import DRAWINGS, pictures
 
-from flexros.effects.base import AbstractEffect, Stage, effects
-from flexros.effects.law import AbstractLaw
+from flexros.effects.kinds.base import AbstractEffect, Stage, effects
+from flexros.effects.kinds.law import AbstractLaw
 
 if TYPE_CHECKING:
-    from flexros.effects.ranges import Range
+    from flexros.effects.kinds.ranges import Range
 
 UNITS = {"relative": "", "time": " s", "frequency": " Hz", "order": " per turn", "phase": " rad"}
 """Units of bounds that are multiples of nothing in a log."""

@@ -8,9 +8,9 @@ import numpy as np
 from scipy.signal import butter, csd, filtfilt
 
 from flexros.effects import RobotWithEffects, parse_effect
-from flexros.gap.fit import best_of, chi2_of, fit, starts_of
-from flexros.gap.fit_data import fit_data
-from flexros.gap.search import Search
+from flexros.gap.fit.least_squares import best_of, chi2_of, fit, starts_of
+from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.search.candidate_fits import Search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.robot import load_robot
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.arrays import FloatArray
-    from flexros.gap.fit import Fit
-    from flexros.gap.hypothesis import Suspect
-    from flexros.gap.record import GapRecord
+    from flexros.gap.candidates.candidate import Suspect
+    from flexros.gap.fit.least_squares import Fit
+    from flexros.record.record import GapRecord
 
 FRICTION = (166.7061, 240.4236, 20.144, 20.6277)
 """Published friction, forward and backward: viscous [N s/m], Coulomb [N]."""

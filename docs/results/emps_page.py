@@ -13,8 +13,8 @@ from emps_flexibility import flexibility
 from scipy.signal import butter, filtfilt
 
 from flexros.effects import RobotWithEffects, parse_effect
+from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.gap.read_record import read_record
 from flexros.gap.settings import DiagnosisSettings
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
@@ -23,8 +23,8 @@ from flexros.simulate.plant import Plant
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.gap.record import GapRecord
     from flexros.gap.result import DiagnosisResult
+    from flexros.record.record import GapRecord
 
 POSITION_GAIN, SPEED_GAIN, FORCE_PER_VOLT, LIMIT = 160.18, 243.45, 35.1506, 351.506
 """Controller of the authors: 1/s, V s/m, N/V, N."""
@@ -127,7 +127,7 @@ def experiment(path: Path) -> Experiment:
         path: MATLAB file of the authors.
     """
     log = import_log(load_mapping("emps"), [path])
-    record = read_record(log, load_robot("emps"), name=path.stem)
+    record = checked_log(log, load_robot("emps"), name=path.stem)
     assert log.joint_reference is not None
     effort = log.joint_reference.effort
     return Experiment(record, np.zeros(record.n_samples) if effort is None else effort[:, 0])

@@ -17,8 +17,8 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
 
-from flexros.config.scenario import load_scenario
-from flexros_nodes.run_plan import IN_REAL_TIME
+from flexros.scenario.scenario import load_scenario
+from flexros_nodes.bringup.run_plan import IN_REAL_TIME
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

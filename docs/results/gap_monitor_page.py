@@ -17,15 +17,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from gap_monitor_text import page_text
 
-from flexros.config.scenario import load_scenario
 from flexros.effects import parse_effect
-from flexros.effects.patched_robot import load_model
+from flexros.effects.patching.patched_robot import load_model
 from flexros.monitor.calibration import calibrate
 from flexros.monitor.gap_monitor import GapMonitor
 from flexros.monitor.thresholds import LENGTHS, thresholds
 from flexros.monitor.watch_log import watch_log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -173,9 +173,9 @@ _PLANNED: dict[tuple[str, int], Experiment] = {}
 
 def spliced(planned: Experiment, effect: str) -> Log:
     """Run a motion whose effect sets in on the way: the state of the robot goes on."""
-    from flexros.compile.loop import compile_loop
-    from flexros.compile.loop_arrays import LoopInputs, LoopState
-    from flexros.simulate.closed_loop import run_log
+    from flexros.compile.loop.arrays import LoopInputs, LoopState
+    from flexros.compile.loop.loop import compile_loop
+    from flexros.scenario.closed_loop import run_log
     from flexros.simulate.plant import delayed_start
     from flexros.simulate.plant_model import PlantModel
 

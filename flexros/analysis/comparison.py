@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from flexros.analysis.figures_table import number
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexros.analysis.frequency_responses import relative_deviation
 from flexros.analysis.pace import LOOP_TOPICS
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -90,31 +91,6 @@ def terminal_table(analyses: Sequence[Analysis]) -> Table:
 
 def _text(value: float | str | None) -> str:
     return value if isinstance(value, str) else number(value)
-
-
-def number(value: float | None, digits: int = 4) -> str:
-    """Write a number with so many significant digits; whole numbers as such, "-" for none."""
-    if value is None or not np.isfinite(value):
-        return "-"
-    if value == round(value) and abs(value) < 1e15:
-        return str(round(value))
-    if abs(value) >= 1e6 or abs(value) < 1e-4:
-        return f"{value:.{digits - 1}e}"
-    places = max(digits - 1 - int(np.floor(np.log10(abs(value)))), 0)
-    return f"{value:.{places}f}"
-
-
-def percent(share: float, digits: int = 3) -> str:
-    """Write a share in per cent; what is beyond a factor of ten as such.
-
-    Args:
-        share: The share [1].
-        digits: Significant digits.
-
-    Returns:
-        E.g. "2.31", ">1000".
-    """
-    return ">1000" if not share <= 10 else number(100 * share, digits)
 
 
 def _figures(analysis: Analysis) -> Iterator[_Figure]:

@@ -63,7 +63,7 @@ def log_responses(log: Log, robot: Robot | None = None) -> LogResponses | None:
         return None
     from flexros.identify.frf.positions import estimate_responses
     from flexros.identify.frf.settings import FrfSettings
-    from flexros.identify.plan import plan_of_log
+    from flexros.scenario.identification_plan import plan_of_log
 
     try:
         return LogResponses(estimate_responses(log, plan_of_log(log), FrfSettings(partial=True), robot))

@@ -57,7 +57,7 @@ def _labels(bag: list[Path]) -> list[str | None]:
 
 def _robot(model: str, log: Log) -> Robot | None:
     """Load the robot of a run; one that the provenance names but that is not at hand is done without."""
-    from flexros.effects.patched_robot import load_model
+    from flexros.effects.patching.patched_robot import load_model
 
     if model:
         return load_model(model).robot

@@ -11,25 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from flexros.cli import (
-    analyze,
-    bench,
-    blind,
-    campaign,
-    demo,
-    diagnose,
-    gap,
-    identify,
-    import_log,
-    monitor,
-    replay,
-    robots,
-    run,
-)
+from flexros.cli import analyze, demo, diagnose, gap, import_log, monitor, replay, robots, run
+from flexros.cli.identify import procedure as identify
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
 READER_GONE = 141
 """Exit code when nobody reads the output any more, as for a program that SIGPIPE ends."""
@@ -38,6 +25,9 @@ EXIT_CODES = (
     "Exit codes: 0 done, 1 a gap was found, 2 bad input, 3 a run broke off, 70 a fault in FlexROS (with a traceback), "
     "130 Ctrl-C, 141 nobody reads the output any more."
 )
+
+GROUP = "flexros.commands"
+"""Entry points by which rooms above this one add commands: modules with `COMMANDS`, and `HELP` if they are a group."""
 
 app = typer.Typer(
     name="flexros",
@@ -100,17 +90,23 @@ COMMANDS: dict[str, Callable[..., Any]] = {
     "gap": gap.gap,
     "monitor": monitor.monitor,
     "demo": demo.demo,
-    "bench": bench.bench,
-    "campaign": campaign.campaign,
 }
-for name, command in COMMANDS.items():
-    app.command(name)(reported(command))
-for name, command in identify.COMMANDS.items():
-    identify.app.command(name)(reported(command))
-app.add_typer(identify.app)
-for name, command in blind.COMMANDS.items():
-    blind.app.command(name)(reported(command))
-app.add_typer(blind.app)
+
+
+def _add(name: str, commands: Mapping[str, Callable[..., Any]], help_text: str = "") -> None:
+    """Add commands: as they are, or where there is a help text as those of a group."""
+    into = typer.Typer(name=name, help=help_text, no_args_is_help=True, rich_markup_mode=None) if help_text else app
+    for word, command in commands.items():
+        into.command(word)(reported(command))
+    if help_text:
+        app.add_typer(into)
+
+
+_add("", COMMANDS)
+_add("identify", identify.COMMANDS, identify.HELP)
+for entry in sorted(metadata.entry_points(group=GROUP)):
+    room = entry.load()
+    _add(entry.name, room.COMMANDS, room.HELP)
 
 
 def _print_version(wanted: bool) -> None:

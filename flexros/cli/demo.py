@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from flexros.analysis.comparison import Comparison
     from flexros.cli.demo_repair import Repair
     from flexros.cli.transports import RunResult
-    from flexros.config.scenario import Scenario
     from flexros.logs.time_series import Log
+    from flexros.scenario.scenario import Scenario
 
 LOADS = (190.0, 210.0)
 """Mass of the last body in the plant when the load is off by 10 kg [kg]; the model keeps 200 kg."""
@@ -155,9 +155,9 @@ def run_case(case: Case, folder: Path, transport: str) -> CaseResult:
         RunError: The run broke off.
     """
     from flexros.analysis import analyse
-    from flexros.config.scenario import load_scenario
     from flexros.logs.reader import read_log
     from flexros.robot import load_robot
+    from flexros.scenario.scenario import load_scenario
 
     scenario = load_scenario(case.scenario).with_values(case.settings, f"demo, {case.label}")
     bag = folder / case.label
@@ -184,8 +184,8 @@ def equal_to_direct(scenario: Scenario, log: Log) -> bool:
     Returns:
         Whether stamps, encoder positions and commands are equal.
     """
-    from flexros.simulate.closed_loop import closed_loop
-    from flexros.simulate.experiment import Experiment
+    from flexros.scenario.closed_loop import closed_loop
+    from flexros.scenario.experiment import Experiment
 
     direct = closed_loop(Experiment.prepare(scenario))
     if log.joint_commands is None or direct.joint_commands is None:

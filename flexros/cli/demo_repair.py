@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.analysis import Analysis
-    from flexros.config.scenario import Scenario
-    from flexros.gap.diagnosis_file import Diagnosis
+    from flexros.gap.schema import Diagnosis
+    from flexros.scenario.scenario import Scenario
 
 HIDDEN = "hidden_effect"
 """Shipped scenario whose plant has an effect that the model does not know."""
@@ -82,7 +82,7 @@ def repair(folder: Path, transport: str, progress: Callable[[str, float], None])
     Raises:
         RunError: A run broke off.
     """
-    from flexros.config.scenario import load_scenario
+    from flexros.scenario.scenario import load_scenario
 
     hidden = load_scenario(HIDDEN)
     progress("hidden effect", 0.0)
@@ -127,14 +127,14 @@ def _diagnosed(
     log: Path, model: str, folder: Path, progress: Callable[[str, float], None]
 ) -> tuple[Diagnosis, Path | None]:
     """Diagnose a log against the nominal model; write its files."""
-    from flexros.effects.patched_robot import load_model
+    from flexros.effects.patching.patched_robot import load_model
+    from flexros.gap.checked_log import checked_log
     from flexros.gap.diagnose import diagnose
-    from flexros.gap.read_record import read_record
     from flexros.gap.report.files import PATCH, write_diagnosis
     from flexros.logs.reader import read_log
 
     known = load_model(model)
-    record = read_record(read_log(log), known.robot, name=log.name)
+    record = checked_log(read_log(log), known.robot, name=log.name)
     result = diagnose(record, known, progress=lambda stage, share: progress(stage, 0.15 + 0.8 * share))
     files = write_diagnosis(result, model, folder)
     return result.diagnosis, folder / PATCH if PATCH in files else None

@@ -31,10 +31,10 @@ def diagnose(
     as_json: bool = typer.Option(False, "--json", help="Print diagnosis.json."),
 ) -> int:
     """Say where robot and model differ, which effect causes it, and how far the gap shrinks with it."""
-    from flexros.effects.patched_robot import load_model
-    from flexros.gap.closed_loop_gap import with_closed_loop
+    from flexros.effects.patching.patched_robot import load_model
+    from flexros.gap.checked_log import checked_log
     from flexros.gap.diagnose import diagnose as diagnosed
-    from flexros.gap.read_record import read_record
+    from flexros.gap.held_out.closed_loop_gap import with_closed_loop
     from flexros.gap.report.files import check_folder, write_diagnosis
     from flexros.logs.reader import read_log
 
@@ -43,7 +43,7 @@ def diagnose(
     known = load_model(model)
     logs = [read_log(path, namespace=namespace or None) for path in (bag, holdout) if path is not None]
     paths = [path for path in (bag, holdout) if path is not None]
-    record, *others = [read_record(log, known.robot, name=path.name) for log, path in zip(logs, paths)]
+    record, *others = [checked_log(log, known.robot, name=path.name) for log, path in zip(logs, paths)]
     with progress_bar() as bar:
         task = bar.add_task("reading", total=1.0)
         result = diagnosed(

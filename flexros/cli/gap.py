@@ -26,9 +26,9 @@ def gap(
     as_json: bool = typer.Option(False, "--json", help="Print the numbers as JSON, as in diagnosis.json."),
 ) -> int:
     """Tell how far a model is from a log; the exit code is 1 where it, with the patch on it, leaves a gap."""
-    from flexros.effects.patched_robot import load_model
+    from flexros.effects.patching.patched_robot import load_model
+    from flexros.gap.checked_log import checked_log
     from flexros.gap.measure_gap import measure_gap
-    from flexros.gap.read_record import read_record
     from flexros.logs.reader import read_log
 
     tolerances = parse_tolerance(tolerance)
@@ -36,7 +36,7 @@ def gap(
     repaired = None if patch is None else _repaired(patch, model)
     with progress_bar() as bar:
         bar.add_task("predicting", total=None)
-        record = read_record(read_log(bag, namespace=namespace or None), nominal.robot, name=bag.name)
+        record = checked_log(read_log(bag, namespace=namespace or None), nominal.robot, name=bag.name)
         measured = measure_gap(record, nominal, repaired=repaired, tolerance=tolerances)
     if as_json:
         print_json(measured.numbers.model_dump(mode="json", exclude_none=patch is None))
@@ -49,7 +49,7 @@ def gap(
 
 def _repaired(patch: Path, model: str) -> RobotWithEffects:
     """Load the patch; it must be one of this robot, else before and after would be of two robots."""
-    from flexros.effects.patched_robot import load_patched
+    from flexros.effects.patching.patched_robot import load_patched
 
     nominal, patched = load_patched(model), load_patched(patch)
     below = len(nominal.placed)

@@ -25,7 +25,7 @@ def linear_robot(name_or_path: str) -> Robot:
     Raises:
         InputError: It cannot be loaded.
     """
-    from flexros.effects.patched_robot import load_model
+    from flexros.effects.patching.patched_robot import load_model
 
     model = load_model(name_or_path)
     left_out = [law.name for law in model.laws if not law.effect.neutral]

@@ -28,7 +28,7 @@ def monitor(
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> int:
     """Lead a log through the gap monitor, as its node beside the robot would; the exit code is 1 after an alarm."""
-    from flexros.effects.patched_robot import load_patched
+    from flexros.effects.patching.patched_robot import load_patched
     from flexros.logs.reader import read_log
     from flexros.monitor.calibration import read_calibration
     from flexros.monitor.gap_monitor import GapMonitor

@@ -49,7 +49,7 @@ def parse_tolerance(text: str) -> dict[str, float]:
     Raises:
         InputError: Wrong form, unknown kind, or a share that is not from 0 to below 1.
     """
-    from flexros.gap.tolerance import KINDS
+    from flexros.gap.candidates.tolerance import KINDS
 
     tolerances: dict[str, float] = {}
     for part in (part.strip() for part in text.split(",") if part.strip()):

@@ -17,8 +17,8 @@ from flexros.whole_file import write_result
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray
     from flexros.robot import Robot
-    from flexros.robot.linearise import LinearModel
-    from flexros.robot.zeros import ZeroDynamics
+    from flexros.robot.linear.linearise import LinearModel
+    from flexros.robot.linear.zeros import ZeroDynamics
 
 _FEW_MOTORS = 2
 """With more motors than this the table has the zeros of each motor's own channel only (chosen)."""
@@ -53,8 +53,8 @@ def robot(
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Show modes, zeros and zero dynamics of a robot at a pose, and whether it is minimum phase there."""
-    from flexros.robot.linearise import linear_model
-    from flexros.robot.zeros import channel_zeros, poles, transmission_zeros, zero_dynamics
+    from flexros.robot.linear.linearise import linear_model
+    from flexros.robot.linear.zeros import channel_zeros, poles, transmission_zeros, zero_dynamics
 
     loaded = linear_robot(name)
     if urdf:
@@ -67,7 +67,7 @@ def robot(
         for column, source in enumerate(linear.input_names)
     }
     if bode:
-        from flexros.robot.bode import write_bode
+        from flexros.robot.linear.bode import write_bode
 
         write_bode(linear, bode, f"{loaded.name} at q = {pose.tolist()}")
     content = {
@@ -91,7 +91,7 @@ def robot(
 
 
 def _write_urdf(robot: Robot, file: Path, flexible: str) -> None:
-    from flexros.robot.urdf_file import FLEXIBLE, urdf_text
+    from flexros.robot.exchange.urdf_export import FLEXIBLE, urdf_text
 
     kinds = {kind: kind for kind in FLEXIBLE}
     if flexible not in kinds:
@@ -104,7 +104,7 @@ def import_urdf(
     out: Path = typer.Option(..., "--out", help="Robot YAML to write."),
 ) -> None:
     """Make a robot YAML from a URDF: geometry and inertia are taken over, springs are left to you."""
-    from flexros.robot.urdf import skeleton_from_urdf
+    from flexros.robot.exchange.urdf_import import skeleton_from_urdf
 
     text = skeleton_from_urdf(file)
     if out.exists():

@@ -18,7 +18,7 @@ from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     from flexros.cli.transports import RunResult
-    from flexros.config.scenario import Scenario
+    from flexros.scenario.scenario import Scenario
 
 TRANSPORTS = ("ros", "direct")
 
@@ -46,7 +46,7 @@ FIGURES = {
 
 def scenarios(as_json: bool = typer.Option(False, "--json", help="Print JSON.")) -> None:
     """List the scenarios that are shipped."""
-    from flexros.config.scenario import load_scenario, scenario_names
+    from flexros.scenario.scenario import load_scenario, scenario_names
 
     loaded = [load_scenario(name) for name in scenario_names()]
     if as_json:
@@ -128,7 +128,7 @@ def changed_scenario(
     Raises:
         InputError: Something is unknown or not allowed.
     """
-    from flexros.config.scenario import load_scenario
+    from flexros.scenario.scenario import load_scenario
 
     chosen = load_scenario(name)
     changes: dict[str, Any] = {}

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from pathlib import Path
 
-    from flexros.config.scenario import Scenario
+    from flexros.scenario.scenario import Scenario
 
 GROUP = "flexros.transports"
 """Entry points that run a scenario; the package of the nodes announces "ros" there."""
@@ -96,8 +96,8 @@ def run_direct(scenario: Scenario, out: Path, show_progress: bool = True) -> Run
         RunError: The log cannot be written.
     """
     from flexros.logs.write_log import write_log
-    from flexros.simulate.closed_loop import DivergedRunError, closed_loop
-    from flexros.simulate.experiment import Experiment
+    from flexros.scenario.closed_loop import DivergedRunError, closed_loop
+    from flexros.scenario.experiment import Experiment
 
     _check_new(out)
     experiment = Experiment.prepare(scenario)
@@ -142,7 +142,7 @@ def run_ros(
     Raises:
         InputError: There are no nodes here, or scenario, parameters or folder are not allowed.
     """
-    from flexros.simulate.experiment import Experiment
+    from flexros.scenario.experiment import Experiment
 
     runner, why = ros_runner()
     if runner is None:

@@ -1,9 +1,9 @@
 """Symbolic graph to machine code, with the CasADi virtual machine as fallback and cross-check."""
 
 from flexros.compile.compiled_function import CompiledFunction, compile_function
-from flexros.compile.loop import LoopKernel, LoopStepper, compile_loop
-from flexros.compile.loop_arrays import LoopInputs, LoopResult, LoopState
-from flexros.compile.loop_functions import LoopFunctions
+from flexros.compile.loop.arrays import LoopInputs, LoopResult, LoopState
+from flexros.compile.loop.functions import LoopFunctions
+from flexros.compile.loop.loop import LoopKernel, LoopStepper, compile_loop
 from flexros.compile.module_builder import ModuleBuilder
 
 __all__ = [

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 import casadi as ca
 
 if TYPE_CHECKING:
-    from flexros.compile.loop_functions import LoopFunctions
+    from flexros.compile.loop.functions import LoopFunctions
 
 Symbol = TypeVar("Symbol", ca.SX, ca.MX)
 MERGED_INSTRUCTIONS = 1500  # a derivative up to this length is written out four times, which compiles in 0.05 s

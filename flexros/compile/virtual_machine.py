@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from flexros.compile.loop_functions import WRENCH_SIZE
+from flexros.compile.loop.functions import WRENCH_SIZE
 from flexros.compile.module_builder import check_lanes
 from flexros.compile.runge_kutta import is_merged, runge_kutta_step, step_weights
 
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.compile.command_delay import CommandDelay, MotorDelays
-    from flexros.compile.loop_arrays import LoopJob
-    from flexros.compile.loop_functions import LoopFunctions, LoopSizes
+    from flexros.compile.loop.arrays import LoopJob
+    from flexros.compile.loop.functions import LoopFunctions, LoopSizes
 
 _SLICE = 200  # samples per call of the virtual machine
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from pydantic import Field
 
 from flexros.config.location import data_folder
-from flexros.config.validation import Settings, validate
+from flexros.config.settings import Settings, validate
 from flexros.config.yaml_file import read_rows
 from flexros.errors import unknown_name
 

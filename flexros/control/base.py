@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-import flexros.control
-from flexros.config.validation import Settings, validate
+from flexros.config.settings import Settings, validate
 from flexros.discovery import members
 from flexros.errors import unknown_name
 
@@ -84,7 +83,7 @@ class AbstractControlLaw(Settings, ABC):
 @cache
 def control_laws() -> Mapping[str, type[AbstractControlLaw]]:
     """Find all control laws in this package, by `kind`."""
-    return members(flexros.control, AbstractControlLaw, "kind")  # type: ignore[type-abstract]
+    return members("flexros.control", AbstractControlLaw, "kind")  # type: ignore[type-abstract]
 
 
 def control_law(settings: Mapping[str, Any], source: str = "controller") -> AbstractControlLaw:

@@ -1,7 +1,7 @@
 """Deviations of a real robot from the ideal model, one per file, found by themselves."""
 
-from flexros.effects.base import AbstractEffect, PlacedEffect, effects, parse_effect
-from flexros.effects.placement import PlacedLaw, RobotWithEffects, place_effects
+from flexros.effects.kinds.base import AbstractEffect, PlacedEffect, effects, parse_effect
+from flexros.effects.patching.placement import PlacedLaw, RobotWithEffects, place_effects
 
 __all__ = [
     "AbstractEffect",

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field
 
-from flexros.effects.command_law import AbstractCommandLaw
-from flexros.effects.ranges import Range
+from flexros.effects.kinds.command_law import AbstractCommandLaw
+from flexros.effects.kinds.ranges import Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.effects.base import Stage
-    from flexros.effects.motor_law import MotorState
-    from flexros.robot.kinematics import Value
+    from flexros.effects.kinds.base import Stage
+    from flexros.effects.kinds.motor_law import MotorState
+    from flexros.robot.symbolic.kinematics import Value
 
 _SHORT, _MANY = 1e-12, 0.02
 

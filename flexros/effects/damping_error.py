@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.effects.relative_error import AbstractRelativeError
+from flexros.effects.kinds.relative_error import AbstractRelativeError
 
 if TYPE_CHECKING:
-    from flexros.effects.base import Stage
+    from flexros.effects.kinds.base import Stage
     from flexros.robot import Robot
 
 

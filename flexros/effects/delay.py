@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
-from flexros.effects.law import AbstractLaw
-from flexros.effects.model_change import AbstractChangedValues
-from flexros.effects.ranges import Range
+from flexros.effects.kinds.law import AbstractLaw
+from flexros.effects.kinds.model_change import AbstractChangedValues
+from flexros.effects.kinds.ranges import Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.effects.base import Stage
+    from flexros.effects.kinds.base import Stage
     from flexros.robot import Robot
 
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field
 
-from flexros.effects.sensor import AbstractSensor
+from flexros.effects.kinds.sensor import AbstractSensor
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.effects.base import Stage
-    from flexros.robot.kinematics import Value
+    from flexros.effects.kinds.base import Stage
+    from flexros.robot.symbolic.kinematics import Value
 
 
 class EncoderQuantization(AbstractSensor):

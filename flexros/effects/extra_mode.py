@@ -11,18 +11,18 @@ import casadi as ca
 import numpy as np
 from pydantic import Field
 
-from flexros.effects.arm_law import AbstractArmLaw
-from flexros.effects.ranges import Range
-from flexros.robot.dynamics import motion
-from flexros.robot.kinematics import build_geometry, forward
+from flexros.effects.kinds.arm_law import AbstractArmLaw
+from flexros.effects.kinds.ranges import Range
+from flexros.robot.symbolic.dynamics import motion
+from flexros.robot.symbolic.kinematics import build_geometry, forward
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.effects.arm_law import ArmState
-    from flexros.effects.base import Stage
+    from flexros.effects.kinds.arm_law import ArmState
+    from flexros.effects.kinds.base import Stage
     from flexros.robot import Robot
-    from flexros.robot.kinematics import Value
+    from flexros.robot.symbolic.kinematics import Value
 
 
 class ExtraMode(AbstractArmLaw):

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field
 
-from flexros.effects.dry_friction import AbstractDryFriction, FrictionLevels
-from flexros.effects.motor_law import AbstractMotorTorque, MotorState
-from flexros.effects.ranges import Range
+from flexros.effects.kinds.dry_friction import AbstractDryFriction, FrictionLevels
+from flexros.effects.kinds.motor_law import AbstractMotorTorque, MotorState
+from flexros.effects.kinds.ranges import Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.effects.base import Stage
-    from flexros.robot.kinematics import Value
+    from flexros.effects.kinds.base import Stage
+    from flexros.robot.symbolic.kinematics import Value
 
 _SHORT = 1e-12
 

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field
 
-from flexros.effects.arm_law import AbstractArmLaw
-from flexros.effects.ranges import Range
-from flexros.robot.body_frame import body_frame, long_axis, moved_bodies
+from flexros.effects.kinds.arm_law import AbstractArmLaw
+from flexros.effects.kinds.ranges import Range
+from flexros.robot.symbolic.body_frame import body_frame, long_axis, moved_bodies
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.effects.arm_law import ArmState
-    from flexros.effects.base import Stage
+    from flexros.effects.kinds.arm_law import ArmState
+    from flexros.effects.kinds.base import Stage
     from flexros.robot import Robot
-    from flexros.robot.kinematics import Value
+    from flexros.robot.symbolic.kinematics import Value
 
 
 class GravityError(AbstractArmLaw):

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field
 
-from flexros.effects.gear_law import AbstractGearLaw
-from flexros.effects.ranges import Range
+from flexros.effects.kinds.gear_law import AbstractGearLaw
+from flexros.effects.kinds.ranges import Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.effects.base import Stage
-    from flexros.effects.gear_law import GearState, GearTorques
-    from flexros.robot.kinematics import Value
+    from flexros.effects.kinds.base import Stage
+    from flexros.effects.kinds.gear_law import GearState, GearTorques
+    from flexros.robot.symbolic.kinematics import Value
 
 
 NODES = (0.3214, 0.9425, 1.4137, 1.9529, 2.6888, 4.2352)

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
-from flexros.effects.ranges import Range
-from flexros.effects.tool_error import AbstractToolError
-from flexros.robot.body_frame import long_axis, moved_bodies
+from flexros.effects.kinds.ranges import Range
+from flexros.effects.kinds.tool_error import AbstractToolError
+from flexros.robot.symbolic.body_frame import long_axis, moved_bodies
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.effects.base import Stage
+    from flexros.effects.kinds.base import Stage
     from flexros.robot import Robot
-    from flexros.robot.kinematics import Value
+    from flexros.robot.symbolic.kinematics import Value
 
 
 class KinematicError(AbstractToolError):

@@ -10,10 +10,10 @@ import casadi as ca
 import numpy as np
 from pydantic import Field, model_validator
 
-from flexros.config.validation import validate
-from flexros.effects.gear_law import AbstractGearLaw
-from flexros.effects.model_change import AbstractModelChange
-from flexros.effects.ranges import Range
+from flexros.config.settings import validate
+from flexros.effects.kinds.gear_law import AbstractGearLaw
+from flexros.effects.kinds.model_change import AbstractModelChange
+from flexros.effects.kinds.ranges import Range
 from flexros.errors import InputError
 from flexros.robot import Robot
 from flexros.robot.specification import RobotSpecification
@@ -22,9 +22,9 @@ from flexros.robot.spring import PiecewiseLinear, Spring
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.effects.base import Stage
-    from flexros.effects.gear_law import GearState, GearTorques
-    from flexros.robot.kinematics import Value
+    from flexros.effects.kinds.base import Stage
+    from flexros.effects.kinds.gear_law import GearState, GearTorques
+    from flexros.robot.symbolic.kinematics import Value
 
 CORNER = (-8.0, -4.0, -2.0, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 """Points of a rounded corner where its polygon in a robot file bends, in widths from the knee [1] (chosen)."""

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field, model_validator
 
-from flexros.effects.bristle_friction import AbstractBristleFriction, Bristle
-from flexros.effects.ranges import Range
+from flexros.effects.kinds.bristle_friction import AbstractBristleFriction, Bristle
+from flexros.effects.kinds.ranges import Range
 from flexros.effects.stribeck_friction import GAUSSIAN, hump
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.effects.base import Stage
-    from flexros.robot.kinematics import Value
+    from flexros.effects.kinds.base import Stage
+    from flexros.robot.symbolic.kinematics import Value
 
 
 SEEN = 3.0

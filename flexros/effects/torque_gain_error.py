@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
-from flexros.effects.command_law import AbstractCommandLaw
-from flexros.effects.ranges import Range
+from flexros.effects.kinds.command_law import AbstractCommandLaw
+from flexros.effects.kinds.ranges import Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     import casadi as ca
 
-    from flexros.effects.base import Stage
-    from flexros.robot.kinematics import Value
+    from flexros.effects.kinds.base import Stage
+    from flexros.robot.symbolic.kinematics import Value
 
 
 class TorqueGainError(AbstractCommandLaw):

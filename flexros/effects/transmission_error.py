@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field
 
-from flexros.effects.gear_law import AbstractGearLaw, GearTorques
-from flexros.effects.ranges import HIGHEST_ORDER, Range
+from flexros.effects.kinds.gear_law import AbstractGearLaw, GearTorques
+from flexros.effects.kinds.ranges import HIGHEST_ORDER, Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.effects.base import Stage
-    from flexros.effects.gear_law import GearState
-    from flexros.robot.kinematics import Value
+    from flexros.effects.kinds.base import Stage
+    from flexros.effects.kinds.gear_law import GearState
+    from flexros.robot.symbolic.kinematics import Value
 
 
 class TransmissionError(AbstractGearLaw):

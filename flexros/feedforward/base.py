@@ -7,7 +7,6 @@ from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
-import flexros.feedforward
 from flexros.discovery import members
 from flexros.errors import unknown_name
 
@@ -61,7 +60,7 @@ class AbstractFeedforward(ABC):
 @cache
 def feedforward_methods() -> Mapping[str, AbstractFeedforward]:
     """Find all methods in this package, by name."""
-    found = members(flexros.feedforward, AbstractFeedforward)  # type: ignore[type-abstract]
+    found = members("flexros.feedforward", AbstractFeedforward)  # type: ignore[type-abstract]
     return MappingProxyType({name: method() for name, method in found.items()})
 
 

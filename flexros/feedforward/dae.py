@@ -6,16 +6,16 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.errors import RunError
-from flexros.feedforward.arm_forces import arm_forces
 from flexros.feedforward.base import AbstractFeedforward
-from flexros.feedforward.compiled_march import CompiledMarch
-from flexros.feedforward.consistent_start import consistent_start
-from flexros.feedforward.dae_equations import DaeEquations, build_equations
-from flexros.feedforward.interpreted_march import InterpretedMarch
-from flexros.feedforward.march import MAX_ITERATIONS, March, newton_tolerance
+from flexros.feedforward.compensation.arm_forces import arm_forces
 from flexros.feedforward.minimum_phase import require_minimum_phase
 from flexros.feedforward.motion import Motion
-from flexros.feedforward.step_functions import StepFunctions
+from flexros.feedforward.time_stepping.compiled import CompiledMarch
+from flexros.feedforward.time_stepping.consistent_start import consistent_start
+from flexros.feedforward.time_stepping.dae_equations import DaeEquations, build_equations
+from flexros.feedforward.time_stepping.interpreted import InterpretedMarch
+from flexros.feedforward.time_stepping.step_functions import StepFunctions
+from flexros.feedforward.time_stepping.stepping import MAX_ITERATIONS, March, newton_tolerance
 from flexros.feedforward.tool_geometry import ToolGeometry
 
 if TYPE_CHECKING:

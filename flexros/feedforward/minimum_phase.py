@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.robot.zeros import zero_dynamics
+from flexros.robot.linear.zeros import zero_dynamics
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.feedforward.problem import FeedforwardProblem
-    from flexros.robot.zeros import ZeroDynamics
+    from flexros.robot.linear.zeros import ZeroDynamics
 
 
 def require_minimum_phase(problem: FeedforwardProblem) -> None:

@@ -8,8 +8,8 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.feedforward.base import feedforward_method
-from flexros.feedforward.compensation import compensated, laws_of_the_arm, motor_delays
-from flexros.feedforward.friction import friction_torque
+from flexros.feedforward.compensation.compensation import compensated, laws_of_the_arm, motor_delays
+from flexros.feedforward.compensation.friction import friction_torque
 from flexros.feedforward.hold import held_torque, samples_ahead
 from flexros.feedforward.motion import Motion, Reference
 from flexros.feedforward.problem import FeedforwardProblem
@@ -42,7 +42,7 @@ def compute_reference(
         sample_time: Sample time T of the feedback [s].
         duration: Time to cover [s]; the samples are 0, T, 2 T, ... up to and including `duration`.
         near: Arm coordinates near which the start pose is sought [rad or m], shape (N,); default: the home pose.
-        laws: Laws of effects that the reference makes up for, see `flexros.feedforward.compensation`.
+        laws: Laws of effects that the reference makes up for, see `flexros.feedforward.compensation.compensation`.
 
     Returns:
         The reference, floor(duration / T) + 1 samples.
@@ -75,7 +75,7 @@ def reference_chunks(
         duration: Time to cover [s].
         chunk: Largest number of samples per chunk.
         near: Arm coordinates near which the start pose is sought [rad or m], shape (N,); default: the home pose.
-        laws: Laws of effects that the reference makes up for, see `flexros.feedforward.compensation`.
+        laws: Laws of effects that the reference makes up for, see `flexros.feedforward.compensation.compensation`.
 
     Yields:
         Successive parts of the reference.

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from flexros.feedforward.arm_forces import arm_forces
-from flexros.feedforward.dae_equations import arm_residual, motor_torque
+from flexros.feedforward.compensation.arm_forces import arm_forces
 from flexros.feedforward.motion import Motion
+from flexros.feedforward.time_stepping.dae_equations import arm_residual, motor_torque
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

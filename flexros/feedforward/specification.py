@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from flexros.config.per_motor import NotNegativePerMotor, Positive, PositivePerMotor
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 
 
 class FrictionCompensation(Settings):

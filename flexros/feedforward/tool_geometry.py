@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
-from flexros.effects.tool_error import AbstractToolError
+from flexros.effects.kinds.tool_error import AbstractToolError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

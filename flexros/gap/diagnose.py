@@ -8,25 +8,25 @@ from typing import TYPE_CHECKING
 from flexros.blas_threads import one_blas_thread
 from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
-from flexros.gap.answer import result_of
-from flexros.gap.explain import explain
-from flexros.gap.findings import Findings
-from flexros.gap.fit_data import fit_data
-from flexros.gap.predictions import tool_errors
-from flexros.gap.search import Search
+from flexros.gap.answer.assemble import result_of
+from flexros.gap.answer.decision import Findings
+from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.noise.weights import measurement_in
+from flexros.gap.prediction.predicted_log import tool_errors
+from flexros.gap.progress import Stages
+from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.forward_selection import explain
 from flexros.gap.settings import DiagnosisSettings
-from flexros.gap.stages import Stages
-from flexros.gap.tolerance import tolerance_of
-from flexros.gap.weights import measurement_in
 from flexros.gap.where.find import where
 from flexros.gap.where.floor import autoregressive
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from flexros.gap.record import GapRecord
     from flexros.gap.result import DiagnosisResult, Explanation
     from flexros.gap.where.find import Where
+    from flexros.record.record import GapRecord
     from flexros.robot import Robot
 
 

@@ -6,23 +6,23 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
-from flexros.gap.evidence import evidence_of
-from flexros.gap.findings import doubted
-from flexros.gap.fit_data import fit_data
-from flexros.gap.how_far import errors_ahead, gap_numbers
-from flexros.gap.rounding import over_expected_floor, unknown_rounding
-from flexros.gap.search import Search
+from flexros.gap.answer.decision import doubted
+from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.held_out.prediction_gap import errors_ahead, gap_numbers
+from flexros.gap.held_out.rounding import over_expected_floor, unknown_rounding
+from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.model_probability import evidence_of
 from flexros.gap.settings import DiagnosisSettings
-from flexros.gap.tolerance import tolerance_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects import RobotWithEffects
-    from flexros.gap.diagnosis_file import GapNumbers
-    from flexros.gap.fit_data import FitData
-    from flexros.gap.how_far import AheadErrors
-    from flexros.gap.record import GapRecord
+    from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.residuals.fit_data import FitData
+    from flexros.gap.schema import GapNumbers
+    from flexros.record.record import GapRecord
 
 
 @dataclass(frozen=True)

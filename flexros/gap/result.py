@@ -9,10 +9,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.arrays import FloatArray
-    from flexros.effects.base import PlacedEffect
-    from flexros.gap.diagnosis_file import CauseParameter, Diagnosis, GapPlace, Place
-    from flexros.gap.record import GapRecord
-    from flexros.gap.signatures.evidence import Evidence
+    from flexros.effects.kinds.base import PlacedEffect
+    from flexros.gap.schema import CauseParameter, Diagnosis, GapPlace, Place
+    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.record.record import GapRecord
     from flexros.robot import Robot
 
 

@@ -11,15 +11,17 @@ import numpy as np
 
 from flexros.config.topics import load_topics
 from flexros.errors import InputError
-from flexros.logs import diagnostic_array_message, joint_state_message, pose_stamped_message
-from flexros.logs.bag_files import find_bag_files
-from flexros.logs.bulk_decode import TopicDecoder, payloads_of
-from flexros.logs.cdr_cursor import MessageError
-from flexros.logs.foreign_definition import is_common, translator
-from flexros.logs.joint_state_message import read_joint_state_layout
 from flexros.logs.left_out import LeftOut
-from flexros.logs.mcap_scan import McapScan
-from flexros.logs.pose_stamped_message import read_pose_stamped_layout
+from flexros.logs.mcap.bag_files import find_bag_files
+from flexros.logs.mcap.scan import McapScan
+from flexros.logs.messages import diagnostic_array as diagnostic_array_message
+from flexros.logs.messages import joint_state as joint_state_message
+from flexros.logs.messages import pose_stamped as pose_stamped_message
+from flexros.logs.messages.bulk_decode import TopicDecoder, payloads_of
+from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.messages.foreign_definition import is_common, translator
+from flexros.logs.messages.joint_state import read_joint_state_layout
+from flexros.logs.messages.pose_stamped import read_pose_stamped_layout
 from flexros.logs.series_assembly import joint_series, pose_series
 from flexros.logs.time_series import Log
 from flexros.one_line import one_line

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from flexros.logs.joint_state_message import FIELDS, JointStateLayout
+from flexros.logs.messages.joint_state import FIELDS, JointStateLayout
 from flexros.logs.time_series import JointSeries, PoseSeries
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Sequence
 
     from flexros.arrays import BoolArray, FloatArray, IntArray
-    from flexros.logs.bulk_decode import Segment, TopicDecoder, TopicLayout
-    from flexros.logs.pose_stamped_message import PoseStampedLayout
+    from flexros.logs.messages.bulk_decode import Segment, TopicDecoder, TopicLayout
+    from flexros.logs.messages.pose_stamped import PoseStampedLayout
 
     L = TypeVar("L", bound=TopicLayout)
 

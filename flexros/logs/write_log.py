@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.config.topics import load_topics
-from flexros.logs.joint_state_message import FIELDS, joint_state_layout
-from flexros.logs.pose_stamped_message import pose_stamped_layout
+from flexros.logs.messages.joint_state import FIELDS, joint_state_layout
+from flexros.logs.messages.pose_stamped import pose_stamped_layout
 from flexros.logs.time_series import JointSeries, Log, PoseSeries
 from flexros.logs.writer import MAX_CHUNK_DURATION, LogWriter
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flexros.arrays import IntArray
-    from flexros.logs.message_layout import MessageLayout
+    from flexros.logs.messages.layout import MessageLayout
 
 _MAX_MESSAGES_PER_CHUNK = 5000  # chosen: about 1 MB before compression
 

@@ -14,8 +14,8 @@ import numpy as np
 from pydantic import Field
 from scipy.optimize import nnls
 
+from flexros.config.settings import Settings, validate
 from flexros.config.text_file import read_json
-from flexros.config.validation import Settings, validate
 from flexros.errors import InputError
 from flexros.json_text import json_text
 from flexros.monitor.sample_stream import WINDOW

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from flexros.gap.gain import stationary_covariance
+from flexros.prediction.observer import stationary_covariance
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.gap.motor_columns import motor_columns
-from flexros.logs.cdr_cursor import MessageError
-from flexros.logs.joint_state_message import FIELDS, read_joint_state_layout
+from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.messages.joint_state import FIELDS, read_joint_state_layout
+from flexros.record.joint_columns import motor_columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray, IntArray
-    from flexros.logs.joint_state_message import JointStateLayout
+    from flexros.logs.messages.joint_state import JointStateLayout
     from flexros.robot import Robot
 
 

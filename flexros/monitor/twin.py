@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.compile.prediction_loop import PredictionLoop
+from flexros.compile.loop.prediction import PredictionLoop
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.simulate.loop import feed_through
 from flexros.simulate.plant_model import PlantModel

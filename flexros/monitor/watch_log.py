@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.gap.motor_columns import motor_columns
 from flexros.monitor.alarms import Level
 from flexros.monitor.gap_monitor import RECENT, GapMonitor
 from flexros.monitor.statement import robot_sentence
+from flexros.record.joint_columns import motor_columns
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from flexros.robot.body_frame import body_frame
+from flexros.robot.symbolic.body_frame import body_frame
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

@@ -8,14 +8,14 @@ import casadi as ca
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.robot.kinematics import build_geometry
 from flexros.robot.parameters import list_parameters
+from flexros.robot.symbolic.kinematics import build_geometry
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.robot.chain import Chain
     from flexros.robot.robot import Robot
     from flexros.robot.specification import RobotSpecification
+    from flexros.robot.symbolic.chain import Chain
 
 TOLERANCE = 1e-12
 """Largest remaining error of the output, relative to 1 m + its size [m or rad]."""

@@ -9,8 +9,8 @@ import numpy as np
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
-    from flexros.robot.chain import Chain
     from flexros.robot.specification import Body, RobotSpecification
+    from flexros.robot.symbolic.chain import Chain
 
 
 def check_physical(specification: RobotSpecification, chain: Chain, source: str) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 
 
 class Quantity(Settings):

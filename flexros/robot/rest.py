@@ -12,7 +12,7 @@ from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.robot.model import SymbolicModel
+    from flexros.robot.symbolic.model import SymbolicModel
 
 TOLERANCE = 1e-9
 """Force that may be left, relative to the largest stiffness [N or Nm per m or rad]."""

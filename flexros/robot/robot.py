@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexros.config.validation import validate
+from flexros.config.settings import validate
 from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError, unknown_name
 from flexros.robot import equilibrium, inverse_kinematics
-from flexros.robot.chain import Chain, build_chain
-from flexros.robot.model import SymbolicModel
 from flexros.robot.parameters import Parameter, list_parameters, with_values
 from flexros.robot.physical import check_physical
 from flexros.robot.rest import RestFinder
 from flexros.robot.specification import RobotSpecification, arm_names
+from flexros.robot.symbolic.chain import Chain, build_chain
+from flexros.robot.symbolic.model import SymbolicModel
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

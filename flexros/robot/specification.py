@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 from flexros.robot.quantity import (
     Acceleration,
     Inertia,

@@ -7,7 +7,7 @@ from typing import Any
 import casadi as ca
 from pydantic import Field, model_validator
 
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 from flexros.robot.quantity import AnyUnit
 
 

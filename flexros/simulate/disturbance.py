@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 import numpy as np
 from pydantic import Field, model_validator
 
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 from flexros.errors import InputError, unknown_name
 from flexros.random_streams import Stream, generator
 from flexros.simulate.sample_blocks import BLOCK, SampleBlocks, Zeros

@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from flexros.effects.arm_law import AbstractArmLaw
-from flexros.effects.bristle_friction import AbstractBristleFriction
-from flexros.effects.command_law import AbstractCommandLaw
-from flexros.effects.dry_friction import AbstractDryFriction
-from flexros.effects.gear_law import AbstractGearLaw
-from flexros.effects.motor_law import AbstractMotorTorque
-from flexros.effects.sensor import AbstractSensor
-from flexros.effects.tool_error import AbstractToolError
+from flexros.effects.kinds.arm_law import AbstractArmLaw
+from flexros.effects.kinds.bristle_friction import AbstractBristleFriction
+from flexros.effects.kinds.command_law import AbstractCommandLaw
+from flexros.effects.kinds.dry_friction import AbstractDryFriction
+from flexros.effects.kinds.gear_law import AbstractGearLaw
+from flexros.effects.kinds.motor_law import AbstractMotorTorque
+from flexros.effects.kinds.sensor import AbstractSensor
+from flexros.effects.kinds.tool_error import AbstractToolError
 
 if TYPE_CHECKING:
-    from flexros.effects.placement import PlacedLaw
+    from flexros.effects.patching.placement import PlacedLaw
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from flexros.compile.loop_functions import LoopFunctions
+from flexros.compile.loop.functions import LoopFunctions
 from flexros.effects.delay import Delay
 from flexros.errors import unknown_name
 from flexros.robot.rest import Rest, RestFinder
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.effects.placement import PlacedLaw
+    from flexros.effects.patching.placement import PlacedLaw
     from flexros.robot import Robot
-    from flexros.robot.kinematics import Value
+    from flexros.robot.symbolic.kinematics import Value
 
 
 class PlantModel:

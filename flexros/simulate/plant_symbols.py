@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
-from flexros.compile.loop_functions import WRENCH_SIZE
-from flexros.effects.arm_law import ArmState
-from flexros.effects.gear_law import GearState
-from flexros.effects.motor_law import MotorState
+from flexros.compile.loop.functions import WRENCH_SIZE
+from flexros.effects.kinds.arm_law import ArmState
+from flexros.effects.kinds.gear_law import GearState
+from flexros.effects.kinds.motor_law import MotorState
 from flexros.robot.spring import Spring
 from flexros.simulate.laws_by_kind import LawsByKind
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from flexros.effects.placement import PlacedLaw
+    from flexros.effects.patching.placement import PlacedLaw
     from flexros.robot import Robot
-    from flexros.robot.chain import Joint
-    from flexros.robot.kinematics import Value
-    from flexros.robot.model import SymbolicModel
+    from flexros.robot.symbolic.chain import Joint
+    from flexros.robot.symbolic.kinematics import Value
+    from flexros.robot.symbolic.model import SymbolicModel
 
 
 class PlantSymbols:

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
-from flexros.effects.arm_law import AbstractArmLaw
-from flexros.effects.bristle_friction import bristle_step
-from flexros.effects.dry_friction import AHEAD, FrictionLevels, mean_friction
-from flexros.effects.gear_law import AbstractGearLaw
-from flexros.effects.motor_law import AbstractMotorLaw
+from flexros.effects.kinds.arm_law import AbstractArmLaw
+from flexros.effects.kinds.bristle_friction import bristle_step
+from flexros.effects.kinds.dry_friction import AHEAD, FrictionLevels, mean_friction
+from flexros.effects.kinds.gear_law import AbstractGearLaw
+from flexros.effects.kinds.motor_law import AbstractMotorLaw
 
 if TYPE_CHECKING:
-    from flexros.effects.placement import PlacedLaw
+    from flexros.effects.patching.placement import PlacedLaw
     from flexros.simulate.plant_symbols import PlantSymbols
 
 SWEEPS = 8

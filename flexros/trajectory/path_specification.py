@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 import numpy as np
 from pydantic import Field, model_validator
 
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 from flexros.errors import InputError
 from flexros.trajectory.arc import PLANES, Arc, circle
 from flexros.trajectory.line import JointMove, Line

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import Field
 
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 from flexros.errors import InputError, source_named
 from flexros.trajectory.limits import LIMIT_NAMES, Limits, check_limits
 from flexros.trajectory.path import point, text

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 from flexros.errors import InputError
 from flexros.trajectory.bang_bang_snap import bang_bang_snap
 from flexros.trajectory.limits import LIMIT_NAMES, Limits, joint_limits

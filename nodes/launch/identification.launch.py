@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros_nodes.launching import run_description
+from flexros_nodes.bringup.launching import run_description
 
 if TYPE_CHECKING:
     from launch import LaunchDescription

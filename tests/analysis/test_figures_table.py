@@ -7,7 +7,8 @@ import pytest
 from rich.console import Console
 
 from flexros.analysis import analyse
-from flexros.analysis.figures_table import figure_rows, number, percent, terminal_table
+from flexros.analysis.figures_table import figure_rows, terminal_table
+from flexros.report.number_text import number, percent
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,8 @@ from flexros.analysis import analyse
 from flexros.analysis.figures_table import figure_rows
 from flexros.analysis.frequency_responses import log_responses, relative_deviation
 from flexros.identify.frf.positions import estimate_responses
-from flexros.identify.plan import plan_of_log
 from flexros.logs.time_series import Log
+from flexros.scenario.identification_plan import plan_of_log
 from tests.identify.frf.recorded_experiment import cut
 
 

@@ -21,16 +21,16 @@ import casadi as ca
 import numpy as np
 from scipy.optimize import fsolve
 
-from flexros.config.validation import validate
-from flexros.feedforward.compiled_march import CompiledMarch
-from flexros.feedforward.consistent_start import consistent_start
-from flexros.feedforward.dae_equations import DaeEquations, arm_residual, build_equations
-from flexros.feedforward.interpreted_march import InterpretedMarch
-from flexros.feedforward.march import MarchResult, newton_tolerance
+from flexros.config.settings import validate
 from flexros.feedforward.problem import FeedforwardProblem
 from flexros.feedforward.reference import compute_reference
 from flexros.feedforward.specification import FeedforwardSpecification
-from flexros.feedforward.step_functions import StepFunctions
+from flexros.feedforward.time_stepping.compiled import CompiledMarch
+from flexros.feedforward.time_stepping.consistent_start import consistent_start
+from flexros.feedforward.time_stepping.dae_equations import DaeEquations, arm_residual, build_equations
+from flexros.feedforward.time_stepping.interpreted import InterpretedMarch
+from flexros.feedforward.time_stepping.step_functions import StepFunctions
+from flexros.feedforward.time_stepping.stepping import MarchResult, newton_tolerance
 from flexros.robot import Robot, load_robot
 from flexros.trajectory import Trajectory, TrajectorySpecification, build_trajectory
 from tests.feedforward.cases import subdivided_e12

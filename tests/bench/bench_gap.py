@@ -19,27 +19,27 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flexros.compile.prediction_loop import PredictionLoop
-from flexros.config.scenario import load_scenario
+from flexros.compile.loop.prediction import PredictionLoop
 from flexros.effects import RobotWithEffects, effects
-from flexros.effects.law import AbstractLaw
+from flexros.effects.kinds.law import AbstractLaw
+from flexros.gap.candidates.candidate import FreeParameter, Suspect
+from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose, split
-from flexros.gap.fit_data import fit_data
-from flexros.gap.hypothesis import FreeParameter, Suspect
-from flexros.gap.predictor import LANES, Predictor
-from flexros.gap.read_record import read_record
+from flexros.gap.prediction.predictor import LANES, Predictor
+from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
-from flexros.gap.tolerance import Tolerance
 from flexros.robot import load_robot
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 from flexros.simulate.loop import feed_through
 from tests.bench.bench_simulate import row, seconds
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from flexros.gap.record import GapRecord
+    from flexros.record.record import GapRecord
     from flexros.robot import Robot
 
 HIDDEN = {"four_mass_linear": 0.05, "e12": 0.5, "six_axis": 2.0}
@@ -55,7 +55,7 @@ def log_of(robot: Robot) -> GapRecord:
     effect = f"coulomb_friction@{robot.joint_names[0]}:level={HIDDEN[robot.name]}"
     keys = {"robot": robot.name, "seed": 1, "diagnosis.length": LENGTH, "plant.effects": [effect]}
     scenario = load_scenario("diagnosis").with_values(keys)
-    return read_record(closed_loop(Experiment.prepare(scenario)), robot, name="log")
+    return checked_log(closed_loop(Experiment.prepare(scenario)), robot, name="log")
 
 
 def diagnosis_rows(robot: Robot) -> Iterator[dict[str, Any]]:

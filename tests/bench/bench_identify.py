@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.optimize import least_squares as scipy_least_squares
 
-from flexros.identify.graybox.compiled_frequency_model import compiled_model
-from flexros.identify.graybox.frequency_kernel import FrequencyKernel
 from flexros.identify.graybox.frequency_model import FrequencyModel
-from flexros.identify.graybox.kernel_structure import kernel_structure
+from flexros.identify.graybox.kernel.frequency_kernel import FrequencyKernel
+from flexros.identify.graybox.kernel.frequency_model import compiled_model
+from flexros.identify.graybox.kernel.structure import kernel_structure
 from flexros.identify.graybox.least_squares import ResponseTarget, least_squares
-from flexros.identify.graybox.linearised_positions import LinearisedPositions, linearise_positions
 from flexros.identify.graybox.multistart import multistart
 from flexros.identify.graybox.numpy_least_squares import NumpyLeastSquares
 from flexros.identify.graybox.problem import graybox_problem
 from flexros.robot import load_robot
+from flexros.robot.linear.positions import LinearisedPositions, linearise_positions
 from tests.identify.graybox.conftest import measure
 
 if TYPE_CHECKING:

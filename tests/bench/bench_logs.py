@@ -18,14 +18,14 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from flexros.config.topics import load_topics
-from flexros.logs.joint_state_message import TYPE, JointStateTemplate, JointStateView
-from flexros.logs.joint_trajectory_message import (
+from flexros.logs.messages.joint_state import TYPE, JointStateTemplate, JointStateView
+from flexros.logs.messages.joint_trajectory import (
     JointTrajectoryChunk,
     read_joint_trajectory,
     serialise_joint_trajectory,
 )
+from flexros.logs.messages.schemas import message_schema
 from flexros.logs.reader import read_log
-from flexros.logs.schemas import message_schema
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log, PoseSeries
 from flexros.logs.write_log import write_log

@@ -14,17 +14,17 @@ from statistics import median
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING
 
-from flexros.config.scenario import load_scenario
-from flexros_nodes import spinning
-from flexros_nodes.pacing import Schedule
-from flexros_nodes.precise_timing import precise_timing
-from flexros_nodes.run import run_scenario
+from flexros.scenario.scenario import load_scenario
+from flexros_nodes.bringup.run import run_scenario
+from flexros_nodes.protocol.pacing import Schedule
+from flexros_nodes.protocol.precise_timing import precise_timing
+from flexros_nodes.shell import spinning
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from flexros.config.scenario import Scenario
-    from flexros_nodes.run_plan import RunSummary
+    from flexros.scenario.scenario import Scenario
+    from flexros_nodes.bringup.run_plan import RunSummary
 
 T = 5e-4
 REPEATS = 3

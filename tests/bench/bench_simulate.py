@@ -15,14 +15,14 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from flexros.compile.compiled_function import compile_function
-from flexros.compile.loop import LoopKernel, compile_loop
-from flexros.compile.loop_arrays import LoopInputs
-from flexros.config.scenario import load_scenario
+from flexros.compile.loop.arrays import LoopInputs
+from flexros.compile.loop.loop import LoopKernel, compile_loop
 from flexros.control.controller import Controller
 from flexros.control.pid import Pid
 from flexros.robot import Robot, load_robot
-from flexros.simulate.batch import batch
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.batch import batch
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 from flexros.simulate.plant import Plant, delayed_start
 from flexros.simulate.plant_model import PlantModel
 from tests.oracles.mujoco_model import mujoco_closed_loop

@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from flexros.cli import demo, demo_repair
-from flexros.config.scenario import load_scenario
 from flexros.errors import RunError
-from flexros.gap.diagnosis_file import Cause, Diagnosis, GapNumbers
+from flexros.gap.schema import Cause, Diagnosis, GapNumbers
 from flexros.logs.reader import read_log
+from flexros.scenario.scenario import load_scenario
 
 Progress = Callable[[str, float], None]
 
@@ -92,7 +92,7 @@ def test_nothing_found_is_said_and_nothing_repaired(
 
 def test_a_run_that_breaks_off_ends_the_repair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     unstable = load_scenario(demo_repair.HIDDEN).with_values({"controller.kp": 1e9})
-    monkeypatch.setattr("flexros.config.scenario.load_scenario", lambda name: unstable)
+    monkeypatch.setattr("flexros.scenario.scenario.load_scenario", lambda name: unstable)
     with pytest.raises(RunError, match=r"without_effect: .*not finite"):
         repaired(tmp_path, monkeypatch, 150.0)
 

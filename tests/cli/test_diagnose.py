@@ -7,18 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from flexros.config.scenario import load_scenario
-from flexros.effects.patched_robot import load_patched
+from flexros.effects.patching.patched_robot import load_patched
 from flexros.errors import RunError
 from flexros.gap import diagnose as diagnosis_module
-from flexros.gap import search
-from flexros.gap.diagnosis_file import Diagnosis
-from flexros.gap.record import GapRecord
 from flexros.gap.result import DiagnosisResult, Explanation, Prediction
+from flexros.gap.schema import Diagnosis
+from flexros.gap.search import candidate_fits as search
 from flexros.logs.write_log import write_log
+from flexros.record.record import GapRecord
 from flexros.robot import load_robot
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 HIDDEN = "coulomb_friction@motor_1:level=0.05"
 GAP = {"metric": "E", "unit": "1", "before": 1.02, "noise_floor": 1.0}

@@ -45,7 +45,7 @@ def test_interrupted_direct_run_leaves_no_log(
     def interrupted(*_: object, **__: object) -> None:
         os.kill(os.getpid(), signal.SIGINT)
 
-    monkeypatch.setattr("flexros.simulate.closed_loop.closed_loop", interrupted)
+    monkeypatch.setattr("flexros.scenario.closed_loop.closed_loop", interrupted)
     ended = flexros("run", "circle_pd", "--transport", "direct", "--out", str(tmp_path / "bag"))
     assert ended.code == 130
     assert not (tmp_path / "bag").exists()

@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.logs.write_log import write_log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 Command = Callable[..., Any]
 

@@ -24,7 +24,7 @@ def _installed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stand for an installed package of the nodes, whatever the environment knows of its entry points."""
     from importlib.metadata import EntryPoint
 
-    entry = EntryPoint("ros", "flexros_nodes.replay_run:replay_log", replay.GROUP)
+    entry = EntryPoint("ros", "flexros_nodes.bringup.replay_run:replay_log", replay.GROUP)
     monkeypatch.setattr(replay.metadata, "entry_points", lambda group: [entry] if group == replay.GROUP else [])
 
 
@@ -66,7 +66,7 @@ class TestOverRos:
 
 def test_the_package_announces_what_plays() -> None:
     setup = (Path(__file__).parents[2] / "setup.py").read_text(encoding="utf-8")
-    assert f'"{replay.GROUP}": ["ros = flexros_nodes.replay_run:replay_log"]' in setup
+    assert f'"{replay.GROUP}": ["ros = flexros_nodes.bringup.replay_run:replay_log"]' in setup
 
 
 def test_without_nodes_one_sentence_says_so(monkeypatch: pytest.MonkeyPatch) -> None:

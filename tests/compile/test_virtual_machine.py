@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from flexros.compile import LoopFunctions, LoopInputs, LoopResult, compile_loop, machine_code
-from flexros.compile.machine_code_loop import MachineCodeLoop
+from flexros.compile.loop.machine_code import MachineCodeLoop
 from flexros.compile.virtual_machine import VirtualMachineLoop
 from flexros.robot import load_robot
-
-from .conftest import GAINS, PARAMETERS, SAMPLE_TIME, STATE, reference, rich_inputs, unstable
+from tests.compile.conftest import GAINS, PARAMETERS, SAMPLE_TIME, STATE, reference, rich_inputs, unstable
 
 TIMINGS = [
     {"delay": 0.0, "substeps": 1},

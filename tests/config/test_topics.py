@@ -6,7 +6,7 @@ from pydantic import ValidationError
 from flexros.config.location import data_folder
 from flexros.config.topics import load_topics, read_qos, read_topics
 from flexros.errors import InputError
-from flexros.logs.schemas import message_schema, signature
+from flexros.logs.messages.schemas import message_schema, signature
 
 CONTRACT = {
     "joint_states": "sensor_msgs/msg/JointState",

@@ -20,7 +20,7 @@ import sys
 from importlib.metadata import entry_points
 import flexros
 from flexros.config.location import data_folder
-from flexros.config.scenario import load_scenario
+from flexros.scenario.scenario import load_scenario
 from flexros.robot import load_robot, robot_names
 here = sys.argv[1]
 assert flexros.__file__.startswith(here), flexros.__file__

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from flexros_nodes.domain import claim_domain
+from flexros_nodes.shell.domain import claim_domain
 
 
 def test_the_domain_is_set_for_the_test_and_its_children(ros_domain: int) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.arrays import FloatArray
 from flexros.effects import PlacedLaw, parse_effect, place_effects
-from flexros.effects.gear_law import AbstractGearLaw, GearState
+from flexros.effects.kinds.gear_law import AbstractGearLaw, GearState
 from flexros.robot import Robot
 from flexros.simulate.plant import Plant
 from flexros.simulate.plant_model import PlantModel

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
-from flexros.compile.loop import compile_loop
-from flexros.compile.loop_arrays import LoopInputs, LoopResult, LoopState
+from flexros.compile.loop.arrays import LoopInputs, LoopResult, LoopState
+from flexros.compile.loop.loop import compile_loop
 from flexros.effects import PlacedEffect, RobotWithEffects, effects, place_effects
-from flexros.effects.model_change import AbstractChangedValues
+from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.robot import Robot, load_robot
 from flexros.simulate.loop import feed_through
 from flexros.simulate.plant import Plant, delayed_start

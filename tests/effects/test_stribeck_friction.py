@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexros.arrays import FloatArray
-from flexros.effects.motor_law import MotorState
+from flexros.effects.kinds.motor_law import MotorState
 from flexros.effects.stribeck_friction import StribeckFriction
 from tests.effects.single_mass import MASS, plant, states
 

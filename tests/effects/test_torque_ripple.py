@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
-from flexros.config.scenario import Scenario
 from flexros.effects import parse_effect, place_effects
 from flexros.errors import InputError
 from flexros.robot import load_robot
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import Scenario
 from flexros.simulate.plant_model import PlantModel
 
 

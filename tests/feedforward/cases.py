@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexros.arrays import FloatArray
-from flexros.config.validation import validate
+from flexros.config.settings import validate
 from flexros.config.yaml_file import read_yaml
 from flexros.feedforward.problem import FeedforwardProblem
 from flexros.feedforward.specification import FeedforwardSpecification

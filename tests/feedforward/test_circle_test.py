@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexros.config.scenario import load_scenario
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 from tests.feedforward.cases import CENTRE
 
 

@@ -7,7 +7,7 @@ from flexros.feedforward.minimum_phase import require_minimum_phase
 from flexros.feedforward.reference import compute_reference
 from flexros.feedforward.specification import FeedforwardSpecification
 from flexros.robot import Robot, load_robot
-from flexros.robot.zeros import zero_dynamics
+from flexros.robot.linear.zeros import zero_dynamics
 from flexros.trajectory import Trajectory
 from tests.feedforward.cases import edited_robot, joint_trajectory, problem_of
 

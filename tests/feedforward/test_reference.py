@@ -5,14 +5,14 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from flexros.config.scenario import Scenario, load_scenario
-from flexros.config.validation import validate
+from flexros.config.settings import validate
 from flexros.errors import InputError
 from flexros.feedforward.motion import Reference
 from flexros.feedforward.reference import compute_reference, reference_chunks
 from flexros.feedforward.specification import FeedforwardSpecification
 from flexros.robot import Robot, load_robot
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import Scenario, load_scenario
 from flexros.trajectory import Trajectory
 from tests.feedforward.cases import CIRCLE, SMOOTH, joint_trajectory, tool_trajectory
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from flexros.config.validation import validate
+from flexros.config.settings import validate
 from flexros.errors import InputError
 from flexros.feedforward.specification import FeedforwardSpecification
 

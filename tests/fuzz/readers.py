@@ -20,22 +20,20 @@ from typer.testing import CliRunner
 
 from flexros.cli.options import parse_tolerance
 from flexros.cli.run import key_and_value, node_parameters
-from flexros.config.scenario import load_scenario
 from flexros.config.topics import QosProfile, read_qos, read_topics
 from flexros.effects import parse_effect
-from flexros.effects.patched_robot import load_model
+from flexros.effects.patching.patched_robot import load_model
 from flexros.errors import FlexrosError, InputError
-from flexros.gap.blind.seal import read_case
-from flexros.identify.frf.response_files import load_responses
+from flexros.identify.frf.files.netcdf import load_responses
 from flexros.input_limits import LONGEST_SENTENCE
-from flexros.logs.diagnostic_array_message import read_diagnostic_array
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
 from flexros.logs.foreign.message_numbers import message_numbers
-from flexros.logs.foreign_definition import decoder
-from flexros.logs.joint_state_message import JointStateView, read_joint_state_layout
-from flexros.logs.joint_trajectory_message import read_joint_trajectory
-from flexros.logs.pose_stamped_message import read_pose_stamped_layout
+from flexros.logs.messages.diagnostic_array import read_diagnostic_array
+from flexros.logs.messages.foreign_definition import decoder
+from flexros.logs.messages.joint_state import JointStateView, read_joint_state_layout
+from flexros.logs.messages.joint_trajectory import read_joint_trajectory
+from flexros.logs.messages.pose_stamped import read_pose_stamped_layout
 from flexros.logs.reader import read_log
 from flexros.logs.replay.controller_feed import controller_feed
 from flexros.logs.replay.source import ReplaySource, read_remaps
@@ -43,13 +41,15 @@ from flexros.logs.stamps import stamp_of
 from flexros.logs.time_series import Log
 from flexros.monitor.calibration import read_calibration
 from flexros.robot import load_robot
-from flexros.robot.urdf import skeleton_from_urdf
-from flexros_nodes.command_reader import CommandReader
-from flexros_nodes.experiment_state import read_experiment_state
-from flexros_nodes.launch_plan import plan_launch, run_arguments
-from flexros_nodes.parameters import read_parameters
-from flexros_nodes.recording import EventRecording, TopicRecording
-from flexros_nodes.reference_buffer import ReferenceBuffer
+from flexros.robot.exchange.urdf_import import skeleton_from_urdf
+from flexros.scenario.scenario import load_scenario
+from flexros.validation.blind.seal import read_case
+from flexros_nodes.bringup.launch_plan import plan_launch, run_arguments
+from flexros_nodes.protocol.command_reader import CommandReader
+from flexros_nodes.protocol.experiment_state import read_experiment_state
+from flexros_nodes.protocol.parameters import read_parameters
+from flexros_nodes.protocol.recording import EventRecording, TopicRecording
+from flexros_nodes.protocol.reference_buffer import ReferenceBuffer
 from tests.fuzz import samples
 from tests.fuzz.damage import as_text, changed, damaged, lines, yaml_texts
 
@@ -263,7 +263,7 @@ _topics = dict(list(_topics.items())[:4])
 _robots = [
     tree for tree in samples.trees_of("flexros/robot/library") if tree["name"] in ("two_mass", "four_mass", "e12")
 ]
-_scenarios = samples.trees_of("flexros/config/scenarios")
+_scenarios = samples.trees_of("flexros/scenario/library")
 _mcap = damaged([samples.own_mcap(), samples.foreign_bag()]) | samples.reassembled()
 _definitions = [f"{name}\n{encoding}\n{text}".encode() for name, encoding, text in samples.DEFINITIONS]
 _state = json.dumps(samples.EXPERIMENT_STATE)

@@ -20,10 +20,10 @@ from rosbags.typesys import Stores, get_typestore
 from ruamel.yaml import YAML
 from scipy.io import savemat
 
+from flexros.identify.frf.files.netcdf import save_responses
 from flexros.identify.frf.frequency_response import FrequencyResponse
-from flexros.identify.frf.response_files import save_responses
-from flexros.logs.bag_metadata import METADATA_FILE
-from flexros.logs.mcap_file import MAGIC
+from flexros.logs.mcap.bag_metadata import METADATA_FILE
+from flexros.logs.mcap.file import MAGIC
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log, PoseSeries
 from flexros.logs.write_log import write_log

@@ -9,21 +9,21 @@ from functools import cache
 
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.effects import RobotWithEffects
-from flexros.gap import search
-from flexros.gap.fit_data import FitData, fit_data
-from flexros.gap.hypothesis import FreeParameter, Hypothesis, Suspect, suspects
-from flexros.gap.predictor import Predictor
-from flexros.gap.read_record import read_record
-from flexros.gap.record import GapRecord
-from flexros.gap.search import Search
+from flexros.gap.candidates.candidate import FreeParameter, Hypothesis, Suspect, suspects
+from flexros.gap.candidates.scales import Yardsticks
+from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.search import candidate_fits as search
+from flexros.gap.search.candidate_fits import Search
 from flexros.gap.settings import DiagnosisSettings
-from flexros.gap.tolerance import Tolerance
-from flexros.gap.yardsticks import Yardsticks
+from flexros.record.read import read_record
+from flexros.record.record import GapRecord
 from flexros.robot import Robot, load_robot
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 ROBOT = load_robot("four_mass_linear")
 MODEL = RobotWithEffects(ROBOT, ())
@@ -36,7 +36,7 @@ def record_of(*effects: str, length: float = SECONDS, seed: int = 1, tool: bool 
     """Simulate the diagnosis experiment with effects in the plant; `length` of its motion [s]."""
     keys = {"robot": ROBOT.name, "diagnosis.length": length, "seed": seed, "plant.effects": list(effects)}
     scenario = load_scenario("diagnosis").with_values(keys, "test")
-    record = read_record(closed_loop(Experiment.prepare(scenario)), ROBOT, name="log", check=False)
+    record = read_record(closed_loop(Experiment.prepare(scenario)), ROBOT, name="log")
     return record if tool else replace(record, tool=None)
 
 

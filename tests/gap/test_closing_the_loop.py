@@ -7,16 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from flexros.config.scenario import Scenario, load_scenario
-from flexros.effects.patched_robot import load_model
+from flexros.effects.patching.patched_robot import load_model
+from flexros.gap.answer.patch import write_patch
+from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.gap.read_record import read_record
-from flexros.gap.repair import write_patch
 from flexros.gap.settings import DiagnosisSettings
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
-
-from .diagnosis_logs import few_suspects
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import Scenario, load_scenario
+from tests.gap.diagnosis_logs import few_suspects
 
 HIDDEN = "coulomb_friction@motor_1:level=1.5"
 ROBOT = "four_mass_linear"
@@ -33,7 +32,7 @@ def test_the_patch_of_a_diagnosis_brings_the_tool_back_to_the_path_without_effec
         {"robot": ROBOT, "plant.effects": [HIDDEN], "diagnosis.length": 10.0}
     )
     model = load_model(ROBOT)
-    record = read_record(closed_loop(Experiment.prepare(experiment)), model.robot, name="hidden")
+    record = checked_log(closed_loop(Experiment.prepare(experiment)), model.robot, name="hidden")
     with few_suspects():
         result = diagnose(record, model, settings=DiagnosisSettings(where=False, next_experiment=False))
     assert result.diagnosis.causes[0].effect == "coulomb_friction"

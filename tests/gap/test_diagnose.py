@@ -8,17 +8,16 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from flexros.config.scenario import load_scenario
 from flexros.effects import place_effects
 from flexros.gap.diagnose import diagnose, split
-from flexros.gap.read_record import read_record
-from flexros.gap.record import GapRecord
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.settings import DiagnosisSettings
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
-
-from .diagnosis_logs import ROBOT, few_suspects, record_of
+from flexros.record.read import read_record
+from flexros.record.record import GapRecord
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
+from tests.gap.diagnosis_logs import ROBOT, few_suspects, record_of
 
 SETTINGS = DiagnosisSettings(threads=1, where=False, next_experiment=False)
 LONG = 10.0
@@ -152,7 +151,7 @@ def test_coloured_noise_is_no_place_of_a_gap() -> None:
     def recorded(seed: int) -> GapRecord:
         keys = {"robot": ROBOT.name, "diagnosis.length": LONG, "seed": seed, "noise": False}
         log = closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(keys, "test")))
-        record = replace(read_record(log, ROBOT, name="log", check=False), tool=None)
+        record = replace(read_record(log, ROBOT, name="log"), tool=None)
         noise = lfilter([0.6], [1.0, -0.8], rng.normal(size=record.n_samples))[:, None] * ROBOT.encoder_noise
         return replace(record, position=record.position + noise)
 

@@ -13,20 +13,20 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
-from flexros.gap import explain
-from flexros.gap.checked_record import CheckedRecord
+from flexros.gap.candidates.candidate import Suspect
+from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit import Fit, best_of, chi2_of, fit, starts_of
-from flexros.gap.fit_data import fit_data
-from flexros.gap.hypothesis import Suspect
-from flexros.gap.noise import SIGNAL_TOLERANCE, measure_noise
-from flexros.gap.read_record import read_record
-from flexros.gap.record import GapRecord
-from flexros.gap.search import Search
+from flexros.gap.fit.least_squares import Fit, best_of, chi2_of, fit, starts_of
+from flexros.gap.noise.encoder_noise import SIGNAL_TOLERANCE, measure_noise
+from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.search import forward_selection as explain
+from flexros.gap.search.candidate_fits import Search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
 from flexros.logs.time_series import Log
+from flexros.record.checks.checked_record import CheckedRecord
+from flexros.record.record import GapRecord
 from flexros.robot import Robot, load_robot
 
 REALDATA = os.environ.get("FLEXROS_REALDATA", "")
@@ -48,7 +48,7 @@ def log_of(name: str) -> Log:
 
 @cache
 def record_of(name: str) -> GapRecord:
-    return read_record(log_of(name), load_robot("emps"), name=name)
+    return checked_log(log_of(name), load_robot("emps"), name=name)
 
 
 @pytest.mark.parametrize("name", ["DATA_EMPS.mat", "DATA_EMPS_PULSES.mat"])
@@ -79,7 +79,7 @@ def test_spoilt_measured_log_is_refused(robot: Robot, factor: float, words: str)
     log = log_of("DATA_EMPS.mat")
     commands = replace(log.joint_commands, effort=factor * log.joint_commands.effort)
     with pytest.raises(InputError, match=rf"^emps: .*{words}"):
-        read_record(replace(log, joint_commands=commands), robot, name="emps")
+        checked_log(replace(log, joint_commands=commands), robot, name="emps")
 
 
 def test_coulomb_friction_is_named_first_with_its_published_level(

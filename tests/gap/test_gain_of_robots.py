@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_lyapunov
 
-from flexros.gap.gain import observer_gain
+from flexros.prediction.observer import observer_gain
 from flexros.robot import load_robot
 
 ROBOTS = ("e12", "elbow", "emps", "four_mass", "four_mass_linear", "six_axis", "two_mass")

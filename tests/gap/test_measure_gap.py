@@ -5,15 +5,14 @@ from __future__ import annotations
 import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
-from flexros.gap.evidence import evidence_of
-from flexros.gap.fit_data import fit_data
+from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.measure_gap import measure_gap
-from flexros.gap.search import Search
+from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.model_probability import evidence_of
 from flexros.gap.settings import DiagnosisSettings
-from flexros.gap.tolerance import Tolerance
 from flexros.robot.robot import Robot
-
-from .diagnosis_logs import MODEL, ROBOT, record_of
+from tests.gap.diagnosis_logs import MODEL, ROBOT, record_of
 
 FRICTION = "coulomb_friction@motor_1:level=0.05"
 

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.effects import PlacedEffect, place_effects
 from flexros.effects.friction_drift import FrictionDrift
+from flexros.gap.checked_log import checked_log
 from flexros.gap.measure_gap import measure_gap
-from flexros.gap.read_record import read_record
-from flexros.gap.record import GapRecord
+from flexros.record.record import GapRecord
 from flexros.robot import load_robot
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 DRIFT = PlacedEffect(FrictionDrift(coulomb=0.6, viscous=0.0, time_constant=8.0), "motor_1")
 
@@ -31,7 +31,7 @@ def test_drifting_friction_is_predicted_in_the_last_third_of_a_log() -> None:
     robot = load_robot("four_mass_linear")
     hidden = ["friction_drift@motor_1:coulomb=0.6,time_constant=8"]
     scenario = load_scenario("diagnosis").with_values({"diagnosis.length": 12.0, "plant.effects": hidden})
-    whole = read_record(closed_loop(Experiment.prepare(scenario)), robot, name="drift")
+    whole = checked_log(closed_loop(Experiment.prepare(scenario)), robot, name="drift")
     last = whole.part(2 * whole.n_samples // 3, whole.n_samples)
     nominal, repaired = place_effects(robot, ()), place_effects(robot, [DRIFT], as_laws=True)
     closed = measure_gap(last, nominal, repaired=repaired).numbers.closed_fraction

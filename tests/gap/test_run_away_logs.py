@@ -7,14 +7,14 @@ import pytest
 
 from flexros.effects import place_effects
 from flexros.errors import InputError
+from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit import linearise
-from flexros.gap.fit_data import fit_data
+from flexros.gap.fit.least_squares import linearise
 from flexros.gap.measure_gap import measure_gap
-from flexros.gap.predictor import Predictor
-from flexros.gap.record import GapRecord
+from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
-from flexros.gap.tolerance import tolerance_of
+from flexros.record.record import GapRecord
 from flexros.robot import load_robot
 
 T = 5e-4

@@ -6,13 +6,13 @@ import json
 from pathlib import Path
 from typing import Any
 
-from flexros.config.scenario import load_scenario
-from flexros.effects.patched_robot import load_model
+from flexros.effects.patching.patched_robot import load_model
 from flexros.monitor.gap_monitor import GapMonitor
 from flexros.monitor.statement import motor_sentence, motor_values, robot_sentence, robot_values
 from flexros.monitor.watch_log import watch_log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 from flexros.whole_file import write_whole
 from tests.nodes.conftest import identification_settings
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 SAMPLE = Path(__file__).parents[2] / "bags" / "sample_circle_dae"
 

@@ -6,8 +6,9 @@ from collections.abc import Callable
 
 import pytest
 
-from flexros.config.scenario import Scenario
-from flexros.identify.plan import ExperimentPlan, plan_of_scenario
+from flexros.identify.experiment.plan import ExperimentPlan
+from flexros.scenario.identification_plan import plan_of_scenario
+from flexros.scenario.scenario import Scenario
 
 
 def _scenario(**identification: object) -> Scenario:

@@ -11,7 +11,7 @@ import pytest
 from flexros.errors import InputError
 from flexros.identify.graybox.fit import Fit
 from flexros.identify.graybox.multistart import multistart
-from flexros.identify.report.result import IdentificationResult
+from flexros.identify.result import IdentificationResult
 from flexros.identify.search import SearchSettings, search
 from tests.identify.report.conftest import NAMES, ROBOT, TRUTH, make_result
 

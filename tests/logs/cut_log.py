@@ -11,10 +11,10 @@ import numpy as np
 from mcap.opcode import Opcode
 from mcap.writer import Writer
 
-from flexros.logs.bulk_decode import payloads_of
-from flexros.logs.chunk import MESSAGE_HEADER
-from flexros.logs.mcap_file import MAGIC
-from flexros.logs.mcap_scan import McapScan
+from flexros.logs.mcap.chunk import MESSAGE_HEADER
+from flexros.logs.mcap.file import MAGIC
+from flexros.logs.mcap.scan import McapScan
+from flexros.logs.messages.bulk_decode import payloads_of
 
 _HEAD = struct.Struct("<BQ")
 

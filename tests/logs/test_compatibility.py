@@ -14,10 +14,10 @@ from rosbags.highlevel import AnyReader
 from rosbags.interfaces import QosDurability, QosHistory, QosReliability
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 
-from flexros.logs.joint_state_message import JointStateTemplate
-from flexros.logs.pose_stamped_message import PoseStampedTemplate
+from flexros.logs.messages.joint_state import JointStateTemplate
+from flexros.logs.messages.pose_stamped import PoseStampedTemplate
+from flexros.logs.messages.schemas import message_schema
 from flexros.logs.reader import read_log
-from flexros.logs.schemas import message_schema
 from flexros.logs.write_log import write_log
 
 TOPICS = ["/joint_states", "/joint_commands", "/joint_reference", "/tool_pose", "/tool_reference"]

@@ -9,9 +9,9 @@ from mcap.writer import CompressionType, Writer
 
 from flexros.config.topics import load_topics
 from flexros.errors import InputError
-from flexros.logs.joint_state_message import JointStateTemplate
+from flexros.logs.messages.joint_state import JointStateTemplate
+from flexros.logs.messages.schemas import message_schema
 from flexros.logs.reader import read_log
-from flexros.logs.schemas import message_schema
 from flexros.logs.write_log import write_log
 from flexros.logs.writer import LogWriter
 

@@ -3,11 +3,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.logs.bulk_decode import TopicDecoder
-from flexros.logs.chunk import MESSAGE_HEADER
-from flexros.logs.joint_state_message import JointStateTemplate, read_joint_state_layout
-from flexros.logs.mcap_scan import MessageBlock
-from flexros.logs.pose_stamped_message import PoseStampedTemplate, read_pose_stamped_layout
+from flexros.logs.mcap.chunk import MESSAGE_HEADER
+from flexros.logs.mcap.scan import MessageBlock
+from flexros.logs.messages.bulk_decode import TopicDecoder
+from flexros.logs.messages.joint_state import JointStateTemplate, read_joint_state_layout
+from flexros.logs.messages.pose_stamped import PoseStampedTemplate, read_pose_stamped_layout
 from flexros.logs.series_assembly import joint_series, pose_series
 
 

@@ -14,7 +14,7 @@ from mcap.reader import make_reader
 
 from flexros.config.topics import load_topics
 from flexros.errors import InputError, RunError
-from flexros.logs.joint_state_message import JointStateTemplate
+from flexros.logs.messages.joint_state import JointStateTemplate
 from flexros.logs.reader import read_log
 from flexros.logs.stamps import stamp_ns
 from flexros.logs.writer import MAX_CHUNK_DURATION, LogWriter
@@ -229,7 +229,7 @@ PREPARE = """
     from pathlib import Path
     import numpy as np
     from flexros.config.topics import load_topics
-    from flexros.logs.joint_state_message import JointStateTemplate
+    from flexros.logs.messages.joint_state import JointStateTemplate
     from flexros.logs.stamps import stamp_ns
     from flexros.logs.writer import LogWriter
     template = JointStateTemplate(["motor_1"], position=True)
@@ -317,7 +317,7 @@ def test_failure_while_closing_keeps_every_message(tmp_path, monkeypatch):
 def test_failure_of_the_metadata_is_reported(tmp_path, monkeypatch):
     writer = LogWriter(tmp_path / "log", [TOPICS["joint_states"]], {})
     write_states(writer, 100)
-    monkeypatch.setattr("flexros.logs.bag_metadata.write_whole", refuse)
+    monkeypatch.setattr("flexros.logs.mcap.bag_metadata.write_whole", refuse)
     with pytest.raises(RunError, match=r"No space left .* \(without up-to-date metadata.yaml\)"):
         writer.close()
     assert (tmp_path / "log" / "log_0.mcap").read_bytes().count(b"\x89MCAP0\r\n") == 2, "one summary"

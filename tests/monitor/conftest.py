@@ -7,13 +7,13 @@ from functools import cache
 
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.effects import RobotWithEffects
-from flexros.effects.patched_robot import load_model
+from flexros.effects.patching.patched_robot import load_model
 from flexros.logs.time_series import Log
 from flexros.monitor.gap_monitor import GapMonitor
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 
 @cache

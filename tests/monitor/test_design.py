@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.effects.patched_robot import load_model
+from flexros.effects.patching.patched_robot import load_model
 from flexros.monitor.design import LinearFilter, autocovariances, driven_by_noise, floors_elsewhere
 from flexros.monitor.design_book import DesignBook
 from flexros.monitor.pose_model import PoseModel

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.effects import parse_effect
-from flexros.effects.patched_robot import load_model
+from flexros.effects.patching.patched_robot import load_model
 from flexros.errors import InputError
 from flexros.monitor import design_book
 from flexros.monitor.design_book import DesignBook, known_noise

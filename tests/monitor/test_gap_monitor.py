@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.effects import parse_effect
-from flexros.effects.patched_robot import load_model
+from flexros.effects.patching.patched_robot import load_model
 from flexros.errors import InputError
 from flexros.logs.time_series import JointSeries, Log
 from flexros.monitor.alarms import Level
@@ -84,9 +84,9 @@ def test_it_says_the_same_however_messages_come(make_log: MakeLog, make_monitor:
 
 
 def test_saturated_commands_are_no_gap(make_monitor: MakeMonitor) -> None:
-    from flexros.config.scenario import load_scenario
-    from flexros.simulate.closed_loop import closed_loop
-    from flexros.simulate.experiment import Experiment
+    from flexros.scenario.closed_loop import closed_loop
+    from flexros.scenario.experiment import Experiment
+    from flexros.scenario.scenario import load_scenario
 
     changes = {"robot": "four_mass_linear", "diagnosis.length": 12, "seed": 5}
     experiment = Experiment.prepare(load_scenario("diagnosis").with_values(changes, "test"))

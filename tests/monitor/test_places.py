@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from flexros.effects.patched_robot import load_model
+from flexros.effects.patching.patched_robot import load_model
 from flexros.logs.time_series import Log
 from flexros.monitor.gap_monitor import GapMonitor
 from flexros.monitor.places import Place, Suspicion, close, places_of

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from flexros.effects.patched_robot import load_model
+from flexros.effects.patching.patched_robot import load_model
 from flexros.errors import InputError
 from flexros.logs.time_series import Log
 from flexros.monitor.sample_stream import SampleStream

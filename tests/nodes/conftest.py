@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.logs.time_series import Log
+from flexros.scenario.scenario import load_scenario
 
 if TYPE_CHECKING:
-    from flexros_nodes.node_base import FlexrosNode
+    from flexros_nodes.shell.node_base import FlexrosNode
 
 CHECKOUT = Path(__file__).parents[2]
 EXAMPLES = CHECKOUT / "docs" / "guide" / "examples"
@@ -175,7 +175,7 @@ class Bench:
         import rclpy
         from rclpy.context import Context
 
-        from flexros_nodes.spinning import make_executor
+        from flexros_nodes.shell.spinning import make_executor
 
         self.context = Context()
         rclpy.init(context=self.context, args=[], domain_id=domain)

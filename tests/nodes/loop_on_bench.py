@@ -9,9 +9,9 @@ import rclpy
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from flexros_nodes.plant import PlantNode
+from flexros_nodes.plant.node import PlantNode
 from flexros_nodes.recorder import RecorderNode
-from flexros_nodes.topic_interface import message_class, qos_profile, topic
+from flexros_nodes.shell.topic_interface import message_class, qos_profile, topic
 
 
 def hear(node: Node, name: str) -> list[bytes]:

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 MODULES = sorted((Path(__file__).parents[2] / "nodes").glob("*.py"))
 STEADY = {"perf_counter", "perf_counter_ns", "monotonic", "monotonic_ns", "thread_time", "sleep"}
@@ -52,7 +52,7 @@ def test_timers_follow_a_steady_clock(path: Path) -> None:
 def test_jumps_of_the_time_of_day_change_no_bit(
     ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, log_differences: Callable[[Log, Log], list[str]]
 ) -> None:
-    from flexros_nodes.run import run_scenario
+    from flexros_nodes.bringup.run import run_scenario
 
     now, calls = time.time(), count()
     monkeypatch.setattr(time, "time", lambda: now + 3600.0 * (-1) ** next(calls))

@@ -9,18 +9,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.errors import RunError
-from flexros.logs.joint_state_message import JointStateTemplate
+from flexros.logs.messages.joint_state import JointStateTemplate
 from flexros.logs.reader import read_log
 from flexros.logs.stamps import stamp_of
+from flexros.scenario.scenario import load_scenario
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
-from flexros_nodes import composed
-from flexros_nodes.controller import ControllerNode
+from flexros_nodes.bringup import composed
+from flexros_nodes.bringup.run import run_scenario
+from flexros_nodes.controller.node import ControllerNode
 from flexros_nodes.recorder import RecorderNode
-from flexros_nodes.run import run_scenario
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
 

@@ -9,19 +9,19 @@ from random import Random
 
 import pytest
 
-from flexros.config.scenario import load_scenario
-from flexros.logs.joint_state_message import JointStateTemplate
+from flexros.logs.messages.joint_state import JointStateTemplate
 from flexros.logs.reader import read_log
 from flexros.logs.stamps import stamp_of
 from flexros.logs.time_series import Log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
-from flexros_nodes import composed
-from flexros_nodes.controller import LOOKS, LOOKS_PER_SAMPLE, ControllerNode
-from flexros_nodes.run import run_scenario
+from flexros_nodes.bringup import composed
+from flexros_nodes.bringup.run import run_scenario
+from flexros_nodes.controller.node import LOOKS, LOOKS_PER_SAMPLE, ControllerNode
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
 

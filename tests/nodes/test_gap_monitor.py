@@ -15,19 +15,19 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from flexros.config.scenario import load_scenario
-from flexros.effects.patched_robot import load_model
-from flexros.logs.joint_state_message import JointStateTemplate
+from flexros.effects.patching.patched_robot import load_model
+from flexros.logs.messages.joint_state import JointStateTemplate
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
 from flexros.logs.write_log import write_log
 from flexros.monitor.gap_monitor import GapMonitor
 from flexros.monitor.statement import robot_sentence
 from flexros.monitor.watch_log import watch_log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 from flexros_nodes.gap_monitor import GapMonitorNode
-from flexros_nodes.parameters import node_parameters
+from flexros_nodes.protocol.parameters import node_parameters
 
 Bench = Any  # the class is in conftest
 AT_ONCE = 500

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from flexros.config.scenario import load_scenario
 from flexros.errors import InputError
-from flexros.logs.diagnostic_array_message import read_diagnostic_array
+from flexros.logs.messages.diagnostic_array import read_diagnostic_array
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
@@ -26,12 +26,12 @@ import rclpy
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-from flexros_nodes.controller import ControllerNode
-from flexros_nodes.experiment_state import ExperimentCourse
+from flexros_nodes.bringup.run import run_scenario
+from flexros_nodes.controller.node import ControllerNode
 from flexros_nodes.identification import IdentificationNode
-from flexros_nodes.plant import PlantNode
+from flexros_nodes.plant.node import PlantNode
+from flexros_nodes.protocol.experiment_state import ExperimentCourse
 from flexros_nodes.recorder import RecorderNode
-from flexros_nodes.run import run_scenario
 
 Bench = Any  # the class is in conftest
 Differences = Callable[[Log, Log], list[str]]

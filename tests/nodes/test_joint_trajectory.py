@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexros.config.scenario import load_scenario
-from flexros.logs.joint_state_message import JointStateView
+from flexros.logs.messages.joint_state import JointStateView
 from flexros.logs.stamps import stamp_of
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from flexros_nodes.controller import LOOKS, ControllerNode
+from flexros_nodes.controller.node import LOOKS, ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
 from tests.nodes.loop_on_bench import Loop
 

@@ -9,10 +9,10 @@ pytest.importorskip("rclpy", reason="needs ROS 2")
 
 import rclpy
 
-from flexros.logs.joint_state_message import JointStateTemplate
+from flexros.logs.messages.joint_state import JointStateTemplate
 from flexros.logs.stamps import stamp_ns
-from flexros_nodes.plant import PlantNode
-from flexros_nodes.topic_interface import message_class, qos_profile, topic
+from flexros_nodes.plant.node import PlantNode
+from flexros_nodes.shell.topic_interface import message_class, qos_profile, topic
 from tests.nodes.conftest import Bench
 from tests.nodes.loop_on_bench import hear
 

@@ -7,16 +7,16 @@ from typing import Any
 
 import pytest
 
-from flexros.logs.joint_state_message import JointStateTemplate
+from flexros.logs.messages.joint_state import JointStateTemplate
 from flexros.logs.stamps import START_NS, stamp_of
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
 import rclpy
 
-from flexros_nodes.controller import ControllerNode
+from flexros_nodes.controller.node import ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
-from flexros_nodes.topic_interface import message_class, qos_profile, topic
+from flexros_nodes.shell.topic_interface import message_class, qos_profile, topic
 from tests.nodes.loop_on_bench import hear
 
 NAMES = ("motor_1", "motor_2")

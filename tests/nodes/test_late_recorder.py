@@ -7,18 +7,19 @@ from pathlib import Path
 
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
-from flexros_nodes import composed, ending
+from flexros_nodes.bringup import composed
+from flexros_nodes.bringup.run import run_scenario
+from flexros_nodes.protocol import ending
 from flexros_nodes.recorder import RecorderNode
-from flexros_nodes.run import run_scenario
-from flexros_nodes.topic_interface import sampled_topics
+from flexros_nodes.shell.topic_interface import sampled_topics
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
 

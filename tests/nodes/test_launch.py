@@ -18,14 +18,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexros.config.scenario import load_scenario, scenario_names
 from flexros.errors import InputError
 from flexros.logs.reader import read_log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
-from flexros_nodes.launch_plan import COMMON_ARGUMENTS, RUN_ARGUMENTS
-from flexros_nodes.parameters import check_value, node_parameters
-from flexros_nodes.run_plan import LEADERS, NODES
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario, scenario_names
+from flexros_nodes.bringup.launch_plan import COMMON_ARGUMENTS, RUN_ARGUMENTS
+from flexros_nodes.bringup.run_plan import LEADERS, NODES
+from flexros_nodes.protocol.parameters import check_value, node_parameters
 from tests.nodes import launch_stand_in
 from tests.nodes.launch_stand_in import DeclareLaunchArgument, LaunchContext, LogInfo, Node, OpaqueFunction, Shutdown
 

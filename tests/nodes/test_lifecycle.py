@@ -19,14 +19,14 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from flexros.config.scenario import load_scenario
-from flexros_nodes.controller import ControllerNode
+from flexros.scenario.scenario import load_scenario
+from flexros_nodes.controller.node import ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
-from flexros_nodes.node_base import FlexrosNode
-from flexros_nodes.parameters import node_parameters
-from flexros_nodes.plant import PlantNode
-from flexros_nodes.prepared_run import prepared_run
+from flexros_nodes.plant.node import PlantNode
+from flexros_nodes.protocol.parameters import node_parameters
 from flexros_nodes.recorder import RecorderNode
+from flexros_nodes.shell.node_base import FlexrosNode
+from flexros_nodes.shell.prepared_run import prepared_run
 
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE

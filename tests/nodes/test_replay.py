@@ -22,24 +22,24 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from flexros.config.scenario import load_scenario
-from flexros.logs.joint_state_message import JointStateTemplate, JointStateView
-from flexros.logs.joint_trajectory_message import read_joint_trajectory
+from flexros.logs.messages.joint_state import JointStateTemplate, JointStateView
+from flexros.logs.messages.joint_trajectory import read_joint_trajectory
+from flexros.logs.messages.schemas import message_schema
 from flexros.logs.reader import read_log
-from flexros.logs.schemas import message_schema
 from flexros.logs.stamps import stamp_of
 from flexros.logs.time_series import Log
 from flexros.logs.write_log import write_log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
-from flexros_nodes.controller import ControllerNode
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
+from flexros_nodes.controller.node import ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
 from flexros_nodes.identification import IdentificationNode
-from flexros_nodes.parameters import node_parameters
-from flexros_nodes.plant import PlantNode
+from flexros_nodes.plant.node import PlantNode
+from flexros_nodes.protocol.parameters import node_parameters
 from flexros_nodes.recorder import RecorderNode
 from flexros_nodes.replay import ReplayNode
-from flexros_nodes.topic_interface import qos_profile, topic
+from flexros_nodes.shell.topic_interface import qos_profile, topic
 
 SAMPLE = Path(__file__).parents[2] / "bags" / "sample_circle_dae"
 N_SAMPLE = 762

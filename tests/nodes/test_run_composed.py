@@ -11,19 +11,19 @@ import pytest
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
-from flexros.config.scenario import load_scenario
 from flexros.errors import InputError
-from flexros.logs.diagnostic_array_message import read_diagnostic_array
+from flexros.logs.messages.diagnostic_array import read_diagnostic_array
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
 from flexros.robot import load_robot
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
-from flexros_nodes import spinning
-from flexros_nodes.run import run_scenario
+from flexros_nodes.bringup.run import run_scenario
+from flexros_nodes.shell import spinning
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
 

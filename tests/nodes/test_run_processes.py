@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.errors import InputError
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
@@ -22,11 +22,11 @@ from lifecycle_msgs.srv import ChangeState
 from rclpy.client import Client
 from rclpy.task import Future
 
-from flexros_nodes import processes
-from flexros_nodes.interruption import Interruption
-from flexros_nodes.processes import ProcessManager
-from flexros_nodes.run import run_scenario
-from flexros_nodes.run_plan import RunPlan
+from flexros_nodes.bringup import processes
+from flexros_nodes.bringup.processes import ProcessManager
+from flexros_nodes.bringup.run import run_scenario
+from flexros_nodes.bringup.run_plan import RunPlan
+from flexros_nodes.protocol.interruption import Interruption
 from tests.segments import left_ports
 
 pytestmark = pytest.mark.usefixtures("ros_domain")

@@ -8,24 +8,24 @@ from typing import Any
 
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.parameter import Parameter
 
-from flexros_nodes.controller import ControllerNode
+from flexros_nodes.controller.node import ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
 from flexros_nodes.identification import IdentificationNode
-from flexros_nodes.node_base import FlexrosNode
-from flexros_nodes.plant import PlantNode
+from flexros_nodes.plant.node import PlantNode
 from flexros_nodes.recorder import RecorderNode
 from flexros_nodes.replay import ReplayNode
+from flexros_nodes.shell.node_base import FlexrosNode
 from tests.nodes.loop_on_bench import Loop
 
 SAMPLE_LOG = Path(__file__).parents[2] / "bags" / "sample_circle_dae"

@@ -11,14 +11,14 @@ from scipy.integrate import solve_ivp
 
 from flexros.compile.compiled_function import CompiledFunction, compile_function
 from flexros.errors import InputError, RunError
-from flexros.feedforward.consistent_start import consistent_start
-from flexros.feedforward.dae_equations import build_equations
+from flexros.feedforward.time_stepping.consistent_start import consistent_start
+from flexros.feedforward.time_stepping.dae_equations import build_equations
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.feedforward.problem import FeedforwardProblem
     from flexros.robot import Robot
-    from flexros.robot.model import SymbolicModel
+    from flexros.robot.symbolic.model import SymbolicModel
 
 RANK_TOLERANCE = 1e-12
 """Smallest pivot, relative to the largest, with which the torque still follows from the third derivative."""

@@ -9,11 +9,11 @@ import numpy as np
 from scipy.linalg import expm
 
 from flexros.arrays import FloatArray
-from flexros.gap.gain import ObserverGain, observer_gain
-from flexros.gap.record import GapRecord
 from flexros.gap.result import Prediction
+from flexros.prediction.observer import ObserverGain, observer_gain
+from flexros.record.record import GapRecord
 from flexros.robot import Robot
-from flexros.robot.linearise import linear_model
+from flexros.robot.linear.linearise import linear_model
 
 Torque = Callable[[float, FloatArray, FloatArray, FloatArray], FloatArray]
 """Torque at the motors [Nm] that the model lacks, from time, motor positions, their rates and the torque command."""

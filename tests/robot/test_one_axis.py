@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flexros.robot import load_robot
-from flexros.robot.linearise import linear_model
-from flexros.robot.zeros import channel_zeros, poles
+from flexros.robot.linear.linearise import linear_model
+from flexros.robot.linear.zeros import channel_zeros, poles
 
 
 def _oscillating_hz(values: np.ndarray) -> np.ndarray:

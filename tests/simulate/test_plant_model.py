@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.compile.loop import compile_loop
-from flexros.compile.loop_arrays import LoopInputs
-from flexros.config.scenario import Scenario
+from flexros.compile.loop.arrays import LoopInputs
+from flexros.compile.loop.loop import compile_loop
 from flexros.errors import InputError
-from flexros.simulate.batch import batch, whole_record
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.batch import batch, whole_record
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import Scenario
 from flexros.simulate.plant_model import PlantModel
 
 ALL = [

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.config.scenario import Scenario
 from flexros.effects import parse_effect, place_effects
 from flexros.robot import load_robot
-from flexros.simulate.batch import batch, whole_record
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.batch import batch, whole_record
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import Scenario
 from flexros.simulate.plant_model import PlantModel
 
 ROBOT = load_robot("elbow")

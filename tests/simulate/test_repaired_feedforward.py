@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexros.config.scenario import Scenario, load_scenario
 from flexros.effects import parse_effect
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import Scenario, load_scenario
 
 MOVES = {
     "name": "moves",

@@ -12,10 +12,10 @@ import numpy as np
 import rclpy
 from std_msgs.msg import String
 
-from flexros.logs.joint_state_message import JointStateTemplate
-from flexros.logs.joint_trajectory_message import JointTrajectoryChunk, serialise_joint_trajectory
-from flexros_nodes.interruption import interruption
-from flexros_nodes.topic_interface import message_class, qos_profile, topic
+from flexros.logs.messages.joint_state import JointStateTemplate
+from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk, serialise_joint_trajectory
+from flexros_nodes.protocol.interruption import interruption
+from flexros_nodes.shell.topic_interface import message_class, qos_profile, topic
 
 NAMES = ("motor_1", "motor_2")
 HEADER = b"\x00\x01\x00\x00"

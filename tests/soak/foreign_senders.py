@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from flexros.logs.reader import read_log
-from flexros_nodes.domain import DOMAIN_VARIABLE
+from flexros_nodes.shell.domain import DOMAIN_VARIABLE
 from tests.nodes.conftest import differences
 from tests.soak.result import Result, differing
 from tests.soak.starting import (

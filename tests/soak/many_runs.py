@@ -78,7 +78,7 @@ def others_of(folder: Path) -> list[str]:
 
 def runs_here(folder: str, in_one_process: int, commands: int, processes: int) -> None:
     """Do the runs, and print what they left, as JSON."""
-    from flexros_nodes.run import run_scenario
+    from flexros_nodes.bringup.run import run_scenario
 
     me, rows = psutil.Process(), []
     work = Path(folder)

@@ -14,9 +14,9 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.task import Future
 
-from flexros_nodes.interruption import interruption
-from flexros_nodes.spinning import make_executor
-from flexros_nodes.topic_interface import message_class, qos_profile, topic
+from flexros_nodes.protocol.interruption import interruption
+from flexros_nodes.shell.spinning import make_executor
+from flexros_nodes.shell.topic_interface import message_class, qos_profile, topic
 
 HELD = 0.003
 """Longest time for which a message waits to be swapped with the next one [s], chosen."""

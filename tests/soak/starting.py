@@ -13,15 +13,15 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-from flexros.config.scenario import load_scenario
 from flexros.errors import InputError
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
-from flexros_nodes.domain import DOMAIN_VARIABLE, domain_of_run
-from flexros_nodes.exposure import exposure_settings
-from flexros_nodes.report import ERROR_PREFIX
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
+from flexros_nodes.protocol.report import ERROR_PREFIX
+from flexros_nodes.shell.domain import DOMAIN_VARIABLE, domain_of_run
+from flexros_nodes.shell.exposure import exposure_settings
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 COMMAND = "from flexros.cli import main; raise SystemExit(main())"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from flexros.config.validation import validate
+from flexros.config.settings import validate
 from flexros.errors import InputError
 from flexros.trajectory.arc import Arc
 from flexros.trajectory.path import AbstractPath

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
-from flexros.config.validation import validate
+from flexros.config.settings import validate
 from flexros.errors import InputError
 from flexros.trajectory.path_specification import PathSpecification
 from flexros.trajectory.specification import TotalLimits, TrajectorySpecification, build_trajectory

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from flexros.config.validation import validate
+from flexros.config.settings import validate
 from flexros.errors import InputError
 from flexros.trajectory.arc import circle
 from flexros.trajectory.line import JointMove, Line

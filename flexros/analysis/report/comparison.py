@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.analysis.comparison import HEADINGS
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable
 from flexros.analysis.report.error_over_time import tool_errors
 from flexros.analysis.report.path import path_picture
+from flexros.report.base import AbstractSection, Block, Paragraph, TextTable
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

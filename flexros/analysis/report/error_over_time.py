@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.report.base import AbstractSection, Block, Picture
-from flexros.analysis.report.theme import curve, run_colour, stacked
+from flexros.report.base import AbstractSection, Block, Picture
+from flexros.report.theme import curve, run_colour, stacked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

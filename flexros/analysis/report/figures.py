@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.analysis.figures_table import figure_rows
-from flexros.analysis.report.base import AbstractSection, Block, TextTable
+from flexros.report.base import AbstractSection, Block, TextTable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

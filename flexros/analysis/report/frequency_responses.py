@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.figures_table import number, percent
 from flexros.analysis.frequency_responses import relative_deviation
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
-from flexros.analysis.report.distortion_levels import distortion_blocks
-from flexros.analysis.report.response_picture import position_name, response_picture
+from flexros.identify.report.distortion_levels import distortion_blocks
+from flexros.identify.report.response_picture import position_name, response_picture
+from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.report.number_text import number, percent
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

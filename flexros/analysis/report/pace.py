@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import Block, TextTable
+from flexros.report.base import Block, TextTable
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

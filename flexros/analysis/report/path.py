@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 import plotly.graph_objects as go
 
-from flexros.analysis.figures_table import number
 from flexros.analysis.path_error import AXES
-from flexros.analysis.report.base import AbstractSection, Block, MagnifiedCurve, Picture
-from flexros.analysis.report.decimate import screen_samples
-from flexros.analysis.report.theme import REFERENCE, compact, curve, run_colour, stacked
+from flexros.report.base import FACTORS, AbstractSection, Block, MagnifiedCurve, Picture
+from flexros.report.decimate import screen_samples
+from flexros.report.number_text import number
+from flexros.report.theme import REFERENCE, compact, curve, run_colour, stacked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from flexros.analysis.run_analysis import Analysis
     from flexros.arrays import FloatArray
 
-FACTORS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
-"""Magnifications a reader can choose."""
 _SHOWN_SHARE = 0.12
 """The largest error is drawn about this large, relative to the size of the path."""
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable
-from flexros.analysis.report.decimate import SCREEN_POINTS
+from flexros.report.base import AbstractSection, Block, Paragraph, TextTable
+from flexros.report.decimate import SCREEN_POINTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

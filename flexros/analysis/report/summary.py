@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.figures_table import number, percent
 from flexros.analysis.frequency_responses import relative_deviation
 from flexros.analysis.pace import Pacing
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable, Tiles
 from flexros.analysis.report.pace import missed_text
+from flexros.report.base import AbstractSection, Block, Paragraph, TextTable, Tiles
+from flexros.report.number_text import number, percent
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 import numpy as np
 import plotly.graph_objects as go
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.analysis.report.pace import pace_sentence, pace_tables
-from flexros.analysis.report.theme import compact, curve, run_colour, stacked
+from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.report.number_text import number
+from flexros.report.theme import compact, curve, run_colour, stacked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
-from flexros.analysis.report.theme import INK, REFERENCE, curve, run_colour, stacked
+from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.report.number_text import number
+from flexros.report.theme import INK, REFERENCE, curve, run_colour, stacked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

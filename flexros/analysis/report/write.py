@@ -8,13 +8,13 @@ from flexros.analysis.report.comparison import ComparisonSection, OverlaySection
 from flexros.analysis.report.error_over_time import ErrorSection
 from flexros.analysis.report.figures import FiguresSection
 from flexros.analysis.report.frequency_responses import FrequencyResponseSection
-from flexros.analysis.report.page import Chapter, page_html
 from flexros.analysis.report.path import PathSection
 from flexros.analysis.report.provenance import ProvenanceSection
 from flexros.analysis.report.summary import SummarySection
 from flexros.analysis.report.timing import TimingSection
 from flexros.analysis.report.torques import TorqueSection
 from flexros.errors import InputError
+from flexros.report.page import Chapter, page_html
 from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.analysis.comparison import Comparison
-    from flexros.analysis.report.base import AbstractSection
     from flexros.analysis.run_analysis import Analysis
+    from flexros.report.base import AbstractSection
 
 RUN_SECTIONS: tuple[AbstractSection[Sequence[Analysis]], ...] = (
     SummarySection(),

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Heading, Paragraph
 from flexros.gap.report.ranking import NOTHING
 from flexros.gap.report.signature_pictures import signature_pictures
 from flexros.gap.report.words import capital, cause_words, first_few, listed, named, parameter_words, share_words
+from flexros.report.base import AbstractSection, Block, Heading, Paragraph
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
-    from flexros.gap.diagnosis_file import Place
     from flexros.gap.result import Candidate, DiagnosisResult
+    from flexros.gap.schema import Place
 
 _SHOWN = 3
 """Effects whose evidence is shown."""

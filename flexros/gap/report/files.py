@@ -6,7 +6,7 @@ import shutil
 from typing import TYPE_CHECKING
 
 from flexros.errors import InputError
-from flexros.gap.repair import patch_of
+from flexros.gap.answer.patch import patch_of
 from flexros.gap.report.write import diagnosis_report
 from flexros.json_text import json_text
 from flexros.whole_file import write_result

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.gap.report.innovations import innovation_picture
 from flexros.gap.report.words import closed_words, interval_words, shows
+from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
-    from flexros.gap.diagnosis_file import GapNumbers
     from flexros.gap.result import DiagnosisResult, SignalGap
+    from flexros.gap.schema import GapNumbers
 
 BEFORE, AFTER, RIVAL, FLOOR = "#d55e00", "#0072b2", "#e69f00", "#a9b4bf"
 """Colours of the nominal model, the repaired one, the best rival and the noise floor."""
@@ -53,7 +53,7 @@ def _caption(gap: GapNumbers) -> str:
 def _bars(gap: GapNumbers) -> go.Figure:
     import plotly.graph_objects as go
 
-    from flexros.analysis.report.theme import stacked
+    from flexros.report.theme import stacked
 
     told = [
         ("nominal model", gap.before, BEFORE),

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.signal import welch
 
-from flexros.analysis.report.base import Picture
+from flexros.report.base import Picture
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
     from flexros.arrays import FloatArray
-    from flexros.gap.record import GapRecord
     from flexros.gap.result import DiagnosisResult, Explanation, Prediction
+    from flexros.record.record import GapRecord
 
 _COLOURS = {"before": "#d55e00", "after": "#0072b2"}
 _NAMES = {"before": "nominal model", "after": "repaired model"}
@@ -72,7 +72,7 @@ def _settled(prediction: Prediction, record: GapRecord) -> FloatArray:
 
 
 def _empty(result: DiagnosisResult, motors: np.ndarray[tuple[int, ...], np.dtype[np.intp]]) -> go.Figure:
-    from flexros.analysis.report.theme import stacked
+    from flexros.report.theme import stacked
 
     names = [result.robot.joint_names[motor] for motor in motors.tolist()]
     titles = [title for name in names for title in (f"{name}, over time", f"{name}, spectrum")]
@@ -86,7 +86,7 @@ def _empty(result: DiagnosisResult, motors: np.ndarray[tuple[int, ...], np.dtype
 
 
 def _draw(figure: go.Figure, row: int, key: str, relative: FloatArray, record: GapRecord, *, legend: bool) -> None:
-    from flexros.analysis.report.theme import curve
+    from flexros.report.theme import curve
 
     time = record.sample_time * np.arange(len(relative), dtype=float)
     name, colour = _NAMES[key], _COLOURS[key]

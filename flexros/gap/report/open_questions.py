@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Listing, Paragraph, TextTable
 from flexros.gap.report.words import listed, named
+from flexros.report.base import AbstractSection, Block, Listing, Paragraph, TextTable
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.gap.diagnosis_file import NextExperiment
     from flexros.gap.result import DiagnosisResult
+    from flexros.gap.schema import NextExperiment
 
 _MOVED = 1.0
 """Standard deviations of its tolerance from which a moved parameter is told (chosen)."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.report.base import AbstractSection, Block, Listing, Paragraph
+from flexros.report.base import AbstractSection, Block, Listing, Paragraph
 
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult

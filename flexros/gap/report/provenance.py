@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable
+from flexros.report.base import AbstractSection, Block, Paragraph, TextTable
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
-    from flexros.gap.record import GapRecord
     from flexros.gap.result import DiagnosisResult
+    from flexros.record.record import GapRecord
 
 _LONGEST = 160
 """Longer texts are cut in the table (chosen)."""

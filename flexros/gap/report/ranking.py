@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.gap.report.words import capital, first_few, listed, named, parameters_words, share_words
+from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     import plotly.graph_objects as go
 
-    from flexros.gap.diagnosis_file import Diagnosis, Place
     from flexros.gap.result import Candidate, DiagnosisResult
+    from flexros.gap.schema import Diagnosis, Place
 
 NOTHING = "nothing"
 _MOST_BARS, _MOST_ROWS = 10, 15
@@ -72,7 +72,7 @@ def _picture(result: DiagnosisResult) -> Picture:
 def _bars(names: Sequence[str], values: Sequence[float], colours: Sequence[str]) -> go.Figure:
     import plotly.graph_objects as go
 
-    from flexros.analysis.report.theme import stacked
+    from flexros.report.theme import stacked
 
     figure = stacked([""], height=30 * len(names) + 30)
     figure.add_trace(

@@ -5,8 +5,8 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING
 
-from flexros.analysis.report.base import Picture
 from flexros.gap.signatures.base import pictures_for
+from flexros.report.base import Picture
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -45,7 +45,7 @@ def signature_pictures(one: Candidate, result: DiagnosisResult) -> tuple[Picture
 
 
 def _figure(signature: Signature) -> go.Figure:
-    from flexros.analysis.report.theme import stacked
+    from flexros.report.theme import stacked
 
     figure = stacked([""], height=_HEIGHT)
     clouds = {name: curve for name, curve in signature.series.items() if curve.style == "points"}
@@ -63,7 +63,7 @@ def _figure(signature: Signature) -> go.Figure:
 def _trace(name: str, curve: Curve, colour: str, size: int) -> go.Scatter | go.Bar:
     import plotly.graph_objects as go
 
-    from flexros.analysis.report.theme import compact
+    from flexros.report.theme import compact
 
     x, y = compact(curve.x), compact(curve.y)
     hover = f"%{{x:.4g}}: %{{y:.4g}}<extra>{name}</extra>"

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Tiles
 from flexros.gap.report.verdict import told_causes, verdict_sentence
 from flexros.gap.report.words import capital, closed_words, named, p_value_words, share_words, shows, where_words
+from flexros.report.base import AbstractSection, Block, Paragraph, Tiles
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
-    from flexros.gap.diagnosis_file import Diagnosis
     from flexros.gap.result import DiagnosisResult, SignalGap
+    from flexros.gap.schema import Diagnosis
 
 _MANY_WARNINGS = 3
 """More warnings than this are told in the section on provenance only (chosen)."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.analysis.figures_table import number
 from flexros.gap.report.verdict import verdict_sentence
 from flexros.gap.report.words import (
     capital,
@@ -18,12 +17,13 @@ from flexros.gap.report.words import (
     shows,
     where_words,
 )
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from flexros.gap.diagnosis_file import Diagnosis, GapNumbers
     from flexros.gap.result import DiagnosisResult
+    from flexros.gap.schema import Diagnosis, GapNumbers
 
 _RANKED, _PLACES = 6, 3
 """Effects and places that are printed (chosen)."""

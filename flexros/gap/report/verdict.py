@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.analysis.figures_table import number
 from flexros.gap.report.words import (
     cause_words,
     closed_words,
@@ -17,11 +16,12 @@ from flexros.gap.report.words import (
     shows,
     where_words,
 )
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flexros.gap.diagnosis_file import Cause, Diagnosis, GapNumbers, Place
+    from flexros.gap.schema import Cause, Diagnosis, GapNumbers, Place
 
 _PART = 0.5
 """A cause of at least this probability is told as part of the truth (chosen)."""

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
 from flexros.gap.report.words import band_words, p_value_words, share_words
+from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
     from flexros.arrays import FloatArray
-    from flexros.gap.diagnosis_file import GapPlace
     from flexros.gap.result import DiagnosisResult
+    from flexros.gap.schema import GapPlace
 
 SIGNIFICANT = 0.05
 """p-value below which a place counts as one of the gap."""
@@ -83,8 +83,8 @@ def _wrapped(text: str, width: int) -> str:
 def _map(places: Sequence[GapPlace], labels: Sequence[str], title: str) -> go.Figure:
     import plotly.graph_objects as go
 
-    from flexros.analysis.report.grid import digits
-    from flexros.analysis.report.theme import stacked
+    from flexros.report.grid import digits
+    from flexros.report.theme import stacked
 
     rows = list(dict.fromkeys(_wrapped(_row(place), 22) for place in places))
     columns = list(dict.fromkeys(labels))

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from flexros.analysis.figures_table import number
 from flexros.gap.where.words import sentence
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from flexros.gap.diagnosis_file import Cause, CauseParameter, GapNumbers, GapPlace, Place
     from flexros.gap.result import Candidate
+    from flexros.gap.schema import Cause, CauseParameter, GapNumbers, GapPlace, Place
 
 _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck"}
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"))

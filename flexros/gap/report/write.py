@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.page import Chapter, page_html
 from flexros.gap.report.evidence import EvidenceSection
 from flexros.gap.report.how_far import HowFarSection
 from flexros.gap.report.open_questions import OpenQuestionsSection
@@ -14,13 +12,15 @@ from flexros.gap.report.provenance import ProvenanceSection
 from flexros.gap.report.ranking import RankingSection
 from flexros.gap.report.summary import SummarySection
 from flexros.gap.report.where import WhereSection
+from flexros.report.number_text import number
+from flexros.report.page import Chapter, page_html
 from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from flexros.analysis.report.base import AbstractSection
     from flexros.gap.result import DiagnosisResult
+    from flexros.report.base import AbstractSection
 
 
 def sections(patch: str = "") -> tuple[AbstractSection[DiagnosisResult], ...]:

@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-import flexros.gap.signatures
 from flexros.discovery import members
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.arrays import FloatArray
-    from flexros.gap.signatures.evidence import Evidence
+    from flexros.gap.signatures.signature_data import Evidence
 
 MOST_POINTS = 2000
 """Points that a curve has at most [1]; more are not seen on a page (chosen)."""
@@ -90,7 +89,7 @@ class AbstractSignature(ABC):
 @cache
 def signatures() -> Mapping[str, type[AbstractSignature]]:
     """Find all kinds of pictures in this package, by name."""
-    return members(flexros.gap.signatures, AbstractSignature)  # type: ignore[type-abstract]
+    return members("flexros.gap.signatures", AbstractSignature)  # type: ignore[type-abstract]
 
 
 def pictures_for(effect: str) -> tuple[type[AbstractSignature], ...]:

@@ -8,7 +8,7 @@ from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, thinn
 from flexros.gap.where.periodic import KINDS, line_levels
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.evidence import Evidence
+    from flexros.gap.signatures.signature_data import Evidence
 
 
 class DetectionLines(AbstractSignature):

@@ -8,12 +8,12 @@ import numpy as np
 from scipy.signal import csd
 
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture
-from flexros.robot.bode import frequency_response
-from flexros.robot.linearise import linear_model
+from flexros.robot.linear.bode import frequency_response
+from flexros.robot.linear.linearise import linear_model
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
-    from flexros.gap.signatures.evidence import Evidence
+    from flexros.gap.signatures.signature_data import Evidence
 
 
 LOWEST = 1.0

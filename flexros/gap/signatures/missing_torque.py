@@ -20,12 +20,12 @@ import numpy as np
 from scipy.linalg import expm
 
 from flexros.gap.where.floor import ErrorDynamics, error_dynamics
-from flexros.robot.linearise import linear_model
+from flexros.robot.linear.linearise import linear_model
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
-    from flexros.gap.gain import ObserverGain
-    from flexros.gap.record import GapRecord
+    from flexros.prediction.observer import ObserverGain
+    from flexros.record.record import GapRecord
     from flexros.robot import Robot
 
 BANDWIDTH = 60.0

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, thinned
-from flexros.gap.where.orders import OrderGrid
+from flexros.gap.where.order_spectrum import OrderGrid
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.evidence import Evidence
+    from flexros.gap.signatures.signature_data import Evidence
 
 
 HIGHEST = 60.0

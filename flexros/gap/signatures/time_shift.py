@@ -10,7 +10,7 @@ from scipy.signal import csd, welch
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.evidence import Evidence
+    from flexros.gap.signatures.signature_data import Evidence
 
 
 HIGHEST = 40.0

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.fft import irfft, rfft
 
-from flexros.gap.where.orders import OrderGrid, prominence
+from flexros.gap.where.order_spectrum import OrderGrid, prominence
 from flexros.gap.where.sudden import sudden_part
 
 if TYPE_CHECKING:

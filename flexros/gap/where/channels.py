@@ -9,14 +9,14 @@ import numpy as np
 from flexros.gap.where.bands import OctaveBands, fast_length
 from flexros.gap.where.channel import Channel
 from flexros.gap.where.motion import motion_of
-from flexros.gap.where.orders import OrderGrid
+from flexros.gap.where.order_spectrum import OrderGrid
 from flexros.gap.where.regimes import regimes
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.gap.record import GapRecord
     from flexros.gap.result import Prediction
     from flexros.gap.where.settings import WhereSettings
+    from flexros.record.record import GapRecord
     from flexros.robot import Robot
 
 TOOL_REGIMES = ("all", "standstill", "reversal", "high speed", "vibration", "first third", "last third")

@@ -18,10 +18,10 @@ from flexros.random_streams import generator
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.gap.diagnosis_file import GapPlace
-    from flexros.gap.record import GapRecord
     from flexros.gap.result import Prediction
+    from flexros.gap.schema import GapPlace
     from flexros.gap.where.channel import Channel
+    from flexros.record.record import GapRecord
     from flexros.robot import Robot
 
 NULL_STREAM = 40

@@ -9,7 +9,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
-    from flexros.gap.gain import ObserverGain
+    from flexros.prediction.observer import ObserverGain
 
 GRID = 512
 """Frequencies from zero to the Nyquist frequency at which a spectrum is stored (chosen)."""

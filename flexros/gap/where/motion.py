@@ -10,7 +10,7 @@ from scipy.signal import savgol_filter
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.gap.record import GapRecord
+    from flexros.record.record import GapRecord
     from flexros.robot import Robot
 
 WINDOW = 0.02

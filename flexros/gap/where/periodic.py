@@ -14,55 +14,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import f as f_distribution
 
-from flexros.gap.diagnosis_file import GapPlace
-from flexros.trajectory.vibration import Vibration
+from flexros.gap.schema import GapPlace
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import BoolArray, FloatArray, IntArray
-    from flexros.trajectory import Trajectory
+    from flexros.record.periodic_parts import PeriodicPart
 
-LEAST_LINES = 10
-"""Lines that a multisine has at least (chosen)."""
 POOL = 10
 """Neighbours on either side over which the noise of a line is averaged (chosen)."""
 KINDS = ("excited lines", "odd detection lines", "even detection lines")
 """Names of the signals."""
-
-
-@dataclass(frozen=True, eq=False)
-class PeriodicPart:
-    """Whole periods of a multisine in steady state.
-
-    Attributes:
-        first: First sample of the first period.
-        period: Samples of a period.
-        n_periods: Number of periods, two or more.
-        lines: Excited lines, multiples of one over the period, increasing, shape (F,).
-    """
-
-    first: int
-    period: int
-    n_periods: int
-    lines: IntArray
-
-    @property
-    def end(self) -> int:
-        """Sample behind the last period."""
-        return self.first + self.n_periods * self.period
-
-    def within(self, begin: int, end: int) -> PeriodicPart | None:
-        """Keep the whole periods that lie between two samples; None where fewer than two do.
-
-        Args:
-            begin: First sample that is kept, from which the samples of the result count.
-            end: Sample behind the last one.
-        """
-        skipped = max(0, -((self.first - begin) // self.period))
-        left = min(self.n_periods, (end - self.first) // self.period) - skipped
-        first = self.first + skipped * self.period - begin
-        return PeriodicPart(first, self.period, left, self.lines) if left >= 2 else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,32 +53,6 @@ class LineLevels:
         count = np.convolve(np.ones(len(self.noise)), window, "same")[:, None]
         pooled = np.array([np.convolve(column, window, "same") for column in self.noise.T]).T / count
         return np.asarray(np.sqrt(self.power / np.maximum(pooled, 1e-300)))
-
-
-def periodic_parts(trajectory: Trajectory, sample_time: float) -> tuple[PeriodicPart, ...]:
-    """Find the multisines of a motion.
-
-    Args:
-        trajectory: The motion asked for, as of a diagnosis experiment.
-        sample_time: Time between two samples [s].
-
-    Returns:
-        Parts between the fades, in samples from the beginning of the motion.
-    """
-    found = []
-    begin = 0.0
-    for move in trajectory.moves:
-        path = move.path
-        if isinstance(path, Vibration) and len(path.frequency) >= LEAST_LINES:
-            period = round(1.0 / path.frequency[0] / sample_time)
-            lines = np.round(path.frequency * period * sample_time).astype(np.int64)
-            # the steady part begins behind the fade, its last period ends where the fade begins
-            n_periods = int((path.duration - 2 * path.fade) / (period * sample_time) + 1e-6)
-            first = round((begin + path.fade) / sample_time)
-            if n_periods >= 2:
-                found.append(PeriodicPart(first, period, n_periods, lines))
-        begin += move.law.duration
-    return tuple(found)
 
 
 def line_levels(errors: FloatArray, valid: BoolArray, part: PeriodicPart, sample_time: float) -> LineLevels | None:

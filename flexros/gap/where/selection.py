@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.gap.diagnosis_file import GapPlace
+from flexros.gap.schema import GapPlace
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

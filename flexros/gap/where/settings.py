@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 
 
 class WhereSettings(Settings):

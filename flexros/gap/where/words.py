@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from flexros.gap.diagnosis_file import GapPlace
+    from flexros.gap.schema import GapPlace
 
 _REGIMES = {
     "all": "",

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.identify.closed_loop_response import controller_response
 from flexros.identify.design.closed_loop_input import ExperimentConditions, input_spectrum
+from flexros.identify.experiment.closed_loop_response import controller_response
+from flexros.identify.experiment.limits import torque_limits
 from flexros.identify.graybox.frequency_model import FrequencyModel
-from flexros.identify.graybox.linearised_positions import linearise_positions
-from flexros.identify.limits import torque_limits
+from flexros.robot.linear.positions import linearise_positions
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

@@ -9,7 +9,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
-    from flexros.identify.closed_loop_response import ControllerResponse
+    from flexros.identify.experiment.closed_loop_response import ControllerResponse
 
 
 @dataclass(frozen=True, eq=False)

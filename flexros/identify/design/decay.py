@@ -8,8 +8,8 @@ import numpy as np
 from scipy.linalg import expm
 
 from flexros.compile.command_delay import split_delay
-from flexros.identify.closed_loop_response import linear_controller
-from flexros.identify.graybox.linearised_positions import linearise_positions
+from flexros.identify.experiment.closed_loop_response import linear_controller
+from flexros.robot.linear.positions import linearise_positions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.compile.command_delay import CommandDelay
     from flexros.control.base import AbstractControlLaw
-    from flexros.identify.closed_loop_response import LinearController
+    from flexros.identify.experiment.closed_loop_response import LinearController
     from flexros.robot import Robot
-    from flexros.robot.linearise import LinearModel
+    from flexros.robot.linear.linearise import LinearModel
 
 _CHUNK = 128
 """Positions that are computed at once."""

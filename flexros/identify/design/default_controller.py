@@ -10,12 +10,12 @@ from scipy.linalg import eigh
 from flexros.control.pid import Pid
 from flexros.errors import InputError
 from flexros.identify.design.decay import slowest_decay
-from flexros.robot.linearise import linear_model
+from flexros.robot.linear.linearise import linear_model
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.robot import Robot
-    from flexros.robot.linearise import LinearModel
+    from flexros.robot.linear.linearise import LinearModel
 
 BANDWIDTH = 1.0
 """Bandwidth over the lowest frequency at which the arm swings with its motors held (chosen)."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from flexros.identify.design.closed_loop_input import ExperimentConditions
     from flexros.identify.design.d_optimal import Design
     from flexros.identify.design.gain import DesignGain
-    from flexros.identify.specification import IdentificationSpecification
+    from flexros.identify.experiment.specification import IdentificationSpecification
     from flexros.robot import Robot
 
 SETTLED = 9.0

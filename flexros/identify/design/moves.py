@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from flexros.arrays import FloatArray
-    from flexros.identify.specification import MoveSettings
+    from flexros.identify.experiment.specification import MoveSettings
     from flexros.robot import Robot
 
 FACTORS = (1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.12)

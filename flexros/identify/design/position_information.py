@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.identify.closed_loop_response import controller_response
 from flexros.identify.design.closed_loop_input import ExperimentConditions, input_spectrum, output_error
 from flexros.identify.design.information import frf_information
+from flexros.identify.experiment.closed_loop_response import controller_response
 from flexros.identify.graybox.frequency_model import FrequencyModel
-from flexros.identify.graybox.linearised_positions import linearise_positions
+from flexros.robot.linear.positions import linearise_positions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.control.base import AbstractControlLaw
-    from flexros.identify.specification import IdentificationSpecification
+    from flexros.identify.experiment.specification import IdentificationSpecification
     from flexros.robot import Robot
 
 MOST_LINES = 60

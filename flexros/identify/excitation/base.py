@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from flexros.config.per_motor import NotNegativePerMotor, per_motor
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 from flexros.errors import InputError
 from flexros.random_streams import Stream, generator
 

@@ -9,21 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.identify.frf.record_timing import check_equal_rates, check_no_gap, sample_numbers
-from flexros.identify.record import HeldCommands
+from flexros.identify.frf.checks.record_timing import check_equal_rates, check_no_gap, sample_numbers
 from flexros.logs.stamps import START_NS
+from flexros.record.held_commands import LONGEST_HELD, HeldCommands
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
-    from flexros.identify.plan import ExperimentPlan
+    from flexros.identify.experiment.plan import ExperimentPlan
     from flexros.logs.time_series import JointSeries, Log
 
 MOST_HELD = 0.01
 """Largest share of samples without a command of their own, whose torque is the one before (chosen)."""
-
-LONGEST_HELD = 5
-"""Most samples in a row without a command within a record: a longer hole is a loss of the recorder, not a command that
-the robot held, and spoils every line (chosen)."""
 
 _NUMBERED = re.compile(r"motor_(\d+)")
 

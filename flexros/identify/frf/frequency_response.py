@@ -179,6 +179,6 @@ class FrequencyResponse:
 
     def dataset(self) -> xarray.Dataset:
         """Return everything as labelled arrays with units and descriptions."""
-        from flexros.identify.frf.labelled import dataset_of  # here, because xarray loads slowly
+        from flexros.identify.frf.files.labelled import dataset_of  # here, because xarray loads slowly
 
         return dataset_of(self)

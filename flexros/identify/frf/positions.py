@@ -10,20 +10,20 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.identify.frf.aligned_log import align
+from flexros.identify.frf.checks.planned_positions import check_positions
+from flexros.identify.frf.checks.record_checks import model_warnings
+from flexros.identify.frf.estimate.response_of import frequency_response_of
 from flexros.identify.frf.experiments import Experiments
-from flexros.identify.frf.planned_positions import check_positions
-from flexros.identify.frf.record_checks import model_warnings
-from flexros.identify.frf.response_of import frequency_response_of
 from flexros.identify.frf.settings import FrfSettings
 from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from flexros.identify.experiment.plan import ExperimentPlan
+    from flexros.identify.experiment.timetable import Segment
     from flexros.identify.frf.aligned_log import AlignedLog
     from flexros.identify.frf.frequency_response import FrequencyResponse
-    from flexros.identify.plan import ExperimentPlan
-    from flexros.identify.timetable import Segment
     from flexros.logs.time_series import Log
     from flexros.robot import Robot
 

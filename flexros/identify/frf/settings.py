@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 
 Average = Literal["joint", "arithmetic", "logarithmic"]
 """How blocks are put together."""

@@ -44,7 +44,7 @@ class TwoMassAxis:
         from scipy.linalg import expm  # here, because it loads slowly
 
         from flexros.robot import load_robot
-        from flexros.robot.linearise import linear_model
+        from flexros.robot.linear.linearise import linear_model
 
         robot = load_robot("two_mass")
         linear = linear_model(robot)

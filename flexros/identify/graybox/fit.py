@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.errors import InputError, unknown_name
 from flexros.identify.graybox.least_squares import least_squares
-from flexros.identify.graybox.levenberg_marquardt import DAMPING, Minimum, NormalEquations, StopRule, minimise
+from flexros.prediction.damped_least_squares import DAMPING, Minimum, NormalEquations, StopRule, minimise
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from flexros.arrays import ComplexArray, FloatArray
-    from flexros.identify.graybox.linearised_positions import LinearisedPositions
+    from flexros.robot.linear.positions import LinearisedPositions
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.identify.graybox.compiled_frequency_model import compiled_model
-from flexros.identify.graybox.compiled_least_squares import CompiledLeastSquares
+from flexros.identify.graybox.kernel.frequency_model import compiled_model
+from flexros.identify.graybox.kernel.least_squares import CompiledLeastSquares
 from flexros.identify.graybox.numpy_least_squares import AbstractLeastSquares, NumpyLeastSquares, ResponseTarget
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.identify.graybox.estimators import estimator_named
-from flexros.identify.graybox.levenberg_marquardt import NormalEquations
-from flexros.identify.graybox.packed_target import packed_target
+from flexros.identify.graybox.kernel.packed_target import packed_target
+from flexros.prediction.damped_least_squares import NormalEquations
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray

@@ -12,9 +12,9 @@ from flexros.errors import InputError
 from flexros.identify.graybox.estimators import AbstractEstimator, estimator_named
 from flexros.identify.graybox.frequency_model import FrequencyModel
 from flexros.identify.graybox.least_squares import ResponseTarget
-from flexros.identify.graybox.linearised_positions import linearise_positions
 from flexros.identify.graybox.parameter_scale import ParameterScale, parameter_scale
 from flexros.identify.graybox.weights import Weights, weights_named
+from flexros.robot.linear.positions import linearise_positions
 from flexros.robot.robot import robot_from_data
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from pydantic import Field
 
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 from flexros.errors import InputError, unknown_name
 from flexros.identify.graybox.response_noise import response_noise
 

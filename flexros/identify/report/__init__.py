@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flexros.identify.report.result import ExperimentFacts, IdentificationResult, identification_result
 from flexros.identify.report.write import write_identification_report
+from flexros.identify.result import ExperimentFacts, IdentificationResult, identification_result
 
 __all__ = ["ExperimentFacts", "IdentificationResult", "identification_result", "write_identification_report"]

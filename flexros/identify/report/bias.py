@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.analysis.figures_table import number, percent
 from flexros.identify.report.scatter import ScatterLimits, power_ratio
+from flexros.report.number_text import number, percent
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

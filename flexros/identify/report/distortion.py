@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.report.base import AbstractSection
-from flexros.analysis.report.distortion_levels import distortion_blocks
+from flexros.identify.report.distortion_levels import distortion_blocks
+from flexros.report.base import AbstractSection
 
 if TYPE_CHECKING:
-    from flexros.analysis.report.base import Block
-    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
+    from flexros.report.base import Block
 
 
 class DistortionSection(AbstractSection["IdentificationResult"]):

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 import plotly.graph_objects as go
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
-from flexros.analysis.report.theme import INK, run_colour, stacked
 from flexros.identify.design.experiment_design import SLOW
 from flexros.identify.report.words import counted
+from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.report.number_text import number
+from flexros.report.theme import INK, run_colour, stacked
 
 if TYPE_CHECKING:
     from flexros.identify.design.experiment_design import ExperimentDesign
-    from flexros.identify.report.result import ExperimentFacts, IdentificationResult
+    from flexros.identify.result import ExperimentFacts, IdentificationResult
 
 
 class ExperimentSection(AbstractSection["IdentificationResult"]):

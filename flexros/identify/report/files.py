@@ -13,7 +13,7 @@ from flexros.whole_file import write_result
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 ROBOT, FIGURES, REPORT = "identified.yaml", "identification.json", "report.html"
 """Names of the files in the folder of an identification."""

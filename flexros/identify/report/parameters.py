@@ -7,9 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import plotly.graph_objects as go
 
-from flexros.analysis.figures_table import percent
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
-from flexros.analysis.report.theme import INK, MUTED, stacked
 from flexros.identify.report.verdict import covariance_text, kept_text
 from flexros.identify.report.words import (
     VERDICT_COLOURS,
@@ -19,10 +16,13 @@ from flexros.identify.report.words import (
     true_text,
     value_text,
 )
+from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.report.number_text import percent
+from flexros.report.theme import INK, MUTED, stacked
 
 if TYPE_CHECKING:
     from flexros.identify.graybox.identifiability import ParameterVerdict
-    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _FAR = 100.0
 """Intervals are drawn up to this factor from the nominal value (chosen)."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable
+from flexros.report.base import AbstractSection, Block, Paragraph, TextTable
 
 if TYPE_CHECKING:
-    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _LONGEST = 120
 """Longer texts are cut in the table (chosen)."""

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 import plotly.graph_objects as go
 
-from flexros.analysis.figures_table import number, percent
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
-from flexros.analysis.report.theme import stacked
 from flexros.identify.report.verdict import advice
+from flexros.report.base import AbstractSection, Block, Paragraph, Picture, TextTable
+from flexros.report.number_text import number, percent
+from flexros.report.theme import stacked
 
 if TYPE_CHECKING:
-    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _WORST = 8
 """Rows of the table (chosen)."""

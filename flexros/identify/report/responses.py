@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.analysis.report.base import AbstractSection, Block, Picture
-from flexros.analysis.report.response_picture import ModelCurve, response_picture
 from flexros.identify.graybox.response_noise import response_noise
+from flexros.identify.report.response_picture import ModelCurve, response_picture
+from flexros.report.base import AbstractSection, Block, Picture
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
     from flexros.arrays import ComplexArray, FloatArray
-    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 BEFORE, AFTER = "#e69f00", "#d55e00"
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 import plotly.graph_objects as go
 
-from flexros.analysis.figures_table import number
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Picture
-from flexros.analysis.report.theme import run_colour, stacked
+from flexros.report.base import AbstractSection, Block, Paragraph, Picture
+from flexros.report.number_text import number
+from flexros.report.theme import run_colour, stacked
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 
 class StartSection(AbstractSection["IdentificationResult"]):

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.analysis.figures_table import number, percent
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, Tiles
 from flexros.identify.report.verdict import verdict
 from flexros.identify.report.words import counted
+from flexros.report.base import AbstractSection, Block, Paragraph, Tiles
+from flexros.report.number_text import number, percent
 
 if TYPE_CHECKING:
-    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _MANY_WARNINGS = 4
 """More warnings than this are told in the section on provenance only (chosen)."""

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from flexros.analysis.figures_table import number, percent
-from flexros.analysis.report.base import AbstractSection, Block, Paragraph, TextTable
 from flexros.identify.report.remedies import Remedy, has_candidates, remedies
+from flexros.report.base import AbstractSection, Block, Paragraph, TextTable
+from flexros.report.number_text import number, percent
 
 if TYPE_CHECKING:
     from flexros.identify.graybox.identifiability import Direction
-    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _HELPS = 0.7
 """An experiment that leaves more of the standard deviation than this share is told to help little (chosen)."""

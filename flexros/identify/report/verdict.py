@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.analysis.figures_table import number
 from flexros.identify.report.words import counted
+from flexros.report.number_text import number
 
 if TYPE_CHECKING:
-    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
 
 _AS_GOOD = 0.9
 _MISSES = "because the model misses something"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from flexros.analysis.figures_table import number
+from flexros.report.number_text import number
 
 VERDICT_WORDS = {"determined": "determined", "weak": "weak", "not_determined": "not determined"}
 """Verdicts as they are read."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.analysis.report.page import Chapter, page_html
 from flexros.identify.report.distortion import DistortionSection
 from flexros.identify.report.experiment import ExperimentSection
 from flexros.identify.report.parameters import ParameterSection
@@ -14,13 +13,14 @@ from flexros.identify.report.responses import ResponseSection
 from flexros.identify.report.starts import StartSection
 from flexros.identify.report.summary import SummarySection
 from flexros.identify.report.undetermined import UndeterminedSection
+from flexros.report.page import Chapter, page_html
 from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from flexros.analysis.report.base import AbstractSection
-    from flexros.identify.report.result import IdentificationResult
+    from flexros.identify.result import IdentificationResult
+    from flexros.report.base import AbstractSection
 
 SECTIONS: tuple[AbstractSection[IdentificationResult], ...] = (
     SummarySection(),

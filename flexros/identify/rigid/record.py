@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.identify.record import EVEN, HeldCommands
+from flexros.record.held_commands import EVEN, HeldCommands
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from flexros.config.validation import Settings
+from flexros.config.settings import Settings
 
 
 class RigidSettings(Settings):

@@ -7,7 +7,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from flexros.config.validation import Settings, validate
+from flexros.config.settings import Settings, validate
 from flexros.config.yaml_file import read_yaml
 from flexros.errors import unknown_name
 from flexros.logs.foreign.quantities import QUANTITIES

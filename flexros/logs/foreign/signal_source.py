@@ -98,12 +98,10 @@ def open_source(path: Path) -> AbstractSignalSource:
     Raises:
         InputError: There is no such file, or its format is not known.
     """
-    from flexros.logs.foreign import sources
-
     if not path.exists():
         raise InputError(f"there is no file {path}; give the path of a CSV, MATLAB or NumPy file, or of a ROS 2 bag")
     suffix = BAG_SUFFIX if path.is_dir() else path.suffix.lower()
-    kinds = members(sources, AbstractSignalSource, "format")  # type: ignore[type-abstract]
+    kinds = members("flexros.logs.foreign.sources", AbstractSignalSource, "format")  # type: ignore[type-abstract]
     for kind in kinds.values():
         if suffix in kind.suffixes:
             return kind(path)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.logs.joint_trajectory_message import JointTrajectoryChunk, serialise_joint_trajectory
+from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk, serialise_joint_trajectory
 from flexros.logs.reader import read_log
 from flexros.logs.stamps import NANOSECONDS
 

@@ -9,7 +9,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from flexros.errors import InputError
-from flexros.logs import joint_trajectory_message
+from flexros.logs.messages import joint_trajectory as joint_trajectory_message
 from flexros.logs.replay.controller_feed import ControllerFeed, controller_feed
 from flexros.logs.replay.file_messages import ReplayMessage
 from flexros.logs.replay.recorded_topic import RecordedTopic, absolute_name

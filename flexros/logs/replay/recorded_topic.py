@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from flexros.logs.foreign_definition import is_common
-from flexros.logs.schemas import jazzy_types
+from flexros.logs.messages.foreign_definition import is_common
+from flexros.logs.messages.schemas import jazzy_types
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Schema

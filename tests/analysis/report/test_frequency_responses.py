@@ -7,10 +7,10 @@ from dataclasses import replace
 import pytest
 
 from flexros.analysis import Analysis, analyse
-from flexros.analysis.report.base import Paragraph, Picture, TextTable
 from flexros.analysis.report.frequency_responses import FrequencyResponseSection
 from flexros.analysis.report.summary import SummarySection, verdict
 from flexros.logs.time_series import Log
+from flexros.report.base import Paragraph, Picture, TextTable
 
 
 @pytest.fixture(scope="module", name="experiment")

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from flexros.analysis import analyse
-from flexros.analysis.report.base import Paragraph, Picture, TextTable
 from flexros.analysis.report.frequency_responses import FrequencyResponseSection
 from flexros.analysis.report.provenance import ProvenanceSection
 from flexros.analysis.report.summary import SummarySection, verdict
 from flexros.analysis.report.timing import TimingSection
 from flexros.analysis.report.torques import TorqueSection
 from flexros.analysis.report.write import RUN_SECTIONS
+from flexros.report.base import Paragraph, Picture, TextTable
 
 
 @pytest.fixture(scope="module")

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.effects.base import PlacedEffect
 from flexros.effects.coulomb_friction import CoulombFriction
-from flexros.gap.diagnosis_file import CauseParameter, Diagnosis, GapPlace, Place
-from flexros.gap.record import GapRecord
+from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.result import Candidate, DiagnosisResult, Explanation, Prediction, SignalGap
+from flexros.gap.schema import CauseParameter, Diagnosis, GapPlace, Place
+from flexros.record.record import GapRecord
 from flexros.robot import load_robot
 
 ROBOT = load_robot("four_mass_linear")

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexros.gap.diagnosis_file import Place
 from flexros.gap.report.evidence import EvidenceSection, speaks_against, speaks_for
 from flexros.gap.result import DiagnosisResult
+from flexros.gap.schema import Place
 
 Diagnosed = Callable[[str], DiagnosisResult]
 

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from flexros.effects.patched_robot import load_patched
+from flexros.effects.patching.patched_robot import load_patched
 from flexros.errors import InputError
-from flexros.gap.diagnosis_file import Diagnosis
 from flexros.gap.report import files
 from flexros.gap.report.files import check_folder, write_diagnosis
 from flexros.gap.result import DiagnosisResult
+from flexros.gap.schema import Diagnosis
 
 Diagnosed = Callable[[str], DiagnosisResult]
 

@@ -8,13 +8,13 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from flexros.gap.gain import observer_gain
 from flexros.gap.report import signature_pictures as module
 from flexros.gap.report.evidence import EvidenceSection
 from flexros.gap.report.signature_pictures import signature_pictures
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture
-from flexros.gap.signatures.evidence import Evidence
+from flexros.gap.signatures.signature_data import Evidence
+from flexros.prediction.observer import observer_gain
 
 Changed = Callable[..., DiagnosisResult]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from flexros.gap.diagnosis_file import Place
 from flexros.gap.report.terminal import gap_line
 from flexros.gap.report.verdict import told_causes, verdict_sentence
 from flexros.gap.result import DiagnosisResult
+from flexros.gap.schema import Place
 
 Diagnosed = Callable[[str], DiagnosisResult]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.gap.diagnosis_file import Cause, CauseParameter, GapPlace
 from flexros.gap.report.words import (
     band_words,
     cause_words,
@@ -18,6 +17,7 @@ from flexros.gap.report.words import (
     share_words,
     where_words,
 )
+from flexros.gap.schema import Cause, CauseParameter, GapPlace
 
 
 def parameter(value: float, std: float, unit: str) -> CauseParameter:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
-from flexros.gap.signatures.evidence import Evidence
+from flexros.gap.signatures.signature_data import Evidence
 from flexros.robot import load_robot
 from tests.oracles.linear_gap import LinearLog, Torque, linear_log, nothing
 

@@ -7,7 +7,7 @@ import pytest
 
 from flexros.effects import effects
 from flexros.gap.signatures.base import MOST_POINTS, binned, pictures_for, signatures, thinned
-from flexros.gap.signatures.evidence import Evidence
+from flexros.gap.signatures.signature_data import Evidence
 
 CONTRACT = [
     "viscous_friction",

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from flexros.effects import parse_effect, place_effects
-from flexros.gap.record import ToolRecord
 from flexros.gap.signatures.base import Picture, signatures
-from flexros.gap.signatures.evidence import Evidence
 from flexros.gap.signatures.missing_torque import missing_torque
+from flexros.gap.signatures.signature_data import Evidence
+from flexros.record.record import ToolRecord
 
 
 def picture(name: str, evidence: Evidence) -> Picture:

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.gap.record import ToolRecord
 from flexros.gap.result import Prediction
 from flexros.gap.where.find import where
 from flexros.gap.where.floor import of_predictor
 from flexros.gap.where.settings import WhereSettings
+from flexros.record.record import ToolRecord
 from tests.oracles.linear_gap import LinearLog
 
 FEW = WhereSettings(realisations=60)

@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.effects import RobotWithEffects
-from flexros.gap.gain import observer_gain
-from flexros.gap.predictor import Predictor
-from flexros.gap.record import GapRecord
+from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.result import Prediction
-from flexros.gap.signatures.evidence import Evidence
+from flexros.gap.signatures.signature_data import Evidence
 from flexros.gap.signatures.torque_over_speed import TorqueOverSpeed
 from flexros.gap.signatures.torsion_over_torque import TorsionOverTorque
-from flexros.gap.tolerance import Tolerance
 from flexros.gap.where.find import where
 from flexros.gap.where.settings import WhereSettings
+from flexros.prediction.observer import observer_gain
+from flexros.record.record import GapRecord
 from flexros.robot import Robot, load_robot
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 FEW = WhereSettings(realisations=60)
 

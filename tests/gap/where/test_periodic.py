@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
-from flexros.config.scenario import load_scenario
 from flexros.gap.signatures.detection_lines import DetectionLines
-from flexros.gap.signatures.evidence import Evidence
+from flexros.gap.signatures.signature_data import Evidence
 from flexros.gap.where.find import where
-from flexros.gap.where.periodic import PeriodicPart, line_levels, periodic_parts, periodic_places
+from flexros.gap.where.periodic import line_levels, periodic_places
 from flexros.gap.where.settings import WhereSettings
+from flexros.record.periodic_parts import PeriodicPart, periodic_parts
 from flexros.robot import load_robot
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 from tests.oracles.linear_gap import LinearLog, Torque, linear_log, nothing
 
 PERIOD = 4000

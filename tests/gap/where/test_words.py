@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.gap.diagnosis_file import GapPlace
+from flexros.gap.schema import GapPlace
 from flexros.gap.where.words import sentence
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.identify.design.amplitude import CREST, amplitude_room
 from flexros.identify.design.position_information import experiment_conditions
 from flexros.robot import load_robot
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 
 def test_room_is_what_the_simulated_torque_leaves() -> None:

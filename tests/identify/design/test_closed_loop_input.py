@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flexros.control.base import control_law
-from flexros.identify.closed_loop_response import ControllerResponse, controller_response
 from flexros.identify.design.closed_loop_input import ExperimentConditions, input_spectrum, output_error
+from flexros.identify.experiment.closed_loop_response import ControllerResponse, controller_response
 
 T = 5e-4
 

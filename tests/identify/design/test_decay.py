@@ -9,7 +9,7 @@ from scipy.linalg import expm
 from flexros.control.base import control_law
 from flexros.identify.design.decay import decays_at, slowest_decay
 from flexros.robot import load_robot
-from flexros.robot.linearise import linear_model
+from flexros.robot.linear.linearise import linear_model
 
 
 @pytest.mark.parametrize("name", ["e12", "emps", "four_mass_linear"])

@@ -10,7 +10,7 @@ from flexros.errors import InputError
 from flexros.identify.design.decay import slowest_decay
 from flexros.identify.design.default_controller import default_controller
 from flexros.robot import load_robot, robot_names
-from flexros.robot.linearise import linear_model
+from flexros.robot.linear.linearise import linear_model
 
 
 @pytest.mark.parametrize("name", robot_names())

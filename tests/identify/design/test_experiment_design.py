@@ -12,7 +12,7 @@ from flexros.identify.design.decay import decays_at
 from flexros.identify.design.default_controller import default_controller
 from flexros.identify.design.experiment_design import DesignSettings, ExperimentDesign, design_experiment
 from flexros.identify.excitation.multisine import Multisine
-from flexros.identify.specification import IdentificationSpecification
+from flexros.identify.experiment.specification import IdentificationSpecification
 from flexros.robot import load_robot
 
 ROBOT = load_robot("e12")

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.errors import InputError
 from flexros.identify.design.moves import FACTORS, move_factor
-from flexros.identify.limits import torque_limits
-from flexros.identify.specification import MoveSettings
+from flexros.identify.experiment.limits import torque_limits
+from flexros.identify.experiment.specification import MoveSettings
 from flexros.robot import load_robot
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 SIX_AXIS, E12 = load_robot("six_axis"), load_robot("e12")
 FAR = [[0.25, 1.05, -0.6, 0.1, 0.2, 0.4], [0.5183, -0.796, -0.8917, 0.1188, 1.0163, 0.9701]]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from flexros.control.base import control_law
-from flexros.identify.closed_loop_response import controller_response
 from flexros.identify.design.closed_loop_input import input_spectrum
 from flexros.identify.design.position_information import (
     experiment_conditions,
@@ -14,10 +13,11 @@ from flexros.identify.design.position_information import (
     position_information,
 )
 from flexros.identify.excitation.multisine import Multisine
+from flexros.identify.experiment.closed_loop_response import controller_response
+from flexros.identify.experiment.specification import IdentificationSpecification
 from flexros.identify.graybox.frequency_model import FrequencyModel
-from flexros.identify.graybox.linearised_positions import linearise_positions
-from flexros.identify.specification import IdentificationSpecification
 from flexros.robot import load_robot
+from flexros.robot.linear.positions import linearise_positions
 
 ROBOT = load_robot("e12")
 NAMES = ("body_1.ry.stiffness", "body_1.ry.damping", "body_2.ry.stiffness", "body_3.ry.stiffness")

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexros.config.scenario import Scenario
-from flexros.identify.plan import ExperimentPlan, plan_of_log
+from flexros.identify.experiment.plan import ExperimentPlan
 from flexros.logs.time_series import JointSeries, Log
 from flexros.robot import Robot
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.identification_plan import plan_of_log
+from flexros.scenario.scenario import Scenario
 
 
 @dataclass(frozen=True)

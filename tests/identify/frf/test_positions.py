@@ -12,8 +12,8 @@ from flexros.identify.frf.frequency_response import FrequencyResponse
 from flexros.identify.frf.positions import estimate_responses
 from flexros.identify.frf.settings import FrfSettings
 from flexros.identify.graybox.frequency_model import FrequencyModel
-from flexros.identify.graybox.linearised_positions import linearise_positions
 from flexros.logs.time_series import Log
+from flexros.robot.linear.positions import linearise_positions
 from tests.identify.frf.recorded_experiment import Recorded, cut, run
 
 

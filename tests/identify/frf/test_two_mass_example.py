@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexros.identify.frf.estimate.response_of import frequency_response_of
 from flexros.identify.frf.experiments import Experiments
 from flexros.identify.frf.frequency_response import FrequencyResponse
-from flexros.identify.frf.response_of import frequency_response_of
 from flexros.identify.frf.settings import FrfSettings
 from flexros.identify.frf.two_mass_example import NOISE, SPEED_GAIN, TwoMassAxis, chirp
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.compile.ir_text import IrBlock
 from flexros.compile.module_builder import ModuleBuilder
-from flexros.identify.graybox.complex_block import ComplexBlock, ComplexValue
+from flexros.identify.graybox.kernel.complex_block import ComplexBlock, ComplexValue
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.identify.frf.frequency_response import FrequencyResponse
 from flexros.identify.graybox.frequency_model import FrequencyModel
-from flexros.identify.graybox.linearised_positions import linearise_positions
+from flexros.robot.linear.positions import linearise_positions
 from flexros.robot.robot import Robot, load_robot, robot_from_data
 
 if TYPE_CHECKING:

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from flexros.identify.frf.frequency_response import FrequencyResponse
     from flexros.identify.graybox.problem import GrayBoxProblem
     from flexros.robot.robot import Robot
-
-    from .conftest import Measure
+    from tests.identify.graybox.conftest import Measure
 
     Responses = tuple[FrequencyResponse, ...]
 

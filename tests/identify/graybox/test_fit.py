@@ -7,20 +7,19 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.identify.graybox.fit import FitSettings, fit
+from flexros.identify.graybox.kernel.packed_target import packed_target
 from flexros.identify.graybox.least_squares import ResponseTarget, least_squares
-from flexros.identify.graybox.levenberg_marquardt import NormalEquations, StopRule
 from flexros.identify.graybox.multistart import random_starts
-from flexros.identify.graybox.packed_target import packed_target
 from flexros.identify.graybox.problem import graybox_problem
 from flexros.identify.graybox.weights import UserWeights
+from flexros.prediction.damped_least_squares import NormalEquations, StopRule
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.identify.frf.frequency_response import FrequencyResponse
     from flexros.identify.graybox.frequency_model import FrequencyModel
     from flexros.robot.robot import Robot
-
-    from .conftest import Measure
+    from tests.identify.graybox.conftest import Measure
 
     Responses = tuple[FrequencyResponse, ...]
 

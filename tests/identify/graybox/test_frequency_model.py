@@ -7,9 +7,9 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.identify.graybox.frequency_model import FrequencyModel
-from flexros.identify.graybox.linearised_positions import linearise_positions
 from flexros.robot import Robot, load_robot
-from flexros.robot.linearise import linear_model
+from flexros.robot.linear.linearise import linear_model
+from flexros.robot.linear.positions import linearise_positions
 
 FREQUENCY = np.array([0.7, 4.0, 11.0, 17.5, 30.0, 60.0, 90.0])
 

@@ -12,8 +12,7 @@ from flexros.identify.graybox.problem import graybox_problem
 if TYPE_CHECKING:
     from flexros.identify.frf.frequency_response import FrequencyResponse
     from flexros.robot.robot import Robot
-
-    from .conftest import Measure
+    from tests.identify.graybox.conftest import Measure
 
     Responses = tuple[FrequencyResponse, ...]
 

@@ -16,8 +16,7 @@ from flexros.robot.robot import load_robot
 if TYPE_CHECKING:
     from flexros.identify.frf.frequency_response import FrequencyResponse
     from flexros.robot.robot import Robot
-
-    from .conftest import Measure
+    from tests.identify.graybox.conftest import Measure
 
     Responses = tuple[FrequencyResponse, ...]
 

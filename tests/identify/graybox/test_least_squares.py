@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.identify.graybox.compiled_least_squares import CompiledLeastSquares
 from flexros.identify.graybox.frequency_model import FrequencyModel
+from flexros.identify.graybox.kernel.least_squares import CompiledLeastSquares
 from flexros.identify.graybox.least_squares import ResponseTarget, least_squares
-from flexros.identify.graybox.linearised_positions import linearise_positions
 from flexros.identify.graybox.numpy_least_squares import NumpyLeastSquares
 from flexros.robot import load_robot
+from flexros.robot.linear.positions import linearise_positions
 
 if TYPE_CHECKING:
-    from flexros.identify.graybox.levenberg_marquardt import NormalEquations
+    from flexros.prediction.damped_least_squares import NormalEquations
 
 FREQUENCY = np.geomspace(1.0, 100.0, 21)
 CASES = {
@@ -133,7 +133,7 @@ def test_vanishing_pivot_is_left_to_numpy() -> None:
 
 
 def test_without_compiler_numpy_answers(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("flexros.identify.graybox.frequency_kernel.can_compile", lambda: False)
+    monkeypatch.setattr("flexros.identify.graybox.kernel.frequency_kernel.can_compile", lambda: False)
     model = model_of("e12")
     target = target_of(model, "LLS")
     squares = least_squares(model, target)

@@ -9,9 +9,9 @@ from scipy.signal import cont2discrete
 
 from flexros.errors import InputError
 from flexros.identify.graybox.frequency_model import FrequencyModel
-from flexros.identify.graybox.linearised_positions import LinearisedPositions, linearise_positions
 from flexros.identify.graybox.sampled import sampled_hold
 from flexros.robot import load_robot
+from flexros.robot.linear.positions import LinearisedPositions, linearise_positions
 
 FREQUENCY = np.geomspace(0.5, 100.0, 40)
 

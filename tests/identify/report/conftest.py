@@ -8,18 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.identify.closed_loop_response import controller_response
 from flexros.identify.design.closed_loop_input import input_spectrum, output_error
 from flexros.identify.design.experiment_design import DesignSettings, design_experiment
 from flexros.identify.design.position_information import experiment_conditions
-from flexros.identify.design.scenario import template_scenario
+from flexros.identify.experiment.closed_loop_response import controller_response
 from flexros.identify.frf.distortion import Distortion
 from flexros.identify.frf.frequency_response import FrequencyResponse
 from flexros.identify.graybox.frequency_model import FrequencyModel
-from flexros.identify.graybox.linearised_positions import linearise_positions
-from flexros.identify.report.result import ExperimentFacts, IdentificationResult, identification_result
+from flexros.identify.result import ExperimentFacts, IdentificationResult, identification_result
 from flexros.identify.search import SearchSettings, search
 from flexros.robot import load_robot
+from flexros.robot.linear.positions import linearise_positions
+from flexros.scenario.identification import template_scenario
 
 ROBOT = load_robot("e12")
 NAMES = tuple(name for name in ROBOT.parameters if name.endswith((".stiffness", ".damping")))

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from flexros.identify.report.bias import bias_signs
-from flexros.identify.report.result import IdentificationResult
 from flexros.identify.report.scatter import ScatterLimits
 from flexros.identify.report.verdict import covariance_text, verdict
+from flexros.identify.result import IdentificationResult
 
 
 def with_levels(result: IdentificationResult, **changed: np.ndarray) -> IdentificationResult:

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.identify.report.files import FIGURES, REPORT, ROBOT, make_folder, write_identification
-from flexros.identify.report.result import IdentificationResult
+from flexros.identify.result import IdentificationResult
 from flexros.robot import load_robot
 
 

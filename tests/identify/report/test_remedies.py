@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.identify.graybox.covariance import parameter_covariance
 from flexros.identify.report.remedies import measured_information, remedies
-from flexros.identify.report.result import IdentificationResult
+from flexros.identify.result import IdentificationResult
 
 
 def test_nothing_is_proposed_where_all_is_determined(clear: IdentificationResult) -> None:

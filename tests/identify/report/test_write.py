@@ -16,9 +16,9 @@ from plotly.offline import get_plotlyjs
 
 from flexros.errors import InputError
 from flexros.identify.report.responses import POINTS
-from flexros.identify.report.result import IdentificationResult
 from flexros.identify.report.starts import StartSection
 from flexros.identify.report.write import SECTIONS, write_identification_report
+from flexros.identify.result import IdentificationResult
 
 
 def page(result: IdentificationResult, folder: Path) -> str:

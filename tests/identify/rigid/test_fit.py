@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.errors import InputError
 from flexros.identify.rigid.fit import cross_test, fit_rigid
 from flexros.identify.rigid.settings import RigidSettings
@@ -17,8 +16,9 @@ from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
 from flexros.robot import load_robot
 from flexros.robot.robot import LIBRARY
-from flexros.simulate.closed_loop import closed_loop
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 REALDATA = os.environ.get("FLEXROS_REALDATA", "")
 NEEDS_EMPS = pytest.mark.skipif(

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.config.scenario import load_scenario
 from flexros.identify.rigid.fit import fit_rigid
 from flexros.identify.rigid.friction_effects import friction_outside_file
 from flexros.identify.rigid.settings import RigidSettings
-from flexros.simulate.experiment import Experiment
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
 
 
 def friction(v: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.config.validation import validate
+from flexros.config.settings import validate
 from flexros.errors import InputError
 from flexros.identify.rigid.settings import RigidSettings
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexros.config.validation import validate
+from flexros.config.settings import validate
 from flexros.logs.foreign.mapping import LogMapping
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.logs.joint_trajectory_message import read_joint_trajectory
+from flexros.logs.messages.joint_trajectory import read_joint_trajectory
 from flexros.logs.replay.controller_feed import CHUNK, LEAD, controller_feed
 from flexros.logs.write_log import write_log
 

@@ -10,14 +10,14 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.input_limits import MOST_SIGNALS
-from flexros.logs.bag_files import find_bag_files
-from flexros.logs.bulk_decode import payloads_of
-from flexros.logs.cdr_cursor import MessageError
 from flexros.logs.foreign.message_numbers import message_numbers
 from flexros.logs.foreign.signal_source import BAG_SUFFIX, AbstractSignalSource, Signal
-from flexros.logs.foreign_definition import decoder
 from flexros.logs.left_out import LeftOut
-from flexros.logs.mcap_scan import McapScan
+from flexros.logs.mcap.bag_files import find_bag_files
+from flexros.logs.mcap.scan import McapScan
+from flexros.logs.messages.bulk_decode import payloads_of
+from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.messages.foreign_definition import decoder
 from flexros.logs.stamps import NANOSECONDS
 
 if TYPE_CHECKING:

@@ -1,5 +1,0 @@
-"""Blind check of the gap diagnosis: logs with hidden deviations, diagnosed without their truth."""
-
-from flexros.campaigns.blind.campaign import BlindCheck
-
-__all__ = ["BlindCheck"]

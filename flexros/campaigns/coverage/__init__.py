@@ -1,5 +1,0 @@
-"""Monte-Carlo check of an identification: do its intervals cover the truth, and how far off are its values?"""
-
-from flexros.campaigns.coverage.campaign import Coverage
-
-__all__ = ["Coverage"]

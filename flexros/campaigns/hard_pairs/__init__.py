@@ -1,5 +1,0 @@
-"""Hard pairs: effects that a log cannot tell apart, and the experiment that does."""
-
-from flexros.campaigns.hard_pairs.campaign import HardPairs
-
-__all__ = ["HardPairs"]

@@ -1,5 +1,0 @@
-"""What an identified model is worth on the path of the real robot."""
-
-from flexros.campaigns.path_improvement.campaign import PathErrors
-
-__all__ = ["PathErrors"]

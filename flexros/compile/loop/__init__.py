@@ -1,0 +1,1 @@
+"""The closed loop in machine code: controller, plant, delays and noise over all samples."""

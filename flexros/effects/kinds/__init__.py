@@ -1,0 +1,1 @@
+"""What effects have in common: one base class for each place where an effect acts."""

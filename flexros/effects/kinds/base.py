@@ -1,0 +1,190 @@
+"""What an effect is, how one is found by its name and written."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from flexros.config.settings import Settings, validate
+from flexros.discovery import members
+from flexros.effects.kinds.floors import WORD, check_has_floor, floor_of
+from flexros.effects.kinds.ranges import Range
+from flexros.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from flexros.robot import Robot
+
+
+Stage = Literal["actuator", "motor friction", "gear", "structure", "load", "sensor", "timing"]
+"""Where in the loop an effect acts."""
+
+
+class AbstractEffect(Settings, ABC):
+    """A deviation of the plant from the nominal model.
+
+    How to add one: write one file in `flexros/effects` with one final subclass of one of the kinds below; it is then
+    found by its name in scenarios (`plant.effects`), in `flexros run --effect` and in everything that lists effects.
+    It provides:
+
+    1. `name`, a class variable: the word by which it is chosen, and `stage`, where in the loop it acts.
+    2. Its parameters as fields, each with a description that states unit and meaning; the default is the neutral
+       value, which switches the effect off.
+    3. `locations`, the places of a robot where it can sit.
+    4. `ranges` of the parameters that a diagnosis fits, and `fingerprint`, one sentence on what one sees of it where.
+    5. What its kind asks for: `AbstractModelChange` a changed robot, `AbstractChangedValues` (one of them) changed
+       numbers; `AbstractCommandLaw` a torque changed on its way to the motor, `AbstractMotorTorque` a smooth torque at
+       a motor, `AbstractDryFriction` a friction that can stick, `AbstractBristleFriction` one with presliding,
+       `AbstractGearLaw` torques of a spring, `AbstractArmLaw` forces on the arm, `AbstractSensor` a changed reading,
+       `AbstractToolError` a tool that is elsewhere.
+
+    Any number of effects combine at any places. The guide shows each with a picture: a row in
+    `docs/guide/effects_pictures.py`, then `python docs/guide/effects_page.py`.
+    """
+
+    name: ClassVar[str]
+    stage: ClassVar[Stage]
+    fingerprint: ClassVar[str] = ""
+    """What one sees of the effect, and where: one sentence for report and guide."""
+    ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({})
+    """Where the parameters that a diagnosis fits may lie; those without a range keep their defaults."""
+    extends: ClassVar[Mapping[str, Mapping[str, str]]] = MappingProxyType({})
+    """Simpler effects that it contains, by name, with its parameters that are theirs: a fit starts from those."""
+
+    @abstractmethod
+    def locations(self, robot: Robot) -> tuple[str, ...]:
+        """List the places where the effect can sit.
+
+        Args:
+            robot: The robot.
+
+        Returns:
+            Names of motors, springs or bodies, or "tool", "base", "all".
+        """
+
+    def visible(self, noise: float) -> bool:
+        """Tell whether the effect, with its numbers, is more than the simpler ones that it extends.
+
+        Args:
+            noise: Noise of the encoder at its place [rad or m].
+        """
+        del noise
+        return True
+
+    def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
+        """Give the ranges of the parameters that count at a place; by default all.
+
+        Args:
+            robot: The robot.
+            location: One of its `locations`.
+
+        Returns:
+            Ranges by parameter name.
+        """
+        del robot, location
+        return self.ranges
+
+
+@dataclass(frozen=True)
+class PlacedEffect:
+    """An effect at a place.
+
+    Attributes:
+        effect: The effect; parameters given in noise floors hold the number of floors until it meets a robot.
+        location: The place.
+        in_floors: Names of the parameters that are given in noise floors.
+    """
+
+    effect: AbstractEffect
+    location: str
+    in_floors: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        """Write it as in a scenario, all parameters included."""
+        parameters = ",".join(
+            f"{name}={value}{WORD if name in self.in_floors else ''}"
+            for name, value in self.effect.model_dump().items()
+        )
+        return f"{self.effect.name}@{self.location}:{parameters}"
+
+    def on(self, robot: Robot) -> PlacedEffect:
+        """Turn noise floors into the sizes that they have on a robot.
+
+        Args:
+            robot: The robot without effects.
+
+        Returns:
+            The effect with numbers alone.
+
+        Raises:
+            InputError: A parameter has no floor at this place.
+        """
+        if not self.in_floors:
+            return self
+        kind, numbers = type(self.effect), self.effect.model_dump()
+        for name in self.in_floors:
+            numbers[name] *= floor_of(robot, kind, name, self.location)
+        return PlacedEffect(validate(kind, numbers, f"{kind.name}@{self.location}"), self.location)
+
+    def check_location(self, robot: Robot) -> None:
+        """Refuse a place that the robot does not have."""
+        allowed = self.effect.locations(robot)
+        if self.location not in allowed:
+            raise unknown_name(f"location of {self.effect.name} on robot {robot.name}", self.location, allowed)
+
+
+@cache
+def effects() -> Mapping[str, type[AbstractEffect]]:
+    """Find all effects in this package, by name."""
+    return members("flexros.effects", AbstractEffect)  # type: ignore[type-abstract]
+
+
+def parse_effect(text: str, source: str) -> PlacedEffect:
+    """Read an effect as written in a scenario or on the command line: NAME@LOCATION:parameter=value,...
+
+    Args:
+        text: What was given, e.g. "payload_error@tool:relative=0.05", or with a size as a multiple of the robot's noise
+            floor "coulomb_friction@motor_1:level=12floors", see `flexros.effects.kinds.floors`.
+        source: Where it came from, for the error text.
+
+    Returns:
+        The effect at its place; the place is checked when it meets a robot.
+
+    Raises:
+        InputError: Wrong form, unknown effect or parameter, or a value that is not allowed.
+    """
+    head, _, tail = text.partition(":")
+    name, at, location = head.partition("@")
+    if not at or not location:
+        raise InputError(
+            f"{source} is '{text}', but must be NAME@LOCATION:parameter=value,..., "
+            "for instance payload_error@tool:relative=0.05"
+        )
+    if name not in effects():
+        raise unknown_name("effect", name, effects(), source)
+    kind, origin = effects()[name], f"{source} {name}"
+    parameters = _parameters(tail, origin)
+    in_floors = tuple(key for key, value in parameters.items() if value.endswith(WORD))
+    numbers = {key: value.removesuffix(WORD) for key, value in parameters.items()}
+    for key in in_floors:
+        if key in kind.model_fields:
+            check_has_floor(kind, key, origin)
+    return PlacedEffect(validate(kind, numbers, origin), location, in_floors)
+
+
+def _parameters(text: str, source: str) -> dict[str, str]:
+    """Split parameter=value,... and refuse a parameter that is given twice."""
+    parameters: dict[str, str] = {}
+    for part in (part for part in text.split(",") if part):
+        name, _, value = part.partition("=")
+        if name in parameters:
+            raise InputError(
+                f"{source}: parameter '{name}' is given twice, as {parameters[name]} and {value}; remove one of them"
+            )
+        parameters[name] = value
+    if not parameters:
+        raise InputError(f"{source}: no parameter is given, so it would do nothing; add one, e.g. :relative=0.05")
+    return parameters

@@ -1,0 +1,79 @@
+"""Effects that are torques at a motor: what they have in common, and what a motor offers them."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from flexros.effects.kinds.law import AbstractLaw
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.robot import Robot
+    from flexros.robot.symbolic.kinematics import Value
+
+
+@dataclass(frozen=True)
+class MotorState:
+    """What a torque at a motor may depend on.
+
+    Attributes:
+        position: Motor coordinate, on the side of the gear that the robot file uses [rad or m], SX.
+        angle: The same on the rotor's side: gear ratio times the position where the file states the arm's side
+            [rad or m], SX.
+        speed: Rate of the motor coordinate [rad/s or m/s], SX.
+        torque: Torque that the motor gives now, behind saturation, gain and lag, disturbances included [Nm or N], SX.
+        own: States of the law itself, SX (n_states, 1).
+        viscous_friction: Nominal viscous friction of the motor [Nm s/rad or N s/m].
+    """
+
+    position: ca.SX
+    angle: ca.SX
+    speed: ca.SX
+    torque: ca.SX
+    own: ca.SX = field(default_factory=lambda: ca.SX(0, 1))
+    viscous_friction: Value = 0.0
+
+
+class AbstractMotorLaw(AbstractLaw):
+    """An effect with a law of its own at a motor."""
+
+    def rates(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
+        """Evaluate the derivatives of the smooth own states.
+
+        Args:
+            motor: State of the motor.
+            values: Number or symbol of every parameter of the effect by name.
+
+        Returns:
+            Derivatives, SX (smooth_states, 1); zero where a member has none.
+        """
+        del motor, values
+        return ca.SX.zeros(self.smooth_states)
+
+
+class AbstractMotorTorque(AbstractMotorLaw):
+    """A torque at a motor without jumps: it is part of the derivative of the state.
+
+    A member provides `name`, `stage`, `size`, its parameters and `added`, and `rates` where it has states of its own.
+    """
+
+    def locations(self, robot: Robot) -> tuple[str, ...]:
+        """List the motors."""
+        return robot.joint_names
+
+    @abstractmethod
+    def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
+        """Evaluate the law.
+
+        Args:
+            motor: State of the motor.
+            values: Number or symbol of every parameter of the effect by name.
+
+        Returns:
+            Torque that is added at the motor [Nm or N], SX (1, 1); linear in `motor.torque`.
+        """

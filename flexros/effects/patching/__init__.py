@@ -1,0 +1,1 @@
+"""Effects put onto a robot: placement, patch files, patched robots."""

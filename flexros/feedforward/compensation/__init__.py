@@ -1,0 +1,1 @@
+"""Compensation of effects in the reference, and what cannot be compensated."""

@@ -1,0 +1,68 @@
+"""Forces on the arm beside those of the robot's model, by effects that depend on its motion alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from flexros.effects.kinds.arm_law import AbstractArmLaw, ArmState
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.effects import PlacedLaw
+    from flexros.robot import Robot
+
+
+def acts_at_once(law: PlacedLaw) -> bool:
+    """Tell whether a law is a force on the arm without a motion of its own."""
+    return isinstance(law.effect, AbstractArmLaw) and not law.effect.n_states
+
+
+def arm_forces(robot: Robot, laws: Sequence[PlacedLaw]) -> ArmForces | None:
+    """Collect the laws that act at once; None where there are none."""
+    own = tuple(law for law in laws if acts_at_once(law))
+    return ArmForces(robot, own) if own else None
+
+
+@dataclass(frozen=True, eq=False)
+class ArmForces:
+    """Forces of effects on the arm.
+
+    Attributes:
+        robot: The robot.
+        laws: Laws on it that act at once.
+    """
+
+    robot: Robot
+    laws: tuple[PlacedLaw, ...]
+
+    def of(self, position: ca.SX, speed: ca.SX) -> ca.SX:
+        """Evaluate the forces.
+
+        Args:
+            position: Arm coordinates [rad or m], SX (N, 1).
+            speed: Their rates, SX (N, 1).
+
+        Returns:
+            Forces on the arm coordinates [Nm or N], SX (N, 1).
+        """
+        model, total = self.robot.model, ca.SX.zeros(self.robot.n_arm)
+        motors = ca.SX.zeros(model.n_coordinates - model.n_arm)
+        for law in self.laws:
+            assert isinstance(law.effect, AbstractArmLaw)
+            arm = ArmState(
+                position=position,
+                speed=speed,
+                motor_position=motors,
+                motor_speed=motors,
+                model=model,
+                parameters=ca.SX(model.parameter_values),
+                robot=self.robot,
+                location=law.location,
+                own=ca.SX(0, 1),
+            )
+            total += law.effect.force(arm, law.effect.numbers)[: self.robot.n_arm]
+        return total

@@ -1,0 +1,87 @@
+"""All arithmetic of one marching step as CasADi functions, so that interpreted and compiled march share it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+from flexros.feedforward.time_stepping.backward_difference import FORMULAS
+
+if TYPE_CHECKING:
+    from flexros.feedforward.time_stepping.dae_equations import DaeEquations
+
+
+@dataclass(frozen=True)
+class StepFunctions:
+    """Functions of one step for one order and step size; all vectors are columns.
+
+    `differences` are z and its first three backward differences, one after the other, shape (4 n_unknowns,); `rates`
+    are v and its first difference, shape (2 n_coordinates,); `prediction` is [z_0, v_0, a_0].
+
+    Attributes:
+        predict: (differences, rates) -> prediction, and x = 0 to start from.
+        residual: (x, prediction, Z) -> residual of the step.
+        newton_matrix: (x, prediction) -> its derivative by x.
+        correct: (x, correction, inverse tolerance) -> x - correction, and the size of the correction: the sum of its
+            magnitudes in units of the tolerance (a sum passes NaN on, a maximum would lose it).
+        finish: (x, prediction, differences, rates) -> differences and rates after the step, z, and the results of
+            `DaeEquations.motion` from u on, one after the other, shape (5 M,).
+        gamma: Leading coefficient of the difference formula over the step size [1/s].
+    """
+
+    predict: ca.Function
+    residual: ca.Function
+    newton_matrix: ca.Function
+    correct: ca.Function
+    finish: ca.Function
+    gamma: float
+
+    @classmethod
+    def of(cls, equations: DaeEquations, order: int, sample_time: float) -> StepFunctions:
+        """Put order and step size into the equations.
+
+        Args:
+            equations: One step of the DAE.
+            order: Order of the backward difference formula, 1 or 2.
+            sample_time: Step size h [s].
+
+        Returns:
+            The functions.
+        """
+        formula = FORMULAS[order]
+        gamma = formula.leading / sample_time
+        nz, nq = equations.n_unknowns, equations.n_coordinates
+        differences, rates = ca.SX.sym("differences", 4 * nz), ca.SX.sym("rates", 2 * nq)
+        x, prediction = ca.SX.sym("x", nz), ca.SX.sym("prediction", nz + 2 * nq)
+        split = (prediction[:nz], prediction[nz : nz + nq], prediction[nz + nq :])
+        Z = ca.SX.sym("Z", equations.n_motors)
+        second = differences[2 * nz : 3 * nz] + differences[3 * nz :]
+        first = differences[nz : 2 * nz] + second
+        v_0 = (first + formula.curvature * second)[:nq] / sample_time
+        change = v_0 - rates[:nq]
+        a_0 = (change + formula.curvature * (change - rates[nq:])) / sample_time
+        guess = ca.vertcat(differences[:nz] + first, v_0, a_0)
+        v, *motion = equations.motion(x, *split, gamma)
+        z = split[0] + x
+        after = ca.vertcat(z, first + x, second + x, differences[3 * nz :] + x)
+        correction, scale = ca.SX.sym("correction", nz), ca.SX.sym("scale", nz)
+        weight = 1.0 / gamma**2
+        return cls(
+            predict=_function("predict", [differences, rates], [guess, ca.SX.zeros(nz)]),
+            residual=_function("residual", [x, prediction, Z], [equations.residual(x, *split, gamma, weight, Z)]),
+            newton_matrix=_function("matrix", [x, prediction], [equations.newton_matrix(x, *split, gamma, weight)]),
+            correct=_function("correct", [x, correction, scale], [x - correction, ca.dot(ca.fabs(correction), scale)]),
+            finish=_function(
+                "finish",
+                [x, prediction, differences, rates],
+                [after, ca.vertcat(v, v - rates[:nq]), z, ca.vertcat(*motion)],
+            ),
+            gamma=gamma,
+        )
+
+
+def _function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
+    """Make a dense function with common subexpressions shared."""
+    return ca.Function(name, inputs, [ca.densify(ca.SX(value)) for value in outputs], {"cse": True})

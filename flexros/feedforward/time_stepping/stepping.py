@@ -1,0 +1,142 @@
+"""Marching the DAE through the samples: state in, state out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.feedforward.time_stepping.dae_equations import DaeEquations
+
+MAX_ITERATIONS = 30
+"""Iterations after which a step counts as failed."""
+
+CHORD_ITERATIONS = 4
+"""Iterations with the matrix of an earlier step; from then on it is renewed at every iteration."""
+
+STALE_ITERATIONS = 3
+"""A step that took more iterations than this has the matrix renewed at the next."""
+
+FLOOR_FACTOR = 100.0
+"""Corrections below this many tolerances that no longer halve with a fresh matrix count as round-off too."""
+
+ROUND_OFF = 2.0**-52
+"""Relative spacing of the floating-point numbers."""
+
+
+@dataclass(frozen=True)
+class MarchLayout:
+    """Places in the flat state vector of a march.
+
+    The state holds z and its first three backward differences, v and its first difference, the factors of the Newton
+    matrix, and whether they are due for renewal. The factors belong to the state because Newton's path depends on them:
+    with them in the state, the result does not depend on how the march is cut into chunks.
+
+    Attributes:
+        n_unknowns: Number of unknowns z.
+        n_coordinates: Number of rates v.
+        n_factors: Numbers that the factorised matrix takes.
+    """
+
+    n_unknowns: int
+    n_coordinates: int
+    n_factors: int
+
+    @property
+    def rates(self) -> int:
+        """Offset of the rates."""
+        return 4 * self.n_unknowns
+
+    @property
+    def factors(self) -> int:
+        """Offset of the factors."""
+        return self.rates + 2 * self.n_coordinates
+
+    @property
+    def stale(self) -> int:
+        """Offset of the flag that the factors are to be renewed."""
+        return self.factors + self.n_factors
+
+    @property
+    def size(self) -> int:
+        """Length of the state vector."""
+        return self.stale + 1
+
+    def at_rest(self, z: FloatArray) -> FloatArray:
+        """Make the state of a robot that has always been at rest.
+
+        Args:
+            z: Unknowns in equilibrium, shape (n_unknowns,).
+
+        Returns:
+            State, shape (size,).
+        """
+        state = np.zeros(self.size)
+        state[: self.n_unknowns] = z
+        state[self.stale] = 1.0
+        return state
+
+
+@dataclass(frozen=True)
+class MarchResult:
+    """What a march over n samples gives.
+
+    Attributes:
+        state: State to go on from, shape (MarchLayout.size,).
+        z: Solutions, shape (n, n_unknowns).
+        motors: Motor torque [Nm or N], load [Nm or N], momentum [Nms or Ns], encoder position [rad or m] and its
+            rate at the samples, shape (n, 5, M); see `flexros.feedforward.motion.Motion`.
+        iterations: Newton iterations of each sample, shape (n,).
+        failed: Number of the first sample at which Newton's iteration did not converge, from which on all rows are
+            void; n if there is none.
+    """
+
+    state: FloatArray
+    z: FloatArray
+    motors: FloatArray
+    iterations: IntArray
+    failed: int
+
+
+class March(Protocol):
+    """Solver of the DAE for a given robot, order and sample time."""
+
+    layout: MarchLayout
+
+    def advance(self, state: FloatArray, outputs: FloatArray, tolerance: FloatArray) -> MarchResult:
+        """March over samples.
+
+        Args:
+            state: State before the first of them, shape (layout.size,); left as it is.
+            outputs: Desired outputs [m or rad], shape (n, n_out).
+            tolerance: Inverse size of the corrections that end Newton's iteration, see `newton_tolerance`.
+
+        Returns:
+            Solutions and the state after the last of them.
+        """
+
+
+def newton_tolerance(equations: DaeEquations, gamma: float, start: FloatArray) -> FloatArray:
+    """Size of a correction that round-off alone causes, per unknown.
+
+    A round-off of the output Gamma(q_a) - Z moves the unknowns by the inverse Newton matrix times it; a solution cannot
+    be better than that, and Newton's iteration is carried on until it is as good.
+
+    Args:
+        equations: One step of the DAE.
+        gamma: Leading coefficient of the difference formula over the step size [1/s].
+        start: Unknowns z at the start, shape (n_unknowns,).
+
+    Returns:
+        Inverse of the largest correction that ends the iteration, shape (n_unknowns,).
+    """
+    rest, zero = np.zeros(equations.n_coordinates), np.zeros(equations.n_unknowns)
+    matrix = np.array(equations.newton_matrix(zero, start, rest, rest, gamma, 1.0 / gamma**2))
+    output = np.array(equations.residual(zero, start, rest, rest, gamma, 0.0, np.zeros(equations.n_motors))).ravel()
+    noise = ROUND_OFF * np.maximum(1.0, np.abs(output))
+    noise[: equations.n_arm] = 0.0
+    moved = np.abs(np.linalg.inv(matrix)) @ noise
+    return np.asarray(1.0 / (4.0 * moved + ROUND_OFF * (1.0 + np.abs(start))))

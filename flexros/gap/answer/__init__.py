@@ -1,0 +1,1 @@
+"""From fits to the answer: verdict, causes, limits, patch."""

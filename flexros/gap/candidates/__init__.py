@@ -1,0 +1,1 @@
+"""Candidate causes: effects, locations, free parameters and their scales."""

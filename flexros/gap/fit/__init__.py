@@ -1,0 +1,1 @@
+"""Parameters of one hypothesis, fitted to a log with their covariance."""

@@ -1,0 +1,1 @@
+"""How far model and robot are apart, on data that was not fitted."""

@@ -1,0 +1,1 @@
+"""What to run next: the experiment that separates the remaining explanations best."""

@@ -1,0 +1,193 @@
+"""How well an experiment would separate two explanations: simulated with the one, fitted with the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects import RobotWithEffects
+from flexros.gap.candidates.candidate import FreeParameter, Suspect
+from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.fit.least_squares import chi2_of, fit
+from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.search.model_probability import contrast_of, form_error
+from flexros.gap.settings import DiagnosisSettings
+from flexros.identify.design.default_controller import default_controller
+from flexros.identify.diagnosis_experiment.course import diagnosis_course
+from flexros.record.read import read_record
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.models import ScenarioModels
+from flexros.scenario.scenario import load_scenario
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import Any
+
+    from flexros.arrays import FloatArray
+    from flexros.effects import PlacedEffect
+    from flexros.effects.kinds.ranges import Range
+    from flexros.gap.candidates.candidate import Hypothesis
+    from flexros.gap.residuals.fit_data import FitData
+    from flexros.record.record import GapRecord
+
+ROOM = 30.0
+"""Factor by which a fitted number may move in either direction when it is fitted again [1] (chosen)."""
+WITHOUT_LOG = ("relative", "time", "frequency", "order", "phase")
+"""Yardsticks of ranges that are the same for every log."""
+ITERATIONS = 6
+"""Most iterations of a fit from numbers that were fitted to another log [1] (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Explained:
+    """An explanation with its numbers, ready to simulate and to predict.
+
+    Attributes:
+        model: The nominal model.
+        placed: Its effects with the numbers that were fitted.
+        tolerance: Relative tolerance of stiffness, inertia and damping [1]; those of the robot file where left out.
+    """
+
+    model: RobotWithEffects
+    placed: tuple[PlacedEffect, ...]
+    tolerance: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def plant(self) -> RobotWithEffects:
+        """The robot as it would be if this were the truth."""
+        return self.model.with_effects(self.placed)
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """Its effects with their numbers free about what was fitted."""
+        return tuple(_suspect(one) for one in self.placed)
+
+    def shared_with(self, other: Explained) -> Explained:
+        """Keep the effects that another explanation has, too."""
+        theirs = {(one.effect.name, one.location) for one in other.placed}
+        return replace(self, placed=tuple(one for one in self.placed if (one.effect.name, one.location) in theirs))
+
+    def with_values(self, values: Mapping[str, float]) -> Explained:
+        """Put known numbers into the nominal robot, e.g. a known load."""
+        if not values:
+            return self
+        robot = self.model.robot.with_values(values, "values of the experiment")
+        return replace(self, model=RobotWithEffects(robot, self.model.laws))
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """An experiment on one explanation taken as the truth.
+
+    Attributes:
+        record: The log that it would leave.
+        data: The same with gain, start and weights.
+    """
+
+    record: GapRecord
+    data: FitData
+
+
+def trial(truth: Explained, keys: Mapping[str, Any], seed: int, *, tool: bool = False) -> Trial:
+    """Simulate a variant of the diagnosis experiment.
+
+    Args:
+        truth: What the robot is.
+        keys: Keys of scenario `diagnosis` that differ, by dotted name.
+        seed: Seed of the experiment and its noise.
+        tool: Whether the tool is measured as well.
+
+    Returns:
+        Log and weights.
+
+    Raises:
+        DivergedRunError: The robot would not be held.
+    """
+    robot = truth.model.robot
+    law = default_controller(robot, robot.sample_time)
+    given = {"seed": seed, "controller": {"kind": law.kind, **law.model_dump(mode="json")}, **keys}
+    scenario = load_scenario("diagnosis").with_values(given)
+    assert scenario.diagnosis is not None
+    course = diagnosis_course(
+        scenario.diagnosis, robot, scenario.controller, robot.sample_time, scenario.seed, robot.home
+    )
+    experiment = Experiment(
+        scenario,
+        ScenarioModels(truth.model, truth.model, truth.plant),
+        robot.sample_time,
+        course.trajectory,
+        int(np.floor(course.trajectory.duration / robot.sample_time + 1e-6)) + 1,
+    )
+    record = read_record(closed_loop(experiment), robot, name="simulated experiment")
+    record = record if tool else replace(record, tool=None)
+    return Trial(record, fit_data(record, truth.model, DiagnosisSettings()))
+
+
+def separation(truth: Explained, rival: Explained, made: Trial) -> float:
+    """Compute by how much the truth would explain an experiment better than its rival at its best.
+
+    Errors of form count as they do when explanations are ranked.
+
+    Args:
+        truth: The explanation that was simulated.
+        rival: The other one; its numbers, and what the model leaves open, are fitted to the experiment.
+        made: The experiment on the truth.
+
+    Returns:
+        Logarithm of the odds [nats]; zero where the rival does as well.
+    """
+    data, sample_time = made.data, made.record.sample_time
+    right, theta = predictor_of(truth, sample_time)
+    wrong, theta_wrong = predictor_of(rival, sample_time)
+    other = fit(wrong, data, theta_wrong, ITERATIONS)
+    residuals = data.residuals(right, theta[:, None])
+    least = float(np.sum(residuals**2))
+    contrast = contrast_of(right.hypothesis, wrong.hypothesis)
+    apart = None
+    if contrast.between:
+        apart = float(np.sum((residuals - data.residuals(wrong, other.theta[:, None])) ** 2))
+    without, theta_without = predictor_of(truth.shared_with(rival), sample_time)
+    most = float(chi2_of(without, data, theta_without[:, None])[0])
+    error = form_error(max(most - least, 0.0), plain=contrast.plain, apart=apart)
+    return max(other.chi2 - least, 0.0) / (2.0 + error)
+
+
+def predictor_of(explained: Explained, sample_time: float) -> tuple[Predictor, FloatArray]:
+    """Build the predictor of an explanation.
+
+    Args:
+        explained: The explanation.
+        sample_time: Time between two samples [s].
+
+    Returns:
+        Predictor, and the numbers of the fit at which it has the fitted values, shape (n_fitted,).
+    """
+    hypothesis = explained.hypothesis
+    tolerance = tolerance_of(explained.model.robot, explained.tolerance)
+    numbers = [one.encode(one.starts[0]) for suspect in hypothesis for one in suspect.free]
+    numbers += [0.0] * len(tolerance.names)
+    return Predictor(explained.model, hypothesis, tolerance, sample_time), np.array(numbers, dtype=float)
+
+
+def _suspect(placed: PlacedEffect) -> Suspect:
+    """Free the numbers of an effect that have a range, about their values."""
+    values = placed.effect.model_dump()
+    free = tuple(
+        _free(name, float(values[name]), allowed) for name, allowed in placed.effect.ranges.items() if values.get(name)
+    )
+    fixed = tuple((name, value) for name, value in values.items() if name not in {one.name for one in free})
+    return Suspect(type(placed.effect), placed.location, free, fixed)
+
+
+def _free(name: str, value: float, allowed: Range) -> FreeParameter:
+    """Free a number about its value, within its range where that does not depend on a log."""
+    size = abs(value)
+    low, high, negative = size / ROOM, size * ROOM, None
+    if allowed.yardstick in WITHOUT_LOG:
+        low, high = max(low, min(allowed.low, size)), min(high, max(allowed.high, size))
+        negative = None if allowed.negative is None else min(high, max(allowed.negative, size))
+    return FreeParameter(name, low, high, allowed.signed, (value,), negative)

@@ -1,0 +1,1 @@
+"""What the sensors contribute to prediction errors, and the weights that follow."""

@@ -1,0 +1,1 @@
+"""The model tied to a log: predictors and what they predict."""

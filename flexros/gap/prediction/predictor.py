@@ -1,0 +1,284 @@
+"""Predictors of a log: the robot with the effects of a hypothesis inside, tied to the log by a constant gain."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.compile.loop.prediction import Prediction, PredictionLoop
+from flexros.effects import PlacedLaw
+from flexros.effects.delay import Delay
+from flexros.effects.encoder_quantization import EncoderQuantization
+from flexros.effects.kinds.law import AbstractLaw
+from flexros.effects.kinds.model_change import AbstractChangedValues
+from flexros.effects.torque_saturation import TorqueSaturation
+from flexros.errors import InputError
+from flexros.gap.prediction.fractional_delay import delayed
+from flexros.simulate.loop import feed_through
+from flexros.simulate.plant_model import PlantModel
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.effects import RobotWithEffects
+    from flexros.gap.candidates.candidate import Hypothesis, Suspect
+    from flexros.gap.candidates.tolerance import Tolerance
+    from flexros.prediction.observer import ObserverGain
+    from flexros.record.record import GapRecord
+    from flexros.robot import Robot
+
+FARTHEST = 5.0
+"""Largest deviation that counts as tolerated, in standard deviations of the tolerance [1] (chosen)."""
+MOST_LOGARITHM = 50.0
+"""Largest logarithm of a factor on a number of the robot, for fits that run away [1] (chosen)."""
+LANES = 8
+"""Parameter sets that are predicted side by side [1]."""
+LONGEST_STEP = 5e-4
+"""Longest integration step [s]; logs of lower rates take several steps per sample."""
+
+
+class Predictor:
+    """Predicts logs under one hypothesis.
+
+    The numbers that are fitted are those of the suspects, one after the other, then the deviations of the tolerated
+    numbers of the robot in standard deviations: a number is its nominal value times exp(deviation times tolerance).
+
+    Args:
+        model: The nominal model: robot and laws of effects that are known already.
+        hypothesis: Effects that are there.
+        tolerance: Numbers of the robot that may deviate.
+        sample_time: Time between two samples [s].
+        measured_torque: Whether the torques of the log were measured at the motors, behind the nominal delay.
+    """
+
+    def __init__(
+        self,
+        model: RobotWithEffects,
+        hypothesis: Hypothesis,
+        tolerance: Tolerance,
+        sample_time: float,
+        *,
+        measured_torque: bool = False,
+    ) -> None:
+        self.robot = robot = model.robot
+        self.hypothesis, self.tolerance = hypothesis, tolerance
+        self.sample_time = sample_time
+        self._parameters = [(suspect, one) for suspect in hypothesis for one in suspect.free]
+        laws = [_law(place, one) for place, one in enumerate(hypothesis) if _is_law(one)]
+        self._law_names = [name for law in laws for name in law.parameters]
+        self._values = [one for one in hypothesis if issubclass(one.effect, AbstractChangedValues) and not _delays(one)]
+        changed = [name for one in self._values for name in _changed(robot, one)]
+        self._robot_names = sorted({*changed, *tolerance.names})
+        self.model = PlantModel(robot, (*_felt(model.laws), *laws), [*self._robot_names, *self._law_names])
+        self.loop = PredictionLoop(
+            self.model.functions(feed_through(robot.n_motors)),
+            sample_time=sample_time,
+            delay=0.0 if measured_torque else self.model.delay,
+            substeps=max(1, int(np.ceil(sample_time / LONGEST_STEP - 1e-9))),
+            lanes=LANES,
+        )
+
+    @property
+    def n_effect(self) -> int:
+        """Number of fitted numbers of the suspects."""
+        return len(self._parameters)
+
+    @property
+    def n_fitted(self) -> int:
+        """Number of all fitted numbers, tolerated deviations included."""
+        return len(self._parameters) + len(self.tolerance.names)
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Smallest and largest of the numbers that the fit moves, shape (n_fitted,) each."""
+        pairs = [one.bounds for _, one in self._parameters] + [(-FARTHEST, FARTHEST)] * len(self.tolerance.names)
+        table = np.array(pairs, dtype=float).reshape(-1, 2)
+        return table[:, 0], table[:, 1]
+
+    def values(self, theta: FloatArray) -> list[dict[str, float]]:
+        """Return the values of the free parameters of every suspect [their units].
+
+        Args:
+            theta: Numbers of the fit, shape (n_fitted,).
+        """
+        result: list[dict[str, float]] = [{} for _ in self.hypothesis]
+        places = {id(suspect): place for place, suspect in enumerate(self.hypothesis)}
+        for number, (suspect, one) in zip(theta, self._parameters):
+            result[places[id(suspect)]][one.name] = float(one.decode(np.asarray(number)))
+        return result
+
+    def slopes(self, theta: FloatArray) -> FloatArray:
+        """Return the derivatives of the values of all free parameters to the numbers of the fit, shape (n_effect,).
+
+        Args:
+            theta: Numbers of the fit, shape (n_fitted,).
+        """
+        pairs = zip(theta, self._parameters)
+        return np.array([one.high if one.signed else float(np.exp(number)) for number, (_, one) in pairs])
+
+    def predict(
+        self,
+        thetas: FloatArray,
+        record: GapRecord,
+        gain: ObserverGain,
+        start: FloatArray,
+        *,
+        from_rest: bool = False,
+        pose_samples: IntArray | None = None,
+        record_states: bool = False,
+    ) -> Prediction:
+        """Predict a log with up to `LANES` sets of numbers side by side.
+
+        Args:
+            thetas: Numbers of the fit, shape (n_fitted, sets); the last set fills lanes that are left.
+            record: The log.
+            gain: Gain of the predictor for the states of the robot; of effects' own states those that hold a deflection
+                are corrected with it.
+            start: State of the robot before the first sample, shape (2 n_coordinates,), or (2 n_coordinates, sets) for
+                one of each set.
+            from_rest: Whether every set of numbers starts from its own rest there, with the motors where they are.
+            pose_samples: Samples whose tool pose is recorded, increasing, shape (m,); None for none.
+            record_states: Whether to record the states.
+
+        Returns:
+            Prediction errors and what else was asked for, with a last axis of lanes.
+        """
+        sets = [np.asarray(thetas)[:, min(lane, np.shape(thetas)[1] - 1)] for lane in range(LANES)]
+        columns = np.stack([self._column(theta) for theta in sets], axis=-1)
+        torque, time = record.torque[0], record.begin
+        states = start[:, None] if start.ndim == 1 else start
+        plants = []
+        for lane, column in enumerate(columns.T):
+            state = states[:, min(lane, states.shape[1] - 1)]
+            state = self._rest(state, column) if from_rest else state
+            plants.append(self.model.start(state, torque, column, time=time))
+        plant = np.stack(plants, axis=-1)
+        return self.loop.run(
+            plant,
+            columns,
+            self.model.corrections(gain.gain),
+            self._torque(record.torque, sets),
+            record.position,
+            record.valid.astype(float),
+            pose_samples=pose_samples,
+            record_states=record_states,
+        )
+
+    def ahead(
+        self, theta: FloatArray, record: GapRecord, states: FloatArray, starts: IntArray, horizon: int
+    ) -> FloatArray:
+        """Predict from corrected states on, without correction.
+
+        Args:
+            theta: Numbers of the fit, shape (n_fitted,).
+            record: The log.
+            states: Corrected states of all samples, shape (n, n_states).
+            starts: Samples from which to predict, each at least the delay from the first, shape (n_starts,).
+            horizon: How far ahead [samples].
+
+        Returns:
+            Motor positions at the horizon, without noise [rad or m], shape (n_starts, M).
+        """
+        column = np.repeat(self._column(theta)[:, None], LANES, axis=1)
+        torque = self._torque(record.torque, [theta])
+        torque = torque if torque.ndim == 2 else torque[:, :, 0]
+        nothing = np.zeros((horizon + 1, self.robot.n_motors))
+        gain = np.zeros((self.loop.sizes.state, self.robot.n_motors))
+        past = np.arange(1, self.loop.line_length + 1)
+        found = []
+        for first in range(0, len(starts), LANES):
+            group = starts[first : first + LANES]
+            lanes = np.concatenate([group, np.repeat(group[-1:], LANES - len(group))])
+            windows = np.stack([torque[start : start + horizon + 1] for start in lanes], axis=-1)
+            before = np.stack([torque[start - past] for start in lanes], axis=-1)
+            one = self.loop.run(states[lanes].T, column, gain, windows, nothing, np.ones(horizon + 1), past=before)
+            found.append(-one.innovation[horizon].T[: len(group)])
+        return np.concatenate(found)
+
+    def _column(self, theta: FloatArray) -> FloatArray:
+        """Return the parameters of the plant for one set of numbers."""
+        values = self.values(theta)
+        robot = dict.fromkeys(self._robot_names, 1.0)
+        for name, sd, deviation in zip(self.tolerance.names, self.tolerance.deviations, theta[self.n_effect :]):
+            robot[name] *= float(np.exp(np.clip(sd * deviation, -MOST_LOGARITHM, MOST_LOGARITHM)))
+        nominal = {name: self.robot.parameters[name].value for name in robot}
+        robot = {name: factor * nominal[name] for name, factor in robot.items()}
+        laws: list[float] = []
+        for suspect, numbers in zip(self.hypothesis, values):
+            placed = suspect.placed(numbers)
+            if suspect in self._values:
+                assert isinstance(placed.effect, AbstractChangedValues)
+                for name, value in placed.effect.values(self.robot, placed.location).items():
+                    robot[name] += value - nominal[name]
+            elif _is_law(suspect):
+                assert isinstance(placed.effect, AbstractLaw)
+                own = placed.effect.numbers
+                laws += dict.fromkeys(own, 0.0).values() if self._cut_off_before(suspect) else own.values()
+        return np.array([*robot.values(), *laws])
+
+    def _rest(self, near: FloatArray, column: FloatArray) -> FloatArray:
+        """Find the rest of the plant near a state, which is kept where there is none."""
+        try:
+            return self.model.rest(near, column).state
+        except InputError:
+            return near
+
+    def _torque(self, torque: FloatArray, sets: Sequence[FloatArray]) -> FloatArray:
+        """Delay the recorded torques where that is part of the hypothesis.
+
+        What saturates is cut off before: it may be done in either order, but the filter of a delay by part of a sample
+        is right only for torques that nothing cuts off behind it.
+        """
+        if not any(_delays(suspect) for suspect in self.hypothesis):
+            return torque
+        lanes = []
+        for theta in sets:
+            shifted = torque.copy()
+            pairs = list(zip(self.hypothesis, self.values(theta)))
+            for suspect, numbers in pairs:
+                if self._cut_off_before(suspect):
+                    motor, limit = self.robot.joint_names.index(suspect.location), numbers["limit"]
+                    shifted[:, motor] = np.clip(shifted[:, motor], -limit, limit)
+            for suspect, numbers in pairs:
+                if _delays(suspect):
+                    shifted = delayed(shifted, numbers["time"] / self.sample_time, self._delayed_by(suspect))
+            lanes.append(shifted)
+        return np.stack(lanes, axis=-1)
+
+    def _delayed_by(self, suspect: Suspect) -> list[int]:
+        """List the motors whose commands a delay delays."""
+        return [motor for motor, name in enumerate(self.robot.joint_names) if suspect.location in ("all", name)]
+
+    def _cut_off_before(self, suspect: Suspect) -> bool:
+        """Tell whether a suspect cuts off torques that another one delays."""
+        delays = [one for one in self.hypothesis if _delays(one)]
+        return suspect.effect is TorqueSaturation and any(one.location in ("all", suspect.location) for one in delays)
+
+
+def _is_law(suspect: Suspect) -> bool:
+    return issubclass(suspect.effect, AbstractLaw) and not _delays(suspect)
+
+
+def _law(place: int, suspect: Suspect) -> PlacedLaw:
+    """Make the law of a suspect under a name that no law of the nominal model has."""
+    placed = suspect.typical()
+    assert isinstance(placed.effect, AbstractLaw)
+    return PlacedLaw(f"suspect {place}", placed.effect, placed.location)
+
+
+def _felt(laws: Sequence[PlacedLaw]) -> list[PlacedLaw]:
+    """Leave out rounding, which is part of the noise of a predictor."""
+    return [law for law in laws if not isinstance(law.effect, EncoderQuantization)]
+
+
+def _delays(suspect: Suspect) -> bool:
+    return suspect.effect is Delay
+
+
+def _changed(robot: Robot, suspect: Suspect) -> tuple[str, ...]:
+    """Name the numbers of the robot that an effect changes."""
+    placed = suspect.typical()
+    assert isinstance(placed.effect, AbstractChangedValues)
+    return tuple(placed.effect.values(robot, suspect.location))

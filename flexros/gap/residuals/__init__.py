@@ -1,0 +1,1 @@
+"""Weighted prediction errors of a log."""

@@ -1,0 +1,84 @@
+"""The result of a diagnosis as a file: `diagnosis.json`."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field
+
+from flexros.config.settings import Settings
+
+Verdict = Literal["no_gap", "explained", "ambiguous", "unknown_effect"]
+
+
+class CauseParameter(Settings):
+    """A fitted number."""
+
+    value: float = Field(description="fitted value, in the unit beside it")
+    std: float = Field(description="its standard deviation, in the same unit")
+    unit: str = Field(description="SI unit, 1 for none")
+
+
+class Place(Settings):
+    """An effect at a place."""
+
+    effect: str = Field(description="name of the effect")
+    location: str = Field(description="joint, spring, body, 'tool', 'base' or 'all'")
+
+
+class Cause(Place):
+    """An effect that is held to be part of the truth."""
+
+    probability: float = Field(ge=0.0, le=1.0, description="that this effect is part of the truth [1]")
+    parameters: dict[str, CauseParameter] = Field(description="fitted numbers of the effect")
+    closed_fraction: float | None = Field(description="share of the gap that it closes on held-out data [1]")
+
+
+class GapPlace(Settings):
+    """A place where the gap shows, found without any hypothesis."""
+
+    signal: str = Field(description="'position' of a motor or 'tool'")
+    joint: str = Field(description="joint name, or 'tool'")
+    band_hz: tuple[float, float] = Field(description="frequency band [Hz]")
+    regime: str = Field(description="part of the motion, e.g. 'reversal', 'standstill', 'all'")
+    share: float = Field(description="share of the whole excess that lies here [1]")
+    p_value: float = Field(description="probability of such an excess without gap, over all places looked at [1]")
+
+
+class GapNumbers(Settings):
+    """How far apart robot and model are, on held-out data."""
+
+    metric: str = Field(description="what the numbers are")
+    unit: str = Field(description="their unit")
+    before: float = Field(description="with the nominal model")
+    after: float | None = Field(default=None, description="with the repaired model")
+    noise_floor: float = Field(description="without any gap")
+    best_rival: float | None = Field(default=None, description="with the best explanation that was not chosen")
+    closed_fraction: float | None = Field(
+        default=None, description="(before - after) / (before - floor) [1]; none where the gap does not show"
+    )
+    interval: tuple[float, float] | None = Field(default=None, description="95 % interval of the closed fraction [1]")
+
+
+class NextExperiment(Settings):
+    """The experiment that separates what the log cannot."""
+
+    name: str = Field(description="name in the catalogue")
+    description: str = Field(description="what to do")
+    separates: tuple[Place, ...] = Field(description="the explanations that it separates")
+    expected_gain: float = Field(description="expected logarithm of the odds of the two closest [nats]")
+    command: str = Field(default="", description="command that runs it, where one does")
+
+
+class Diagnosis(Settings):
+    """What a diagnosis says; written as `diagnosis.json`."""
+
+    schema_version: int = Field(default=1, alias="schema", description="version of this form")
+    verdict: Verdict = Field(description="the answer in a word")
+    causes: tuple[Cause, ...] = Field(description="by probability, the first one first")
+    ambiguity_groups: tuple[tuple[Place, ...], ...] = Field(description="effects that the log cannot tell apart")
+    where: tuple[GapPlace, ...] = Field(description="where the gap shows, before any hypothesis")
+    gap: GapNumbers = Field(description="how far it shrinks")
+    next_experiment: NextExperiment | None = Field(description="what to run next; none where nothing is open")
+    warnings: tuple[str, ...] = Field(description="what limits the answer, a sentence each")
+    provenance: dict[str, Any] = Field(description="log, model, versions and settings")

@@ -1,0 +1,1 @@
+"""Rival hypotheses: every effect at every location, pairs, and their probabilities."""

@@ -1,0 +1,109 @@
+"""Suspects that repeat with the turning of a rotor, with orders found in the prediction errors."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.effects import effects
+from flexros.gap.candidates.candidate import FreeParameter, Suspect
+from flexros.gap.prediction.predictor import LANES
+from flexros.gap.search.harmonics import OrderSearch
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros.gap.fit.least_squares import Fit
+    from flexros.gap.residuals.fit_data import FitData
+    from flexros.gap.search.harmonics import Entry, PeriodicFit
+    from flexros.record.record import GapRecord
+    from flexros.robot import Robot
+
+ENTRIES: tuple[tuple[str, Entry, tuple[tuple[str, bool], ...]], ...] = (
+    ("torque_ripple", "torque", ()),
+    ("torque_ripple", "proportional torque", (("proportional", True),)),
+    ("encoder_eccentricity", "encoder", ()),
+    ("transmission_error", "gear", ()),
+)
+"""Periodic effects, where the wave of each enters, and what else is set with it."""
+VALLEYS = np.array([place for place in range(-8, 9) if place])
+"""Neighbours of an order that are tried as well, in half turns over the way of the rotor in a log [1] (chosen)."""
+LARGEST_PROPORTIONAL = 0.99
+"""Largest amplitude of a ripple relative to the torque; such ripples are below 1 [1] (chosen)."""
+
+
+def periodic_suspects(
+    robot: Robot, data: FitData, residual: FloatArray, states: FloatArray, number: int = LANES
+) -> tuple[Suspect, ...]:
+    """List periodic effects at every motor with the orders that fit best.
+
+    The search for orders is linear, so that nonlinear robots rank the orders otherwise: many are tried, and with every
+    effect the best order of each other one.
+
+    Args:
+        robot: The nominal robot.
+        data: Log and weights.
+        residual: Weighted prediction errors that are to be explained, shape (M n,).
+        states: Predicted states [q, v], shape (n, n_states).
+        number: Orders per effect and motor.
+
+    Returns:
+        Suspects, each with a start per wave.
+    """
+    search = OrderSearch(robot, data, residual, states, data.pose)
+    own = number - len(ENTRIES) + 1
+    found: list[Suspect] = []
+    for motor, location in enumerate(robot.joint_names):
+        ways = [way for way in ENTRIES if way[0] in effects() and location in effects()[way[0]]().locations(robot)]
+        waves = [search.search(motor, entry, own) for _, entry, _ in ways]
+        for place, (name, entry, fixed) in enumerate(ways):
+            others = [rest[0].order for rest in waves[:place] + waves[place + 1 :] if rest]
+            together = (*waves[place], *(search.fit(motor, entry, order) for order in others))
+            most = LARGEST_PROPORTIONAL if fixed else float("inf")
+            if together:
+                found.append(Suspect(effects()[name], location, _free(together, most), fixed, together=True))
+    return tuple(found)
+
+
+def other_orders(one: Fit, record: GapRecord) -> FloatArray:
+    """List starts with other orders near those of a fit: its sum of squares has a valley per turn that the log covers.
+
+    The phase goes along, so that the wave in the middle of the motion stays the same, or turns into its opposite and
+    so stays nearly the same at both ends.
+
+    Args:
+        one: The fit.
+        record: The log.
+
+    Returns:
+        Numbers to start from, shape (n_fitted, starts); none without a periodic effect.
+    """
+    robot, first, starts = one.predictor.robot, 0, []
+    for suspect, values in zip(one.predictor.hypothesis, one.predictor.values(one.theta)):
+        names = [free.name for free in suspect.free]
+        if "order" in names:
+            motor = robot.joint_names.index(suspect.location)
+            angle = robot.rotor_turns[motor] * record.position[record.valid, motor]
+            middle, valley = float(np.mean(angle)), np.pi / max(float(np.ptp(angle)), 1e-12)
+            for order in values["order"] + valley * VALLEYS:
+                for turn in (0.0, np.pi) if order > 0 else ():
+                    phase = values["phase"] + turn + (values["order"] - order) * middle
+                    theta = one.theta.copy()
+                    for name, value in (("order", order), ("phase", np.remainder(phase, 2 * np.pi))):
+                        theta[first + names.index(name)] = suspect.free[names.index(name)].encode(value)
+                    starts.append(theta)
+        first += len(names)
+    return np.array(starts).reshape(-1, len(one.theta)).T
+
+
+def _free(waves: Sequence[PeriodicFit], most: float) -> tuple[FreeParameter, ...]:
+    amplitudes = tuple(min(max(wave.amplitude, 1e-15), most) for wave in waves)
+    orders, phases = tuple(wave.order for wave in waves), tuple(wave.phase for wave in waves)
+    high = min(max(amplitudes) * 1e4, most)
+    return (
+        FreeParameter("amplitude", min(amplitudes) * 1e-4, high, signed=False, starts=amplitudes),
+        FreeParameter("order", min(orders) / 1.5, max(orders) * 1.5, signed=False, starts=orders),
+        FreeParameter("phase", 0.0, 2 * np.pi, signed=True, starts=phases),
+    )

@@ -1,0 +1,257 @@
+"""Orders of the rotor: which periods per turn of a motor the prediction errors repeat with, and from where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
+import casadi as ca
+import numpy as np
+from scipy.fft import next_fast_len
+from scipy.linalg import expm
+from scipy.ndimage import median_filter
+from scipy.signal import find_peaks, lfilter
+
+from flexros.effects.kinds.ranges import HIGHEST_ORDER
+from flexros.robot.linear.linearise import linear_model
+from flexros.robot.spring import Spring
+
+if TYPE_CHECKING:
+    from flexros.arrays import ComplexArray, FloatArray
+    from flexros.gap.residuals.fit_data import FitData
+    from flexros.robot import Robot
+
+Entry = Literal["torque", "proportional torque", "gear", "encoder"]
+"""Where a wave enters: torque at the motor, the same relative to the torque, torsion of the gear, encoder."""
+
+MOST_SPEED = 0.4
+"""Highest frequency of an order at the largest speed, relative to the sampling frequency [1] (chosen)."""
+POINTS = 8
+"""Points of the grid of angles per shortest period [1] (chosen)."""
+PADDING = 4
+"""How much finer than their resolution the orders lie [1] (chosen)."""
+TRIED = 5
+"""Orders that are fitted, of those that stand out of their surroundings and of the largest, each [1] (chosen)."""
+
+
+@dataclass(frozen=True)
+class PeriodicFit:
+    """The best wave of one order.
+
+    Attributes:
+        order: Periods per turn of the rotor [1].
+        amplitude: Amplitude [Nm, 1 or rad].
+        phase: Phase at motor position zero [rad].
+        gain: Twice the expected gain in log-likelihood.
+    """
+
+    order: float
+    amplitude: float
+    phase: float
+    gain: float
+
+
+class OrderSearch:
+    """Finds waves in the rotor angle of a motor in the prediction errors of a log, by linear theory about its pose.
+
+    A disturbance d at an entry makes prediction errors e = H d with the error dynamics x <- F x + G d, e = C x + D d.
+    The gain of a wave is that of a least-squares fit of H sin(n a) and H cos(n a) to the errors. Which orders are worth
+    it is seen from one backward pass: the sum of (H* e) exp(i n a) over all samples.
+
+    Args:
+        robot: The nominal robot.
+        data: Log, gain and weights.
+        residual: Weighted prediction errors that are to be explained; those of the motors come first, shape (at least
+            M n,).
+        states: Predicted states [q, v], shape (n, n_states).
+        q_a: Arm coordinates of the pose of the gain [rad or m], shape (N,).
+    """
+
+    def __init__(
+        self, robot: Robot, data: FitData, residual: FloatArray, states: FloatArray, q_a: FloatArray | None = None
+    ) -> None:
+        self.robot, self.data = robot, data
+        self._residual = residual[: data.spread.size].reshape(robot.n_motors, -1).T
+        self._states = states
+        self._linear = linear_model(_with_mean_stiffness(robot, states), q_a)
+        A, _, measurement, _ = self._linear.matrices()
+        correct = np.eye(len(A)) - data.gain.gain @ measurement[: robot.n_motors]
+        self._stiffenings: dict[int, FloatArray | float] = {}
+        self._eigenvalues, self._modes = np.linalg.eig(expm(A * data.record.sample_time) @ correct)
+
+    def search(self, motor: int, entry: Entry, number: int = 2) -> tuple[PeriodicFit, ...]:
+        """Find the best orders.
+
+        Args:
+            motor: Number of the motor (0-based).
+            entry: Where the disturbance enters.
+            number: How many.
+
+        Returns:
+            Waves by gain, the largest first.
+        """
+        angle = self._angle(motor)
+        reach, highest = float(np.ptp(angle)), self._highest(angle)
+        lowest = 2 * np.pi / max(reach, 1e-12)
+        if highest <= lowest:
+            return ()
+        backward = self._backward(self._source(motor, entry)) * self._factor(motor, entry)
+        orders, score = angle_spectrum(backward, angle, highest)
+        orders, score = orders[orders >= lowest], score[orders >= lowest]
+        level = median_filter(score, size=min(len(score), 101), mode="nearest")
+        peaks = find_peaks(score, distance=PADDING)[0]
+        ranked = (np.argsort(-values[peaks]) for values in (score / np.maximum(level, 1e-300), score))
+        chosen = {int(peaks[place]) for order in ranked for place in order[:TRIED]}
+        fits = [self.fit(motor, entry, float(orders[place])) for place in sorted(chosen)]
+        return tuple(sorted(fits, key=lambda one: -one.gain)[:number])
+
+    def fit(self, motor: int, entry: Entry, order: float) -> PeriodicFit:
+        """Fit a wave of one order.
+
+        Args:
+            motor: Number of the motor (0-based).
+            entry: Where the disturbance enters.
+            order: Periods per turn of the rotor [1].
+        """
+        angle, factor = self._angle(motor), self._factor(motor, entry)
+        columns = [self._forward(self._source(motor, entry), wave(order * angle) * factor) for wave in (np.sin, np.cos)]
+        X = np.stack([self._weighted(column) for column in columns], axis=-1)
+        r = self._residual.T.ravel()
+        solution, *_ = np.linalg.lstsq(X.T @ X, X.T @ r, rcond=None)
+        gain = float(solution @ (X.T @ r))
+        return PeriodicFit(order, float(np.hypot(*solution)), float(np.arctan2(solution[1], solution[0])), gain)
+
+    def _angle(self, motor: int) -> FloatArray:
+        angle: FloatArray = self.robot.rotor_turns[motor] * self._states[:, self.robot.chain.motor_places[motor]]
+        return angle
+
+    def _highest(self, angle: FloatArray) -> float:
+        """Return the highest order that the sample time lets through."""
+        fastest = float(np.quantile(np.abs(np.diff(angle)), 0.95))
+        return min(HIGHEST_ORDER, 2 * np.pi * MOST_SPEED / max(fastest, 1e-12))
+
+    def _factor(self, motor: int, entry: Entry) -> FloatArray | float:
+        """Return what the wave is multiplied with where it enters: the torque, or the stiffness over the linear one."""
+        if entry == "proportional torque":
+            return self.data.record.torque[:, motor]
+        return self._stiffening(motor) if entry == "gear" else 1.0
+
+    def _stiffening(self, motor: int) -> FloatArray | float:
+        """Return the local stiffness of a gear along the motion over that of the linear model, shape (n,)."""
+        if motor not in self._stiffenings:
+            chain = self.robot.chain
+            index, place = chain.geared[motor], chain.motor_places[motor]
+            linear = -float(self._linear.stiffness[index, place])
+            hard = index == place or not linear > 0
+            self._stiffenings[motor] = 1.0 if hard else _local_stiffness(self.robot, index, self._states) / linear
+        return self._stiffenings[motor]
+
+    def _source(self, motor: int, entry: Entry) -> tuple[FloatArray, FloatArray]:
+        """Return the input column G of the error dynamics and the feed-through D of an entry."""
+        model, T, M = self._linear, self.data.record.sample_time, self.robot.n_motors
+        n = len(model.mass)
+        through = np.zeros(M)
+        if entry == "encoder":
+            through[motor] = 1.0
+            return -self._step(T) @ self.data.gain.gain[:, motor], through
+        place = self.robot.chain.motor_places[motor]
+        force = -model.stiffness[:, place] if entry == "gear" else model.input[:, motor]
+        column = np.concatenate([np.zeros(n), np.linalg.solve(model.mass, force)])
+        half = self._step(T / 2)
+        return half @ column * T, through
+
+    def _step(self, time: float) -> FloatArray:
+        A = self._linear.matrices()[0]
+        transition: FloatArray = expm(A * time)
+        return transition
+
+    @property
+    def _upper(self) -> list[tuple[int, float]]:
+        """List the modes with weights; of a conjugate pair one, twice."""
+        return [
+            (place, 1.0 if value.imag == 0 else 2.0) for place, value in enumerate(self._eigenvalues) if value.imag >= 0
+        ]
+
+    @cached_property
+    def _readout(self) -> ComplexArray:
+        C = self._linear.matrices()[2][: self.robot.n_motors]
+        readout: ComplexArray = C @ self._modes
+        return readout
+
+    def _forward(self, source: tuple[FloatArray, FloatArray], disturbance: FloatArray) -> FloatArray:
+        """Compute the prediction errors of a disturbance, shape (n, M)."""
+        column, through = source
+        entered = np.linalg.solve(self._modes, column.astype(complex))
+        errors = np.outer(through, disturbance)
+        for place, weight in self._upper:
+            pole = self._eigenvalues[place]
+            residues = weight * entered[place] * self._readout[:, place]
+            denominator = [1.0, -pole.real] if pole.imag == 0 else [1.0, -2 * pole.real, abs(pole) ** 2]
+            for motor, residue in enumerate(residues):  # of a mode and its conjugate together, which is real
+                numerator = [0.0, residue.real, -(residue * pole.conjugate()).real][: len(denominator)]
+                errors[motor] += lfilter(numerator, denominator, disturbance)
+        return errors.T
+
+    def _backward(self, source: tuple[FloatArray, FloatArray]) -> FloatArray:
+        """Compute how every sample of a disturbance is correlated with the errors, shape (n,)."""
+        column, through = source
+        entered = np.linalg.solve(self._modes, column.astype(complex))
+        weighted = np.where(np.isfinite(self.data.spread), self._residual / self.data.spread, 0.0)[::-1]
+        result = weighted @ through
+        for place, weight in self._upper:
+            seen = lfilter([0.0, 1.0], [1.0, -self._eigenvalues[place]], weighted @ self._readout[:, place])
+            result = result + weight * (seen * entered[place]).real
+        return result[::-1]
+
+    def _weighted(self, errors: FloatArray) -> FloatArray:
+        return self.data.weighted(errors[:, :, None])[:, 0]
+
+
+def _with_mean_stiffness(robot: Robot, states: FloatArray) -> Robot:
+    """Scale the springs that are not linear so that they have, at rest, their mean stiffness along a motion."""
+    values = {}
+    for index, joint in enumerate(robot.chain.joints):
+        spring = joint.direction.spring
+        if isinstance(spring, Spring) and (spring.piecewise_linear is not None or spring.cubic is not None):
+            along, name = _local_stiffness(robot, index, states), f"{joint.name}.stiffness"
+            (at_rest,) = _local_stiffness(robot, index, np.zeros((1, states.shape[1])))
+            if at_rest > 0:
+                values[name] = robot.parameters[name].value * float(along.mean() / at_rest)
+    return robot.with_values(values) if values else robot
+
+
+def _local_stiffness(robot: Robot, index: int, states: FloatArray) -> FloatArray:
+    """Evaluate the slope of a spring at the deflections of states [q, v], shape (n,)."""
+    joint = robot.chain.joints[index]
+    spring, deflection = joint.direction.spring, ca.SX.sym("deflection")
+    assert isinstance(spring, Spring)
+    torque = spring.force(deflection, robot.parameters[f"{joint.name}.stiffness"].value)
+    slope = ca.Function("slope", [deflection], [ca.jacobian(torque, deflection)])
+    motor = joint.motor_coordinate
+    deflections = (0.0 if motor is None else states[:, robot.n_arm + motor]) - states[:, index]
+    return np.asarray(slope(np.abs(deflections)[None])).ravel()
+
+
+def angle_spectrum(signal: FloatArray, angle: FloatArray, highest: float) -> tuple[FloatArray, FloatArray]:
+    """Evaluate |sum of signal exp(i n angle)| over orders n, by putting the samples on an even grid of angles.
+
+    Args:
+        signal: One number per sample, shape (n,).
+        angle: Rotor angle of every sample [rad], shape (n,).
+        highest: Highest order [periods per turn].
+
+    Returns:
+        Orders [periods per turn] and magnitudes, shape (n_orders,) each.
+    """
+    spacing = 2 * np.pi / (POINTS * highest)
+    place = (angle - angle.min()) / spacing
+    whole = place.astype(int)
+    share = place - whole
+    number = int(whole.max()) + 2
+    grid = np.bincount(whole, signal * (1 - share), number) + np.bincount(whole + 1, signal * share, number)
+    padded = next_fast_len(PADDING * number)
+    score = np.abs(np.fft.rfft(grid, padded))
+    orders = 2 * np.pi * np.arange(len(score)) / (padded * spacing)
+    inside = orders <= highest
+    return orders[inside], score[inside]

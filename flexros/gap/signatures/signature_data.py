@@ -1,0 +1,128 @@
+"""All that pictures of evidence are computed from, with what several of them need computed once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.gap.signatures.missing_torque import missing_torque
+from flexros.gap.where.motion import Motion, motion_of
+from flexros.robot.quantity import unit_of
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.gap.result import Prediction
+    from flexros.prediction.observer import ObserverGain
+    from flexros.record.record import GapRecord
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """A log and what the models make of it.
+
+    Attributes:
+        robot: The nominal robot.
+        record: The log.
+        observer: Gain of the predictor of the nominal robot.
+        before: Prediction of the nominal robot.
+        after: Prediction of the repaired one; None where nothing was repaired.
+        repaired: The repaired robot, without the laws of its effects; None where nothing was repaired.
+        tool_error: Measured minus predicted tool positions [m], shape (n_t, 3), at the times of the record's tool;
+            None where the tool was not measured.
+    """
+
+    robot: Robot
+    record: GapRecord
+    observer: ObserverGain
+    before: Prediction
+    after: Prediction | None = None
+    repaired: Robot | None = None
+    tool_error: FloatArray | None = None
+
+    @cached_property
+    def motion(self) -> Motion:
+        """Speeds, accelerations, rotor angles and gear torques of the log."""
+        return motion_of(self.record, self.robot, self.before.states)
+
+    @cached_property
+    def missing(self) -> FloatArray:
+        """Torques at the motors that the nominal model lacks [Nm or N], shape (n, M)."""
+        return missing_torque(self.before.innovations, self.record, self.robot, self.observer)
+
+    @cached_property
+    def missing_after(self) -> FloatArray | None:
+        """The same of the repaired model; None where nothing was repaired."""
+        if self.after is None:
+            return None
+        return missing_torque(self.after.innovations, self.record, self.robot, self.observer)
+
+    @cached_property
+    def missing_in_gears(self) -> dict[str, FloatArray]:
+        """Torques by which the gears give less than their nominal springs and dampers [Nm or N].
+
+        "before", and "after" where something was repaired; shape (n, M) each, without their slow part.
+        """
+        found = {}
+        for name, prediction in (("before", self.before), ("after", self.after)):
+            if prediction is not None:
+                errors = prediction.innovations
+                found[name] = missing_torque(errors, self.record, self.robot, self.observer, entry="gear")
+        return found
+
+    @cached_property
+    def rows(self) -> IntArray:
+        """Samples that were measured, without the start and the end, where estimates have not settled."""
+        n = self.record.n_samples
+        first = max(self.before.first, min(self.observer.settling, n // 10))
+        inside = np.zeros(n, dtype=bool)
+        inside[first : n - min(self.observer.settling, n // 10) // 4] = True
+        return np.flatnonzero(inside & self.record.valid)
+
+    def units(self, motor: int) -> tuple[str, str]:
+        """Return the units of a motor's torque and position.
+
+        Args:
+            motor: Number of the motor (0-based).
+
+        Returns:
+            "Nm" and "rad", or "N" and "m".
+        """
+        rotary = self.robot.chain.joints[self.robot.chain.geared[motor]].rotary
+        return unit_of("torque", rotary), unit_of("position", rotary)
+
+    def lacking(self, motor: int) -> dict[str, FloatArray]:
+        """Return the torque that the models lack at a motor, sample by sample of `rows`.
+
+        Args:
+            motor: Number of the motor (0-based).
+
+        Returns:
+            Torques [Nm or N] "before", and "after" where there is a repaired model, shape (k,).
+        """
+        found = {"before": self.missing[self.rows, motor]}
+        if self.missing_after is not None:
+            found["after"] = self.missing_after[self.rows, motor]
+        return found
+
+    def motor_of(self, location: str) -> int:
+        """Find the motor that a place belongs to.
+
+        Args:
+            location: A joint, spring, body, "tool", "base" or "all".
+
+        Returns:
+            Number of the motor (0-based); of a place beside the joints that whose prediction errors are largest.
+        """
+        names = self.robot.joint_names
+        if location in names:
+            return names.index(location)
+        if location in self.robot.arm_names:
+            arm = self.robot.arm_names.index(location)
+            before = [number for number, place in enumerate(self.robot.chain.geared) if place <= arm]
+            return before[-1] if before else 0
+        excess = (self.before.innovations / self.before.sd)[self.record.valid]
+        return int((excess**2).mean(axis=0).argmax())

@@ -1,0 +1,153 @@
+"""The three steps to a nonlinear model of one axis (Wernholt and Gunnarsson 2006, thesis 4.2.2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import unknown_name
+from flexros.identify.axis.gear_law import PARAMETERS
+from flexros.identify.axis.prediction_fit import AxisFit, Quality, fit_axis
+from flexros.identify.axis.predictor import Predictor
+from flexros.identify.axis.record import AxisRecord, axis_record
+from flexros.identify.axis.starting_point import bounds_around, short_steps, starting_values
+from flexros.identify.axis.structure import AxisStructure
+from flexros.prediction.damped_least_squares import StopRule
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros.logs.time_series import Log
+
+SMOOTHING = 0.01
+"""Speed over which friction changes its sign, relative to the rms speed (chosen)."""
+
+STIFFENINGS = (1.5, 0.7)
+"""Stiffenings of the gear to start from (chosen)."""
+
+KNEES = (0.6, 0.3, 0.85)
+"""Shares of the samples whose deflection is below the knee, for the knees to start from (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class OneAxisIdentification:
+    """A nonlinear model of one axis beside the linear-spring model of the same record.
+
+    Attributes:
+        nonlinear: The model with the gear law that was asked for.
+        linear: The same with a linear gear.
+        start: Values of the linear steps, by name.
+        validation: Quality of the nonlinear model on the validation log; None without one.
+        linear_validation: Quality of the linear-spring model there.
+    """
+
+    nonlinear: AxisFit
+    linear: AxisFit
+    start: Mapping[str, float]
+    validation: Quality | None
+    linear_validation: Quality | None
+
+    @property
+    def gain(self) -> float:
+        """Part of the prediction error that the nonlinear gear takes away [1], on the validation log where there is."""
+        if self.validation is None or self.linear_validation is None:
+            return 1 - self.nonlinear.quality.error / self.linear.quality.error
+        return 1 - self.validation.error / self.linear_validation.error
+
+
+def identify_one_axis(
+    log: Log,
+    structure: AxisStructure | None = None,
+    *,
+    joint: str = "motor_1",
+    antiresonances: Sequence[float] = (),
+    resonances: Sequence[float] = (),
+    start: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    validation: Log | None = None,
+    delay: float = 0.0,
+    smoothing: float | None = None,
+) -> OneAxisIdentification:
+    """Identify an axis from commands and motion of its motor, in three steps.
+
+    First the rigid axis with friction by regression; then masses and springs from the extremes of the frequency
+    response; then all parameters, with the nonlinear gear, by the smallest one-step prediction errors. The last step is
+    also done with a linear gear, for comparison.
+
+    Args:
+        log: Log of the axis, moving from rest.
+        structure: What the model is made of; default: two masses, piecewise linear gear, output position.
+        joint: Name of the motor.
+        antiresonances: Lows of the response from torque to motor motion [Hz], one less than masses; may be left out
+            where `start` has inertias and stiffnesses.
+        resonances: Its peaks [Hz], as many.
+        start: Values to start from, by name; they take the place of those of the linear steps.
+        bounds: Lower and upper bounds by name; default: a factor of 10 either way of the start, of 1000 for friction
+            and the gear's knee.
+        validation: Another log of the axis, by which the models are judged.
+        delay: Delay of the command [s].
+        smoothing: Speed over which friction changes its sign [rad/s or m/s]; default: 1 % of the rms speed.
+
+    Returns:
+        Both models with standard deviations and qualities.
+
+    Raises:
+        InputError: The log lacks something, or a name, start or frequency is not possible.
+    """
+    structure = AxisStructure() if structure is None else structure
+    record = axis_record(log, joint, structure.output, delay, "the log")
+    other = None
+    if validation is not None:
+        other = axis_record(validation, joint, structure.output, delay, "the validation log")
+    smoothing = SMOOTHING * record.rms_speed if smoothing is None else smoothing
+    given = dict(bounds or {})
+    for name in given:
+        if name not in structure.names:
+            raise unknown_name("parameter of the axis", name, structure.names, "bounds")
+    begin = starting_values(record, structure, smoothing, antiresonances, resonances, start or {})
+    plain = structure.model_copy(update={"gear": "linear"})
+    predictor = Predictor(plain, record, smoothing, short_steps(begin, record, smoothing))
+    linear = fit_axis(predictor, record, begin, bounds_around(plain, begin, given, record))
+    nonlinear = linear if structure.gear == "linear" else _nonlinear(structure, linear, record, begin, given)
+    return OneAxisIdentification(
+        nonlinear=nonlinear,
+        linear=linear,
+        start=begin,
+        validation=None if other is None else nonlinear.judge(other),
+        linear_validation=None if other is None else linear.judge(other),
+    )
+
+
+def _nonlinear(
+    structure: AxisStructure,
+    linear: AxisFit,
+    record: AxisRecord,
+    begin: Mapping[str, float],
+    given: Mapping[str, tuple[float, float]],
+) -> AxisFit:
+    """Fit the nonlinear gear from several starts around the linear one; the best of short searches is completed."""
+    predictor = Predictor(structure, record, linear.predictor.smoothing, linear.predictor.substeps)
+    states = linear.predictor.states(record, linear.values, linear.gain)
+    deflection = np.abs(states[:, linear.structure.speed_place - linear.structure.masses + 1])
+    known = {name: begin[name] for name in PARAMETERS[structure.gear] if name in begin}
+    gears = [known] if len(known) == len(PARAMETERS[structure.gear]) else _gear_starts(structure, deflection)
+    bounds = bounds_around(structure, {**begin, **gears[0], **known}, given, record)
+    short = StopRule(step=1e-3, decrease=1e-4, iterations=8, evaluations=16)
+    trials = [
+        fit_axis(predictor, record, {**begin, **linear.parameters, **gear, **known}, bounds, rounds=1, stop=short)
+        for gear in gears
+    ]
+    best = min(trials, key=lambda trial: trial.quality.error)
+    return fit_axis(predictor, record, best.parameters, bounds)
+
+
+def _gear_starts(structure: AxisStructure, deflection: FloatArray) -> list[dict[str, float]]:
+    """Spread starts of the gear's nonlinearity over the deflections of the linear model, the most usual one first."""
+    if structure.gear == "cubic":
+        typical = float(np.sqrt(np.mean(deflection**2)))
+        return [{"gear_doubling": factor * typical} for factor in (4.0, 1.5, 12.0)]
+    knees = np.quantile(deflection, KNEES).tolist()
+    return [{"gear_stiffening": factor, "gear_knee": knee} for knee in knees for factor in STIFFENINGS]

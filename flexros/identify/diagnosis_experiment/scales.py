@@ -1,0 +1,137 @@
+"""How large the motions of a diagnosis experiment are, from the robot's own numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.config.per_motor import per_motor
+from flexros.errors import InputError
+from flexros.robot.linear.linearise import linear_model
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.config.per_motor import PositivePerMotor
+    from flexros.identify.diagnosis_experiment.specification import DiagnosisSpecification
+    from flexros.robot import Robot
+
+REACH = {True: 0.4, False: 0.1}
+"""How far a joint leaves its start, by whether it turns [rad or m on the arm's side] (chosen)."""
+SPEED = {True: 1.5, False: 0.5}
+"""Largest speed [rad/s or m/s on the arm's side] (chosen: that of a robot of medium size)."""
+ACCELERATION = {True: 5.0, False: 2.0}
+"""Acceleration of a robot without torque limits [rad/s^2 or m/s^2 on the arm's side] (chosen)."""
+FASTEST = {True: 15.0, False: 10.0}
+"""Largest acceleration of any robot [rad/s^2 or m/s^2 on the arm's side] (chosen)."""
+TURNS = 2.5
+"""Turns of the rotor on the creep way, where the reach permits [1] (chosen: over two, so that orders repeat)."""
+CREEP = {True: 0.1, False: 0.03}
+"""Creep way of a robot whose gear ratio is not known [rad or m on the arm's side] (chosen)."""
+TORQUE_SHARE = 0.75
+"""Share of the torque limits that the experiment uses, loads at rest included [1] (chosen)."""
+NOISE_MULTIPLE = 30.0
+"""Smallest slow reversal as a multiple of the encoder noise [1] (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scales:
+    """Sizes of the motion of every motor, on the side of the gear that the robot file uses.
+
+    Attributes:
+        reach: Largest distance from the start [rad or m], shape (M,).
+        speed: Largest speed [rad/s or m/s], shape (M,).
+        acceleration: Largest acceleration [rad/s^2 or m/s^2], shape (M,).
+        torque: Torque of that acceleration on the rigid robot [Nm or N], shape (M,).
+        inertia: Inertia matrix of the rigid robot in its gears [kg m^2 or kg], shape (M, M).
+        creep: Way of the creep [rad or m], shape (M,).
+        smallest: Smallest slow reversal [rad or m], shape (M,).
+    """
+
+    reach: FloatArray
+    speed: FloatArray
+    acceleration: FloatArray
+    torque: FloatArray
+    inertia: FloatArray
+    creep: FloatArray
+    smallest: FloatArray
+
+
+def scales_of(specification: DiagnosisSpecification, robot: Robot, arm: FloatArray) -> Scales:
+    """Choose the sizes.
+
+    Speed and reach are those of a robot of medium size unless given; the acceleration is what the torque limits leave
+    after the load at rest, with all motors at once, or a usual one where there are no limits.
+
+    Args:
+        specification: What was asked for.
+        robot: The nominal robot.
+        arm: Arm coordinates at the start [rad or m], shape (N,).
+
+    Returns:
+        The sizes.
+
+    Raises:
+        InputError: A setting has not one value per motor, or the torque limits do not hold the robot at its start.
+    """
+    joints = [robot.chain.joints[geared] for geared in robot.chain.geared]
+    rotary = [joint.rotary for joint in joints]
+    ratio = np.array([robot.chain.motor(number).gear_ratio.value for number in range(robot.n_motors)])
+    on_motor_side = robot.spec.coordinates == "motor"
+    side = ratio if on_motor_side else np.ones_like(ratio)
+    usual = {
+        name: side * np.array([table[kind] for kind in rotary])
+        for name, table in (("reach", REACH), ("speed", SPEED), ("acceleration", ACCELERATION), ("creep", CREEP))
+    }
+    reach = _given("reach", specification.reach, usual["reach"])
+    turns = TURNS * 2.0 * np.pi * (np.ones_like(ratio) if on_motor_side else 1.0 / ratio)
+    creep = np.minimum(np.where(ratio == 1.0, usual["creep"], turns), reach)
+    creep = _given("creep", specification.creep, creep)
+    inertia = _rigid_inertia(robot, arm)
+    acceleration = _acceleration(robot, arm, inertia, usual["acceleration"])
+    acceleration = np.minimum(acceleration, side * np.array([FASTEST[kind] for kind in rotary]))
+    acceleration = _given("acceleration", specification.acceleration, acceleration)
+    return Scales(
+        reach=reach,
+        speed=_given("speed", specification.speed, usual["speed"]),
+        acceleration=acceleration,
+        torque=np.abs(inertia) @ acceleration,
+        inertia=inertia,
+        creep=creep,
+        smallest=np.minimum(NOISE_MULTIPLE * robot.encoder_noise, 0.1 * creep),
+    )
+
+
+def _given(key: str, value: PositivePerMotor | None, usual: FloatArray) -> FloatArray:
+    """Take what was given, else the usual size."""
+    return usual if value is None else per_motor(f"diagnosis.{key}", value, len(usual))
+
+
+def _acceleration(robot: Robot, arm: FloatArray, inertia: FloatArray, usual: FloatArray) -> FloatArray:
+    """Accelerations that all motors can have at once; the usual ones where a motor has no torque limit."""
+    load = np.abs(robot.holding_torque(robot.equilibrium(arm)))
+    room = TORQUE_SHARE * robot.torque_limits - load
+    if np.any(room <= 0.0):
+        motor = int(np.argmin(room))
+        raise InputError(
+            f"diagnosis: {robot.joint_names[motor]} needs {load[motor]:.4g} to hold the start, allowed are "
+            f"{TORQUE_SHARE:g} times its torque limit, {TORQUE_SHARE * robot.torque_limits[motor]:.4g}; choose another "
+            "start"
+        )
+    limited = np.isfinite(room)
+    wanted = np.where(limited, np.where(limited, room, 0.0) / np.diag(inertia), usual)
+    needed = np.abs(inertia) @ wanted
+    factor = np.where(limited, np.where(limited, room, 1.0) / needed, 1.0)
+    result: FloatArray = wanted * np.min(factor)
+    return result
+
+
+def _rigid_inertia(robot: Robot, arm: FloatArray) -> FloatArray:
+    """Inertia of arm and motors in the gears, all springs rigid, shape (M, M)."""
+    linear = linear_model(robot, arm)
+    shape = np.zeros((robot.n_coordinates, robot.n_motors))
+    for motor, (gear, own) in enumerate(zip(robot.chain.geared, robot.chain.motor_places, strict=True)):
+        shape[[gear, own], motor] = 1.0
+    inertia: FloatArray = shape.T @ linear.mass @ shape
+    return inertia

@@ -1,0 +1,1 @@
+"""Identification experiments: plan, timetable, limits and reference."""

@@ -1,0 +1,157 @@
+"""Torque and motion that a reference causes in the linear closed loop, line by line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.robot.linear.linearise import linear_model
+
+if TYPE_CHECKING:
+    from flexros.arrays import ComplexArray, FloatArray
+    from flexros.control.base import AbstractControlLaw
+    from flexros.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class LinearController:
+    """A sampled feedback controller about rest, away from its limits; m is the number of its states.
+
+    u = from_state c + from_reference r + from_measured y, next c = state_step c + state_reference r + state_measured y,
+    with r = [motor position; speed; acceleration] reference.
+
+    Attributes:
+        from_state: Shape (M, m).
+        from_reference: Shape (M, 3 M).
+        from_measured: Shape (M, M).
+        state_step: Shape (m, m).
+        state_reference: Shape (m, 3 M).
+        state_measured: Shape (m, M).
+    """
+
+    from_state: FloatArray
+    from_reference: FloatArray
+    from_measured: FloatArray
+    state_step: FloatArray
+    state_reference: FloatArray
+    state_measured: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ControllerResponse:
+    """Frequency responses of a feedback controller about rest, u = to_reference [position; speed] + to_measured y.
+
+    Attributes:
+        to_reference: From motor position and speed reference to the torque command, shape (F, M, 2 M).
+        to_measured: From the measured motor position to the torque command, shape (F, M, M).
+    """
+
+    to_reference: ComplexArray
+    to_measured: ComplexArray
+
+    def torque(self, plant: ComplexArray) -> ComplexArray:
+        """Close the loop: response from [motor position; speed] reference to the torque command.
+
+        Args:
+            plant: Response from torque command to measured motor position, shape (..., F, M, M).
+
+        Returns:
+            (I - to_measured plant)^-1 to_reference, shape (..., F, M, 2 M).
+        """
+        loop = np.eye(plant.shape[-1]) - self.to_measured @ plant
+        reference = np.broadcast_to(self.to_reference, (*loop.shape[:-2], *self.to_reference.shape[-2:]))
+        return np.asarray(np.linalg.solve(loop, reference), dtype=np.complex128)
+
+
+def linear_controller(law: AbstractControlLaw, n_motors: int, sample_time: float) -> LinearController:
+    """Linearise a controller away from its limits; exact for a sampled linear law.
+
+    Args:
+        law: The controller.
+        n_motors: Number of motors M.
+        sample_time: Time between two samples [s].
+
+    Returns:
+        Its matrices.
+    """
+    function = law.function(n_motors, sample_time)
+    c, r, y = (ca.SX.sym(name, function.size1_in(index)) for index, name in enumerate("cry"))
+    gains = law.gains(n_motors)
+    u, after = function(c, r, y, gains)
+    parts = [ca.densify(ca.jacobian(out, part)) for out in (u, after) for part in (c, r, y)]
+    rest = [np.zeros(function.size1_in(1)), np.zeros(function.size1_in(2))]
+    started = function(law.initial_state(n_motors), *rest, gains)[1]
+    evaluate = ca.Function("linearised", [c, r, y], parts)
+    from_c, from_r, from_y, of_c, of_r, of_y = (np.asarray(part, float) for part in evaluate(started, *rest))
+    return LinearController(from_c, from_r, from_y, of_c, of_r, of_y)
+
+
+def controller_response(
+    law: AbstractControlLaw, n_motors: int, sample_time: float, frequency: FloatArray
+) -> ControllerResponse:
+    """Give the frequency responses of a controller away from its limits.
+
+    Args:
+        law: The controller.
+        n_motors: Number of motors M.
+        sample_time: Time between two samples [s].
+        frequency: Frequencies, above 0 and below half the sampling rate [Hz], shape (F,).
+
+    Returns:
+        Its responses.
+    """
+    linear = linear_controller(law, n_motors, sample_time)
+    z = np.exp(2j * np.pi * frequency * sample_time)[:, None, None]
+    entry = np.hstack([linear.state_reference, linear.state_measured])
+    memory: ComplexArray = np.linalg.solve(
+        z * np.eye(len(linear.state_step)) - linear.state_step, np.broadcast_to(entry, (len(z), *entry.shape))
+    )
+    whole: ComplexArray = linear.from_state @ memory + np.hstack([linear.from_reference, linear.from_measured])
+    return ControllerResponse(whole[:, :, : 2 * n_motors], whole[:, :, 3 * n_motors :])
+
+
+@dataclass(frozen=True, eq=False)
+class LoopResponse:
+    """Frequency responses of the closed loop from [motor position; speed] reference.
+
+    Attributes:
+        torque: To the torque command [Nm or N], shape (F, M, 2 M).
+        speed: To the motor speed [rad/s or m/s], shape (F, M, 2 M).
+    """
+
+    torque: ComplexArray
+    speed: ComplexArray
+
+
+def loop_response(
+    robot: Robot, arm: FloatArray, controller: ControllerResponse, sample_time: float, frequency: FloatArray
+) -> LoopResponse:
+    """Give torque and motor speed of the closed loop for motor references.
+
+    The robot is linearised at rest. Its response to the held command is that to a continuous one times the response of
+    the hold, sin(x) / x with x = w T / 2, and of half a sample and the command's delay; what folds back from above
+    the sampling rate is neglected, a relative error of the order (frequency / sampling rate)^2.
+
+    Args:
+        robot: The nominal robot.
+        arm: Arm coordinates at rest [rad or m], shape (N,).
+        controller: Response of the controller at the same frequencies.
+        sample_time: Time between two samples [s].
+        frequency: Frequencies [Hz], shape (F,).
+
+    Returns:
+        The responses.
+    """
+    linear = linear_model(robot, arm)
+    w = (2.0 * np.pi * frequency)[:, None, None]
+    moved = np.linalg.solve(
+        linear.stiffness + 1j * w * linear.damping - w**2 * linear.mass,
+        np.broadcast_to(linear.input, (len(w), *linear.input.shape)),
+    )
+    hold = np.sinc(frequency * sample_time) * np.exp(-2j * np.pi * frequency * (0.5 * sample_time + robot.delay))
+    plant = hold[:, None, None] * (linear.encoder @ moved)
+    torque = controller.torque(plant)
+    return LoopResponse(torque, 1j * w * (plant @ torque))

@@ -1,0 +1,156 @@
+"""What the nominal robot answers at the sampling instants, and whether a response has its level: units, gear ratios."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import BoolArray, ComplexArray, FloatArray
+    from flexros.identify.frf.frequency_response import FrequencyResponse
+    from flexros.robot import Robot
+
+SCALES = (1.0, 1 / 3, 0.6, 1.7, 3.0)
+"""Factors on all springs and dampers of the nominal robot that count as honest, the nominal ones first (chosen)."""
+
+MASS_LIKE = 0.3
+"""Largest distance of a response from that of the motor inertia alone, over the latter, that is mass-like (chosen)."""
+
+FEWEST_LINES = 6
+"""Smallest number of mass-like lines that tell anything (chosen)."""
+
+NOTED_LEVEL = 1.5
+"""Factor between measured and nominal level from which it is warned of (chosen)."""
+
+LARGEST_LEVEL = 3.0
+"""Factor between measured and nominal level from which a response is refused (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class NominalDiagonal:
+    """Responses of every motor to itself, of the nominal robot with springs and dampers times SCALES.
+
+    Attributes:
+        response: Torque command -> acceleration, sampled, shape (S, F, M).
+        mass_like: Where motor inertia alone makes up the response, shape (S, F, M).
+    """
+
+    response: ComplexArray
+    mass_like: BoolArray
+
+
+def nominal_diagonal(response: FrequencyResponse, robot: Robot) -> NominalDiagonal:
+    """Evaluate the nominal robot at the frequencies and the motor position of a measured response.
+
+    Args:
+        response: Tells frequencies, sample time and motor position.
+        robot: The nominal robot.
+    """
+    from flexros.identify.graybox.sampled import expansion, sampled_hold
+    from flexros.robot.linear.positions import linearise_positions  # here, because it loads slowly
+
+    linear = linearise_positions(robot, (), response.motor_position[None])
+    hold = sampled_hold(response.frequency, response.sample_time, robot.delay)
+    places = linear.motor_places
+    mass, damping, stiffness = linear.mass[0], linear.damping[0], linear.stiffness[0]
+    w = hold.omega[:, None, None]
+    drive = np.broadcast_to(np.eye(len(mass))[:, places], (len(hold.omega), len(mass), len(places)))
+    aliases = np.tensordot(hold.aliases, expansion(linear.mass, linear.damping, linear.stiffness, places)[0], 1)
+    own = np.einsum("fii->fi", aliases)
+    inertia = np.diag(np.linalg.inv(mass)[np.ix_(places, places)]) * (-hold.gain / hold.omega**2)[:, None]
+    answers, like = [], []
+    for scale in SCALES:
+        Z = np.linalg.solve(scale * stiffness - w**2 * mass + 1j * w * scale * damping, drive)[:, places]
+        direct = hold.gain[:, None] * np.einsum("fii->fi", Z)
+        answers.append(direct + own)
+        like.append(abs(direct - inertia) <= MASS_LIKE * abs(inertia))
+    return NominalDiagonal(np.array(answers), np.array(like))
+
+
+def levels(response: FrequencyResponse, nominal: NominalDiagonal) -> FloatArray:
+    """Return the measured level of every motor over the nominal one at the lines where motor inertia makes it up.
+
+    Of the springs and dampers that count as honest, those are taken that fit best but for the level. With too few lines
+    that are mass-like, all of them count. A wrong unit shows at all lines: where these tell another level, e.g. because
+    noise drowns the mass-like ones, the one nearer to the nominal robot is taken.
+
+    Args:
+        response: What was measured.
+        nominal: The nominal robot there.
+
+    Returns:
+        Factors, shape (M,).
+    """
+    own = np.einsum("fii->fi", response.as_quantity("acceleration").response)
+    ratio = np.log(np.maximum(abs(own), 1e-300) / abs(nominal.response))
+    enough = nominal.mass_like.sum(axis=1) >= FEWEST_LINES
+    found, scatter = np.empty((2, len(SCALES), ratio.shape[2]))
+    for scale, motor in np.ndindex(*found.shape):
+        lines = nominal.mass_like[scale, :, motor] if np.any(enough[:, motor]) else np.ones(len(own), dtype=bool)
+        mine = ratio[scale, lines, motor] if lines.sum() >= FEWEST_LINES else ratio[scale, :, motor]
+        found[scale, motor] = np.median(mine)
+        scatter[scale, motor] = np.mean(abs(mine - found[scale, motor]))
+    best, motors = np.argmin(scatter, axis=0), np.arange(found.shape[1])
+    here, everywhere = found[best, motors], np.median(ratio, axis=1)[best, motors]
+    nearer = np.where(abs(here) < abs(everywhere), here, everywhere)
+    return np.asarray(np.exp(np.where(here * everywhere > 0, nearer, 0.0)))
+
+
+def check_level(factor: FloatArray, names: Sequence[str], robot: Robot, label: str) -> None:
+    """Refuse a motor that answers at quite another level than the nominal robot.
+
+    Args:
+        factor: Measured over nominal level, shape (M,).
+        names: Names of the motors, length M.
+        robot: The nominal robot.
+        label: What the record is called.
+
+    Raises:
+        InputError: A level is off by more than LARGEST_LEVEL; names motor, factor and likely cause.
+    """
+    size = abs(np.log(factor))
+    motor = int(np.argmax(size))
+    if size[motor] <= np.log(LARGEST_LEVEL):
+        return
+    value = float(factor[motor])
+    raise InputError(
+        f"{label}: {names[motor]} answers its torque {value:.3g} times as strongly as robot {robot.name} at the lines "
+        f"where motor inertia makes up the response, allowed is a factor of {LARGEST_LEVEL:g}: {_cause(value)}; "
+        "correct the unit, gear ratio or torque constant of this joint in the mapping file, or give the right robot"
+    )
+
+
+def level_warnings(factors: FloatArray, names: Sequence[str], robot: Robot) -> list[str]:
+    """Warn of motors whose level is off a little in all positions together.
+
+    Args:
+        factors: Measured over nominal level, shape (Q, M).
+        names: Names of the motors, length M.
+        robot: The nominal robot.
+
+    Returns:
+        One sentence per motor.
+    """
+    middle = np.exp(np.median(np.log(factors), axis=0))
+    return [
+        f"{name} answers its torque {value:.3g} times as strongly as robot {robot.name} where motor inertia makes "
+        "up the response; torque constant, gear ratio or inertia of the motor may be wrong"
+        for name, value in zip(names, middle, strict=True)
+        if abs(np.log(value)) > np.log(NOTED_LEVEL)
+    ]
+
+
+def _cause(factor: float) -> str:
+    """Say what the factor looks like."""
+    size = factor if factor > 1 else 1 / factor
+    for value, text in ((np.degrees(1.0), "degrees against radians"), (1e3, "a unit with milli"), (1e6, "micro")):
+        if abs(size / value - 1) < 0.15:
+            return f"it looks like {text}"
+    torque, motion = ("too small", "too large") if factor > 1 else ("too large", "too small")
+    return f"the recorded torque is {torque} or the recorded motion {motion}"

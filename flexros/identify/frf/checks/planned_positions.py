@@ -1,0 +1,139 @@
+"""Whether every joint stands where the plan says: joints swapped everywhere, encoders that are off, other units."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.identify.experiment.excursion import excursion
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.identify.experiment.plan import ExperimentPlan
+    from flexros.identify.experiment.timetable import Segment
+    from flexros.identify.frf.aligned_log import AlignedLog
+    from flexros.robot import Robot
+
+FARTHEST = 0.1
+"""Largest distance of a mean motor position from the plan [rad or m]; gears sag ten times less (chosen)."""
+
+STILL = 1e-3
+"""Largest difference between the mean positions of a joint that stands still [rad or m] (chosen)."""
+
+SAME_FACTOR = 0.1
+"""Largest misfit of a factor to the positions, over the largest of them, with which it is believed (chosen)."""
+
+_NAMED = {
+    float(np.degrees(1.0)): "degrees were recorded instead of radians",
+    float(np.radians(1.0)): "radians were converted from degrees although they were radians",
+    1e3: "millimetres were recorded instead of metres",
+    1e-3: "metres were converted from millimetres although they were metres",
+    -1.0: "the direction of the joint is inverted",
+}
+
+
+def check_positions(
+    aligned: AlignedLog, plan: ExperimentPlan, segments: list[Segment], robot: Robot | None = None
+) -> None:
+    """Refuse a log whose joints stand elsewhere than the plan says.
+
+    The mean of the measured motor position over the recorded periods is compared with that of the plan, slow motion
+    included: a controller holds it to within the sag of gears, which says nothing about springs and loads.
+
+    Args:
+        aligned: The signals.
+        plan: The plan.
+        segments: The recorded periods that are used, not empty.
+        robot: The nominal robot, which knows units; None: rotating motors.
+
+    Raises:
+        InputError: A joint stands elsewhere; names it and the likely cause.
+    """
+    measured, planned, places = _means(aligned, plan, segments)
+    wrong = abs(measured - planned) > FARTHEST
+    if not np.any(wrong):
+        return
+    place, motor = (int(number) for number in np.argwhere(wrong)[0])
+    unit = "rad" if robot is None or robot.chain.joints[robot.chain.geared[motor]].rotary else "m"
+    cause = _swapped(measured, planned, aligned.names, motor) or _cause(measured[:, motor], planned[:, motor], unit)
+    raise InputError(
+        f"position {places[place] + 1}: {aligned.names[motor]} stands at {measured[place, motor]:.4g} {unit}, the plan "
+        f"says {planned[place, motor]:.4g} {unit} (allowed is a distance of {FARTHEST:g} {unit}): {cause}"
+    )
+
+
+def _means(
+    aligned: AlignedLog, plan: ExperimentPlan, segments: list[Segment]
+) -> tuple[FloatArray, FloatArray, list[int]]:
+    """Return the mean measured and planned position of every position visited, shapes (Q, M), and their numbers."""
+    used: dict[int, list[Segment]] = {}
+    for segment in segments:
+        used.setdefault(segment.position, []).append(segment)
+    measured, planned = [], []
+    visits = {visit.position: visit for visit in plan.visits}
+    for position, mine in used.items():
+        visit = visits[position]
+        added = excursion(plan, visit).position
+        rows = [np.searchsorted(aligned.numbers, (segment.first, segment.stop)) for segment in mine]
+        there = [np.mean(aligned.position[begin:end], axis=0) for begin, end in rows if end > begin]
+        if not there:
+            continue  # the gap is named when these periods are cut out
+        measured.append(np.mean(there, axis=0))
+        parts = [added[segment.first - visit.lead : segment.stop - visit.lead].mean(axis=0) for segment in mine]
+        planned.append(plan.positions[position] + np.mean(parts, axis=0))
+    if not measured:
+        return np.zeros((0, plan.n_motors)), np.zeros((0, plan.n_motors)), []
+    return np.array(measured), np.array(planned), list(used)
+
+
+def _swapped(measured: FloatArray, planned: FloatArray, names: tuple[str, ...], motor: int) -> str | None:
+    """Say whose place the motor stands in, where the joints that differ fit in another order; None else."""
+    order = _order(measured, planned)
+    moved = np.flatnonzero(order != np.arange(len(order)))
+    if motor not in moved or np.any(abs(measured[:, moved] - planned[:, order[moved]]) > FARTHEST):
+        return None
+    told = ", ".join(f"{names[i]} stands where {names[order[i]]} belongs" for i in moved)
+    return f"swapped joints: {told}; correct the joint names of joint_states and joint_commands"
+
+
+def _order(measured: FloatArray, planned: FloatArray) -> IntArray:
+    """Return for each measured joint the planned one that makes the distances smallest, shape (M,)."""
+    from scipy.optimize import linear_sum_assignment  # here, because it loads slowly
+
+    distance = np.max(abs(measured[:, :, None] - planned[:, None, :]), axis=0)
+    cost = np.minimum(distance, 10.0) - 1e-9 * np.eye(len(distance))
+    return np.asarray(linear_sum_assignment(cost)[1], dtype=np.int64)
+
+
+def _cause(measured: FloatArray, planned: FloatArray, unit: str) -> str:
+    """Say what makes one joint stand elsewhere: unit, direction, factor, offset or another plan; shapes (Q,)."""
+    offset = measured - planned
+    if np.ptp(planned) > FARTHEST and np.ptp(measured) < STILL:
+        return "it stands there in all positions, so its encoder is stuck; record positions that were measured"
+    power = float(planned @ planned)
+    if power > 0:
+        for named, text in _NAMED.items():
+            if _fits(measured, planned, named):
+                return f"unit: it is {named:.4g} times the plan, so {text}; give the unit or sign in the mapping file"
+        factor = float(measured @ planned) / power
+        if np.ptp(planned) > FARTHEST and factor != 0 and _fits(measured, planned, factor) and np.ptp(offset) > 0.05:
+            return (
+                f"factor: in all positions it is {factor:.3g} times the plan; correct unit or gear ratio in the "
+                "mapping file"
+            )
+    if np.ptp(offset) <= FARTHEST:
+        return (
+            f"offset: the encoder is off by {np.mean(offset):.4g} {unit}, which is not what the plan counts from; "
+            "correct its offset in the mapping file, or give the plan of this log (--scenario FILE)"
+        )
+    return (
+        "its distance differs from position to position; give the scenario this log was recorded with (--scenario "
+        "FILE), and its start stamp where the log does not begin with the experiment"
+    )
+
+
+def _fits(measured: FloatArray, planned: FloatArray, factor: float) -> bool:
+    """Tell whether the measured positions are the planned ones times a factor."""
+    return bool(np.all(abs(measured - factor * planned) <= SAME_FACTOR * abs(factor) * np.max(abs(planned))))

@@ -1,0 +1,1 @@
+"""Estimators: from spectra of experiments to responses with their covariance."""

@@ -1,0 +1,1 @@
+"""Frequency responses as labelled arrays and as files."""

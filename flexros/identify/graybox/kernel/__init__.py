@@ -1,0 +1,1 @@
+"""Machine code of the frequency model: responses, Jacobian and normal equations."""

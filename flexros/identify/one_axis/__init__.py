@@ -1,6 +1,0 @@
-"""One axis with nonlinear gear stiffness and friction, identified in the time domain by prediction errors."""
-
-from flexros.identify.one_axis.identification import OneAxisIdentification, identify_one_axis
-from flexros.identify.one_axis.structure import AxisStructure
-
-__all__ = ["AxisStructure", "OneAxisIdentification", "identify_one_axis"]

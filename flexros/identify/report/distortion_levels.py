@@ -1,0 +1,151 @@
+"""Levels of noise, nonlinear distortions and time variation in measured outputs, as blocks of a report."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import plotly.graph_objects as go
+
+from flexros.identify.report.response_picture import position_name
+from flexros.report.base import Block, Paragraph, Picture, TextTable
+from flexros.report.grid import digits, menu, panels
+from flexros.report.number_text import percent
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros.identify.frf.distortion import Distortion
+    from flexros.identify.frf.frequency_response import FrequencyResponse
+
+_LEVELS: tuple[tuple[str, str, str, str, str], ...] = (
+    ("output", "frequency", "output", "#1b1f24", "lines"),
+    ("total", "frequency", "noise and stochastic distortion", "#0072b2", "lines"),
+    ("noise", "frequency", "noise", "#8b949e", "lines"),
+    ("time_variation", "frequency", "time variation", "#009e73", "lines"),
+    ("odd", "odd_frequency", "odd distortion", "#d55e00", "markers"),
+    ("even", "even_frequency", "even distortion", "#cc79a7", "markers"),
+)
+"""Attribute, its frequencies, its name, colour and how it is drawn."""
+
+_CLEAR = 2.0
+"""Distortions above this many times the noise stand out of it (chosen)."""
+
+
+def distortion_blocks(responses: Sequence[FrequencyResponse]) -> tuple[Block, ...]:
+    """Show the levels of all positions: one panel per motor, a menu of positions, and a table of medians.
+
+    Args:
+        responses: Measured responses of the positions.
+
+    Returns:
+        Sentence, picture and table; nothing where the responses have no levels.
+    """
+    told = [(place, r.distortion) for place, r in enumerate(responses) if r.distortion is not None]
+    if not told:
+        return ()
+    names = responses[0].output_names
+    return (Paragraph(_sentence(told, names)), _picture(responses, told), _table(told, names))
+
+
+def relative_level(told: list[tuple[int, Distortion]], level: str, motor: int) -> float:
+    """Compute the median of a level over the output's own, over lines and positions.
+
+    Args:
+        told: Levels by position.
+        level: Attribute of `Distortion`.
+        motor: Number of the motor, 0-based.
+
+    Returns:
+        The share [1]; NaN where nothing tells it.
+    """
+    shares = []
+    for _, levels in told:
+        frequency = getattr(levels, {"odd": "odd_frequency", "even": "even_frequency"}.get(level, "frequency"))
+        if len(frequency):
+            beside = np.interp(frequency, levels.frequency, levels.output[:, motor])
+            shares.append(getattr(levels, level)[:, motor] / beside)
+    values = np.concatenate(shares) if shares else np.array([])
+    values = values[np.isfinite(values)]
+    return float(np.median(values)) if values.size else float("nan")
+
+
+def _sentence(told: list[tuple[int, Distortion]], names: tuple[str, ...]) -> str:
+    noise, odd, even = (
+        np.array([relative_level(told, kind, motor) for motor in range(len(names))])
+        for kind in ("noise", "odd", "even")
+    )
+    text = (
+        "Amplitudes of the motor accelerations line by line: what the excitation causes, and what a linear robot "
+        "without noise would not show. "
+    )
+    if not np.any(np.isfinite([odd, even])):
+        return f"{text}The excitation left no detection lines out, so odd and even distortions are not told apart."
+    ratio = np.nan_to_num(np.stack([odd, even]) / np.where(noise > 0, noise, np.inf))
+    kind, motor = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
+    size = percent(float((odd, even)[kind][motor]), 2)
+    found = f"{('odd', 'even')[kind]} ones at {names[motor]}, {size} % of the output in the median"
+    if ratio[kind, motor] > _CLEAR:
+        return (
+            f"{text}Nonlinear distortions stand out of the noise, most of all {found}, with noise of "
+            f"{percent(float(noise[motor]), 2)} %."
+        )
+    return f"{text}Nonlinear distortions hardly stand out of the noise; the largest are {found}."
+
+
+def _picture(responses: Sequence[FrequencyResponse], told: list[tuple[int, Distortion]]) -> Picture:
+    first = responses[0]
+    motors = len(first.output_names)
+    columns = min(motors, 3)
+    rows = -(-motors // columns)
+    figure = panels(rows, columns, first.output_names, 230 if motors > 1 else 340, gap=44)
+    for motor in range(motors):
+        for level in _LEVELS:
+            trace = _trace(told[0][1], level, motor)
+            figure.add_trace(trace, row=motor // columns + 1, col=motor % columns + 1)
+    figure.update_yaxes(type="log", exponentformat="power", dtick=2)
+    figure.update_yaxes(title_text=f"amplitude [{first.output_units[0]}]", col=1)
+    figure.update_xaxes(title_text="frequency [Hz]", row=rows)
+    if len(told) > 1:
+        buttons = []
+        for place, levels in told:
+            traces = [_trace(levels, level, motor) for motor in range(motors) for level in _LEVELS]
+            args = [{"x": [list(trace.x) for trace in traces], "y": [list(trace.y) for trace in traces]}]
+            name = position_name(place, responses[place].gears)
+            buttons.append({"label": name, "method": "restyle", "args": args})
+        figure.update_layout(updatemenus=[menu(buttons)])
+    return Picture(figure, "Levels of the output of each motor; the menu chooses the position.")
+
+
+def _trace(levels: Distortion, level: tuple[str, str, str, str, str], motor: int) -> go.Scatter:
+    attribute, axis, name, colour, mode = level
+    frequency: FloatArray = getattr(levels, axis)
+    values: FloatArray = getattr(levels, attribute)[:, motor]
+    style = {"line": {"color": colour, "width": 1.4}} if mode == "lines" else {"marker": {"color": colour, "size": 5}}
+    return go.Scatter(
+        x=digits(frequency, 5),
+        y=digits(np.where(values > 0, values, np.nan)),
+        mode=mode,
+        name=name,
+        legendgroup=name,
+        showlegend=motor == 0 and bool(np.any(np.isfinite(values))),
+        hovertemplate=f"%{{x:.4g}} Hz: %{{y:.3g}}<extra>{name}</extra>",
+        **style,
+    )
+
+
+def _table(told: list[tuple[int, Distortion]], names: tuple[str, ...]) -> TextTable:
+    kinds = [(attribute, name) for attribute, _, name, _, _ in _LEVELS if attribute != "output"]
+    rows = tuple(
+        (
+            name,
+            *(
+                percent(level, 2) if np.isfinite(level := relative_level(told, kind, motor)) else "-"
+                for kind, _ in kinds
+            ),
+        )
+        for motor, name in enumerate(names)
+    )
+    header = ("Motor", *(f"{name} [%]" for _, name in kinds))
+    return TextTable(header, rows, "Levels relative to the output, median over lines and positions.")

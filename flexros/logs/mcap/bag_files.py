@@ -1,0 +1,90 @@
+"""Which MCAP files belong to a log, and what lies beside them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from flexros.config.text_file import is_file
+from flexros.config.yaml_file import read_yaml
+from flexros.errors import InputError
+from flexros.input_limits import MOST_WARNINGS
+from flexros.logs.mcap.bag_metadata import METADATA_FILE
+from flexros.logs.provenance_file import read_provenance
+
+
+@dataclass(frozen=True)
+class BagFiles:
+    """A log on disk.
+
+    Attributes:
+        files: Its MCAP files in order.
+        provenance: Content of the side-car, empty if there is none.
+        warnings: What is missing or damaged beside the files.
+    """
+
+    files: tuple[Path, ...]
+    provenance: dict[str, Any]
+    warnings: tuple[str, ...]
+
+
+def find_bag_files(path: Path) -> BagFiles:
+    """Find the files of a log.
+
+    Args:
+        path: A rosbag2 folder or a single .mcap file.
+
+    Returns:
+        What was found.
+
+    Raises:
+        InputError: There is nothing to read, or it is stored in another way than MCAP.
+    """
+    warnings: list[str] = []
+    if path.is_file():
+        if path.suffix != ".mcap":
+            raise InputError(
+                f"{path} is a '{path.suffix}' file, allowed is a rosbag2 folder or an .mcap file; convert it"
+            )
+        return BagFiles((path,), read_provenance(path.parent, warnings), tuple(warnings))
+    if not path.is_dir():
+        raise InputError(f"there is no log at {path}; give a rosbag2 folder or an .mcap file")
+    files = _listed(path, warnings) or sorted(path.glob("*.mcap"))
+    if not files:
+        present = ", ".join(sorted(p.name for p in path.iterdir())[:10]) or "nothing"
+        raise InputError(
+            f"the folder {path} has no .mcap file (it holds {present}); record with MCAP storage, or convert with "
+            "'ros2 bag convert'"
+        )
+    return BagFiles(tuple(files), read_provenance(path, warnings), tuple(warnings))
+
+
+def _listed(folder: Path, warnings: list[str]) -> list[Path]:
+    """Files that metadata.yaml lists; empty if it cannot tell."""
+    if not (folder / METADATA_FILE).is_file():
+        warnings.append(f"{folder} has no {METADATA_FILE}; all its .mcap files were read")
+        return []
+    try:
+        content = read_yaml(folder / METADATA_FILE)
+        information = content["rosbag2_bagfile_information"]
+        listed = (PurePosixPath(str(name)).name for name in information["relative_file_paths"])
+        names = list(dict.fromkeys(listed))  # each file once, however often it is listed
+        storage, mode = str(information.get("storage_identifier")), str(information.get("compression_mode") or "")
+    except (InputError, KeyError, TypeError, AttributeError) as error:
+        warnings.append(f"{folder / METADATA_FILE} cannot be used ({error}); all .mcap files beside it were read")
+        return []
+    if storage != "mcap":
+        raise InputError(
+            f"the log {folder} has the storage '{storage}', allowed is mcap; convert it with 'ros2 bag convert'"
+        )
+    if mode.lower() not in ("", "none"):
+        raise InputError(
+            f"the log {folder} has the compression mode '{mode}', allowed is compression inside MCAP chunks; "
+            "convert it with 'ros2 bag convert'"
+        )
+    missing = {name for name in names if not is_file(folder / name)}
+    if missing:
+        some = ", ".join(sorted(missing)[:MOST_WARNINGS]) + (" and more" if len(missing) > MOST_WARNINGS else "")
+        warnings.append(f"{folder} lacks {some}, listed in {METADATA_FILE}; the other files were read")
+    return [folder / name for name in names if name not in missing]

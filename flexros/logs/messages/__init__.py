@@ -1,0 +1,1 @@
+"""Serialised ROS 2 messages: codecs, layouts and definitions."""

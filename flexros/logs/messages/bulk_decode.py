@@ -1,0 +1,164 @@
+"""Decoding of all messages of a topic into columns, many at once.
+
+Messages of one sender nearly always share one layout: the same length and the same bytes outside the stamp and the
+numbers. Such messages are decoded as one NumPy array; a new layout is learnt from the first message that has it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+
+import numpy as np
+
+from flexros.input_limits import MOST_LAYOUTS
+from flexros.logs.left_out import LeftOut
+from flexros.logs.mcap.chunk import LENGTH_FIELD_END, MESSAGE_HEADER
+from flexros.logs.messages.cdr_cursor import MessageError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.logs.mcap.scan import MessageBlock
+    from flexros.logs.messages.layout import MessageLayout
+
+_HEADER_SIZE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
+_KEPT_LAYOUTS = 64  # chosen: a topic with more of them changes its constant bytes with every message
+
+
+def payloads_of(block: MessageBlock, rows: IntArray) -> list[bytes]:
+    """Take messages out of a block.
+
+    Args:
+        block: Messages of a chunk.
+        rows: Which of them, shape (n,).
+
+    Returns:
+        Their serialised bytes, length n.
+    """
+    begin = block.offsets[rows]
+    end = begin + block.headers["length"][rows].astype(np.int64) - _HEADER_SIZE
+    return [bytes(block.data[a:b]) for a, b in zip(begin.tolist(), end.tolist(), strict=True)]
+
+
+class TopicLayout(Protocol):
+    """Layout of the messages of a type, with what its constant bytes mean."""
+
+    @property
+    def message(self) -> MessageLayout:
+        """Where the numbers lie."""
+
+
+L = TypeVar("L", bound=TopicLayout)
+
+
+@dataclass(frozen=True, eq=False)
+class Segment(Generic[L]):
+    """Messages of one layout.
+
+    Attributes:
+        layout: Their layout.
+        order: Place of each message in the topic, shape (n,).
+        log_time: Log times [ns], shape (n,).
+        stamp: header.stamp [ns], shape (n,).
+        numbers: The doubles of each span, shape (n, size).
+    """
+
+    layout: L
+    order: IntArray
+    log_time: IntArray
+    stamp: IntArray
+    numbers: tuple[FloatArray, ...]
+
+
+class TopicDecoder(Generic[L]):
+    """Gathers the messages of one topic.
+
+    Args:
+        read_layout: Finds the layout of a message, or raises MessageError.
+
+    Attributes:
+        segments: The messages decoded so far.
+        n_messages: Their number and that of the damaged ones.
+        damaged: What was wrong with the damaged messages.
+    """
+
+    def __init__(self, read_layout: Callable[[bytes | memoryview], L]) -> None:
+        self._read_layout = read_layout
+        self._layouts: list[L] = []
+        self._n_layouts = 0
+        self.segments: list[Segment[L]] = []
+        self.n_messages = 0
+        self.damaged = LeftOut()
+
+    def add(self, block: MessageBlock, rows: IntArray, translate: Callable[[bytes], bytes] | None = None) -> None:
+        """Decode messages of the topic.
+
+        Args:
+            block: Messages of a chunk.
+            rows: Which of them belong to the topic.
+            translate: Turns a message of another definition into the common one; None if it has that already.
+        """
+        payloads = payloads_of(block, rows)
+        order = self.n_messages + np.arange(len(rows))
+        self.n_messages += len(rows)
+        log_time = block.headers["log_time"][rows].astype(np.int64)
+        if translate is not None:
+            kept = [i for i, payload in enumerate(payloads) if self._translate(payloads, i, payload, translate)]
+            payloads, order, log_time = [payloads[i] for i in kept], order[kept], log_time[kept]
+        lengths = np.fromiter(map(len, payloads), np.int64, len(payloads))
+        for length in np.unique(lengths).tolist():
+            same = np.flatnonzero(lengths == length)
+            joined = np.frombuffer(b"".join([payloads[i] for i in same.tolist()]), np.uint8)
+            messages = joined.reshape(len(same), length)
+            self._decode(messages, order[same], log_time[same])
+
+    def _translate(self, payloads: list[bytes], i: int, payload: bytes, translate: Callable[[bytes], bytes]) -> bool:
+        try:
+            payloads[i] = translate(payload)
+        except MessageError as error:
+            self.damaged.add(str(error))
+            return False
+        return True
+
+    def _decode(self, messages: NDArray[np.uint8], order: IntArray, log_time: IntArray) -> None:
+        left = np.arange(len(messages))
+        for layout in self._layouts:
+            if not len(left):
+                return
+            left = self._take(layout, messages, left, order, log_time)
+        while len(left):
+            if self._n_layouts == MOST_LAYOUTS:
+                self.damaged.add(f"the topic has more than {MOST_LAYOUTS} layouts of its messages", len(left))
+                return
+            try:
+                layout = self._read_layout(messages[left[0]].tobytes())
+            except MessageError as error:
+                self.damaged.add(str(error))
+                left = left[1:]
+                continue
+            self._n_layouts += 1
+            if len(self._layouts) < _KEPT_LAYOUTS:
+                self._layouts.append(layout)
+                left = self._take(layout, messages, left, order, log_time)
+            else:
+                self._take(layout, messages, left[:1], order, log_time)
+                left = left[1:]
+
+    def _take(
+        self, layout: L, messages: NDArray[np.uint8], left: IntArray, order: IntArray, log_time: IntArray
+    ) -> IntArray:
+        """Decode those of the messages that have the layout; returns the others."""
+        candidates = messages if len(left) == len(messages) else messages[left]
+        matching = layout.message.matches(candidates)
+        if not matching.any():
+            return left
+        rows, found = left, candidates
+        if not matching.all():
+            rows, found = left[matching], candidates[matching]
+        numbers = tuple(layout.message.numbers(found, i) for i in range(len(layout.message.spans)))
+        self.segments.append(Segment(layout, order[rows], log_time[rows], layout.message.stamps(found), numbers))
+        return left[~matching]

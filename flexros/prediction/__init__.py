@@ -1,0 +1,1 @@
+"""What all predictors of a log share: observer design and damped least squares."""

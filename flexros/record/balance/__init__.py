@@ -1,0 +1,1 @@
+"""Torque that acted against torque that the nominal robot needs."""

@@ -1,0 +1,99 @@
+"""Torque that the nominal robot needs for a motion of its motors: linearised and elastic, or rigid in any pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.feedforward.rigid_arm import RigidArm
+from flexros.record.smoothing import smooth_motion
+
+if TYPE_CHECKING:
+    from flexros.arrays import ComplexArray, FloatArray
+    from flexros.robot import Robot
+    from flexros.robot.linear.positions import LinearisedPositions
+
+_PER_PERIOD = 8  # samples per period of the highest frequency at which the rigid arm is evaluated
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticNeed:
+    """The robot linearised at some motor positions.
+
+    Attributes:
+        linear: The linear models.
+    """
+
+    linear: LinearisedPositions
+
+    @classmethod
+    def of(cls, robot: Robot, motor_positions: FloatArray) -> ElasticNeed:
+        """Linearise a robot.
+
+        Args:
+            robot: The robot.
+            motor_positions: Motor positions [rad or m], shape (Q, M).
+
+        Raises:
+            InputError: The robot has no rest at one of them.
+        """
+        from flexros.robot.linear.positions import linearise_positions  # here, because it loads slowly
+
+        return cls(linearise_positions(robot, (), motor_positions))
+
+    @property
+    def lowest(self) -> float:
+        """Lowest resonance with locked motors over the positions [Hz]; infinite without one."""
+        linear = self.linear
+        n = linear.mass.shape[1]
+        free = np.setdiff1d(np.arange(n), linear.motor_places)
+        if not free.size:
+            return float("inf")
+        square = np.linalg.eigvals(
+            np.linalg.solve(linear.mass[:, free][:, :, free], linear.stiffness[:, free][:, :, free])
+        ).real
+        return float(np.sqrt(max(square.min(), 0.0)) / (2 * np.pi))
+
+    def at(self, w: FloatArray, motor_position: FloatArray) -> ComplexArray:
+        """Evaluate the matrices from motor positions to torques at the nearest position.
+
+        Args:
+            w: Angular frequencies [rad/s], shape (F,).
+            motor_position: Motor positions [rad or m], shape (M,).
+
+        Returns:
+            Matrices [Nm/rad or N/m], shape (F, M, M).
+        """
+        linear = self.linear
+        k = int(np.argmin(np.sum((linear.motor_positions - motor_position) ** 2, axis=1)))
+        s = 1j * w[:, None, None]
+        Z = linear.stiffness[k] + s * linear.damping[k] + s**2 * linear.mass[k]
+        places = linear.motor_places
+        free = np.setdiff1d(np.arange(Z.shape[1]), places)
+        need = Z[:, places][:, :, places]
+        if free.size:
+            inner = np.linalg.solve(Z[:, free][:, :, free], Z[:, free][:, :, places])
+            need = need - np.matmul(Z[:, places][:, :, free], inner)
+        return np.asarray(need)
+
+
+def rigid_need(robot: Robot, position: FloatArray, sample_time: float, highest: float) -> FloatArray:
+    """Evaluate the inverse dynamics of the rigid arm along a motion, below a frequency.
+
+    Args:
+        robot: The robot.
+        position: Motor positions without holes [rad or m], shape (n, M).
+        sample_time: Time between two samples [s].
+        highest: Frequency up to which the need is wanted [Hz].
+
+    Returns:
+        Torques [Nm or N], shape (n, M).
+    """
+    motion = smooth_motion(position, sample_time, min(2.5 * highest, 0.2 / sample_time))
+    n = len(position)
+    factor = max(1, int(1 / (sample_time * _PER_PERIOD * 2.5 * highest)))
+    places = np.unique(np.append(np.arange(0, n, factor), n - 1))
+    torque = RigidArm(robot).inverse_dynamics(motion[:, places]).torque
+    return np.column_stack([np.interp(np.arange(n), places, column) for column in torque.T])

@@ -1,0 +1,169 @@
+"""Spectra of given and needed torques: short stretches in their poses, and the whole record where the arm is rigid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.record.balance.inverse_dynamics import ElasticNeed, rigid_need
+from flexros.record.balance.torque_balance import TorqueBalance
+from flexros.record.smoothing import bridged, noise_power, smooth_motion
+
+if TYPE_CHECKING:
+    from flexros.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+    from flexros.record.record import GapRecord
+    from flexros.robot import Robot
+
+STRETCH = 4.0
+"""Length of a stretch whose mean pose stands for all of it [s] (chosen)."""
+
+BINS = 96
+"""Frequencies that are kept in each half octave, over all stretches: the strongest (chosen)."""
+
+LEAST_BINS = 6
+"""Frequencies that are kept of each stretch and half octave at least (chosen)."""
+
+HIGHEST = 0.2
+"""Highest frequency over the sampling rate (chosen)."""
+
+RIGID_SHARE = 1 / 3
+"""Share of the lowest resonance with locked motors up to which the arm counts as rigid (chosen)."""
+
+RIGID_HIGHEST = 20.0
+"""Highest frequency at which the rigid arm is used [Hz] (chosen)."""
+
+NOISE_SHARE = 0.1
+"""Largest share of encoder noise in the power of a motion that counts (chosen)."""
+
+_FIRST_BAND = 1e-4  # Hz, where the half octaves begin to be counted
+_PERIODS = 4  # periods that the lowest frequency has in a stretch
+
+
+@dataclass(frozen=True, eq=False)
+class _Signals:
+    """Signals in time, without the first and the last sample, each of shape (n, M)."""
+
+    sample_time: float
+    position: FloatArray
+    acceleration: FloatArray
+    given: FloatArray
+    rigid: FloatArray
+    sign: FloatArray
+    noise: FloatArray
+    rigid_below: float
+    delay: float
+
+    def spectra(self, first: int, end: int, low: float, high: float, bins: int, need: ElasticNeed | None) -> _Piece:
+        """Transform a stretch between two frequencies; above `rigid_below` the robot is elastic."""
+        T, window = self.sample_time, np.hanning(end - first)[:, None]
+        part = slice(first, end)
+        frequency = np.asarray(np.fft.rfftfreq(end - first, T), dtype=np.float64)
+        mean = self.given[part].mean(axis=0)
+        given, acceleration, rigid, sign = (
+            np.fft.rfft(window * values, axis=0)
+            for values in (
+                self.given[part] - mean,
+                self.acceleration[part],
+                self.rigid[part] - self.rigid[part].mean(axis=0),
+                self.sign[part],
+            )
+        )
+        inside = slice(*np.searchsorted(frequency, (low, high)))
+        kept, band, crowd = _strongest(frequency, inside, given, acceleration, bins)
+        f = frequency[kept]
+        w = np.asarray(2 * np.pi * f, dtype=np.float64)
+        q = -acceleration[kept] / ((2 * np.sin(w * T / 2) / T) ** 2)[:, None]
+        needed, elastic = rigid[kept], f >= self.rigid_below
+        if need is not None and np.any(elastic):
+            needed[elastic] = np.matmul(need.at(w[elastic], self.position[part].mean(axis=0)), q[elastic, :, None])[
+                ..., 0
+            ]
+        hold = np.sinc(f * T) * np.exp(-1j * w * (T / 2 + self.delay))
+        friction = np.stack([1j * w[:, None] * q, sign[kept]], axis=2)
+        clear = _clear(np.abs(q) ** 2, band, crowd, float(np.sum(window**2)) * self.noise)
+        return _Piece(f, band, given[kept] * hold[:, None], needed, friction, clear)
+
+
+_Piece = TorqueBalance  # spectra of one stretch have the form of the whole
+
+
+def torque_balance(record: GapRecord, robot: Robot, sample_time: float | None = None) -> TorqueBalance | None:
+    """Compare torques with motions.
+
+    Args:
+        record: The record.
+        robot: The nominal robot.
+        sample_time: Time between two samples that is taken instead of that of the record [s].
+
+    Returns:
+        The balance; None where the robot has no rest near the motion.
+    """
+    T = record.sample_time if sample_time is None else sample_time
+    position = bridged(record.position, record.valid)
+    length = min(len(position) - 2, round(STRETCH / T))
+    starts = np.arange(0, len(position) - 2 - length + 1, length)
+    try:
+        need = ElasticNeed.of(robot, np.stack([position[1:-1][k : k + length].mean(axis=0) for k in starts]))
+    except InputError:
+        return None
+    signals = _signals(record, robot, position, T, need.lowest)
+    lowest, highest = _PERIODS / (length * T), HIGHEST / T
+    bins = max(LEAST_BINS, BINS // len(starts))
+    pieces = [signals.spectra(int(k), int(k) + length, lowest, highest, bins, need) for k in starts]
+    slow = min(lowest, signals.rigid_below)
+    whole = len(position) - 2
+    if len(starts) > 1 and slow > _PERIODS / (whole * T):
+        pieces.append(signals.spectra(0, whole, _PERIODS / (whole * T), slow, BINS, None))
+    return TorqueBalance(
+        *(
+            np.concatenate([getattr(piece, name) for piece in pieces])
+            for name in ("frequency", "band", "given", "needed", "friction", "clear")
+        )
+    )
+
+
+def _signals(record: GapRecord, robot: Robot, position: FloatArray, T: float, lowest: float) -> _Signals:
+    rigid_below = min(RIGID_SHARE * lowest, RIGID_HIGHEST, 0.05 / T)
+    return _Signals(
+        sample_time=T,
+        position=position[1:-1],
+        acceleration=np.diff(position, 2, axis=0) / T**2,
+        given=record.torque[1:-1],
+        rigid=rigid_need(robot, position, T, rigid_below)[1:-1],
+        sign=np.sign(smooth_motion(position, T, min(0.05 / T, 4 * RIGID_HIGHEST))[1])[1:-1],
+        noise=noise_power(position),
+        rigid_below=rigid_below,
+        delay=0.0 if record.measured_torque else robot.delay,
+    )
+
+
+def _strongest(
+    frequency: FloatArray, inside: slice, given: ComplexArray, acceleration: ComplexArray, bins: int
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Keep the strongest frequencies of each half octave; returns places, bands, and of how many each is one."""
+    places = np.arange(inside.start, inside.stop)
+    number = np.floor(2 * np.log2(frequency[places] / _FIRST_BAND)).astype(np.int64)
+    kept, crowd = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+    for band in np.unique(number):
+        among = places[number == band]
+        strength = np.zeros(len(among))
+        for part in (given[among], acceleration[among]):
+            power = np.abs(part) ** 2
+            strength += np.sum(power / np.maximum(power.sum(axis=0), 1e-300), axis=1)
+        best = np.sort(among[np.argsort(strength)[-bins:]])
+        kept.append(best)
+        crowd.append(np.full(len(best), len(among) / len(best)))
+    chosen = np.concatenate(kept)
+    return chosen, number[chosen - inside.start], np.concatenate(crowd)
+
+
+def _clear(power: FloatArray, band: IntArray, crowd: FloatArray, noise: FloatArray) -> BoolArray:
+    """Mark bands of which the kept frequencies stand out of noise, of which the strongest of a crowd are kept too."""
+    _, place = np.unique(band, return_inverse=True)
+    count = np.bincount(place)
+    mean = np.stack([np.bincount(place, column) / count for column in power.T], axis=1)
+    peaks = 1 + np.log(np.bincount(place, crowd) / count)
+    return np.asarray((mean * NOISE_SHARE > peaks[:, None] * noise)[place])

@@ -1,0 +1,72 @@
+"""Whether the recorded position is cut off at a level."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.record.checks.base import AbstractCheck, Finding
+from flexros.record.repeats import runs
+
+if TYPE_CHECKING:
+    from flexros.arrays import BoolArray, FloatArray
+    from flexros.record.checks.checked_record import CheckedRecord
+
+PLATEAU = 8
+"""Fewest equal samples in a row at the extreme of a position that are a flat top (chosen)."""
+
+CONTINUOUS = 0.5
+"""Share of different values from which an encoder has noise in every sample: a coarse one rests at its extremes
+(chosen)."""
+
+JUMP = 0.4
+"""Step between two samples over the range of an encoder from which it wrapped around (chosen)."""
+
+MOST = 0.05
+"""Share of samples in flat tops from which a log is refused (chosen)."""
+
+
+class ClippedEncoder(AbstractCheck):
+    """A position at the end of the encoder's range does not follow the motor, nor does one that wraps around."""
+
+    name: ClassVar[str] = "clipped_encoder"
+    stage: ClassVar[int] = 1
+
+    def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
+        """Look for flat tops and jumps over the whole range."""
+        record, robot = checked.record, checked.robot
+        found = []
+        for motor, name in enumerate(robot.joint_names):
+            values = record.position[record.valid, motor]
+            span = float(np.ptp(values))
+            steps = np.abs(np.diff(values))
+            if span > 0 and steps.max(initial=0.0) > JUMP * span and np.median(steps) < 1e-3 * span:
+                at = float(np.flatnonzero(record.valid)[int(np.argmax(steps))]) * record.sample_time
+                text = (
+                    f"the position of {name} jumps by {steps.max():.4g} at {at:.4g} s, as an encoder that wraps around "
+                    "or is set anew; unwrap it, or cut the log there"
+                )
+                found.append(Finding(text, hopeless=True))
+                continue
+            if len(np.unique(values)) < CONTINUOUS * len(values):
+                continue
+            spoilt = _flat_tops(values, record.valid)
+            flat = int(spoilt.sum())
+            if flat:
+                text = (
+                    f"the position of {name} stays at the end of its range in {flat} samples although it varies in "
+                    "every sample elsewhere: the encoder or the recorder clips it; these samples do not count"
+                )
+                found.append(Finding(text, flat > MOST * len(values), spoilt))
+        return tuple(found)
+
+
+def _flat_tops(values: FloatArray, valid: BoolArray) -> BoolArray:
+    """Mark the samples of a record in which the position rests at its largest or smallest value."""
+    rows, spoilt = np.flatnonzero(valid), np.zeros(len(valid), dtype=bool)
+    for level in (values.max(), values.min()):
+        for begin, length in zip(*runs(values == level), strict=True):
+            if length >= PLATEAU:
+                spoilt[rows[begin : begin + length]] = True
+    return spoilt

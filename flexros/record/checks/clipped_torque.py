@@ -1,0 +1,93 @@
+"""Whether the recorded torque is cut off at a level."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.record.checks.base import AbstractCheck, Finding
+from flexros.record.repeats import runs
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.record.checks.checked_record import CheckedRecord
+
+PLATEAU = 3
+"""Fewest samples in a row at the extreme of a torque that are a flat top (chosen)."""
+
+LEAST_SHARE = 5e-4
+"""Share of samples in flat tops from which a torque is clipped (chosen)."""
+
+CONTINUOUS = 0.3
+"""Share of different values from which a torque is continuous: steps and binary signals have flat tops of their own
+(chosen)."""
+
+AT_LIMIT = 0.01
+"""Relative distance to the limit of the robot file within which a level is that limit (chosen)."""
+
+BEYOND_LIMIT = 1.05
+"""Torque over the limit of the robot file from which it is told (chosen)."""
+
+
+class ClippedTorque(AbstractCheck):
+    """Where a torque is cut off only in the log, or only at the motor, the log does not show what acted."""
+
+    name: ClassVar[str] = "clipped_torque"
+    stage: ClassVar[int] = 1
+
+    def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
+        """Look for flat tops, zero torques, and torques beyond the limit."""
+        record, robot = checked.record, checked.robot
+        if not np.any(record.torque):
+            text = "all torques are zero, so nothing drives the motion; record the commands or the measured torques"
+            return (Finding(text, hopeless=True),)
+        found = []
+        for motor, name in enumerate(robot.joint_names):
+            values, limit = record.torque[record.valid, motor], float(robot.torque_limits[motor])
+            found += _beyond(values, limit, name)
+            levels = _flat_tops(values)
+            if levels:
+                found.append(_told(name, levels, limit))
+        return tuple(found)
+
+
+def _flat_tops(values: FloatArray) -> list[float]:
+    """Find levels at the extremes of a continuous signal at which it stays."""
+    if len(np.unique(values)) < CONTINUOUS * len(values):
+        return []
+    levels = []
+    for level in (float(values.max()), float(values.min())):
+        _, length = runs(np.abs(values - level) <= 1e-9 * abs(level))
+        flat = int(length[length >= PLATEAU].sum())
+        if flat > LEAST_SHARE * len(values) and level != 0.0:
+            levels.append(level)
+    return levels
+
+
+def _told(name: str, levels: list[float], limit: float) -> Finding:
+    text = " and ".join(f"{level:.6g}" for level in levels)
+    if all(abs(abs(level) / limit - 1) < AT_LIMIT for level in levels):
+        return Finding(
+            f"the torque of {name} stays at its limit {text} in parts; what happens beyond the limit is not in the log",
+            hopeless=False,
+        )
+    allowed = f"the robot file allows {limit:.6g}" if np.isfinite(limit) else "the robot file has no limit"
+    return Finding(
+        f"the torque of {name} is cut off at {text}, but {allowed}: the recorder or the drive clips it; record the "
+        "torque that acts, or correct torque_limit",
+        hopeless=False,
+    )
+
+
+def _beyond(values: FloatArray, limit: float, name: str) -> list[Finding]:
+    largest = float(np.abs(values).max(initial=0.0))
+    if largest <= BEYOND_LIMIT * limit:
+        return []
+    return [
+        Finding(
+            f"the torque of {name} reaches {largest:.6g}, but the robot file allows {limit:.6g}; the drive cuts it "
+            "off, or its unit or side of the gear is another one",
+            hopeless=False,
+        )
+    ]

@@ -1,0 +1,30 @@
+"""Whether the torque of every motor belongs to its position."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.record.checks.base import AbstractCheck, Finding
+
+if TYPE_CHECKING:
+    from flexros.record.checks.checked_record import CheckedRecord
+
+
+class JointOrder(AbstractCheck):
+    """Where columns are swapped, torques agree with the needs of other motors than their own."""
+
+    name: ClassVar[str] = "joint_order"
+    stage: ClassVar[int] = 2
+
+    def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
+        """Compare all torques with all needs."""
+        names = checked.robot.joint_names
+        if checked.order_is_wrong:
+            pairs = ", ".join(
+                f"the torque called {names[torque]} belongs to the motion of {names[motion]}"
+                for torque, motion in enumerate(checked.order)
+                if torque != motion
+            )
+            text = f"joints are swapped between torques and positions: {pairs}; correct the names when importing"
+            return (Finding(text, hopeless=True),)
+        return ()

@@ -1,0 +1,62 @@
+"""Whether the motors move, and long enough."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.record.checks.base import AbstractCheck, Finding
+from flexros.record.smoothing import noise_power, smooth_motion
+
+if TYPE_CHECKING:
+    from flexros.record.checks.checked_record import CheckedRecord
+
+STANDS_OUT = 10.0
+"""Rms of a smooth motion over the noise of the encoder from which a motor moves (chosen)."""
+
+FEWEST = 200
+"""Fewest samples in which some motor moves (chosen)."""
+
+SLOWEST = 0.02
+"""Speed over the largest one from which a sample counts as in motion [1] (chosen)."""
+
+FASTEST_LOOK = 50.0
+"""Corner of the low-pass under which motion is looked for [Hz] (chosen)."""
+
+
+class Motion(AbstractCheck):
+    """Without motion there is nothing to be predicted."""
+
+    name: ClassVar[str] = "motion"
+    stage: ClassVar[int] = 1
+
+    def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
+        """Compare the motion of every motor with its noise."""
+        record, robot = checked.record, checked.robot
+        noise = np.sqrt(np.maximum(noise_power(checked.position), 1e-24))
+        cutoff = min(FASTEST_LOOK, 0.1 / record.sample_time)
+        smooth, speed, _ = smooth_motion(checked.position, record.sample_time, cutoff)
+        moves = np.std(smooth, axis=0) > STANDS_OUT * noise
+        if not np.any(moves):
+            return (
+                Finding(
+                    "no motor moves beyond the noise of its encoder, so there is no excitation; record a log in which "
+                    "the motors move",
+                    hopeless=True,
+                ),
+            )
+        in_motion = np.any((np.abs(speed) > SLOWEST * np.abs(speed).max(axis=0))[:, moves], axis=1)
+        if in_motion.sum() < FEWEST:
+            return (
+                Finding(
+                    f"the motors move in {int(in_motion.sum())} samples only, needed are {FEWEST}; record a longer "
+                    "motion",
+                    hopeless=True,
+                ),
+            )
+        still = [name for name, moved in zip(robot.joint_names, moves, strict=True) if not moved]
+        if not still:
+            return ()
+        text = f"{', '.join(still)} does not move beyond the noise of its encoder, so little can be told of it"
+        return (Finding(text, hopeless=False),)

@@ -1,0 +1,43 @@
+"""Whether the nominal robot has anything to do with the log."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.record.checks.base import AbstractCheck, Finding
+
+if TYPE_CHECKING:
+    from flexros.record.checks.checked_record import CheckedRecord
+
+LEAST = 0.3
+"""Agreement between torque and need below which a robot explains little (chosen)."""
+
+
+class OtherRobot(AbstractCheck):
+    """Torques that no multiple of the need explains come from another robot, or unknown forces act."""
+
+    name: ClassVar[str] = "other_robot"
+    stage: ClassVar[int] = 2
+
+    def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
+        """Look for motors whose torque has little to do with the need."""
+        if checked.balance is None:
+            text = (
+                f"robot {checked.robot.name} has no rest near the positions of the log, so torques and motions were "
+                "not compared; check units and zeros of the encoders, or give the right robot"
+            )
+            return (Finding(text, hopeless=False),)
+        if checked.order_is_wrong or checked.reading or checked.fits_nominal_rate:
+            return ()
+        foreign = [
+            checked.robot.joint_names[motor]
+            for motor, fit in enumerate(checked.own)
+            if fit is not None and fit.as_is < LEAST
+        ]
+        if not foreign:
+            return ()
+        text = (
+            f"robot {checked.robot.name} explains little of the torque of {', '.join(foreign)}: it is another robot, "
+            "or forces act that are not in the log"
+        )
+        return (Finding(text, hopeless=False),)

@@ -1,0 +1,27 @@
+"""Whether the log fits the robot far better with a joint inverted or two joints exchanged."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.record.checks.base import AbstractCheck, Finding
+
+if TYPE_CHECKING:
+    from flexros.record.checks.checked_record import CheckedRecord
+
+
+class OtherReading(AbstractCheck):
+    """Couplings and gravity show directions and order of joints that torque and position of one motor do not."""
+
+    name: ClassVar[str] = "reading"
+    stage: ClassVar[int] = 2
+
+    def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
+        """Try the log with each joint inverted and each two exchanged."""
+        if checked.reading is None:
+            return ()
+        text = (
+            f"torques and motions fit robot {checked.robot.name} far better with {checked.reading.text} (agreement "
+            f"{checked.reading.agreement:.2f} of 1): correct sign or names when importing, or give the right robot"
+        )
+        return (Finding(text, hopeless=True),)

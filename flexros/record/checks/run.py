@@ -1,0 +1,61 @@
+"""All checks of a record, one stage after the other: hopeless logs are refused, doubtful ones get warnings."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from flexros.errors import InputError
+from flexros.record.checks.base import Finding, checks
+from flexros.record.checks.checked_record import CheckedRecord
+
+if TYPE_CHECKING:
+    from flexros.record.record import GapRecord
+    from flexros.robot import Robot
+
+
+def findings(record: GapRecord, robot: Robot) -> tuple[Finding, ...]:
+    """Collect what the checks find, up to the first stage with something hopeless.
+
+    Args:
+        record: The record.
+        robot: The nominal robot.
+
+    Returns:
+        Problems, the hopeless ones first.
+    """
+    checked = CheckedRecord(record, robot)
+    found: list[Finding] = []
+    members = [member() for member in checks().values()]
+    for stage in sorted({member.stage for member in members}):
+        for member in members:
+            if member.stage == stage:
+                found += member.look(checked)
+        if any(finding.hopeless for finding in found):
+            break
+    return tuple(sorted(found, key=lambda finding: not finding.hopeless))
+
+
+def check_record(record: GapRecord, robot: Robot) -> GapRecord:
+    """Refuse a record of which a diagnosis would be wrong; note what is doubtful.
+
+    Args:
+        record: The record.
+        robot: The nominal robot.
+
+    Returns:
+        The record with the warnings of the checks; samples that a check found spoilt do not count any more.
+
+    Raises:
+        InputError: The log is hopeless; the sentence names the log, the problem and what to do.
+    """
+    found = findings(record, robot)
+    hopeless = [finding.text for finding in found if finding.hopeless]
+    if hopeless:
+        raise InputError(f"{record.name}: {'; moreover '.join(hopeless[:3])}")
+    valid = record.valid.copy()
+    for finding in found:
+        if finding.spoilt is not None:
+            valid &= ~finding.spoilt
+    texts = (finding.text for finding in found)
+    return replace(record, valid=valid, warnings=tuple(dict.fromkeys([*record.warnings, *texts])))

@@ -1,0 +1,82 @@
+"""Whether an encoder repeats its value while all else shows that it should not."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.record.checks.base import AbstractCheck, Finding
+from flexros.record.repeats import runs
+
+if TYPE_CHECKING:
+    from flexros.arrays import BoolArray, FloatArray
+    from flexros.record.checks.checked_record import CheckedRecord
+
+USUAL_REPEATS = 0.02
+"""Share of samples equal to the one before, up to which an encoder has noise in every sample (chosen)."""
+
+LONGEST = 8
+"""Equal samples in a row that an encoder with noise never has (chosen)."""
+
+DRIVEN = 0.3
+"""Rms torque of a constant encoder over that of its torque in the whole log from which it is driven (chosen)."""
+
+MOST = 0.3
+"""Share of stuck samples from which a log is refused (chosen)."""
+
+
+class StuckEncoder(AbstractCheck):
+    """An encoder with noise in every sample cannot repeat its value; a coarse one may, at standstill."""
+
+    name: ClassVar[str] = "stuck_encoder"
+    stage: ClassVar[int] = 1
+
+    def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
+        """Look for equal samples in a row."""
+        record, robot = checked.record, checked.robot
+        rows = np.flatnonzero(record.valid)
+        found = []
+        for motor, name in enumerate(robot.joint_names):
+            values, torque = record.position[rows, motor], record.torque[rows, motor]
+            if np.ptp(values) == 0.0:
+                found += _constant(name, torque)
+                continue
+            stuck = _stuck(values)
+            if not np.any(stuck):
+                continue
+            spoilt = np.zeros(record.n_samples, dtype=bool)
+            spoilt[rows[stuck]] = True
+            text = (
+                f"the encoder of {name} repeats its value in {int(stuck.sum())} samples, the first at "
+                f"{float(rows[np.argmax(stuck)]) * record.sample_time:.4g} s, although its samples differ elsewhere: "
+                "it was stuck, or the recorder repeated messages; these samples do not count"
+            )
+            found.append(Finding(text, float(stuck.mean()) > MOST, spoilt))
+        return tuple(found)
+
+
+def _stuck(values: FloatArray) -> BoolArray:
+    """Mark the samples that repeat the one before in long stretches; none of an encoder that often does so."""
+    same = np.concatenate([[False], np.diff(values) == 0.0])
+    stuck = np.zeros(len(values), dtype=bool)
+    ends = values == values.max(), values == values.min()  # flat tops are told as such
+    for begin, length in zip(*runs(same), strict=True):
+        if length >= LONGEST and not any(end[begin] for end in ends):
+            stuck[begin : begin + length] = True
+    outside = same[~stuck & ~ends[0] & ~ends[1]]
+    if outside.size and outside.mean() > USUAL_REPEATS:
+        stuck[:] = False
+    return stuck
+
+
+def _constant(name: str, torque: FloatArray) -> list[Finding]:
+    """Judge an encoder that never changes: stuck where the torque varies as much as it is large."""
+    driven = float(np.std(torque)) > DRIVEN * float(np.sqrt(np.mean(torque**2))) > 0
+    if not driven:
+        return [Finding(f"the position of {name} never changes; nothing can be told of it", hopeless=False)]
+    text = (
+        f"the position of {name} never changes although its torque does: its encoder is stuck, or its brake is closed; "
+        "check the encoder, or release the brake"
+    )
+    return [Finding(text, hopeless=True)]

@@ -1,0 +1,49 @@
+"""Whether torque and motion with the same stamp belong to the same instant."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from flexros.record.checks.base import AbstractCheck, Finding
+
+if TYPE_CHECKING:
+    from flexros.record.checks.checked_record import CheckedRecord
+
+SIGNIFICANT = 5.0
+"""Offset over its standard deviation from which it is believed (chosen)."""
+
+NOTED, REFUSED = 0.3, 0.6
+"""Time in samples by which a motion may lead its torque, which no robot does (chosen)."""
+
+LONGEST = 0.01
+"""Delay of the torque beyond which an offset between topics is likelier than a delay of the robot [s] (chosen)."""
+
+
+class TimeOffset(AbstractCheck):
+    """A torque stamped later than it acts cannot be explained by any robot; a long delay may be one of the log."""
+
+    name: ClassVar[str] = "time_offset"
+    stage: ClassVar[int] = 2
+
+    def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
+        """Shift the torques in time until they agree best with what the motions need."""
+        if checked.order_is_wrong or checked.fits_nominal_rate or checked.reading or checked.balance is None:
+            return ()
+        tau, T = checked.delay.time, checked.record.sample_time
+        if abs(tau) < SIGNIFICANT * checked.delay.deviation:
+            return ()
+        declared = 0.0 if checked.record.measured_torque else checked.robot.delay
+        early = -tau - declared  # by how much the motion precedes the torque, whatever the delay of the robot
+        if early > NOTED * T:
+            text = (
+                f"the torques are stamped too late: the motions precede them by {1e3 * early:.2g} ms; give time_offset "
+                "when importing, so that commands and measurements of the same instant have the same stamp"
+            )
+            return (Finding(text, hopeless=early > REFUSED * T),)
+        if tau > LONGEST:
+            text = (
+                f"the torques act {1e3 * tau:.2g} ms later than they are stamped; if that is no delay of the robot, "
+                "give time_offset when importing"
+            )
+            return (Finding(text, hopeless=False),)
+        return ()

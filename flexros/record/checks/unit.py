@@ -1,0 +1,123 @@
+"""Whether torque and position of every motor have the units and the side of the gear of the robot file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from flexros.record.checks.base import AbstractCheck, Finding
+
+if TYPE_CHECKING:
+    from flexros.record.balance.torque_balance import Fit
+    from flexros.record.checks.checked_record import CheckedRecord
+    from flexros.robot import Robot
+
+CLEAR = 0.6
+"""Agreement from which any factor between torque and need is believed (chosen)."""
+
+LARGE_CLEAR, LARGE_GAIN = 0.4, 0.3
+"""Agreement, and its excess over that without the factor, from which a factor that is refused is believed (chosen)."""
+
+NOTED = 2.0
+"""Factor from which it is warned of: errors of gain, inertia and payload of realistic size stay below (chosen)."""
+
+REFUSED = 2.7
+"""Factor from which a log is refused (chosen)."""
+
+LIKE = 1.3
+"""Factor within which a level is taken for that of a known mistake (chosen)."""
+
+
+class Unit(AbstractCheck):
+    """A wrong unit, gear ratio or robot shows as one factor between torque and need at all frequencies."""
+
+    name: ClassVar[str] = "unit"
+    stage: ClassVar[int] = 2
+
+    def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
+        """Compare the level of the torques with what the motions need."""
+        if checked.order_is_wrong or checked.fits_nominal_rate or checked.reading:
+            return ()
+        robot = checked.robot
+        off = {
+            motor: fit
+            for motor, fit in enumerate(checked.own)
+            if fit is not None and fit.factor > 0 and _believed(fit) and abs(np.log(fit.factor)) > np.log(NOTED)
+        }
+        refused = {motor: fit for motor, fit in off.items() if abs(np.log(fit.factor)) > np.log(REFUSED)}
+        if refused:
+            return (Finding(_refusal(refused, robot, len(robot.joint_names)), hopeless=True),)
+        return tuple(
+            Finding(
+                f"the torque of {robot.joint_names[motor]} is {fit.factor:.3g} times what robot {robot.name} needs for "
+                "its motion at all frequencies; if that is no error of the model, correct torque constant or gear "
+                "ratio when importing",
+                hopeless=False,
+            )
+            for motor, fit in off.items()
+        )
+
+
+def _believed(fit: Fit) -> bool:
+    """Tell whether the factor of a comparison is none by chance."""
+    if fit.agreement > CLEAR:
+        return True
+    refused = abs(np.log(fit.factor)) > np.log(REFUSED)
+    return bool(refused) and fit.agreement > LARGE_CLEAR and fit.agreement - fit.as_is > LARGE_GAIN
+
+
+def _refusal(off: dict[int, Fit], robot: Robot, n_motors: int) -> str:
+    names = ", ".join(f"{robot.joint_names[motor]}: {fit.factor:.3g}" for motor, fit in off.items())
+    causes = [cause(fit.factor, robot, motor) for motor, fit in off.items()]
+    common = [text for text in causes[0] if all(text in other for other in causes)]
+    likely = f"it looks like {' or '.join(common)}" if common else "the torques or the motions have another unit"
+    sizes = np.abs(np.log([fit.factor / next(iter(off.values())).factor for fit in off.values()]))
+    if not common and len(off) == n_motors > 1 and sizes.max() > np.log(LIKE):
+        likely = "all motors differ, so it looks like another robot"
+    elif not common and n_motors == 1:
+        likely = "torque or motion have another unit, or the robot is another one"
+    return (
+        f"the torques are a multiple of what robot {robot.name} needs for the motion ({names}), allowed is a factor of "
+        f"{REFUSED:g} either way: {likely}; correct unit, gear ratio or torque constant when importing, or give the "
+        "right robot"
+    )
+
+
+def cause(factor: float, robot: Robot, motor: int) -> list[str]:
+    """Say what a level looks like.
+
+    Args:
+        factor: Torque over what the robot needs for the motion.
+        robot: The nominal robot.
+        motor: Number of the motor (0-based).
+
+    Returns:
+        Mistakes with about that factor, the likeliest first.
+    """
+    size = float(robot.chain.motor(motor).gear_ratio.value)
+    rotary = robot.chain.joints[robot.chain.geared[motor]].rotary
+    limit = float(robot.torque_limits[motor])
+    known = [
+        (1e-3, "a unit with milli (positions) or kilo (torques)"),
+        (1e3, "a unit with milli (torques) or kilo (positions)"),
+    ]
+    if rotary:
+        known += [
+            (1 / np.degrees(1.0), "positions in degrees instead of radians"),
+            (np.degrees(1.0), "positions converted from degrees to radians twice"),
+            (2 * np.pi, "positions in turns instead of radians"),
+        ]
+    if size > 1:
+        known += [
+            (1 / size, f"one of torque and position on the other side of the gear (ratio {size:g})"),
+            (size, f"one of torque and position on the other side of the gear (ratio {size:g})"),
+            (1 / size**2, f"torque and position on the motor side of the gear (ratio {size:g})"),
+            (size**2, f"torque and position on the arm side of the gear (ratio {size:g})"),
+        ]
+    if np.isfinite(limit):
+        known += [
+            (share / limit, f"torques in {text} of the limit") for share, text in ((100, "%"), (1000, "permille"))
+        ]
+    near = [(abs(np.log(factor / value)), text) for value, text in known if abs(np.log(factor / value)) < np.log(LIKE)]
+    return list(dict.fromkeys(text for _, text in sorted(near)))

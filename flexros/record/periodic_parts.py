@@ -1,0 +1,77 @@
+"""Parts of a log with periodic excitation: whole periods of a multisine in steady state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flexros.trajectory.vibration import Vibration
+
+if TYPE_CHECKING:
+    from flexros.arrays import IntArray
+    from flexros.trajectory import Trajectory
+
+LEAST_LINES = 10
+"""Lines that a multisine has at least (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicPart:
+    """Whole periods of a multisine in steady state.
+
+    Attributes:
+        first: First sample of the first period.
+        period: Samples of a period.
+        n_periods: Number of periods, two or more.
+        lines: Excited lines, multiples of one over the period, increasing, shape (F,).
+    """
+
+    first: int
+    period: int
+    n_periods: int
+    lines: IntArray
+
+    @property
+    def end(self) -> int:
+        """Sample behind the last period."""
+        return self.first + self.n_periods * self.period
+
+    def within(self, begin: int, end: int) -> PeriodicPart | None:
+        """Keep the whole periods that lie between two samples; None where fewer than two do.
+
+        Args:
+            begin: First sample that is kept, from which the samples of the result count.
+            end: Sample behind the last one.
+        """
+        skipped = max(0, -((self.first - begin) // self.period))
+        left = min(self.n_periods, (end - self.first) // self.period) - skipped
+        first = self.first + skipped * self.period - begin
+        return PeriodicPart(first, self.period, left, self.lines) if left >= 2 else None
+
+
+def periodic_parts(trajectory: Trajectory, sample_time: float) -> tuple[PeriodicPart, ...]:
+    """Find the multisines of a motion.
+
+    Args:
+        trajectory: The motion asked for, as of a diagnosis experiment.
+        sample_time: Time between two samples [s].
+
+    Returns:
+        Parts between the fades, in samples from the beginning of the motion.
+    """
+    found = []
+    begin = 0.0
+    for move in trajectory.moves:
+        path = move.path
+        if isinstance(path, Vibration) and len(path.frequency) >= LEAST_LINES:
+            period = round(1.0 / path.frequency[0] / sample_time)
+            lines = np.round(path.frequency * period * sample_time).astype(np.int64)
+            # the steady part begins behind the fade, its last period ends where the fade begins
+            n_periods = int((path.duration - 2 * path.fade) / (period * sample_time) + 1e-6)
+            first = round((begin + path.fade) / sample_time)
+            if n_periods >= 2:
+                found.append(PeriodicPart(first, period, n_periods, lines))
+        begin += move.law.duration
+    return tuple(found)

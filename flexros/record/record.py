@@ -1,0 +1,102 @@
+"""What a diagnosis takes from a log: motor positions and torques on an even grid, and what else was measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from flexros.arrays import BoolArray, FloatArray
+    from flexros.record.periodic_parts import PeriodicPart
+
+
+@dataclass(frozen=True, eq=False)
+class ToolRecord:
+    """Positions of the tool, measured.
+
+    Attributes:
+        time: Time of the poses from the first sample of the record on [s], shape (n_t,); any rate.
+        position: Positions in the frame of the tracker [m], shape (n_t, 3).
+    """
+
+    time: FloatArray
+    position: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class GapRecord:
+    """Signals of one log, in the units and on the side of the gear that the robot file uses.
+
+    Attributes:
+        name: Name of the log, for messages.
+        sample_time: Time between two samples [s].
+        position: Motor positions from the encoders [rad or m], shape (n, M).
+        torque: Torques that the motors were given, each from its sample to the next [Nm or N], shape (n, M).
+        valid: Whether a sample was measured; false where messages are missing (held values stand there), shape (n,).
+        late: Samples without a command of their own, so that the one before stands there, shape (n,); None where all
+            have one.
+        reference: Motor positions that were asked for [rad or m], shape (n, M); None where not recorded.
+        tool: What a tool tracker saw; None where there was none.
+        measured_torque: Whether the torques were measured at the motor, so that no delay lies before them.
+        simulated: Whether the log was made by this program's plant, as its provenance says.
+        imported: Whether the log was imported from files of a real machine, whose model is never exact.
+        parts: Periodic parts of the motion, as far as they are known.
+        first: Number of the first sample of the log, counted from the beginning of simulated time.
+        begin: Time of the first sample since the log began [s], for what changes with time; zero but for a part.
+        warnings: What was repaired or is doubtful, a sentence each.
+    """
+
+    name: str
+    sample_time: float
+    position: FloatArray
+    torque: FloatArray
+    valid: BoolArray
+    late: BoolArray | None = None
+    reference: FloatArray | None = None
+    tool: ToolRecord | None = None
+    measured_torque: bool = False
+    simulated: bool = False
+    imported: bool = False
+    parts: tuple[PeriodicPart, ...] = ()
+    first: int = 0
+    begin: float = 0.0
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def n_samples(self) -> int:
+        """Number of samples n."""
+        return len(self.position)
+
+    @property
+    def duration(self) -> float:
+        """Time from the first sample to the last [s]."""
+        return (self.n_samples - 1) * self.sample_time
+
+    def part(self, first: int, end: int) -> GapRecord:
+        """Cut out samples first ... end - 1.
+
+        Args:
+            first: First sample of the part.
+            end: Sample behind its last.
+
+        Returns:
+            The part; its time starts at zero again, and it knows when it began.
+        """
+        tool = self.tool
+        if tool is not None:
+            begin = first * self.sample_time
+            inside = (tool.time >= begin) & (tool.time <= (end - 1) * self.sample_time)
+            tool = ToolRecord(tool.time[inside] - begin, tool.position[inside])
+        cut = slice(first, end)
+        kept = (part.within(first, end) for part in self.parts)
+        return replace(
+            self,
+            position=self.position[cut],
+            torque=self.torque[cut],
+            valid=self.valid[cut],
+            late=None if self.late is None else self.late[cut],
+            reference=None if self.reference is None else self.reference[cut],
+            tool=tool,
+            parts=tuple(part for part in kept if part is not None),
+            begin=self.begin + first * self.sample_time,
+        )

@@ -1,0 +1,1 @@
+"""Report pages: sections, blocks, pictures, number text; one HTML file that opens offline."""

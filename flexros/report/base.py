@@ -1,0 +1,130 @@
+"""What a report consists of: sections, each made of blocks of text, tables and pictures."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Generic, TypeAlias, TypeVar
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+    from flexros.arrays import FloatArray
+
+FACTORS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
+"""Magnifications a reader can choose."""
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """A paragraph of plain text; `lead` for the verdict at the top, `note` for small print."""
+
+    text: str
+    style: str = ""
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading within a section."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Text of a file or a command, set as it is, with a button that copies it.
+
+    Attributes:
+        text: The text.
+        caption: One sentence that says what it is.
+    """
+
+    text: str
+    caption: str
+
+
+@dataclass(frozen=True)
+class Tiles:
+    """The few figures that matter most, each as name, value, unit and one line below."""
+
+    items: tuple[tuple[str, str, str, str], ...]
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """A table of texts; columns after `left` are figures and set to the right.
+
+    Attributes:
+        header: Heading of each column.
+        rows: The rows; a row of one cell is a heading within the table.
+        caption: One sentence that says what it shows.
+        left: Number of columns set to the left.
+    """
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    caption: str
+    left: int = 1
+
+
+@dataclass(frozen=True, eq=False)
+class MagnifiedCurve:
+    """A line of a picture that is drawn at base + factor * deviation.
+
+    Attributes:
+        trace: Index of the line in the picture.
+        base: Points without error, in the units of the picture, shape (n, 2).
+        deviation: Error at each point, in the units of the picture, shape (n, 2).
+    """
+
+    trace: int
+    base: FloatArray
+    deviation: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """An interactive picture.
+
+    Attributes:
+        figure: The picture.
+        caption: What it shows; "{factor}" stands for the magnification.
+        magnified: Lines whose error the reader can magnify, drawn at `factor` at first, one of `FACTORS`.
+        factor: Magnification at first.
+    """
+
+    figure: go.Figure
+    caption: str
+    magnified: tuple[MagnifiedCurve, ...] = ()
+    factor: int = 1
+
+
+Block: TypeAlias = "Paragraph | Heading | Listing | Tiles | TextTable | Picture"
+
+
+Shown = TypeVar("Shown", contravariant=True)
+"""What a report is of: runs, an identification, a diagnosis."""
+
+
+class AbstractSection(ABC, Generic[Shown]):
+    """One section of a report.
+
+    A new section is a class in a file of its own that
+    1. sets `title`, the heading;
+    2. implements `blocks`, which turns what is shown into blocks and returns none where it holds nothing for it;
+    3. takes every figure from what is shown and computes none of its own, so that report, table and JSON agree;
+    4. is listed, in order of appearance, in the module `write` beside it.
+    """
+
+    title: ClassVar[str]
+
+    @abstractmethod
+    def blocks(self, shown: Shown, /) -> tuple[Block, ...]:
+        """Return the content of the section.
+
+        Args:
+            shown: The runs, at least one, or what was identified or found.
+
+        Returns:
+            Blocks in order; none where the section does not apply.
+        """

@@ -1,0 +1,181 @@
+"""One HTML page out of the blocks of its sections; everything it needs stands in it."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+from dataclasses import dataclass
+from functools import cache
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from plotly.offline import get_plotlyjs
+
+from flexros.report.base import FACTORS, Heading, Listing, Paragraph, Picture, TextTable, Tiles
+from flexros.report.style import SCRIPT, STYLE, UNPACK
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
+    from flexros.report.base import Block
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """Heading and content of one section; no heading where the title is empty."""
+
+    title: str
+    blocks: tuple[Block, ...]
+
+
+class Page:
+    """Collects chapters and numbers their pictures and tables."""
+
+    def __init__(self, title: str, subtitle: str) -> None:
+        self._title = title
+        self._subtitle = subtitle
+        self._body: list[str] = []
+        self._pictures: list[dict[str, Any]] = []
+        self._tables = 0
+
+    def add(self, chapter: Chapter) -> None:
+        """Append a chapter; one without blocks is left out."""
+        if not chapter.blocks:
+            return
+        heading = f"<h2>{escape(chapter.title)}</h2>" if chapter.title else ""
+        self._body.append(f"<section>{heading}{''.join(map(self._block, chapter.blocks))}</section>")
+
+    def html(self, packed: bool = False) -> str:
+        """Return the whole page.
+
+        Args:
+            packed: Whether the plotting library is compressed, for a page of 2 MB less that needs a browser of 2023.
+        """
+        # A "</script" or "<!--" inside the data would change where the script element ends.
+        data = json.dumps(self._pictures, separators=(",", ":")).replace("<", "\\u003c")
+        drawing = f'<script type="application/json" id="pictures">{data}</script>{_scripts(packed)}'
+        return (
+            '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+            '<meta name="viewport" content="width=device-width, initial-scale=1">'
+            f'<link rel="icon" href="data:,"><title>{escape(self._title)}</title>'
+            f"<style>{STYLE}</style></head>\n<body><main>"
+            f"<header><p>FlexROS</p><h1>{escape(self._title)}</h1><p>{escape(self._subtitle)}</p></header>"
+            "<noscript><p>The pictures of this report need JavaScript; the tables do not.</p></noscript>\n"
+            f"{chr(10).join(self._body)}\n</main>\n{drawing if self._pictures else ''}</body></html>\n"
+        )
+
+    def _block(self, block: Block) -> str:
+        if isinstance(block, Paragraph):
+            style = f' class="{block.style}"' if block.style else ""
+            return f"<p{style}>{escape(block.text)}</p>"
+        if isinstance(block, Heading):
+            return f"<h3>{escape(block.text)}</h3>"
+        if isinstance(block, Listing):
+            return _listing(block)
+        if isinstance(block, Tiles):
+            return f'<div class="tiles">{"".join(_tile(*item) for item in block.items)}</div>'
+        if isinstance(block, TextTable):
+            return self._table(block)
+        return self._picture(block)
+
+    def _table(self, table: TextTable) -> str:
+        self._tables += 1
+        head = "".join(_cell("th", text, place < table.left) for place, text in enumerate(table.header))
+        rows = []
+        for row in table.rows:
+            if len(row) == 1:
+                rows.append(f'<tr><td class="group" colspan="{len(table.header)}">{escape(row[0])}</td></tr>')
+            else:
+                cells = "".join(_cell("td", text, place < table.left) for place, text in enumerate(row))
+                rows.append(f"<tr>{cells}</tr>")
+        return (
+            f"<figure><figcaption><b>Table {self._tables}.</b> {escape(table.caption)}</figcaption>"
+            f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
+            "</figure>"
+        )
+
+    def _picture(self, picture: Picture) -> str:
+        name = f"picture-{len(self._pictures) + 1}"
+        curves = [
+            {"trace": one.trace, "base": _digits(one.base), "deviation": _digits(one.deviation)}
+            for one in picture.magnified
+        ]
+        figure = json.loads(picture.figure.to_json())
+        self._pictures.append({"id": name, "figure": figure, "magnified": curves, "factors": FACTORS})
+        factor = f'<span class="{name}-factor">{picture.factor}</span>'
+        caption = escape(picture.caption).replace("{factor}", factor)
+        slider = ""
+        if curves:
+            slider = (
+                f'<div class="magnifier"><label for="{name}-slider">Magnification of the error</label>'
+                f'<input id="{name}-slider" type="range" min="0" max="{len(FACTORS) - 1}" step="1" '
+                f'value="{FACTORS.index(picture.factor)}"><output class="{name}-factor">{picture.factor}</output></div>'
+            )
+        height = picture.figure.layout.height
+        return (
+            f'<figure>{slider}<div class="picture" id="{name}" style="height:{height}px"></div>'
+            f"<figcaption><b>Figure {len(self._pictures)}.</b> {caption}</figcaption></figure>"
+        )
+
+
+def page_html(title: str, subtitle: str, chapters: Sequence[Chapter], *, packed: bool = False) -> str:
+    """Return a page with the given chapters.
+
+    Args:
+        title: Heading of the page.
+        subtitle: One line below it.
+        chapters: The chapters in order.
+        packed: Whether the plotting library is compressed, as for `Page.html`.
+
+    Returns:
+        The HTML text, complete in itself.
+    """
+    page = Page(title, subtitle)
+    for chapter in chapters:
+        page.add(chapter)
+    return page.html(packed)
+
+
+def _scripts(packed: bool) -> str:
+    """Return the plotting library and the script that draws."""
+    if not packed:
+        return f"<script>{get_plotlyjs()}</script><script>{SCRIPT}</script>"
+    return f'<script type="text/plain" id="library">{_packed_library()}</script><script>{UNPACK}</script>'
+
+
+@cache
+def _packed_library() -> str:
+    return base64.b64encode(gzip.compress(get_plotlyjs().encode(), mtime=0)).decode()
+
+
+def _tile(name: str, value: str, unit: str, below: str) -> str:
+    return (
+        f'<div class="tile"><div class="name">{escape(name)}</div>'
+        f'<div class="value">{escape(value)}<small>{escape(unit)}</small></div>'
+        f'<div class="below">{escape(below)}</div></div>'
+    )
+
+
+def _listing(listing: Listing) -> str:
+    """Set a text with a button that copies it; without a clipboard the text is selected instead."""
+    copy = (
+        "const p=this.nextElementSibling,s=getSelection();s.selectAllChildren(p);"
+        "if(navigator.clipboard)navigator.clipboard.writeText(p.textContent).then(()=>{this.textContent='copied'})"
+    )
+    return (
+        f'<figure class="listing"><button type="button" onclick="{copy}">copy</button>'
+        f"<pre>{escape(listing.text)}</pre><figcaption>{escape(listing.caption)}</figcaption></figure>"
+    )
+
+
+def _cell(tag: str, text: str, left: bool) -> str:
+    return f'<{tag} class="left">{escape(text)}</{tag}>' if left else f"<{tag}>{escape(text)}</{tag}>"
+
+
+def _digits(points: FloatArray) -> list[list[float]]:
+    """Return points [mm] with a resolution of a nanometre, so that the page stays small."""
+    rounded: list[list[float]] = np.round(points, 6).tolist()
+    return rounded

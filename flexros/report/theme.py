@@ -1,0 +1,151 @@
+"""How all pictures of a report look: colours, fonts, axes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from flexros.report.decimate import screen_samples
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray
+
+FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif'
+INK = "#1b1f24"
+MUTED = "#59636e"
+GRID = "#e7eaee"
+REFERENCE = "#59636e"
+"""Colour of what was commanded; it is dotted as well."""
+_RUNS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#5e3c99", "#8c510a")
+"""Colours of runs, to be told apart also by the colour-blind (Okabe and Ito 2008, extended)."""
+
+
+_TOP, _BOTTOM = 64, 52
+"""Margins [px]: legend and title of the first panel above; labels of the last axis and the tool bar below."""
+
+
+def run_colour(index: int) -> str:
+    """Return the colour of the run with this index, from 0."""
+    return _RUNS[index % len(_RUNS)]
+
+
+def stacked(
+    titles: Sequence[str], columns: int = 1, height: int = 230, shared_x: bool = True, gap: int = 56
+) -> go.Figure:
+    """Make an empty picture of panels in rows, top to bottom, in the style of the report.
+
+    Args:
+        titles: Title of each panel, row by row.
+        columns: Number of panels side by side.
+        height: Height of one row [px].
+        shared_x: Whether zooming along x in one panel zooms the others.
+        gap: Room between rows, for the title of a panel and the labels of the axis above it [px].
+
+    Returns:
+        The picture.
+    """
+    rows = len(titles) // columns
+    total = _TOP + _BOTTOM + height * rows
+    figure = make_subplots(
+        rows=rows,
+        cols=columns,
+        shared_xaxes="all" if shared_x else False,
+        vertical_spacing=0.0 if rows == 1 else min(gap / total, 0.9 / (rows - 1)),
+        horizontal_spacing=0.09,
+        subplot_titles=list(titles),
+    )
+    dress(figure, total, (72, 16, _TOP, _BOTTOM), 13, 1 + 26 / (height * rows))
+    for axes in (figure.update_xaxes, figure.update_yaxes):
+        axes(ticklen=4, title_standoff=8)
+    figure.update_annotations(font={"size": 13, "color": INK}, xanchor="left", x=0)
+    if columns > 1:
+        for place, note in enumerate(figure.layout.annotations):
+            note.x = figure.layout[f"xaxis{place + 1 if place else ''}"].domain[0]
+    return figure
+
+
+def dress(figure: go.Figure, height: int, margins: tuple[int, int, int, int], font: int, legend: float) -> None:
+    """Give a picture the paper, fonts, legend and axes of the report.
+
+    Args:
+        figure: The picture.
+        height: Its height [px].
+        margins: Left, right, above and below the panels [px].
+        font: Size of its texts [px].
+        legend: Where the legend stands, in heights of all panels from their lower end.
+    """
+    left, right, top, bottom = margins
+    figure.update_layout(
+        template=go.layout.Template(),
+        height=height,
+        margin={"l": left, "r": right, "t": top, "b": bottom},
+        font={"family": FONT, "size": font, "color": INK},
+        paper_bgcolor="#ffffff",
+        plot_bgcolor="#ffffff",
+        legend={"orientation": "h", "x": 0, "xanchor": "left", "y": legend, "yanchor": "bottom"},
+        hoverlabel={"font": {"family": FONT, "size": 12}},
+        hovermode="closest",
+    )
+    for axes in (figure.update_xaxes, figure.update_yaxes):
+        axes(
+            showgrid=True,
+            gridcolor=GRID,
+            zeroline=False,
+            linecolor="#8b949e",
+            showline=True,
+            ticks="outside",
+            tickcolor="#8b949e",
+            title_font={"size": font, "color": MUTED},
+        )
+
+
+def curve(
+    x: FloatArray,
+    y: FloatArray,
+    name: str,
+    colour: str,
+    *,
+    hover: str,
+    dash: str = "solid",
+    legend: bool = True,
+    group: str = "",
+    width: float = 1.6,
+) -> go.Scatter:
+    """Make one line of a picture, reduced to what a screen shows.
+
+    Args:
+        x: Abscissa, shape (n,).
+        y: Ordinate, shape (n,).
+        name: Name in the legend.
+        colour: Colour of the line.
+        hover: Text shown at the cursor, with %{x} and %{y}.
+        dash: "solid" or "dot".
+        legend: Whether it appears in the legend.
+        group: Lines of one group are switched on and off together.
+        width: Width [px].
+
+    Returns:
+        The line.
+    """
+    shown = screen_samples(y)
+    return go.Scatter(
+        x=compact(x[shown]),
+        y=compact(y[shown]),
+        name=name,
+        mode="lines",
+        line={"color": colour, "width": width, "dash": dash},
+        hovertemplate=f"{hover}<extra>{name}</extra>",
+        showlegend=legend,
+        legendgroup=group or name,
+    )
+
+
+def compact(values: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.float32]]:
+    """Return numbers in single precision: seven digits are more than a picture shows, in half the room."""
+    largest = np.finfo(np.float32).max  # the numbers of a run that diverged may be larger
+    return np.asarray(np.clip(values, -largest, largest), dtype=np.float32)

@@ -1,0 +1,149 @@
+"""A robot as a URDF, for whatever in ROS wants a robot_description."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+from xml.etree import ElementTree
+
+import numpy as np
+
+from flexros.robot.link_shape import link_shapes, tool_offset
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from xml.etree.ElementTree import Element
+
+    from flexros.arrays import FloatArray
+    from flexros.robot import Robot
+    from flexros.robot.link_shape import LinkShape
+    from flexros.robot.specification import Body
+    from flexros.robot.symbolic.chain import Joint
+
+Flexible = Literal["fixed", "continuous"]
+"""What becomes of elastic directions and gears: they are stiff, or joints of their own."""
+
+FLEXIBLE: tuple[Flexible, ...] = ("fixed", "continuous")
+
+BASE_LINK = "base"
+TOOL_LINK = "tool"
+
+NO_LIMIT = 1e6
+"""Written where a URDF asks for a limit that the robot file does not have [rad/s, m/s, m, Nm or N], chosen."""
+
+
+def urdf_text(robot: Robot, flexible: Flexible = "fixed") -> str:
+    """Write a robot as a URDF.
+
+    Links are `base`, `body_1`, `body_2`, ... and `tool`; all frames are parallel to the base at zero. Motors are the
+    joints `motor_1`, `motor_2`, ..., as in the topic joint_states. Elastic directions are joints with the names of the
+    arm coordinates. With "continuous" a flexible gear is a joint too, behind its motor: there the joint `body_1.ry` is
+    the deflection of the gear, arm angle minus motor angle. Inertias of rotors are left out: a URDF knows no gears.
+
+    Args:
+        robot: The robot.
+        flexible: "fixed": springs are rigid, only the motors move; "continuous": each spring is a joint.
+
+    Returns:
+        The URDF.
+    """
+    root = ElementTree.Element("robot", name=robot.name)
+    ElementTree.SubElement(root, "link", name=BASE_LINK)
+    shapes = {shape.body: shape for shape in link_shapes(robot.spec)}
+    parent, offset = BASE_LINK, np.zeros(3)
+    for index, body in enumerate(robot.spec.bodies):
+        joints = [joint for joint in robot.chain.joints if joint.body == index]
+        for joint in joints:
+            child = f"body_{index + 1}" if joint.last else f"body_{index + 1}_{joint.name.split('.')[1]}"
+            parent = _add_joint(root, joint, flexible, parent, child, offset)
+            offset = np.zeros(3)
+        if joints:
+            link = root.findall("link")[-1]
+        else:
+            link = _add_fixed(root, f"body_{index + 1}.fixed", parent, f"body_{index + 1}", offset)
+            parent = f"body_{index + 1}"
+        _describe(link, body, shapes.get(index))
+        offset = np.array(body.length.value, dtype=float)
+    if robot.spec.tool.linear is None:
+        _add_fixed(root, "tool.fixed", parent, TOOL_LINK, tool_offset(robot.spec))
+    ElementTree.indent(root)
+    return f'<?xml version="1.0"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
+
+
+def _add_joint(root: Element, joint: Joint, flexible: Flexible, parent: str, child: str, offset: FloatArray) -> str:
+    """Add what a direction consists of: the motor's joint, and the joint of the spring; returns the new last link."""
+    moves = {True: "continuous", False: "prismatic"}[joint.rotary]
+    springs = moves if flexible == "continuous" else "fixed"
+    if joint.motor is None:
+        _connect(root, joint, joint.name, springs, parent, child, offset)
+        return child
+    name = f"motor_{joint.motor + 1}"
+    if joint.motor_coordinate is None or flexible == "fixed":
+        _connect(root, joint, name, moves, parent, child, offset)
+        return child
+    rotor = f"{name}_rotor"
+    _connect(root, joint, name, moves, parent, rotor, offset)
+    _connect(root, joint, joint.name, springs, rotor, child, np.zeros(3))
+    return child
+
+
+def _connect(root: Element, joint: Joint, name: str, kind: str, parent: str, child: str, offset: FloatArray) -> None:
+    element = _joint(root, name, kind, parent, child, offset)
+    ElementTree.SubElement(root, "link", name=child)
+    if kind == "fixed":
+        return
+    axis = np.zeros(3)
+    axis[joint.axis] = 1
+    ElementTree.SubElement(element, "axis", xyz=_numbers(axis))
+    is_motor = name != joint.name
+    motor = joint.direction.motor if is_motor else None
+    torque = motor.torque_limit if motor else None
+    limit = {"effort": NO_LIMIT if torque is None else torque.value, "velocity": NO_LIMIT}
+    if kind == "prismatic":
+        limit |= {"lower": -NO_LIMIT, "upper": NO_LIMIT}
+    ElementTree.SubElement(element, "limit", {key: _number(value) for key, value in limit.items()})
+    damping = motor.viscous_friction if motor else joint.direction.damper
+    ElementTree.SubElement(element, "dynamics", damping=_number(damping.value))
+
+
+def _add_fixed(root: Element, name: str, parent: str, child: str, offset: FloatArray) -> Element:
+    _joint(root, name, "fixed", parent, child, offset)
+    return ElementTree.SubElement(root, "link", name=child)
+
+
+def _joint(root: Element, name: str, kind: str, parent: str, child: str, offset: FloatArray) -> Element:
+    element = ElementTree.SubElement(root, "joint", name=name, type=kind)
+    ElementTree.SubElement(element, "origin", xyz=_numbers(offset))
+    ElementTree.SubElement(element, "parent", link=parent)
+    ElementTree.SubElement(element, "child", link=child)
+    return element
+
+
+def _describe(link: Element, body: Body, shape: LinkShape | None) -> None:
+    """Add mass, centre of mass, inertia and the bar by which a body is seen."""
+    inertial = ElementTree.SubElement(link, "inertial")
+    ElementTree.SubElement(inertial, "origin", xyz=_numbers(body.center_of_mass.value))
+    ElementTree.SubElement(inertial, "mass", value=_number(body.mass.value))
+    entries = {f"i{key}": getattr(body.inertia, key).value for key in ("xx", "xy", "xz", "yy", "yz", "zz")}
+    ElementTree.SubElement(inertial, "inertia", {key: _number(value) for key, value in entries.items()})
+    if shape is None:
+        return
+    visual = ElementTree.SubElement(link, "visual")
+    along = shape.end - shape.start
+    roll_pitch_yaw = (
+        0.0,
+        float(np.arctan2(np.hypot(along[0], along[1]), along[2])),
+        float(np.arctan2(along[1], along[0])),
+    )
+    middle = (shape.start + shape.end) / 2
+    ElementTree.SubElement(visual, "origin", xyz=_numbers(middle), rpy=_numbers(roll_pitch_yaw))
+    geometry = ElementTree.SubElement(visual, "geometry")
+    length = float(np.linalg.norm(along))
+    ElementTree.SubElement(geometry, "cylinder", radius=_number(shape.radius), length=_number(length))
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return " ".join(_number(value) for value in values)
+
+
+def _number(value: float) -> str:
+    return repr(float(value)).removesuffix(".0")

@@ -1,0 +1,1 @@
+"""The robot linearised at rest: poles, zeros, frequency responses."""

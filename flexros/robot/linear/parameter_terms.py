@@ -1,0 +1,105 @@
+"""How each unknown enters the linear model: springs, dampers and motors as rank-one terms, the rest as matrices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.errors import InputError
+from flexros.robot.spring import Spring
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flexros.arrays import FloatArray, IntArray
+    from flexros.robot.robot import Robot
+    from flexros.robot.symbolic.chain import Joint
+
+MATRIX = -1
+"""Power of a parameter that is not a rank-one term."""
+_STIFFNESS, _DAMPING, _INERTIA = 0, 1, 2
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterTerms:
+    """Terms of A(jw) = -w^2 M + jw D + K that the parameters stand in.
+
+    A rank-one parameter adds theta_p s_p (jw)^power b_p b_p^T, with s_p = 1 except for nonlinear springs.
+
+    Attributes:
+        vectors: b, zero for a parameter that is not a rank-one term, shape (P, n).
+        powers: 0 stiffness, 1 damping or friction, 2 motor inertia, MATRIX for all others, shape (P,).
+        springs: Laws of the parameters that scale a nonlinear spring, by place among the parameters.
+    """
+
+    vectors: FloatArray
+    powers: IntArray
+    springs: dict[int, Spring]
+
+    def factors(self, q: ca.SX) -> ca.SX:
+        """Write s_p as function of the coordinates: the slope of the law of a nonlinear spring, else 1.
+
+        Args:
+            q: Coordinates [q_a, q_m], SX (n, 1).
+
+        Returns:
+            Factors, SX (P, 1).
+        """
+        factors = ca.SX.ones(len(self.powers))
+        for place, spring in self.springs.items():
+            deflection = ca.SX.sym("deflection")
+            slope = ca.jacobian(spring.force(deflection, 1.0), deflection)
+            stretch = ca.dot(ca.SX(self.vectors[place]), q)
+            factors[place] = ca.substitute(slope, deflection, stretch)
+        return factors
+
+
+def parameter_terms(robot: Robot, names: Sequence[str]) -> ParameterTerms:
+    """Find the terms of some parameters.
+
+    Args:
+        robot: The robot.
+        names: Names of the parameters, length P.
+
+    Returns:
+        Their terms.
+
+    Raises:
+        InputError: A parameter is named twice.
+    """
+    if len(set(names)) < len(names):
+        twice = sorted({name for name in names if list(names).count(name) > 1})
+        raise InputError(f"unknown parameters name {', '.join(twice)} more than once; name each only once")
+    vectors = np.zeros((len(names), robot.n_coordinates))
+    powers = np.full(len(names), MATRIX)
+    springs: dict[int, Spring] = {}
+    known = _rank_one(robot)
+    for place, name in enumerate(names):
+        if name not in known:
+            continue
+        vectors[place], powers[place], joint = known[name]
+        spring = joint.direction.spring
+        if powers[place] == _STIFFNESS and isinstance(spring, Spring) and not spring.linear:
+            springs[place] = spring
+    return ParameterTerms(vectors, powers.astype(np.int64), springs)
+
+
+def _rank_one(robot: Robot) -> dict[str, tuple[FloatArray, int, Joint]]:
+    """Vector, power and joint of all parameters of the robot that are rank-one terms."""
+    unit = np.eye(robot.n_coordinates)
+    found: dict[str, tuple[FloatArray, int, Joint]] = {}
+    for index, joint in enumerate(robot.chain.joints):
+        motor = None if joint.motor is None else robot.chain.motor_places[joint.motor]
+        if isinstance(joint.direction.spring, Spring):
+            stretch = unit[index] if motor is None else unit[motor] - unit[index]
+            found[f"{joint.name}.stiffness"] = (stretch, _STIFFNESS, joint)
+            found[f"{joint.name}.damping"] = (stretch, _DAMPING, joint)
+        if joint.motor is not None and motor is not None:
+            name = f"motor_{joint.motor + 1}"
+            found[f"{name}.viscous_friction"] = (unit[motor], _DAMPING, joint)
+            if not robot.spec.inertial_coupling:  # else it stands in the coupling too
+                found[f"{name}.inertia"] = (unit[motor], _INERTIA, joint)
+    return found

@@ -1,0 +1,1 @@
+"""The symbolic graph of a robot: chain, kinematics, dynamics, model."""

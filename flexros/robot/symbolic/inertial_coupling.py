@@ -1,0 +1,88 @@
+"""Inertial coupling of rotors and arm: the complete flexible joint model (Moberg 2007, eq. 3.12; Tomei 1991)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.robot.specification import RobotSpecification
+    from flexros.robot.symbolic.chain import Chain
+    from flexros.robot.symbolic.dynamics import Motion
+    from flexros.robot.symbolic.kinematics import Value
+
+
+def matrix(
+    specification: RobotSpecification, chain: Chain, values: Mapping[str, Value], moving: Motion, v_a: ca.SX
+) -> ca.SX:
+    """Coupled inertia S(q_a).
+
+    The rotor of motor i turns at gear ratio times its coordinate about the joint axis fixed in the body before; with
+    its inertia J_m on the arm side this adds J_m / ratio * (axis . omega) * v_m to the kinetic energy.
+
+    Args:
+        specification: The robot file.
+        chain: Its joints.
+        values: Number or symbol of every parameter by name.
+        moving: Joint frames in motion.
+        v_a: Rates of the arm coordinates that the motion was built with, SX (N, 1).
+
+    Returns:
+        S [kg m2], SX (N, number of motor coordinates); strictly upper triangular over the geared directions.
+    """
+    S = ca.SX.zeros(len(chain.joints), chain.n_motor_coordinates)
+    for index, joint in enumerate(chain.joints):
+        if joint.motor is None or joint.motor_coordinate is None or index == 0 or not joint.rotary:
+            continue
+        ratio = chain.motor(joint.motor).gear_ratio.value if specification.coordinates == "arm" else 1.0
+        speed = moving.angular[index - 1][joint.axis]
+        momentum = values[f"motor_{joint.motor + 1}.inertia"] / ratio * speed
+        S[:, joint.motor_coordinate] = ca.jacobian(momentum, v_a).T
+    return S
+
+
+def velocity_force(S: ca.SX, q_a: ca.SX, v_a: ca.SX, v_m: ca.SX) -> ca.SX:
+    """Velocity terms c_1, c_2 of equation 3.12 that the coupled energy v_a^T S(q_a) v_m adds, by Lagrange.
+
+    Args:
+        S: Coupled inertia, SX (N, number of motor coordinates).
+        q_a: Arm coordinates, SX (N, 1).
+        v_a: Their rates.
+        v_m: Rates of the motor coordinates.
+
+    Returns:
+        Generalised force on [q_a, q_m], on the left-hand side of the equations of motion.
+    """
+    momentum_arm, momentum_motor = S @ v_m, S.T @ v_a
+    energy = ca.dot(v_a, momentum_arm)
+    arm = ca.jtimes(momentum_arm, q_a, v_a) - ca.gradient(energy, q_a)
+    return ca.vertcat(arm, ca.jtimes(momentum_motor, q_a, v_a))
+
+
+def solve_symmetric(A: ca.SX, b: ca.SX) -> ca.SX:
+    """Solve A x = b by an unrolled L D L^T factorisation without pivoting.
+
+    Args:
+        A: Symmetric positive definite matrix, SX (n, n).
+        b: Right-hand side, SX (n, 1).
+
+    Returns:
+        Solution, SX (n, 1).
+    """
+    n = A.shape[0]
+    L = [[ca.SX(0)] * n for _ in range(n)]
+    D = [ca.SX(0)] * n
+    for j in range(n):
+        D[j] = A[j, j] - sum((L[j][k] ** 2 * D[k] for k in range(j)), start=ca.SX(0))
+        for i in range(j + 1, n):
+            L[i][j] = (A[i, j] - sum((L[i][k] * L[j][k] * D[k] for k in range(j)), start=ca.SX(0))) / D[j]
+    y = [ca.SX(0)] * n
+    for i in range(n):
+        y[i] = b[i] - sum((L[i][k] * y[k] for k in range(i)), start=ca.SX(0))
+    x = [ca.SX(0)] * n
+    for i in reversed(range(n)):
+        x[i] = y[i] / D[i] - sum((L[k][i] * x[k] for k in range(i + 1, n)), start=ca.SX(0))
+    return ca.vertcat(*x)

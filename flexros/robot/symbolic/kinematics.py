@@ -1,0 +1,225 @@
+"""Symbolic kinematics of the chain: joint frames, tool pose, controlled outputs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import casadi as ca
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from flexros.robot.specification import Output, RobotSpecification
+    from flexros.robot.symbolic.chain import Chain
+
+Value = ca.SX | float
+"""A parameter of the model: a number, or a symbol where it is free."""
+
+
+@dataclass(frozen=True)
+class Mass:
+    """A rigid body as carried by a joint frame: mass [kg], centre of mass [m], inertia about it [kg m2], friction."""
+
+    mass: Value
+    center: ca.SX
+    inertia: ca.SX
+    viscous_friction: Value
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The frame behind one joint.
+
+    Attributes:
+        offset: Origin of the joint in the frame before [m], SX (3, 1).
+        masses: Bodies that this frame carries.
+    """
+
+    offset: ca.SX
+    masses: tuple[Mass, ...]
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Frames of a chain with their parameters put in.
+
+    Attributes:
+        frames: One frame per joint.
+        tool: Tool point in the last frame [m], SX (3, 1).
+    """
+
+    frames: tuple[Frame, ...]
+    tool: ca.SX
+
+
+def build_geometry(specification: RobotSpecification, chain: Chain, value: Callable[[str], Value]) -> Geometry:
+    """Place bodies and lengths on the joint frames; a body without free direction rides on the joint before it.
+
+    Args:
+        specification: The robot file.
+        chain: Its joints.
+        value: Gives number or symbol of a named parameter.
+
+    Returns:
+        The geometry.
+    """
+    joint_of_body = {joint.body: index for index, joint in enumerate(chain.joints)}
+    offsets: list[ca.SX] = []
+    carried: list[list[Mass]] = [[] for _ in chain.joints]
+    current = -1
+    reach = ca.SX.zeros(3)
+    for body_index in range(len(specification.bodies)):
+        name = f"body_{body_index + 1}"
+        if body_index in joint_of_body:
+            current = joint_of_body[body_index]
+            count = sum(joint.body == body_index for joint in chain.joints)
+            offsets += [reach] + [ca.SX.zeros(3)] * (count - 1)
+            reach = ca.SX.zeros(3)
+        if current >= 0:
+            center = reach + _vector(name, "center_of_mass", value)
+            carried[current].append(
+                Mass(value(f"{name}.mass"), center, _tensor(name, value), value(f"{name}.viscous_friction"))
+            )
+        tip = reach + _vector(name, "length", value)
+        if body_index == len(specification.bodies) - 1 and specification.tool.position is not None:
+            tool = reach + ca.SX(ca.DM(specification.tool.position.value))
+        else:
+            tool = tip
+        reach = tip
+    frames = tuple(Frame(offset, tuple(masses)) for offset, masses in zip(offsets, carried))
+    return Geometry(frames, tool)
+
+
+def _vector(body: str, key: str, value: Callable[[str], Value]) -> ca.SX:
+    return ca.vertcat(*[ca.SX(value(f"{body}.{key}.{axis}")) for axis in "xyz"])
+
+
+def _tensor(body: str, value: Callable[[str], Value]) -> ca.SX:
+    xx, yy, zz, xy, xz, yz = (ca.SX(value(f"{body}.inertia.{entry}")) for entry in ("xx", "yy", "zz", "xy", "xz", "yz"))
+    return ca.vertcat(ca.horzcat(xx, xy, xz), ca.horzcat(xy, yy, yz), ca.horzcat(xz, yz, zz))
+
+
+def joint_rotation(chain: Chain, index: int, angle: ca.SX) -> ca.SX:
+    """Return the rotation from the frame of a joint to the frame before it, SX (3, 3).
+
+    Args:
+        chain: The chain.
+        index: Number of the joint.
+        angle: Arm coordinate of the joint [rad or m].
+
+    Returns:
+        Rotation matrix; the identity for a translation.
+    """
+    joint = chain.joints[index]
+    if not joint.rotary:
+        return ca.SX.eye(3)
+    c, s = ca.cos(angle), ca.sin(angle)
+    a, b = (joint.axis + 1) % 3, (joint.axis + 2) % 3
+    rotation = ca.SX(3, 3)
+    rotation[joint.axis, joint.axis] = 1
+    rotation[a, a] = rotation[b, b] = c
+    rotation[a, b], rotation[b, a] = -s, s
+    return rotation
+
+
+def joint_origin(chain: Chain, geometry: Geometry, index: int, coordinate: ca.SX) -> ca.SX:
+    """Return the origin of a joint frame in the frame before it [m], SX (3, 1)."""
+    joint = chain.joints[index]
+    origin = geometry.frames[index].offset
+    return origin if joint.rotary else origin + unit_vector(joint.axis) * coordinate
+
+
+def unit_vector(axis: int) -> ca.SX:
+    """Return the unit vector of a coordinate axis, SX (3, 1)."""
+    vector = ca.SX(3, 1)
+    vector[axis] = 1
+    return vector
+
+
+def forward(chain: Chain, geometry: Geometry, q: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Forward kinematics of the chain (Moberg 2007, eq. 3.1).
+
+    Args:
+        chain: The chain.
+        geometry: Its geometry.
+        q: Arm coordinates, SX (N, 1).
+
+    Returns:
+        Tool position in the base frame [m], SX (3, 1), and rotation from tool to base, SX (3, 3).
+    """
+    position, rotation = ca.SX.zeros(3), ca.SX.eye(3)
+    for index in range(len(chain.joints)):
+        position = position + rotation @ joint_origin(chain, geometry, index, q[index])
+        rotation = rotation @ joint_rotation(chain, index, q[index])
+    return position + rotation @ geometry.tool, rotation
+
+
+def _quaternion(chain: Chain, q: ca.SX) -> ca.SX:
+    """Orientation as a quaternion [x, y, z, w] that is continuous in q: the product of the joints' half turns."""
+    x, y, z, w = ca.SX(0), ca.SX(0), ca.SX(0), ca.SX(1)
+    for index, joint in enumerate(chain.joints):
+        if not joint.rotary:
+            continue
+        c, s = ca.cos(q[index] / 2), ca.sin(q[index] / 2)
+        if joint.axis == 0:
+            x, y, z, w = c * x + s * w, c * y + s * z, c * z - s * y, c * w - s * x
+        elif joint.axis == 1:
+            x, y, z, w = c * x - s * z, c * y + s * w, c * z + s * x, c * w - s * y
+        else:
+            x, y, z, w = c * x + s * y, c * y - s * x, c * z + s * w, c * w - s * z
+    return ca.vertcat(x, y, z, w)
+
+
+def tool_pose(specification: RobotSpecification, chain: Chain, geometry: Geometry, q: ca.SX) -> ca.SX:
+    """Tool pose for messages and logs.
+
+    Args:
+        specification: The robot file.
+        chain: Its chain.
+        geometry: Its geometry.
+        q: Arm coordinates, SX (N, 1).
+
+    Returns:
+        [x, y, z] in metres and quaternion [qx, qy, qz, qw], SX (7, 1).
+    """
+    linear = specification.tool.linear
+    if linear is not None:
+        names = [joint.name for joint in chain.joints]
+        total = sum((weight * q[names.index(name)] for name, weight in linear.weights.items()), start=ca.SX(0))
+        position = ca.SX.zeros(3)
+        position["xyz".index(linear.component)] = total / linear.divisor
+        return ca.vertcat(position, 0, 0, 0, 1)
+    position, _ = forward(chain, geometry, q)
+    return ca.vertcat(position, _quaternion(chain, q))
+
+
+def output_value(
+    specification: RobotSpecification, chain: Chain, geometry: Geometry, output: Output, q: ca.SX
+) -> ca.SX:
+    """Controlled output Z = Gamma(q_a) (Moberg 2007, eq. 3.19).
+
+    Args:
+        specification: The robot file.
+        chain: Its chain.
+        geometry: Its geometry.
+        output: Which components; rx, ry, rz are roll, pitch and yaw about the fixed axes.
+        q: Arm coordinates, SX (N, 1).
+
+    Returns:
+        Output [m, rad], SX (n_out, 1).
+    """
+    if output.coordinates:
+        names = [joint.name for joint in chain.joints]
+        return ca.vertcat(*[q[names.index(name)] for name in output.coordinates])
+    pose = tool_pose(specification, chain, geometry, q)
+    _, R = forward(chain, geometry, q)
+    components = {
+        "x": pose[0],
+        "y": pose[1],
+        "z": pose[2],
+        "rx": ca.atan2(R[2, 1], R[2, 2]),
+        "ry": ca.atan2(-R[2, 0], ca.sqrt(R[0, 0] ** 2 + R[1, 0] ** 2)),
+        "rz": ca.atan2(R[1, 0], R[0, 0]),
+    }
+    return ca.vertcat(*[components[name] for name in output.pose])

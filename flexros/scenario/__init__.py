@@ -1,0 +1,1 @@
+"""A run as data, and the runs themselves: scenario, experiment, closed loop, batch."""

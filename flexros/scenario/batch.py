@@ -1,0 +1,247 @@
+"""Many runs at once: sets of plant parameters, gains and seeds, on SIMD lanes and threads."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from flexros.compile.loop.arrays import LoopInputs
+from flexros.compile.loop.loop import LoopKernel, compile_loop
+from flexros.errors import InputError, unknown_name
+from flexros.robot.rest import Rest
+from flexros.simulate.plant import delayed_start
+from flexros.simulate.plant_model import PlantModel
+from flexros.simulate.sample_blocks import Zeros
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from numpy.typing import ArrayLike
+
+    from flexros.arrays import FloatArray
+    from flexros.compile.loop.arrays import LoopResult
+    from flexros.scenario.experiment import Experiment
+    from flexros.simulate.sample_blocks import SampleBlocks
+
+LANES = 8
+"""Runs side by side in one thread, where there are as many: as wide as the widest vector registers [1]."""
+
+Figure = TypeVar("Figure")
+
+
+@dataclass(frozen=True, eq=False)
+class RunRecord:
+    """What one run of a batch recorded.
+
+    Attributes:
+        encoder: Measured motor positions [rad or m], shape (n, M).
+        command: Torque commands [Nm or N], shape (n, M).
+        tool_pose: Measured tool pose, position [m] and quaternion x, y, z, w, shape (n, 7).
+        diverged: Sample at which the state became infinite, where the arrays end; -1 if it did not.
+    """
+
+    encoder: FloatArray
+    command: FloatArray
+    tool_pose: FloatArray
+    diverged: int
+
+
+@dataclass(frozen=True, eq=False)
+class BatchSets:
+    """The numbers of all runs.
+
+    Attributes:
+        names: Plant parameters that differ between runs.
+        parameters: Their values (SI), shape (n_runs, n_parameters).
+        gains: All gains of the controller, shape (n_runs, n_gains).
+        seeds: Seeds, length n_runs.
+        rests: Where the plants start, length n_runs.
+    """
+
+    names: tuple[str, ...]
+    parameters: FloatArray
+    gains: FloatArray
+    seeds: tuple[int, ...]
+    rests: tuple[Rest, ...]
+
+    def __len__(self) -> int:
+        return len(self.seeds)
+
+
+def whole_record(record: RunRecord) -> RunRecord:
+    """Keep all signals of a run, as the figure of a batch."""
+    return record
+
+
+def batch(
+    experiment: Experiment,
+    figure: Callable[[RunRecord], Figure],
+    *,
+    values: Mapping[str, ArrayLike] | None = None,
+    gains: Mapping[str, ArrayLike] | None = None,
+    seeds: Sequence[int] | None = None,
+    threads: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> list[Figure]:
+    """Run an experiment with many sets of numbers; all share its reference.
+
+    Args:
+        experiment: What to run.
+        figure: What is kept of each run, computed as soon as it ends; `whole_record` keeps everything.
+        values: Parameter of the plant -> its value in every run (SI), each of shape (n_runs,); of the robot, e.g.
+            "body_3.mass", or of an effect in the scenario, e.g. "coulomb_friction@motor_1.level".
+        gains: Gain by the names of the control law, e.g. "motor_1.kp" -> its value in every run, shape (n_runs,).
+        seeds: Seed of noise and random disturbances in every run; default: that of the scenario in all.
+        threads: Number of threads; default: one per processor.
+        progress: Called with the number of runs done, now and then.
+
+    Returns:
+        The figure of every run, in order; a run that diverges does not end the others.
+
+    Raises:
+        InputError: Unknown names, or different numbers of values.
+    """
+    model = PlantModel(experiment.plant, experiment.laws, tuple(values or ()))
+    sets = batch_sets(experiment, model, values or {}, gains or {}, seeds)
+    lanes = min(LANES, 1 << (len(sets) - 1).bit_length())
+    law, plant = experiment.scenario.controller, experiment.plant
+    kernel = compile_loop(
+        model.functions(law.function(plant.n_motors, experiment.sample_time)),
+        sample_time=experiment.sample_time,
+        substeps=experiment.scenario.substeps,
+        delay=model.delay,
+        lanes=lanes,
+    )
+    _ = experiment.reference_signal  # made once, before the threads ask for it
+    groups = [range(first, min(first + lanes, len(sets))) for first in range(0, len(sets), lanes)]
+    figures: dict[int, Figure] = {}
+    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+        jobs = [pool.submit(_run_group, experiment, figure, kernel, model, sets, group) for group in groups]
+        try:
+            for job in as_completed(jobs):
+                figures |= job.result()
+                if progress is not None:
+                    progress(len(figures))
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return [figures[run] for run in range(len(sets))]
+
+
+def batch_sets(
+    experiment: Experiment,
+    model: PlantModel,
+    values: Mapping[str, ArrayLike],
+    gains: Mapping[str, ArrayLike],
+    seeds: Sequence[int] | None,
+) -> BatchSets:
+    """Bring the numbers of all runs into arrays, and check that they are of one length; see `batch`."""
+    arrays = {f"values of {name}": np.asarray(given, dtype=float) for name, given in values.items()}
+    arrays |= {f"gains {name}": np.asarray(given, dtype=float) for name, given in gains.items()}
+    if seeds is not None:
+        arrays["seeds"] = np.asarray(seeds, dtype=float)
+    for name, array in arrays.items():
+        if array.ndim != 1 or not np.all(np.isfinite(array)):
+            raise InputError(f"batch: {name} are {array.tolist()}, allowed is one finite number for each run")
+    lengths = {name: len(array) for name, array in arrays.items()}
+    if len(set(lengths.values())) != 1 or 0 in lengths.values():
+        given = ", ".join(f"{length} {name}" for name, length in lengths.items()) or "nothing"
+        raise InputError(f"batch: {given} were given, allowed is the same number for all, at least one")
+    n_runs = next(iter(lengths.values()))
+    law, n_motors = experiment.scenario.controller, experiment.plant.n_motors
+    gain_names = law.gain_names(n_motors)
+    all_gains = np.tile(experiment.gains, (n_runs, 1))
+    for name in gains:
+        if name not in gain_names:
+            raise unknown_name(f"gain of controller {law.kind}", name, gain_names, "the batch")
+        all_gains[:, gain_names.index(name)] = arrays[f"gains {name}"]
+    parameters = np.array([arrays[f"values of {name}"] for name in values]).reshape(len(values), n_runs).T
+    random = experiment.scenario.noise or experiment.scenario.disturbances
+    own_seeds = (
+        (experiment.scenario.seed,) * n_runs if seeds is None or not random else tuple(int(seed) for seed in seeds)
+    )
+    return BatchSets(tuple(values), parameters, all_gains, own_seeds, _rests(experiment, model, parameters))
+
+
+def _rests(experiment: Experiment, model: PlantModel, parameters: FloatArray) -> tuple[Rest, ...]:
+    """Find where every plant starts; the smallest and the largest value of each parameter must be physical."""
+    start = Rest(experiment.start_state, experiment.start_torque)
+    if not model.parameter_names:
+        return (start,) * len(parameters)
+    of_robot = [model.parameter_names[column] for column in model.robot_columns]
+    for name, column in zip(model.parameter_names, parameters.T, strict=True):
+        for run in {int(np.argmin(column)), int(np.argmax(column))}:
+            value, source = {name: float(column[run])}, f"run {run} of the batch"
+            experiment.plant.with_values(value if name in of_robot else {}, source)
+            for law in model.laws:
+                law.check_values(value, source)
+    rests = []
+    for values in parameters:
+        rest = model.rest(start.state, values)
+        rests.append(Rest(rest.state, model.command_at_rest(rest.state, rest.torque, values)))
+    return tuple(rests)
+
+
+def _run_group(
+    experiment: Experiment,
+    figure: Callable[[RunRecord], Figure],
+    kernel: LoopKernel,
+    model: PlantModel,
+    sets: BatchSets,
+    group: range,
+) -> dict[int, Figure]:
+    """Run as many sets as there are lanes, the last one repeated where sets are missing."""
+    members = [*group, *[group[-1]] * (kernel.lanes - len(group))]
+    n, law, plant = experiment.n_samples, experiment.scenario.controller, experiment.plant
+    rests = [sets.rests[run] for run in members]
+    of_seed = {seed: experiment.signals(seed) for seed in dict.fromkeys(sets.seeds[run] for run in members)}
+    signals = [of_seed[sets.seeds[run]] for run in members]
+    result = kernel.run(
+        delayed_start(
+            _lanes([model.start(rest.state, rest.torque, sets.parameters[run]) for run, rest in zip(members, rests)]),
+            law.initial_state(plant.n_motors),
+            _lanes([rest.torque for rest in rests]),
+            kernel.line_length,
+        ),
+        n,
+        LoopInputs(
+            reference=experiment.reference_signal,
+            noise=_signal([signal.encoder_noise for signal in signals], n),
+            disturbance=_signal([signal.disturbance for signal in signals], n),
+            parameters=_lanes([sets.parameters[run] for run in members]),
+            gains=_lanes([sets.gains[run] for run in members]),
+        ),
+    )
+    return {
+        run: figure(_record(result, lane, kernel.lanes, signals[lane].tool_noise)) for lane, run in enumerate(group)
+    }
+
+
+def _record(result: LoopResult, lane: int, lanes: int, tool_noise: SampleBlocks) -> RunRecord:
+    """Take the signals of one lane, up to where it diverged."""
+    assert result.tool_pose is not None
+    pick = ... if lanes == 1 else (..., lane)
+    diverged = int(result.diverged[pick])
+    end = len(result.encoder) if diverged < 0 else diverged
+    encoder, command, pose = (np.array(one[pick][:end]) for one in (result.encoder, result.command, result.tool_pose))
+    if not isinstance(tool_noise, Zeros):
+        pose[:, :3] += tool_noise.rows(0, end)
+    return RunRecord(encoder, command, pose, diverged)
+
+
+def _lanes(columns: Sequence[FloatArray]) -> FloatArray:
+    """Put vectors of the lanes side by side, shape (size, lanes), or (size,) for one lane."""
+    return columns[0] if len(columns) == 1 else np.stack(columns, axis=-1)
+
+
+def _signal(lanes: list[SampleBlocks], n: int) -> FloatArray | None:
+    """Put signals of the lanes side by side, shape (n, width, lanes); (n, width) where all share one, None for zero."""
+    if all(isinstance(signal, Zeros) for signal in lanes):
+        return None
+    if all(signal is lanes[0] for signal in lanes):
+        return lanes[0].rows(0, n)
+    return np.stack([signal.rows(0, n) for signal in lanes], axis=-1)

@@ -1,0 +1,297 @@
+"""A scenario made ready to run: robots, reference, controller, start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexros.control.controller import Controller
+from flexros.errors import InputError, source_named
+from flexros.feedforward.compensation.encoder_reading import position_of_reading
+from flexros.feedforward.compensation.uncompensated import uncompensated
+from flexros.feedforward.reference import compute_reference
+from flexros.identify.diagnosis_experiment.course import diagnosis_course
+from flexros.identify.experiment.limits import check_limits
+from flexros.identify.experiment.reference import identification_reference, moves_of
+from flexros.provenance import versions
+from flexros.scenario.identification_plan import plan_of_scenario
+from flexros.scenario.models import ScenarioModels
+from flexros.simulate.plant import Plant
+from flexros.simulate.plant_model import PlantModel
+from flexros.simulate.signals import plant_signals
+from flexros.trajectory import Trajectory, build_trajectory, check_reachable
+
+if TYPE_CHECKING:
+    from flexros.arrays import FloatArray
+    from flexros.effects import PlacedLaw
+    from flexros.feedforward.motion import Reference
+    from flexros.identify.experiment.plan import ExperimentPlan
+    from flexros.robot import Robot
+    from flexros.scenario.scenario import Scenario
+    from flexros.simulate.signals import PlantSignals
+
+MOST_BYTES = 4_000_000_000
+"""Largest memory for the signals of a run [bytes]; a longer run is taken for a mistake in its duration (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """All that a run needs, made from its scenario; everything costly is made when first asked for.
+
+    Attributes:
+        scenario: What was asked for.
+        models: The robot as the scenario names it, as the feedforward knows it, and as it is simulated.
+        sample_time: Time between two samples [s].
+        trajectory: Desired motion; a rest where the scenario has none, the moves alone where it is an identification.
+        n_samples: Number of samples, the first at 0 and the last at or just before the end.
+        plan: Plan of the identification experiment; None where the scenario is none.
+    """
+
+    scenario: Scenario
+    models: ScenarioModels
+    sample_time: float
+    trajectory: Trajectory
+    n_samples: int
+    plan: ExperimentPlan | None = None
+
+    @classmethod
+    def prepare(cls, scenario: Scenario) -> Experiment:
+        """Load the robots and plan the motion.
+
+        Args:
+            scenario: What to run.
+
+        Returns:
+            The experiment.
+
+        Raises:
+            InputError: Robot, values, start or trajectory are not possible; the sentence names scenario and key.
+        """
+        source = f"scenario {scenario.name}"
+        models = ScenarioModels.of(scenario)
+        nominal = models.nominal.robot
+        sample_time = nominal.sample_time if scenario.sample_time is None else scenario.sample_time
+        plan = None if scenario.identification is None else plan_of_scenario(scenario)
+        trajectory = _trajectory(scenario, nominal, source, sample_time) if plan is None else moves_of(plan)
+        duration = trajectory.duration if scenario.duration is None else scenario.duration
+        n_samples = int(np.floor(duration / sample_time + 1e-6)) + 1 if plan is None else plan.n_samples
+        needed = n_samples * bytes_per_sample(nominal, trajectory.n_out, planned=plan is not None)
+        if needed > MOST_BYTES:
+            raise InputError(
+                f"{source}: {(n_samples - 1) * sample_time:g} s at a sample time of {sample_time:g} s are {n_samples} "
+                f"samples, which need some {needed / 1e9:.2g} GB of memory with robot {nominal.name}, allowed are "
+                f"{MOST_BYTES / 1e9:g} GB; shorten the duration or raise the sample time"
+            )
+        experiment = cls(scenario, models, sample_time, trajectory, n_samples, plan)
+        with source_named(source):  # what is cheap to check is refused before anything costly is made
+            _ = experiment.gains, experiment.signals(scenario.seed)
+        return experiment
+
+    @property
+    def nominal(self) -> Robot:
+        """The robot that the scenario names, without the laws of a patch."""
+        return self.models.nominal.robot
+
+    @property
+    def plant(self) -> Robot:
+        """The robot that is simulated, without the laws of its effects."""
+        return self.models.plant.robot
+
+    @property
+    def laws(self) -> tuple[PlacedLaw, ...]:
+        """Laws of effects on the plant."""
+        return self.models.plant.laws
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample [s]."""
+        return (self.n_samples - 1) * self.sample_time
+
+    @cached_property
+    def start(self) -> FloatArray:
+        """Arm coordinates near which the motion starts [rad or m], shape (N,)."""
+        return self.nominal.home if self.scenario.start is None else np.array(self.scenario.start, dtype=float)
+
+    @cached_property
+    def reference(self) -> Reference:
+        """References and feedforward torques of all samples; the torques are zero where the scenario says so.
+
+        Raises:
+            InputError: The robot cannot reach the path, or the nominal robot would leave a limit of an identification.
+        """
+        with source_named(f"scenario {self.scenario.name}"):
+            if self.plan is None:
+                _check_reachable(self.trajectory, self.nominal, self.start)
+                return self._reference(self.duration)
+            known = self.models.known
+            reference = identification_reference(
+                self.plan, known.robot, self.scenario.feedforward, self.start, known.laws
+            )
+            check_limits(self.plan, self.nominal, self.scenario.controller, reference)
+            return self._with_torque(reference)
+
+    @cached_property
+    def reference_signal(self) -> FloatArray:
+        """What the controller gets: motor positions, velocities, feedforward torques, shape (n, 3 M)."""
+        reference = self.reference
+        return np.hstack([reference.motor_position, reference.motor_velocity, reference.torque])
+
+    @cached_property
+    def start_motor_position(self) -> FloatArray:
+        """First reference of the motors [rad or m], shape (M,)."""
+        position: FloatArray = self._reference(0.0).motor_position[0]
+        return position
+
+    @cached_property
+    def start_state(self) -> FloatArray:
+        """State of the plant before the first sample: at rest, the encoders on their first reference."""
+        held = position_of_reading(self.plant, self.laws, self.start_motor_position)
+        state = self.plant.equilibrium(self.start, motor_position=held)
+        return self.plant_model.rest(state).state if self.plant_model.moves_rest else state
+
+    @cached_property
+    def start_torque(self) -> FloatArray:
+        """Command that holds the plant at its start [Nm or N], shape (M,); what a delayed command stands for."""
+        model, state = self.plant_model, self.start_state
+        torque = model.rest(state).torque if model.moves_rest else self.plant.holding_torque(state)
+        return model.command_at_rest(state, torque, np.zeros(0))
+
+    @cached_property
+    def plant_model(self) -> PlantModel:
+        """The plant with the laws of its effects, as functions."""
+        return PlantModel(self.plant, self.laws)
+
+    @cached_property
+    def gains(self) -> FloatArray:
+        """Gains of the controller within the limits of the nominal robot, shape (n_gains,)."""
+        return self.scenario.controller.gains(self.nominal.n_motors, self.nominal.torque_limits)
+
+    def controller(self) -> Controller:
+        """Make a controller in its state before the first sample."""
+        robot = self.nominal
+        return Controller(self.scenario.controller, robot.n_motors, self.sample_time, robot.torque_limits)
+
+    def signals(self, seed: int) -> PlantSignals:
+        """Make sensor noise and disturbances of a seed."""
+        scenario = self.scenario
+        return plant_signals(
+            self.plant, self.sample_time, seed, noise=scenario.noise, disturbances=scenario.disturbances
+        )
+
+    def plant_in_time(self) -> Plant:
+        """Make the simulated robot at its start, to be stepped sample by sample."""
+        return Plant(
+            self.plant,
+            self.sample_time,
+            self.start_state,
+            seed=self.scenario.seed,
+            noise=self.scenario.noise,
+            disturbances=self.scenario.disturbances,
+            substeps=self.scenario.substeps,
+            torque=self.start_torque,
+            laws=self.laws,
+        )
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the feedforward knows of but cannot make up for, a sentence each."""
+        known = self.models.known
+        return uncompensated(known.robot, known.laws, self.scenario.feedforward)
+
+    def provenance(self) -> dict[str, Any]:
+        """Describe the run for the log's side-car: scenario, hashes, versions."""
+        return {
+            "scenario": self.scenario.model_dump(mode="json"),
+            "scenario_hash": self.scenario.digest(),
+            "seed": self.scenario.seed,
+            "sample_time": self.sample_time,
+            "n_samples": self.n_samples,
+            **self.models.provenance(),
+            **({"warnings": list(self.warnings)} if self.warnings else {}),
+            "versions": versions(),
+        }
+
+    def _reference(self, duration: float) -> Reference:
+        scenario = self.scenario
+        with source_named(f"scenario {scenario.name}"):
+            known = self.models.known
+            reference = compute_reference(
+                known.robot,
+                self.trajectory,
+                scenario.feedforward,
+                self.sample_time,
+                duration,
+                self.start,
+                known.laws,
+            )
+        return self._with_torque(reference)
+
+    def _with_torque(self, reference: Reference) -> Reference:
+        """Take the feedforward torque away where the scenario does not want it."""
+        if self.scenario.feedforward_torque:
+            return reference
+        return replace(reference, torque=np.zeros_like(reference.torque))
+
+
+def bytes_per_sample(robot: Robot, n_out: int, *, planned: bool = False) -> int:
+    """Give the memory that each sample of a run takes, as all signals are held at once.
+
+    Args:
+        robot: The robot, with M motors.
+        n_out: Number of coordinates of the trajectory.
+        planned: Whether it is an identification, whose reference is written where it stays.
+
+    Returns:
+        Memory [bytes]: the reference (its parts and the whole), the signal to the controller, the motion with its
+        derivatives that the reference is made from, and the log.
+    """
+    m = robot.n_motors
+    reference, signal, derivatives, log = 8 + 3 * m + n_out, 3 * m, 5 * (m + n_out), 7 + 2 * m
+    return 8 * (reference + signal + log + (1 if planned else reference + derivatives))
+
+
+def _trajectory(scenario: Scenario, robot: Robot, source: str, sample_time: float) -> Trajectory:
+    """Plan the scenario's motion from its start pose."""
+    near = robot.home
+    if scenario.start is not None:
+        with source_named(f"{source}, key start"):
+            near = robot.check_arm(scenario.start)
+    if scenario.diagnosis is not None:
+        with source_named(source):
+            return diagnosis_course(
+                scenario.diagnosis, robot, scenario.controller, sample_time, scenario.seed, near
+            ).trajectory
+    gears = near[list(robot.chain.geared)]
+    if scenario.trajectory is None:
+        return Trajectory.at_rest(gears)
+    if scenario.trajectory.joints:
+        return build_trajectory(scenario.trajectory, gears, source=f"{source}, key trajectory")
+    output = scenario.trajectory.output_of(scenario.feedforward.output or robot.controlled)
+    key = "trajectory.output" if scenario.trajectory.output else "feedforward.output"
+    with source_named(f"{source}, key {key}"):
+        begin = robot.forward_kinematics(near, output)
+    pose = robot.spec.outputs[output].pose
+    return build_trajectory(
+        scenario.trajectory,
+        begin,
+        output=output,
+        n_position=len([component for component in pose if component in ("x", "y", "z")]) or None,
+        source=f"{source}, key trajectory",
+    )
+
+
+def _check_reachable(trajectory: Trajectory, robot: Robot, near: FloatArray) -> None:
+    """Refuse a tool path that leaves the reach of the rigid arm or passes a singularity; names the place."""
+    if trajectory.joints or not robot.spec.outputs[trajectory.output].pose:
+        return
+    gears = list(robot.chain.geared)
+    slope, arm = robot.model.output_with_slope(trajectory.output), robot.chain.arm_from_gears
+    check_reachable(
+        trajectory,
+        lambda target, close: robot.inverse_kinematics(target, arm(close), trajectory.output)[gears],
+        lambda joints: np.asarray(slope(arm(joints))[1], dtype=float),
+        near[gears],
+    )

@@ -1,0 +1,108 @@
+"""The robots of a scenario: as the feedforward knows it, and as it is simulated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from flexros.effects import RobotWithEffects, parse_effect, place_effects
+from flexros.effects.patching.patched_robot import fingerprint, load_patched
+from flexros.errors import InputError, source_named
+
+if TYPE_CHECKING:
+    from flexros.effects import PlacedEffect
+    from flexros.effects.patching.patched_robot import PatchedRobot
+    from flexros.robot import Robot
+    from flexros.scenario.scenario import Scenario
+
+
+@dataclass(frozen=True, eq=False)
+class ScenarioModels:
+    """The robots of a scenario.
+
+    Attributes:
+        nominal: The robot that the scenario names, with the effects of a patch, if it names one.
+        known: What the feedforward believes in: the nominal one, or that of the key `feedforward_model`.
+        plant: What is simulated: the nominal one with the deviations of the plant on top.
+        nominal_effects: Effects of the patch that the scenario names as its robot.
+        known_effects: Effects of the patch that the scenario names as `feedforward_model`.
+    """
+
+    nominal: RobotWithEffects
+    known: RobotWithEffects
+    plant: RobotWithEffects
+    nominal_effects: tuple[PlacedEffect, ...] = ()
+    known_effects: tuple[PlacedEffect, ...] = ()
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> ScenarioModels:
+        """Load the robots of a scenario.
+
+        Args:
+            scenario: The scenario.
+
+        Returns:
+            The robots. Values replace numbers of the robot file; effects come on top of all values: first those of
+            the patch, then those of the plant.
+
+        Raises:
+            InputError: A robot cannot be loaded, or has no such number or place; names scenario and key.
+        """
+        source = f"scenario {scenario.name}"
+        nominal = load_patched(scenario.robot).with_values(scenario.model.values, f"{source}, key model.values")
+        plant = _plant(scenario, nominal, source)
+        if scenario.feedforward_model is None:
+            return cls(nominal.model, nominal.model, plant, nominal.placed)
+        known = _known(scenario, scenario.feedforward_model, nominal.base, source)
+        return cls(nominal.model, known.model, plant, nominal.placed, known.placed)
+
+    def provenance(self) -> dict[str, Any]:
+        """Describe the robots for the provenance of a run.
+
+        Returns:
+            Fingerprints of the robots; that of the feedforward's, and effects of patches, where there are any.
+        """
+        content: dict[str, Any] = {"model_hash": self._hash(self.nominal), "plant_hash": self._hash(self.plant)}
+        if self.known is not self.nominal:
+            content["feedforward_hash"] = self._hash(self.known)
+        for key, placed in (("model_effects", self.nominal_effects), ("feedforward_effects", self.known_effects)):
+            if placed:
+                content[key] = [str(one) for one in placed]
+        return content
+
+    @staticmethod
+    def _hash(model: RobotWithEffects) -> str:
+        return fingerprint(model.robot, model.laws)
+
+
+def _plant(scenario: Scenario, nominal: PatchedRobot, source: str) -> RobotWithEffects:
+    """Change the robot by the plant's values, then by the effects of the patch and of the plant."""
+    key = f"{source}, key plant"
+    if "sample_time" in scenario.plant.values:
+        raise InputError(
+            f"{key}.values: sample_time is given, but plant and controller share one sample time; set the scenario's "
+            "key sample_time instead"
+        )
+    plant = nominal.with_values(scenario.plant.values, f"{key}.values")
+    with source_named(f"{key}.effects"):
+        hidden = [parse_effect(text, "effect") for text in scenario.plant.effects]
+        return place_effects(plant.base, [*plant.placed, *hidden])
+
+
+def _known(scenario: Scenario, name: str, nominal: Robot, source: str) -> PatchedRobot:
+    """Load what the feedforward believes in, a model of the same robot."""
+    key = f"{source}, key feedforward_model"
+    with source_named(key):
+        known = load_patched(name).with_values(scenario.model.values, "model.values of the scenario")
+    ours, theirs = ((robot.spec.coordinates, robot.n_motors) for robot in (nominal, known.base))
+    if ours != theirs:
+        raise InputError(
+            f"{key}: robot {_described(known.base)}, but the scenario's robot {_described(nominal)}; give a model of "
+            "the same robot"
+        )
+    return known
+
+
+def _described(robot: Robot) -> str:
+    count = f"{robot.n_motors} motor{'s' * (robot.n_motors != 1)}"
+    return f"{robot.name} has {count}, stated on the {robot.spec.coordinates} side of the gear"

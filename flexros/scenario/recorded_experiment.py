@@ -1,0 +1,57 @@
+"""The experiment that a log was recorded by, made again from the scenario in its provenance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from flexros.errors import InputError
+from flexros.record.periodic_parts import periodic_parts
+
+if TYPE_CHECKING:
+    from flexros.logs.time_series import Log
+    from flexros.record.record import GapRecord
+    from flexros.scenario.experiment import Experiment
+
+
+def recorded_experiment(log: Log) -> Experiment | None:
+    """Prepare the scenario of a log, without noise and with nothing hidden in the plant.
+
+    Args:
+        log: The log.
+
+    Returns:
+        The experiment; None where the log names none, one of another version, or one whose robot is not on this
+        machine.
+    """
+    from flexros.scenario.experiment import Experiment
+    from flexros.scenario.scenario import Scenario
+
+    given = log.provenance.get("scenario")
+    if not isinstance(given, dict):
+        return None
+    try:
+        return Experiment.prepare(Scenario.model_validate({**given, "noise": False, "plant": {}}))
+    except (InputError, ValueError):
+        return None
+
+
+def with_recorded_parts(record: GapRecord, log: Log) -> GapRecord:
+    """Add the multisines of a diagnosis experiment to the record of its log.
+
+    Args:
+        record: The record.
+        log: The log it was read from.
+
+    Returns:
+        The record with the whole periods within it; unchanged where the experiment is another or not known.
+    """
+    given = log.provenance.get("scenario")
+    if not isinstance(given, dict) or not given.get("diagnosis"):
+        return record
+    experiment = recorded_experiment(log)
+    if experiment is None:
+        return record
+    end = record.first + record.n_samples
+    parts = (part.within(record.first, end) for part in periodic_parts(experiment.trajectory, record.sample_time))
+    return replace(record, parts=tuple(part for part in parts if part is not None))

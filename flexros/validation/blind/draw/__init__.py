@@ -1,0 +1,1 @@
+"""What a blind case consists of: deviations, sizes, references, controllers, conditions."""

@@ -1,0 +1,71 @@
+"""Causes that the effects library does not have: a diagnosis should say that it does not know them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+
+from flexros.validation.blind.plant.friction import dry
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros.validation.blind.plant.equations import Equations
+
+
+def position_dependent_friction(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
+    """Dry friction whose level goes up and down along the way."""
+    for motor in plant.motors(place):
+        way = plant.q[plant.place(motor)] / p["length"]
+        dry(plant, motor, p["level"] * (1 + 0.9 * ca.sin(2 * np.pi * way + p["phase"])))
+
+
+def load_dependent_friction(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
+    """Dry friction in proportion to the torque that the gear transmits."""
+    for motor in plant.motors(place):
+        joint = plant.robot.chain.geared[motor]
+        load = plant.gear_torque(joint, plant.deflection(joint))
+        dry(plant, motor, p["share"] * ca.sqrt(load**2 + p["least"] ** 2))
+
+
+def tool_pushes(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
+    """Pushes from outside on the last arm coordinate; when they come is drawn with the log."""
+    del place
+    plant.added[plant.robot.n_arm - 1] += p["height"] * plant.push
+
+
+def rotating_imbalance(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
+    """Spindle at the tool that runs up slowly: its force grows with the square of its speed."""
+    del place
+    speed = p["speed"] * (1 + p["run_up"] * plant.time / 40)
+    turned = p["speed"] * (plant.time + p["run_up"] * plant.time**2 / 80)
+    plant.added[plant.robot.n_arm - 1] += p["force"] * (speed / p["speed"]) ** 2 * ca.sin(2 * np.pi * turned)
+
+
+def cable(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
+    """Cable that snaps tight beyond an angle of the motor and stiffens."""
+    for motor in plant.motors(place):
+        pulled = ca.fmax(plant.q[plant.place(motor)] - p["angle"], 0) / p["length"]
+        plant.add_torque(motor, -p["torque"] * (pulled + pulled**2))
+
+
+def varying_stiffness(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
+    """Stiffness of a gear that swings slowly in time."""
+    for motor in plant.motors(place):
+        joint = plant.robot.chain.geared[motor]
+        swing = p["relative"] * ca.sin(2 * np.pi * p["frequency"] * plant.time + p["phase"])
+        plant.add_spring_torque(joint, swing * plant.spring_torque(joint, plant.deflection(joint).angle))
+
+
+def periodic_disturbance(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
+    """Torque of a fixed frequency in time, whatever the motion."""
+    for motor in plant.motors(place):
+        wave = ca.sin(2 * np.pi * p["frequency"] * plant.time + p["phase"])
+        plant.add_torque(motor, p["amplitude"] * wave)
+
+
+def lost_commands(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
+    """Commands that do not arrive, so that the one before stays; which ones is drawn with the log."""
+    del plant, place, p

@@ -1,0 +1,1 @@
+"""Scoring of a blind check: answers against sealed truths."""

@@ -1,0 +1,69 @@
+"""What a diagnosis could have reached: the true structure, told to the fit and fitted to the same log."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexros.effects import RobotWithEffects
+from flexros.validation.blind.run import case_settings, read_logs
+from flexros.validation.blind.score.answer import VISIBLE
+from flexros.validation.blind.score.nested import same_place
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from flexros.gap.candidates.candidate import Suspect
+    from flexros.gap.search.candidate_fits import Search
+    from flexros.validation.blind.seal import OpenCase, Truth
+
+
+def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
+    """Fit the true effect at its true place, and see how much of the gap it closes on the second log.
+
+    Args:
+        folder: Folder of the case, with its logs.
+        case: What is open of it.
+        truth: What is hidden in it.
+
+    Returns:
+        Closed fraction [1]; None where nothing, or more than one effect, or one that is no matter of fitting is hidden,
+        or where the gap does not show on the second log.
+    """
+    from flexros.gap.candidates.tolerance import tolerance_of
+    from flexros.gap.held_out.prediction_gap import closed_fraction, errors_ahead
+    from flexros.gap.held_out.rounding import over_expected_floor
+    from flexros.gap.noise.weights import measurement_in
+    from flexros.gap.residuals.fit_data import fit_data
+    from flexros.gap.search.candidate_fits import Search
+
+    if truth.kind != "single" or truth.gain < VISIBLE:
+        return None
+    robot, record, holdout = read_logs(folder, case)
+    model = RobotWithEffects(robot, ())
+    data = fit_data(record, model, case_settings())
+    held = fit_data(holdout, model, case_settings(), measurement_in(holdout, robot, data.measurement))
+    search = Search(model, data, tolerance_of(robot, {}))
+    search.threads = 1
+    nothing = search.nothing()
+    held = held.tool_seen_by(nothing.predictor, nothing.theta)
+    among = (*search.suspects(search.yardsticks(nothing)), *search.waves(nothing))
+    true = _true(search, among, truth)
+    if not true:
+        return None
+    hidden = truth.deviations[0].effect
+    fits = [one for one in search.singles(nothing, true) if one.predictor.hypothesis[0].effect.name == hidden]
+    if not fits:
+        return None
+    before = over_expected_floor(errors_ahead(nothing, held), model, held)
+    share = closed_fraction(before, errors_ahead(fits[0], held), held.record.sample_time)
+    return None if share is None else share.value
+
+
+def _true(search: Search, among: Sequence[Suspect], truth: Truth) -> list[Suspect]:
+    """List the true effect at its place, and the simpler ones there from which its fit starts."""
+    hidden, name = truth.deviations[0], search.model.robot.name
+    here = [one for one in among if same_place(name, hidden.location, one.location)]
+    simpler = {part for one in here if one.effect.name == hidden.effect for part in one.effect.extends}
+    chosen = [one for one in here if one.effect.name == hidden.effect or one.effect.name in simpler]
+    return chosen if any(one.effect.name == hidden.effect for one in chosen) else []

@@ -1,0 +1,5 @@
+"""Hard pairs: effects that a log cannot tell apart, and the experiment that does."""
+
+from flexros.validation.campaigns.hard_pairs.campaign import HardPairs
+
+__all__ = ["HardPairs"]

@@ -1,0 +1,1 @@
+"""Commands of this room, which the command line finds by entry points."""

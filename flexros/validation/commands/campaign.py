@@ -1,0 +1,87 @@
+"""Command that runs campaigns: long computations whose pages of results are committed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from flexros.cli.output import print_json, progress_bar, say
+from flexros.errors import InputError
+from flexros.whole_file import write_result
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from distributed import Client
+
+    from flexros.validation.campaigns.base import CampaignResult
+
+WORK = "campaign_work"
+"""Folder of finished parts, beside the results, unless told otherwise."""
+
+
+def campaign(
+    name: list[str] = typer.Argument(None, help="Campaigns to run, e.g. coverage; default: all."),
+    out: Path = typer.Option(..., "--out", help="Folder of the pages of results, e.g. docs/results."),
+    repetitions: int = typer.Option(0, "--repetitions", help="How often to repeat; default: as each campaign says."),
+    work: Path = typer.Option(
+        None, "--work", help="Folder of finished parts, from which a campaign goes on; default: OUT/campaign_work."
+    ),
+    scheduler: str = typer.Option("", "--scheduler", help="Address of a Dask scheduler; default: in this process."),
+    as_json: bool = typer.Option(False, "--json", help="Print JSON."),
+) -> None:
+    """Run campaigns such as coverage, or what is left of them, and write their pages of results."""
+    from flexros.scheduler import connected
+    from flexros.validation.campaigns.base import campaign_named, campaigns
+
+    chosen = [campaign_named(one, "the command line") for one in name or campaigns()]
+    if repetitions < 0:
+        raise InputError(f"--repetitions is {repetitions}, but must be 1 or more; leave it out for the usual number")
+    _make(out)
+    records = {}
+    with connected(scheduler) as client:
+        for one in chosen:
+            folder = (work or out / WORK) / one.name
+            _make(folder)
+            if not as_json:
+                say(f"{one.name}: {one.question}")
+            result = _run(one.run, folder, client, repetitions)
+            for file, text in result.files.items():
+                write_result(out / file, text, f"result of campaign {one.name}")
+            records[one.name] = dict(result.record)
+            if not as_json:
+                for sentence in result.summary:
+                    say(sentence)
+                say(f"Results: {', '.join(str(out / file) for file in result.files)}")
+    if as_json:
+        print_json(records)
+
+
+def _run(run: Callable[[Any], CampaignResult], folder: Path, client: Client, repetitions: int) -> CampaignResult:
+    """Run one campaign with a progress bar."""
+    from flexros.validation.campaigns.base import CampaignRequest
+
+    with progress_bar() as bar:
+        tasks: dict[str, Any] = {}
+
+        def tell(what: str, done: int, whole: int) -> None:
+            if what not in tasks:
+                tasks[what] = bar.add_task(what, total=whole)
+            bar.update(tasks[what], completed=done, total=whole)
+
+        return run(CampaignRequest(folder, client, repetitions or None, tell))
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"the folder '{folder}' cannot be made ({error.strerror or error}); give one that can be written"
+        ) from error
+
+
+COMMANDS: dict[str, Callable[..., Any]] = {"campaign": campaign}
+HELP = ""

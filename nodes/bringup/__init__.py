@@ -1,0 +1,1 @@
+"""Bring-up: all nodes of a run, composed or as processes, from a program or a launch file."""

@@ -1,0 +1,224 @@
+"""One process for each node, brought up and down through their lifecycle services."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from time import monotonic, sleep
+from typing import TYPE_CHECKING
+
+import rclpy
+from lifecycle_msgs.msg import State, Transition
+from lifecycle_msgs.srv import ChangeState, GetState
+from rclpy.context import Context
+from rclpy.node import Node
+
+from flexros.errors import RunError
+from flexros_nodes.bringup.node_process import NodeProcess
+from flexros_nodes.bringup.run_plan import RunSummary, summarise
+from flexros_nodes.protocol.clock_steps import waking_at_clock_steps
+from flexros_nodes.protocol.ending import GOODBYE_TIMEOUT
+from flexros_nodes.protocol.parameters import node_parameters
+from flexros_nodes.shell.domain import DOMAIN_VARIABLE
+from flexros_nodes.shell.exposure import check_exposure
+from flexros_nodes.shell.shared_memory import remove_segments_without_owner
+from flexros_nodes.shell.spinning import make_executor
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rclpy.client import Client
+    from rclpy.task import Future
+
+    from flexros_nodes.bringup.run_plan import RunPlan
+    from flexros_nodes.protocol.interruption import Interruption
+
+CONFIGURE_TIMEOUT = 60.0
+"""Longest time for a node to start and to prepare its part of the scenario [s], chosen."""
+
+START_TIMEOUT = 10.0
+"""Time after which a process that offers no services is started once more [s], chosen: discovery takes about one."""
+
+SHUTDOWN_TIMEOUT = 20.0
+"""Longest time for a node to shut down [s], chosen: on a loaded machine a recorder needs seconds to close its log."""
+
+VANISHING_TIMEOUT = 0.5
+"""Longest wait for nodes that have ended to vanish from the graph [s], chosen: one that was killed stays for long."""
+
+BRAKING_MARGIN = 2.0
+"""Times the duration of braking and one second: longest that the plant may take to brake, chosen."""
+
+ANSWER_TIMEOUT = 2.0
+"""Time after which a lifecycle service is asked again [s], chosen."""
+
+_STATES = {
+    Transition.TRANSITION_CONFIGURE: (State.PRIMARY_STATE_UNCONFIGURED, State.PRIMARY_STATE_INACTIVE),
+    Transition.TRANSITION_ACTIVATE: (State.PRIMARY_STATE_INACTIVE, State.PRIMARY_STATE_ACTIVE),
+}
+"""State before and after a transition."""
+
+SLICE = 0.05
+"""Period at which the processes are looked after [s]."""
+
+
+class ProcessManager:
+    """Brings the nodes of a plan up, watches them, and brings them down.
+
+    Args:
+        plan: What to run.
+        scratch: Folder for parameter files and reports.
+        interrupted: Tells whether the user wants an end.
+    """
+
+    def __init__(self, plan: RunPlan, scratch: Path, interrupted: Interruption) -> None:
+        self._plan = plan
+        self._scratch = scratch
+        self._interrupted = interrupted
+        self._has_killed = False
+        self._context = Context()
+        rclpy.init(context=self._context, args=[], domain_id=int(os.environ[DOMAIN_VARIABLE]))
+        self._node = Node(f"flexros_run_{os.getpid()}", context=self._context, start_parameter_services=False)
+        self._executor = make_executor(self._context)
+        self._executor.add_node(self._node)
+        self._changers = {name: self._node.create_client(ChangeState, f"/{name}/change_state") for name in plan.nodes}
+        self._watchers = {name: self._node.create_client(GetState, f"/{name}/get_state") for name in plan.nodes}
+        self.processes = {name: NodeProcess(name, plan.process_values(name), scratch) for name in plan.nodes}
+
+    def run(self) -> None:
+        """Bring all nodes up and wait until the run is over."""
+        check_exposure(os.environ, int(os.environ[DOMAIN_VARIABLE]))
+        with waking_at_clock_steps(self._executor.wake):
+            self._bring_up_and_watch()
+
+    def _bring_up_and_watch(self) -> None:
+        for name in self._plan.nodes:
+            self._await_services(name)
+        for transition in (Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE):
+            for name in self._plan.nodes:
+                if not self._change(name, transition, CONFIGURE_TIMEOUT):
+                    return
+        self._wait(lambda: any(process.ended for process in self.processes.values()), None)
+        plant = self.processes["plant"]
+        recorder = self.processes.get("recorder")
+        if not self._interrupted() and (recorder is None or not recorder.ended):
+            plant.tell_partner_ended()
+            self._wait(lambda: plant.ended, self._plant_patience())
+
+    def _plant_patience(self) -> float:
+        """Give the longest time that the plant may take to brake and to wait for the recorder [s]."""
+        default = node_parameters("plant")["brake_duration"].default
+        braking = float(self._plan.parameters.get("plant", {}).get("brake_duration", default))
+        return BRAKING_MARGIN * (braking + 1.0) + GOODBYE_TIMEOUT
+
+    def _await_services(self, name: str) -> None:
+        """Wait until a node offers its services; one that does not is started once more."""
+        clients = (self._changers[name], self._watchers[name])
+
+        def ready() -> bool:
+            return self.processes[name].ended or all(client.service_is_ready() for client in clients)
+
+        found = self._wait(ready, START_TIMEOUT)
+        if not found and not self._interrupted():
+            self.processes[name].stop(SHUTDOWN_TIMEOUT)  # killed at once, it would stand in the others' counts for long
+            self._has_killed |= self.processes[name].killed
+            self.processes[name] = NodeProcess(name, self._plan.process_values(name), self._scratch)
+
+    def _change(self, name: str, transition: int, timeout: float) -> bool:
+        """Ask a node for a transition; False when it refused, ended or the user wants an end.
+
+        An answer can be lost when the service knew the client's request before its reply channel. After a while without
+        an answer the node is asked for its state, and once more for the transition if it never heard of it.
+        """
+        process = self.processes[name]
+        origin, target = _STATES[transition]
+        request = ChangeState.Request()
+        request.transition.id = transition
+        deadline = monotonic() + timeout
+        answer = self._ask(name, self._changers[name], request, deadline)
+        while answer is not None and monotonic() < deadline:
+            self._wait_for_answer(name, answer)
+            if process.ended or self._interrupted():
+                return False
+            state = target if answer.done() and answer.result().success else self._state(name, deadline)
+            if state == target:
+                return True
+            if state == origin:  # it refused, and ends with its reason; or it never heard
+                self._wait(lambda: process.ended, SLICE)
+                answer = self._ask(name, self._changers[name], request, deadline)
+        if process.ended or self._interrupted():
+            return False
+        raise RunError(f"node {name} did not finish a transition within {timeout:g} s; try again")
+
+    def _ask(self, name: str, client: Client, request: object, deadline: float) -> Future | None:
+        """Send a request once the service is there; None when the node ended or the user wants an end."""
+        process = self.processes[name]
+        self._wait(lambda: client.service_is_ready() or process.ended, deadline - monotonic())
+        if process.ended or self._interrupted():
+            return None
+        if not client.service_is_ready():
+            raise RunError(f"the process of node {name} does not offer its services; try again")
+        return client.call_async(request)
+
+    def _state(self, name: str, deadline: float) -> int | None:
+        """Ask a node for its lifecycle state; None when it does not answer."""
+        answer = self._ask(name, self._watchers[name], GetState.Request(), deadline)
+        if answer is None:
+            return None
+        self._wait_for_answer(name, answer)
+        return answer.result().current_state.id if answer.done() else None
+
+    def _wait_for_answer(self, name: str, answer: Future) -> None:
+        self._wait(lambda: answer.done() or self.processes[name].ended, ANSWER_TIMEOUT)
+
+    def _wait(self, condition: Callable[[], bool], timeout: float | None) -> bool:
+        """Spin until a condition holds, the time is over, or the user wants an end; tell whether it holds."""
+        deadline = None if timeout is None else monotonic() + timeout
+        while not condition():
+            if self._interrupted() or (deadline is not None and monotonic() > deadline):
+                return condition()
+            self._executor.spin_once(timeout_sec=SLICE)
+        return True
+
+    def close(self) -> None:
+        """Bring the nodes down in order, the recorder last, and leave nothing behind."""
+        for name in reversed(self._plan.nodes[1:]):
+            self.processes[name].ask_to_stop()
+        for name in reversed(self._plan.nodes):
+            self.processes[name].stop(SHUTDOWN_TIMEOUT)
+        self._let_nodes_vanish()
+        self._executor.shutdown()
+        self._node.destroy_node()
+        rclpy.try_shutdown(context=self._context)
+        if self._has_killed or any(process.killed for process in self.processes.values()):
+            remove_segments_without_owner()
+
+    def _let_nodes_vanish(self) -> None:
+        """Wait a little until the middleware knows that the nodes are gone: ended meanwhile, it may hang."""
+        deadline = monotonic() + VANISHING_TIMEOUT
+        while len(self._node.get_node_names()) > 1 and monotonic() < deadline:
+            sleep(SLICE)
+
+
+def run_processes(plan: RunPlan, interrupted: Interruption) -> RunSummary:
+    """Run each node of a plan in a process of its own.
+
+    Args:
+        plan: What to run.
+        interrupted: Tells whether the user wants an end.
+
+    Returns:
+        Summary of the run.
+
+    Raises:
+        RunError: A process did not come up.
+    """
+    with tempfile.TemporaryDirectory(prefix="flexros_") as scratch:
+        manager = ProcessManager(plan, Path(scratch), interrupted)
+        try:
+            manager.run()
+        finally:
+            manager.close()
+        reports = {name: report for name, p in manager.processes.items() if (report := p.report()) is not None}
+        deaths = tuple(text for p in manager.processes.values() if (text := p.death()))
+        return summarise(reports, plan.folder, "processes", interrupted=interrupted(), deaths=deaths)

@@ -1,0 +1,112 @@
+"""Replaying a log from a program: what `flexros replay` does."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import rclpy
+from rclpy.context import Context
+from rclpy.task import Future
+
+from flexros.errors import INTERRUPTED, InputError
+from flexros_nodes.protocol.interruption import interruption
+from flexros_nodes.protocol.parameters import check_value, node_parameters
+from flexros_nodes.replay import ReplayNode
+from flexros_nodes.shell.domain import DOMAIN_VARIABLE, environment
+from flexros_nodes.shell.executable import bring_up, close
+from flexros_nodes.shell.exposure import check_exposure, exposure_settings
+from flexros_nodes.shell.spinning import make_executor, spin
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from flexros_nodes.protocol.interruption import Interruption
+    from flexros_nodes.protocol.parameters import Value
+
+PROGRESS_PERIOD = 0.2
+"""Period at which the progress is told [s], chosen."""
+
+
+@dataclass(frozen=True)
+class ReplaySummary:
+    """What came of a replay.
+
+    Attributes:
+        exit_code: 0 done, 3 broken off, 130 interrupted.
+        message: What happened, as one sentence; empty when all was played.
+        warnings: Damage in the log, and topics that were not played.
+        figures: Counts by name.
+    """
+
+    exit_code: int
+    message: str
+    warnings: tuple[str, ...] = ()
+    figures: Mapping[str, float] = field(default_factory=dict)
+
+
+def replay_log(
+    values: Mapping[str, Value],
+    progress: Callable[[float, float], None] = lambda done, total: None,
+    *,
+    network: bool = False,
+) -> ReplaySummary:
+    """Play a log.
+
+    It is played in the ROS domain of the environment, so that nodes of the user hear it; its sockets are bound to
+    127.0.0.1 unless the environment says otherwise. SIGINT and SIGTERM end it in order.
+
+    Args:
+        values: Parameter values of the replay node; "bag" names the log.
+        progress: Called now and then with what is played and what is to be played in all [s].
+        network: Let nodes on other machines hear it.
+
+    Returns:
+        Summary with exit code 0, 3 (broken off) or 130 (interrupted).
+
+    Raises:
+        InputError: Log, topics, times or a value are not allowed.
+        RunError: This process has used ROS 2 before with sockets that are open to the network.
+    """
+    specifications = node_parameters(ReplayNode.node_name)
+    checked = {name: check_value(ReplayNode.node_name, name, value, specifications) for name, value in values.items()}
+    settings = exposure_settings(os.environ, network=network)
+    with interruption() as interrupted, environment(settings):
+        summary = _play(checked, progress, interrupted)
+    if summary.exit_code == InputError.exit_code:
+        raise InputError(summary.message)
+    return summary
+
+
+def _play(
+    values: Mapping[str, Value], progress: Callable[[float, float], None], interrupted: Interruption
+) -> ReplaySummary:
+    context = Context()
+    rclpy.init(context=context, args=[])
+    node = ReplayNode(context=context, values=values)
+    executor = make_executor(context)
+    try:
+        check_exposure(os.environ, int(os.environ.get(DOMAIN_VARIABLE) or 0))
+        node.tells_errors = False  # the summary does
+        executor.add_node(node)
+        stop: Future = Future()
+        node.on_end = lambda _: stop.set_result(None)
+        bring_up(node)
+        if node.report is None:
+            node.every(PROGRESS_PERIOD, lambda: progress(node.position, node.duration))
+            spin(executor, stop, interrupted, node)
+        ended = node.report is not None
+        report = close(node)
+    finally:
+        close(node)
+        executor.shutdown()
+        node.destroy_node()
+        rclpy.try_shutdown(context=context)
+    cut_short = interrupted() and not ended
+    return ReplaySummary(
+        exit_code=INTERRUPTED if cut_short else report.exit_code,
+        message="interrupted" if cut_short else report.message,
+        warnings=tuple(node.warnings),
+        figures=report.figures,
+    )

@@ -1,0 +1,119 @@
+"""Running a scenario over ROS 2 topics: what `flexros run --transport ros` does."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flexros.effects.patching.patched_robot import load_model
+from flexros.errors import InputError, unknown_name
+from flexros.scenario.scenario import Scenario, load_scenario
+from flexros_nodes.bringup.composed import run_composed
+from flexros_nodes.bringup.processes import run_processes
+from flexros_nodes.bringup.run_plan import LEADERS, NODES, RunPlan, RunSummary, leader_of
+from flexros_nodes.protocol.interruption import interruption
+from flexros_nodes.protocol.parameters import check_value, gain_parameters, node_parameters
+from flexros_nodes.shell.domain import DOMAIN_VARIABLE, domain_of_run, environment
+from flexros_nodes.shell.exposure import exposure_settings
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flexros_nodes.protocol.parameters import Value
+
+LAYOUTS = {"composed": run_composed, "processes": run_processes}
+
+SET_BY_THE_RUN = {
+    "scenario": " from its scenario",
+    "folder": " from its log folder (--out)",
+    "autostart": "",
+    "observers": "",
+    "parent_process": "",
+    "report_file": "",
+}
+"""Parameters that follow from the run, and from what."""
+
+
+def run_scenario(
+    scenario: Scenario | str | Path,
+    out: Path | None,
+    layout: str = "composed",
+    *,
+    real_time: bool = False,
+    network: bool = False,
+    parameters: Mapping[str, Mapping[str, Value]] | None = None,
+) -> RunSummary:
+    """Run a scenario with plant, controller, feedforward or identification, and recorder as ROS 2 nodes.
+
+    The run has a ROS domain of its own, and its sockets are bound to 127.0.0.1, unless the environment says otherwise.
+    A process decides this once: its later runs are heard where the first was. SIGINT and SIGTERM end a run in order.
+
+    Args:
+        scenario: The scenario, its shipped name or its file.
+        out: Folder of the log, to be made; None records nothing.
+        layout: "composed", all nodes in this process, or "processes", one for each node.
+        real_time: Pace the loop by the wall clock instead of lock-step.
+        network: Let nodes on other machines take part.
+        parameters: Parameter values by node, e.g. {"plant": {"drop_fraction": 0.01}}.
+
+    Returns:
+        Summary with exit code 0, 3 (broken off) or 130 (interrupted).
+
+    Raises:
+        InputError: Scenario, parameters, layout or log folder are not allowed.
+        RunError: This process has used ROS 2 before with sockets that are open to the network.
+    """
+    if layout not in LAYOUTS:
+        raise unknown_name("layout", layout, LAYOUTS)
+    loaded = scenario if isinstance(scenario, Scenario) else load_scenario(scenario)
+    given = {node: _checked(node, values, loaded) for node, values in (parameters or {}).items()}
+    if real_time:
+        given.setdefault("plant", {})["real_time"] = True
+    folder = None if out is None else Path(out).absolute()
+    with (
+        tempfile.TemporaryDirectory(prefix="flexros_") as scratch,
+        interruption() as interrupted,
+        domain_of_run(os.environ, os.getpid()) as domain,
+        environment({DOMAIN_VARIABLE: str(domain), **exposure_settings(os.environ, network=network)}),
+    ):
+        plan = RunPlan(_scenario_file(scenario, Path(scratch)), folder, given, leader_of(loaded))
+        summary = replace(LAYOUTS[layout](plan, interrupted), domain_id=domain)
+    if summary.exit_code == InputError.exit_code:
+        raise InputError(summary.message)
+    return summary
+
+
+def _checked(node: str, values: Mapping[str, Value], scenario: Scenario) -> dict[str, Value]:
+    """Check the parameters given for a node before anything starts."""
+    if node not in NODES:
+        raise unknown_name("node", node, NODES)
+    if node in LEADERS and node != (leader := leader_of(scenario)):
+        raise InputError(
+            f"parameters of node {node} are given, but in scenario {scenario.name} node {leader} streams the "
+            "reference; give its parameters"
+        )
+    specifications = node_parameters(node)
+    if node == "controller":
+        robot = load_model(scenario.robot).robot
+        law, n_motors = scenario.controller, robot.n_motors
+        gains = law.gains(n_motors, robot.torque_limits)
+        specifications |= gain_parameters(law, n_motors, gains)
+    for name in values:
+        if name in SET_BY_THE_RUN:
+            raise InputError(
+                f"parameter {name} of node {node} is given, but the run sets it{SET_BY_THE_RUN[name]}; leave it out"
+            )
+    return {name: check_value(node, name, value, specifications) for name, value in values.items()}
+
+
+def _scenario_file(scenario: Scenario | str | Path, scratch: Path) -> str:
+    """Give a name or file that every node can read; JSON is YAML."""
+    if not isinstance(scenario, Scenario):
+        return str(scenario)
+    path = scratch / f"{scenario.name or 'scenario'}.yaml"
+    path.write_text(json.dumps(scenario.settings()), encoding="utf-8")
+    return str(path)

@@ -1,0 +1,224 @@
+"""What a run of all nodes consists of, and what it leaves behind; free of ROS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING
+
+from flexros.config.topics import load_topics
+from flexros.errors import INTERNAL_ERROR, INTERRUPTED, RunError
+from flexros_nodes.protocol.pacing import PeriodStatistics
+from flexros_nodes.protocol.precise_timing import PRIORITY
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from flexros.scenario.scenario import Scenario
+    from flexros_nodes.protocol.parameters import Value
+    from flexros_nodes.protocol.report import NodeReport
+
+LEADERS = ("feedforward", "identification")
+"""Nodes that stream the reference; one of them leads a run."""
+
+NODES = ("recorder", *LEADERS, "controller", "plant")
+"""Nodes in the order in which they come up; they go down the other way."""
+
+IN_REAL_TIME: dict[str, dict[str, Value]] = {
+    "plant": {"priority": PRIORITY},
+    "controller": {"priority": PRIORITY},
+    **{leader: {"priority": PRIORITY // 2} for leader in LEADERS},
+    "recorder": {"priority": PRIORITY // 2, "niceness": 10},
+}
+"""How nodes in processes of their own stand to each other in real time, chosen.
+
+What others do on the machine must delay neither reference nor log; where the system gives no priority, the recorder
+steps back for the loop: it has until the end.
+"""
+
+
+def leader_of(scenario: Scenario) -> str:
+    """Name the node that streams the reference of a scenario."""
+    return "feedforward" if scenario.identification is None else "identification"
+
+
+def nodes_led_by(leader: str) -> tuple[str, ...]:
+    """Name the nodes of a run in the order in which they come up: all but the other leaders."""
+    return tuple(name for name in NODES if name == leader or name not in LEADERS)
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """A run to be done.
+
+    Attributes:
+        scenario: Shipped scenario, or path of a scenario file.
+        folder: Folder of the log; None records nothing.
+        parameters: Parameter values by node, beside those that follow from the plan.
+        leader: Node that streams the reference: feedforward or identification.
+    """
+
+    scenario: str
+    folder: Path | None
+    parameters: Mapping[str, Mapping[str, Value]]
+    leader: str = "feedforward"
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """Names of the nodes that take part, in the order in which they come up."""
+        return tuple(name for name in nodes_led_by(self.leader) if name != "recorder" or self.folder is not None)
+
+    def values(self, node: str) -> dict[str, Value]:
+        """Give the parameter values of a node.
+
+        Args:
+            node: Name of the node.
+        """
+        values: dict[str, Value] = {"scenario": self.scenario, "autostart": False}
+        values["observers"] = 0 if self.folder is None else 1
+        if node == "recorder":
+            values |= {"folder": str(self.folder), "real_time": self.real_time}
+        return {**values, **self.parameters.get(node, {})}
+
+    def process_values(self, node: str) -> dict[str, Value]:
+        """Give the parameter values of a node in a process of its own.
+
+        Args:
+            node: Name of the node.
+        """
+        standing = IN_REAL_TIME.get(node, {}) if self.real_time else {}
+        return {**standing, **self.values(node)}
+
+    @property
+    def real_time(self) -> bool:
+        """Whether the plant paces the loop by the wall clock."""
+        return bool(self.parameters.get("plant", {}).get("real_time", False))
+
+
+@dataclass(frozen=True)
+class RunSummary:
+    """What came of a run.
+
+    Attributes:
+        exit_code: 0 done, 3 broken off, 130 interrupted.
+        message: What happened, as one sentence; empty when all was done that was planned.
+        log_folder: Folder of the log, None if there is no log.
+        layout: "composed" or "processes".
+        samples: Samples of the loop.
+        simulated_time: Time that the run covers [s].
+        wall_time: Time that it took [s].
+        samples_per_second: Speed of the loop [1/s].
+        resends: States that were sent again.
+        dropped: Messages lost on purpose.
+        missing: Samples that are missing in the log, over all topics, though their node has sent them.
+        unseen: Samples in the midst that the controller never saw; they have neither command nor reference.
+        timing: Period and lateness of a real-time run by name, else empty.
+        reports: Report of each node that left one.
+        domain_id: ROS domain of the run, by which other nodes can join; -1 if not known.
+    """
+
+    exit_code: int
+    message: str
+    log_folder: Path | None
+    layout: str
+    samples: int
+    simulated_time: float
+    wall_time: float
+    samples_per_second: float
+    resends: int
+    dropped: int
+    missing: int
+    unseen: int
+    timing: Mapping[str, float] = field(default_factory=dict)
+    reports: Mapping[str, NodeReport] = field(default_factory=dict)
+    domain_id: int = -1
+
+
+_TIMING = (*(field.name for field in fields(PeriodStatistics)), "missed_commands", "real_time_priority")
+
+
+def summarise(
+    reports: Mapping[str, NodeReport],
+    folder: Path | None,
+    layout: str,
+    *,
+    interrupted: bool,
+    deaths: tuple[str, ...] = (),
+) -> RunSummary:
+    """Sum a run up.
+
+    Args:
+        reports: Report of each node that left one.
+        folder: Folder of the log.
+        layout: "composed" or "processes".
+        interrupted: Whether the user ended the run.
+        deaths: Sentences about processes that died.
+
+    Returns:
+        The summary; its exit code is the worst of the nodes'.
+    """
+    failed = [report for report in reports.values() if report.exit_code]
+    exit_code = max((report.exit_code for report in failed), default=3 if deaths else 0)
+    # a broken partner silences the plant: what the partner says comes first
+    failed.sort(key=lambda report: report.node == "plant")
+    message = "; ".join((*deaths, *(report.message for report in failed)))
+    if interrupted and not exit_code:
+        exit_code, message = INTERRUPTED, "interrupted"
+    if not exit_code:
+        message = _stopped(reports)
+    plant = reports["plant"].figures if "plant" in reports else {}
+    recorder = reports["recorder"].figures if "recorder" in reports else {}
+    recorded = int(recorder.get("joint_states.messages", 0))
+    unseen = int(reports["controller"].figures.get("missed_states", 0)) if "controller" in reports else 0
+    log = folder if folder is not None and folder.is_dir() else None
+    if exit_code in (RunError.exit_code, INTERNAL_ERROR, INTERRUPTED):
+        message += _state_of_log(log, reports.get("recorder"), recorded, wanted=folder is not None)
+    return RunSummary(
+        exit_code=exit_code,
+        message=message,
+        log_folder=log,
+        layout=layout,
+        samples=int(plant.get("samples", recorded)),
+        simulated_time=plant.get("simulated_time_s", 0.0),
+        wall_time=plant.get("wall_time_s", 0.0),
+        samples_per_second=plant.get("samples_per_s", 0.0),
+        resends=int(plant.get("resends", 0)),
+        dropped=int(sum(report.figures.get("dropped_on_purpose", 0) for report in reports.values())),
+        missing=_missing(recorder, unseen),
+        unseen=unseen,
+        timing={name: plant[name] for name in _TIMING if name in plant},
+        reports=reports,
+    )
+
+
+def _missing(recorder: Mapping[str, float], unseen: int) -> int:
+    """Count the samples that the log lacks, but for those that nobody sent, because the controller never saw them."""
+    missing = 0
+    for name, row in load_topics().items():
+        never_sent = unseen if row.producer == "controller" else 0
+        missing += max(0, int(recorder.get(f"{name}.missing", 0)) - never_sent)
+    return missing
+
+
+def _stopped(reports: Mapping[str, NodeReport]) -> str:
+    """Say that the user stopped an identification; nothing if not."""
+    figures = reports["identification"].figures if "identification" in reports else {}
+    if figures.get("stopped_at_sample", -1) < 0:
+        return ""
+    return (
+        f"stopped by the service stop at sample {figures['stopped_at_sample']:.0f}: {figures['completed']:.0f} of "
+        f"{figures['planned']:.0f} experiments are complete"
+    )
+
+
+def _state_of_log(log: Path | None, recorder: NodeReport | None, recorded: int, *, wanted: bool) -> str:
+    """Say what a run that broke off has left on the disk; nothing where the recorder itself failed and says so."""
+    if not wanted:
+        return "; nothing was to be recorded"
+    if recorder is not None and recorder.exit_code:
+        return ""
+    if log is None:
+        return "; there is no log"
+    if recorder is None:  # killed: what it has written is readable, how much there is nobody knows
+        return f"; analyse {log} to see how far the log reaches"
+    return "; the log is readable up to there" if recorded else "; the log holds no samples"

@@ -1,0 +1,265 @@
+"""Controller node: answers each measurement with the command of the scenario's control law."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from std_msgs.msg import Header
+
+from flexros.errors import FlexrosError, RunError
+from flexros.logs.messages.joint_state import JointStateTemplate, JointStateView
+from flexros.logs.messages.joint_trajectory import read_joint_trajectory
+from flexros.logs.stamps import NANOSECONDS
+from flexros_nodes.controller.follow_trajectory import FollowTrajectory, installed_action
+from flexros_nodes.protocol.lockstep import Arrival, ControllerLockStep
+from flexros_nodes.protocol.message_loss import MessageLoss
+from flexros_nodes.protocol.parameters import gain_parameters
+from flexros_nodes.protocol.reference_buffer import ReferenceBuffer
+from flexros_nodes.protocol.trajectory_request import in_joint_order
+from flexros_nodes.shell.node_base import FlexrosNode
+from flexros_nodes.shell.prepared_run import prepared_run
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk
+    from flexros_nodes.protocol.parameters import Value
+
+STOP_TIME = 0.2
+"""Time in which a motion that is canceled comes to rest [s], chosen."""
+
+REFUSALS_TOLD = 1.0
+"""Least time between two refusals of trajectories in the log [s], chosen: a flood of them must not fill it."""
+
+LOOKS = 10
+"""Number of trajectories that are looked at as they come, if none has come before for long, chosen."""
+
+LOOKS_PER_SAMPLE = 0.05
+"""Number of trajectories that may be looked at with each sample in a flood of them, chosen."""
+
+
+class ControllerNode(FlexrosNode):
+    """The feedback controller of a scenario: a function of stamp, measurement, reference and own state.
+
+    It answers sample k once it holds the reference of k, sends its last reply again when a stamp is repeated, and drops
+    older stamps. It never reads a clock.
+    """
+
+    node_name = "controller"
+    _gain_names: tuple[str, ...] = ()
+    _follower: FollowTrajectory | None = None
+
+    def configure(self) -> None:
+        """Prepare the control law, publishers and subscriptions; declare the gains."""
+        run = prepared_run(self.value("scenario"))
+        self._names = run.nominal.joint_names
+        self._n_motors = len(self._names)
+        self._controller = run.controller()
+        self._declare_gains()
+        self._sample_time = run.sample_time
+        self._view = JointStateView(self._names)
+        self._command_message = JointStateTemplate(self._names, effort=True)
+        self._reference_message = JointStateTemplate(self._names, position=True, velocity=True, effort=True)
+        self._confirmation = Header()
+        self._begin()
+        self._commands = self.announce("joint_commands")
+        self._references = self.announce("joint_reference")
+        self._received = self.announce("reference_received")
+        self.listen("joint_states", self._on_state)
+        self.listen("joint_reference_ahead", self._on_chunk)
+        self.listen("joint_trajectory", self._on_trajectory)
+        if (action := installed_action()) is not None:
+            self._follower = FollowTrajectory(self, self._names, action)
+            self._made.append(self._close_follower)
+
+    def _close_follower(self) -> None:
+        if self._follower is not None:
+            self._follower.close()
+            self._follower = None
+
+    def _begin(self) -> None:
+        """Stand before the first sample."""
+        if self._follower is not None:
+            self._follower.give_up("the loop begins anew")
+        self._controller.reset()
+        self._buffer = ReferenceBuffer(self._n_motors, self._sample_time)
+        self._lockstep = ControllerLockStep(self._sample_time)
+        self._loss = MessageLoss(self.value("drop_fraction"), self.value("drop_seed"))
+        self._drops: Callable[[], bool] | None = self._loss.drops if self.value("drop_fraction") else None
+        self._pending: tuple[float, ...] | None = None
+        self._reply: tuple[bytes, bytes] | None = None
+        self._found = False
+        self._answered = self._waits = self._refused = 0
+        self._looks = float(LOOKS)
+        self._newest_trajectory: bytes | None = None
+
+    def start(self) -> None:
+        """Begin at the first sample, also when the node has worked before."""
+        self._begin()
+
+    def stop(self) -> None:
+        """Abort the goal that is followed."""
+        if self._follower is not None:
+            self._follower.give_up("the controller has stopped")
+
+    def _declare_gains(self) -> None:
+        gains = self._controller.gains
+        self.undeclare(name for name in self._gain_names if self.has_parameter(name))  # the scenario may have changed
+        self._gain_names = self._controller.law.gain_names(self._n_motors)
+        self.declare(gain_parameters(self._controller.law, self._n_motors, gains))
+        self._take_gains({name: self.value(name) for name in self._gain_names if self.has_parameter(name)})
+
+    def parameters_changed(self, values: Mapping[str, Value]) -> None:
+        """Take over changed gains, from the next sample on, and say so."""
+        if gains := {name: values[name] for name in self._gain_names if name in values}:
+            self._take_gains(gains)
+            what = ", ".join(f"{name} = {value!r}" for name, value in gains.items())
+            first = f"the sample after stamp {self.stamp / NANOSECONDS:.4f} s" if self._answered else "the first sample"
+            self.get_logger().info(f"{what} from {first} on")
+
+    def _take_gains(self, values: Mapping[str, Value]) -> None:
+        gains = self._controller.gains
+        for i, name in enumerate(self._gain_names):
+            gains[i] = values.get(name, gains[i])
+        self._controller.gains = gains
+
+    def figures(self) -> dict[str, float]:
+        """Give counts of what was answered, repeated and lost."""
+        return {
+            "answered": self._answered,
+            "repeated_states": self._lockstep.repeated,
+            "old_states": self._lockstep.old,
+            "missed_states": self._lockstep.missed,
+            "waits_for_reference": self._waits,
+            "ignored_chunks": self._buffer.ignored,
+            "refused_trajectories": self._refused,
+            "dropped_on_purpose": self._loss.dropped,
+        }
+
+    # Measurement -> command.
+
+    def _on_state(self, message: bytes) -> None:
+        if self._drops is not None and self._drops():
+            return
+        if not self._found and not self._partners_found():
+            return
+        try:
+            sample = self._view.unpack(message)
+        except FlexrosError as error:
+            raise RunError(f"a measurement on joint_states is refused: {error}") from error
+        arrival = self._lockstep.arrival(sample.stamp_ns)
+        if arrival is Arrival.NEW:
+            if sample.position is None or not math.isfinite(sum(sample.position)):
+                raise RunError(
+                    f"the measurement at stamp {sample.stamp_ns / NANOSECONDS:.4f} s is refused: its position is "
+                    f"{'empty' if sample.position is None else list(sample.position)}, needed is one finite number for "
+                    f"each of {', '.join(self._names)}"
+                )
+            self._pending = sample.position
+            self._answer()
+        elif arrival is Arrival.REPEATED and self._pending is None and self._reply is not None:
+            self._publish(*self._reply)
+        elif arrival is Arrival.ANEW:
+            self.get_logger().info("the plant has begun anew, and so does the controller")
+            self._begin()
+            self._on_state(message)
+
+    def _partners_found(self) -> bool:
+        """Tell whether plant and recorders would hear a reply; until then the plant repeats its first state."""
+        observers = self.value("observers")
+        self._found = (
+            self._commands.get_subscription_count() > observers
+            and self._references.get_subscription_count() >= observers
+        )
+        return self._found
+
+    def _answer(self) -> None:
+        """Answer the newest measurement if its reference is there."""
+        if self._newest_trajectory is not None and self._looks >= 1.0:
+            self._look_at_trajectory(self._newest_trajectory)
+        position = self._pending
+        if position is None:
+            return
+        stamp = self._lockstep.last
+        reference = self._buffer.take(stamp, position)
+        if reference is None:
+            self._waits += 1
+            return
+        command = self._controller.step(position, reference)
+        self._pending = None
+        self._looks = min(self._looks + LOOKS_PER_SAMPLE, LOOKS)
+        self.stamp = stamp
+        self._answered += 1
+        n = self._n_motors
+        values = reference.tolist()
+        self._reply = (
+            self._command_message.fill(stamp, effort=command),
+            self._reference_message.fill(stamp, values[:n], values[n : 2 * n], values[2 * n :]),
+        )
+        self._publish(*self._reply)
+        if self._follower is not None:
+            self._follower.sampled(stamp, self._buffer.trajectory_end, reference, position)
+
+    def _publish(self, command: bytes, reference: bytes) -> None:
+        self._commands.publish(command)
+        self._references.publish(reference)
+
+    # Reference.
+
+    def _on_chunk(self, message: bytes) -> None:
+        if self._drops is not None and self._drops():
+            return
+        try:
+            chunk = read_joint_trajectory(message).in_order(self._names)
+        except FlexrosError as error:
+            raise RunError(f"a message on joint_reference_ahead is refused: {error}") from error
+        self._buffer.append(chunk)
+        self._answer()
+        self._confirmation.stamp.sec, self._confirmation.stamp.nanosec = divmod(chunk.stamp_ns, NANOSECONDS)
+        self._received.publish(self._confirmation)
+
+    def _on_trajectory(self, message: bytes) -> None:
+        """Look at a trajectory; in a flood of them only now and then, at the newest."""
+        if self._looks >= 1.0:
+            self._look_at_trajectory(message)
+        else:
+            self._newest_trajectory = message
+
+    def _look_at_trajectory(self, message: bytes) -> None:
+        """Follow a trajectory from the next sample on; one that cannot be followed must not end the loop."""
+        self._looks -= 1.0
+        self._newest_trajectory = None
+        try:
+            trajectory = in_joint_order(read_joint_trajectory(message), self._names)
+            self.check_trajectory(trajectory)
+        except FlexrosError as error:
+            self._refused += 1
+            self.get_logger().warning(
+                f"a trajectory on joint_trajectory is refused: {error}; the reference goes on as before",
+                throttle_duration_sec=REFUSALS_TOLD,
+            )
+            return
+        if self._follower is not None:
+            self._follower.give_up("a trajectory on joint_trajectory has taken its place")
+        self.follow(trajectory)
+
+    def check_trajectory(self, trajectory: JointTrajectoryChunk) -> None:
+        """Refuse what `follow` would refuse; raises RefusedTrajectoryError."""
+        self._buffer.check(trajectory, self.value("position_limit"))
+
+    def follow(self, trajectory: JointTrajectoryChunk) -> None:
+        """Follow a trajectory from the next sample on.
+
+        Args:
+            trajectory: Points, joints in the order of the motors.
+
+        Raises:
+            RefusedTrajectoryError: It cannot be followed; the reference goes on as before.
+        """
+        self._buffer.replace(trajectory, self.value("position_limit"))
+        self._answer()
+
+    def come_to_rest(self) -> None:
+        """Bring the reference to rest, evenly."""
+        self._buffer.come_to_rest(STOP_TIME)

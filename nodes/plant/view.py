@@ -1,0 +1,62 @@
+"""What others see of the plant beside its signals: the robot's description, and the arm as markers and frames."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from std_msgs.msg import String
+
+from flexros.robot.exchange.urdf_export import urdf_text
+from flexros_nodes.plant.arm_frames import ArmFrames
+from flexros_nodes.plant.arm_markers import ArmMarkers
+from flexros_nodes.shell.topic_interface import period
+
+if TYPE_CHECKING:
+    from flexros.scenario.experiment import Experiment
+    from flexros.simulate.plant import Plant
+    from flexros_nodes.shell.node_base import FlexrosNode
+
+MARKER_PERIOD = period("arm_markers")
+"""Period of the markers [s]."""
+
+ASK_EVERY = 30
+"""Periods of the markers after which it is asked anew whether anybody wants them, chosen: a second."""
+
+
+class PlantView:
+    """Publishes the description once, for all who ask later too, and markers and frames while somebody listens.
+
+    Nothing is computed while nobody listens. In real time all is made beforehand, as that takes several cycles.
+
+    Args:
+        node: The plant node.
+        run: What runs; the description is that of its nominal robot.
+    """
+
+    def __init__(self, node: FlexrosNode, run: Experiment) -> None:
+        self._node = node
+        text = urdf_text(run.nominal, node.value("description_joints"))
+        node.announce("robot_description").publish(String(data=text))
+        self._publisher = node.announce("arm_markers")
+        self._markers = ArmMarkers(run.plant) if node.value("real_time") else None
+        self._frames: ArmFrames | None = None
+        if node.value("frames"):
+            self._frames = ArmFrames(run.plant, node.value("frame_prefix"))
+            self._frame_publisher = node.announce("tf")
+        self._wanted = self._frames_wanted = False
+        self._calls = 0
+
+    def show(self, plant: Plant) -> None:
+        """Publish markers and frames of the present state, if anybody listens; to be called once each period."""
+        if self._calls % ASK_EVERY == 0:
+            self._wanted = self._publisher.get_subscription_count() > 0
+            self._frames_wanted = self._frames is not None and self._frame_publisher.get_subscription_count() > 0
+        self._calls += 1
+        if self._frames is not None and self._frames_wanted:
+            self._frame_publisher.publish(self._frames.fill(self._node.stamp, plant.state))
+        if not self._wanted:
+            return
+        if self._markers is None:
+            self._markers = ArmMarkers(plant.robot)
+        magnification = self._node.value("magnification")
+        self._publisher.publish(self._markers.fill(self._node.stamp, plant.state, magnification))

@@ -1,0 +1,1 @@
+"""The protocol of the nodes as plain Python: imports no ROS."""

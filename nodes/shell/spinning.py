@@ -1,0 +1,100 @@
+"""Spinning nodes: the choice of the executor, and a loop that paces a plant by the wall clock."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from rclpy.executors import SingleThreadedExecutor
+
+from flexros_nodes.protocol.clock_steps import waking_at_clock_steps
+from flexros_nodes.protocol.precise_timing import precise_timing
+
+try:
+    from rclpy.experimental.events_executor import EventsExecutor
+except ImportError:  # rclpy before 7.1.4
+    EventsExecutor = None
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rclpy.context import Context
+    from rclpy.executors import Executor
+    from rclpy.task import Future
+
+    from flexros_nodes.protocol.interruption import Interruption
+    from flexros_nodes.protocol.pacing import Paced, Schedule
+    from flexros_nodes.shell.node_base import FlexrosNode
+
+SLICE = 0.2
+"""Longest wait of an executor [s]: unbounded waits of EventsExecutor can hang."""
+
+WATCH_PERIOD = 0.05
+"""Period at which the executor looks whether a signal has come [s], chosen."""
+
+BUSY = 130e-6
+"""Time before a cycle is due from which the paced loop watches clock and messages instead of sleeping [s], chosen."""
+
+MOST_EVENTS = 16
+"""Events in the queue that a late cycle looks through for its command, chosen: all that one sample makes."""
+
+
+def make_executor(context: Context | None) -> Executor:
+    """Make the executor that suits the loop best: EventsExecutor where there is one, else SingleThreadedExecutor."""
+    if EventsExecutor is None:
+        return SingleThreadedExecutor(context=context)
+    return EventsExecutor(context=context)
+
+
+def spin(executor: Executor, stop: Future, interrupted: Interruption, node: FlexrosNode) -> None:
+    """Spin until a future is done.
+
+    Args:
+        executor: Holds the nodes.
+        stop: Ends the spinning when it gets a result.
+        interrupted: Ends the spinning too.
+        node: One of the nodes; it is called at the times of its schedule where the run is in real time.
+    """
+    with _watching(interrupted, stop, node), waking_at_clock_steps(executor.wake):
+        if (paced := node.paced) is None:
+            while not (stop.done() or interrupted()):
+                executor.spin_until_future_complete(stop, timeout_sec=SLICE)
+            return
+        with precise_timing() as paced.prioritised:
+            while not (stop.done() or interrupted()):
+                schedule = paced.schedule
+                remaining = SLICE if schedule is None else schedule.due - BUSY - perf_counter()
+                if schedule is None or remaining > 0.0:
+                    executor.spin_once(timeout_sec=min(remaining, SLICE))
+                else:
+                    _start_cycle(executor, paced, schedule)
+
+
+@contextmanager
+def _watching(interrupted: Interruption, stop: Future, node: FlexrosNode) -> Iterator[None]:
+    """Let the executor itself look for signals: one that is never idle returns for nothing else."""
+
+    def look() -> None:
+        if interrupted():
+            stop.set_result(None)
+
+    timer = node.create_timer(WATCH_PERIOD, look, clock=node.steady_clock)
+    try:
+        yield
+    finally:
+        timer.cancel()
+        node.destroy_timer(timer)
+
+
+def _start_cycle(executor: Executor, paced: Paced, schedule: Schedule) -> None:
+    """Start the cycle that is about to be due; until then others work: a node of this process may owe its command."""
+    while perf_counter() < schedule.due:
+        if not paced.answered():
+            executor.spin_once(timeout_sec=0.0)
+    for _ in range(MOST_EVENTS):  # after a delay the answer may lie in the queue already
+        if paced.answered():
+            break
+        executor.spin_once(timeout_sec=0.0)
+    schedule.started(perf_counter())
+    paced.cycle()

@@ -1,0 +1,85 @@
+"""Topics and QoS of `msgs_config` as ROS 2 types and profiles."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib import import_module
+
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from flexros.config.topics import QosProfile, Topic, load_topics
+from flexros.errors import InputError, unknown_name
+from flexros_nodes.shell.qos_overrides import override_problem
+
+
+def topic(name: str) -> Topic:
+    """Give a row of `topics.yaml` by its name without a leading slash.
+
+    Raises:
+        InputError: There is no such topic.
+    """
+    topics = load_topics()
+    if name not in topics:
+        raise unknown_name("topic", name, topics, "msgs_config/topics.yaml")
+    return topics[name]
+
+
+def period(name: str) -> float:
+    """Give the time between two messages of a topic that has a rate [s]."""
+    return 1.0 / (topic(name).rate or 1.0)
+
+
+EVENT_TYPES = ("diagnostic_msgs/msg/DiagnosticArray",)
+"""Types of recorded topics that do not carry one message for each sampling instant."""
+
+
+@cache
+def sampled_topics() -> tuple[str, ...]:
+    """Name the recorded topics that carry one message for each sampling instant, in the order of `topics.yaml`."""
+    return tuple(name for name, row in load_topics().items() if row.recorded and row.type not in EVENT_TYPES)
+
+
+@cache
+def message_class(type_name: str) -> type:
+    """Give the Python class of a message type, e.g. of "sensor_msgs/msg/JointState"."""
+    package, _, name = type_name.split("/")
+    found: type = getattr(import_module(f"{package}.msg"), name)
+    return found
+
+
+def qos_profile(profile: QosProfile) -> QoSProfile:
+    """Translate a profile of `qos.yaml`."""
+    return QoSProfile(
+        history=HistoryPolicy[profile.history.upper()],
+        depth=profile.depth,
+        reliability=ReliabilityPolicy[profile.reliability.upper()],
+        durability=DurabilityPolicy[profile.durability.upper()],
+    )
+
+
+def overriding_options(profile: QosProfile, where: str, *, publisher: bool) -> QoSOverridingOptions:
+    """Let parameters `qos_overrides./<topic>.publisher.depth` and the like change a profile, within what is allowed.
+
+    Args:
+        profile: What `qos.yaml` states for this end of the topic.
+        where: Topic and node, for the error.
+        publisher: Whether it is a publisher; else a subscription.
+    """
+
+    def check(given: QoSProfile) -> SetParametersResult:
+        problem = override_problem(
+            profile,
+            publisher,
+            history=given.history.name.lower(),
+            depth=given.depth,
+            reliability=given.reliability.name.lower(),
+            durability=given.durability.name.lower(),
+        )
+        if problem:
+            raise InputError(f"{where}: {problem}; correct it, or leave it out")
+        return SetParametersResult(successful=True)
+
+    kinds = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
+    return QoSOverridingOptions(kinds, callback=check)

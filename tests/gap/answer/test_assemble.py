@@ -1,0 +1,149 @@
+"""The answer: causes, ranking and warnings of what was found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.gap.answer import assemble as answer
+from flexros.gap.answer.assemble import result_of
+from flexros.gap.answer.decision import Findings
+from flexros.gap.fit.least_squares import Fit
+from flexros.gap.progress import Stages
+from flexros.gap.residuals.fit_data import FitData
+from flexros.gap.result import DiagnosisResult
+from flexros.gap.search.forward_selection import Explanations
+from flexros.gap.search.model_probability import Evidence
+from flexros.record.quantization import Quantization
+from tests.gap.diagnosis_logs import MODEL, data_of, numbers, predictor_of, suspects_of
+
+TRUTH = "coulomb_friction@motor_1:level=0.05"
+COULOMB, STIFFNESS = "coulomb_friction@motor_1", "stiffness_error@body_2.rz"
+TOLERANCE = {"stiffness": 0.01}
+VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}}
+
+
+def fitted(level: float, *names: str) -> Fit:
+    hypothesis = [suspects_of()[name] for name in names]
+    theta = np.array([number for one in hypothesis for number in numbers(one, **VALUES[one.name])])
+    return Fit(predictor_of(*hypothesis), theta, level * data_of(TRUTH).n_values, 1e4 * np.eye(len(theta)))
+
+
+def answered(
+    chosen: Fit,
+    *rivals: Fit,
+    probabilities: tuple[float, ...],
+    rounded: bool = False,
+    data: FitData | None = None,
+    following: bool = False,
+) -> DiagnosisResult:
+    """The answer to a log with friction."""
+    data, held = data or data_of(TRUTH), data_of(TRUTH, seed=2)
+    if rounded:
+        data = replace(data, measurement=replace(data.measurement, quantizations=(Quantization(0, 1e-3),)))
+    nothing = fitted(50.0)
+    evidence = Evidence(nothing, (chosen, *rivals), data.n_values)
+    explanations = Explanations(evidence, chosen, (chosen, *rivals, nothing), np.array([*probabilities, 0.0]), True)
+    found = Findings(MODEL, data, held, explanations, TOLERANCE)
+    settings = {"level": 1e-3, "next_experiment": following}
+    return result_of(found, found.explanation(nothing), None, settings, Stages(None))
+
+
+@pytest.fixture(scope="module")
+def result() -> DiagnosisResult:
+    return answered(fitted(1.0, COULOMB), fitted(20.0, STIFFNESS), probabilities=(0.95, 0.05))
+
+
+def test_causes_are_those_of_the_chosen_explanation(result: DiagnosisResult) -> None:
+    (cause,) = result.diagnosis.causes
+    assert (cause.effect, cause.location, cause.probability) == ("coulomb_friction", "motor_1", 0.95)
+    assert cause.parameters["level"].value == pytest.approx(0.05)
+    assert 0.0 < cause.parameters["level"].std < 0.01 * 0.05
+    assert cause.closed_fraction == pytest.approx(1.0, abs=0.05)
+
+
+def test_all_that_was_tried_is_ranked_with_what_it_leaves(result: DiagnosisResult) -> None:
+    assert [one.effect for one in result.ranking] == ["coulomb_friction", "stiffness_error"]
+    assert [one.remainder for one in result.ranking] == [0.0, pytest.approx(19 / 49)]
+    assert result.ranking[0].gain > result.ranking[1].gain
+    assert result.nothing == 0.0
+
+
+def test_the_first_of_the_ranking_have_their_gain_in_the_held_out_log(
+    result: DiagnosisResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    right, wrong = (one.holdout_gain for one in result.ranking)
+    assert right is not None
+    assert wrong is not None
+    assert right > 1e4
+    assert wrong < 0.1 * right
+    monkeypatch.setattr(answer, "CONFIRMED", 1)
+    ranking = answered(fitted(1.0, COULOMB), fitted(20.0, STIFFNESS), probabilities=(0.95, 0.05)).ranking
+    assert [one.holdout_gain for one in ranking] == [right, None]
+
+
+def test_before_after_and_rival_are_told_apart(result: DiagnosisResult) -> None:
+    assert result.before.effects == ()
+    assert result.after is not None
+    assert result.rival is not None
+    assert result.after.name == COULOMB
+    assert result.rival.name == STIFFNESS
+    assert result.after.effects == result.patch
+
+
+def test_provenance_names_log_robot_and_settings(result: DiagnosisResult) -> None:
+    provenance = result.diagnosis.provenance
+    assert (provenance["log"], provenance["robot"], provenance["level"]) == ("log", "four_mass_linear", 1e-3)
+
+
+def test_rivals_of_an_ambiguous_answer_are_causes_too() -> None:
+    found = answered(fitted(1.0, COULOMB), fitted(1.0, STIFFNESS), probabilities=(0.55, 0.45)).diagnosis
+    assert found.verdict == "ambiguous"
+    assert [(one.effect, one.probability) for one in found.causes] == [
+        ("coulomb_friction", 0.55), ("stiffness_error", 0.45),
+    ]  # fmt: skip
+    assert len(found.ambiguity_groups) == 1
+
+
+def test_next_experiment_is_chosen_with_the_tolerance_of_the_diagnosis(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[object] = []
+    monkeypatch.setattr(answer, "next_experiment", lambda *_, tolerance, **__: asked.append(tolerance))
+    answered(fitted(1.0, COULOMB), fitted(1.0, STIFFNESS), probabilities=(0.55, 0.45), following=True)
+    assert asked == [TOLERANCE]
+
+
+def test_of_equally_sure_causes_the_one_that_is_missed_most_is_first() -> None:
+    both = fitted(1.0, STIFFNESS, COULOMB)
+    singles = fitted(40.0, STIFFNESS), fitted(1.0, COULOMB)
+    causes = answered(both, *singles, probabilities=(1.0, 0.0, 0.0)).diagnosis.causes
+    assert [one.effect for one in causes] == ["coulomb_friction", "stiffness_error"]
+
+
+def test_rounding_is_a_sure_cause_beside_others() -> None:
+    found = answered(fitted(1.0, COULOMB), probabilities=(0.9,), rounded=True).diagnosis
+    assert [one.effect for one in found.causes] == ["encoder_quantization", "coulomb_friction"]
+    assert found.causes[0].probability == 1.0
+    assert found.causes[0].parameters["step"].value == 1e-3
+    assert found.causes[0].parameters["step"].unit == "rad"
+    assert found.causes[0].closed_fraction == pytest.approx(0.0, abs=0.01)  # the log has no such rounding
+    assert found.causes[1].closed_fraction == pytest.approx(1.0, abs=0.05)
+
+
+def test_what_an_explanation_leaves_is_warned_of() -> None:
+    found = answered(fitted(3.0, COULOMB), probabilities=(1.0,)).diagnosis
+    assert any("leaves 4.1 % of the gap" in text for text in found.warnings)
+
+
+def test_what_was_noticed_of_the_tool_tracker_is_warned_of() -> None:
+    seen = data_of(TRUTH, tool=True)
+    assert seen.tool is not None
+    seen = replace(seen, tool=replace(seen.tool, warnings=("late",)))
+    found = answered(fitted(1.0, COULOMB), probabilities=(1.0,), data=seen).diagnosis
+    assert "late" in found.warnings
+
+
+def test_an_explanation_that_does_not_hold_elsewhere_is_warned_of() -> None:
+    found = answered(fitted(1.0, STIFFNESS), probabilities=(1.0,)).diagnosis
+    assert any("may not hold beyond the fitted log" in text for text in found.warnings)

@@ -1,0 +1,106 @@
+"""Numbers that are fitted keep within the ranges of their effects."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.effects import effects
+from flexros.effects.kinds.ranges import Range
+from flexros.gap.candidates.candidate import FreeParameter, Suspect, free_parameter, name_of, places, suspects
+from flexros.gap.candidates.scales import Yardsticks
+from flexros.robot import load_robot
+
+SIGNED = [
+    (name, parameter)
+    for name, effect in effects().items()
+    for parameter, allowed in effect.ranges.items()
+    if allowed.signed
+]
+
+
+def test_negative_values_may_have_a_bound_of_their_own() -> None:
+    free = free_parameter("relative", Range("relative", 0.01, 10.0, 6, signed=True, negative=0.9), 1.0)
+    assert [float(free.decode(np.array(bound))) for bound in free.bounds] == pytest.approx([-0.9, 10.0])
+    assert min(free.starts) == -0.9
+    assert max(free.starts) > 0.9
+    assert free_parameter("level", Range("torque", 0.01, 10.0, signed=True), 2.0).bounds == (-1.0, 1.0)
+
+
+@pytest.mark.parametrize(("name", "parameter"), SIGNED)
+def test_effects_allow_the_bounds_of_their_ranges(name: str, parameter: str) -> None:
+    effect = effects()[name]
+    others = {"knee": 1e-3} if name == "nonlinear_stiffness" else {}
+    free = free_parameter(parameter, effect.ranges[parameter], 1.0)
+    for number in (*free.bounds, *map(free.encode, free.starts)):
+        value = float(free.decode(np.array(number)))
+        assert getattr(effect(**{**others, parameter: value}), parameter) == value
+
+
+@pytest.mark.parametrize("signed", [False, True])
+def test_numbers_of_the_fit_and_values_are_each_others_inverse(signed: bool) -> None:
+    free = FreeParameter("level", 1e-3, 10.0, signed, (1.0,))
+    for value in (1e-3, 0.7, 10.0, *((-4.0,) if signed else ())):
+        assert float(free.decode(np.array(free.encode(value)))) == pytest.approx(value)
+    low, high = free.bounds
+    assert low < free.encode(0.7) < high
+
+
+def test_ranges_are_in_the_units_of_the_log() -> None:
+    free = free_parameter("level", Range("torque", 1e-3, 1.0, starts=3), 20.0)
+    assert (free.low, free.high) == pytest.approx((0.02, 20.0))
+    ratios = np.array(free.starts[1:]) / np.array(free.starts[:-1])
+    np.testing.assert_allclose(ratios, 10.0)
+    assert free.low < free.starts[0]
+    assert free.starts[-1] < free.high
+
+
+def test_starts_may_be_given_one_by_one() -> None:
+    free = free_parameter("limit", Range("torque", 0.1, 1.0, starts=(0.5, 0.99)), 20.0)
+    assert free.starts == pytest.approx((10.0, 19.8))
+
+
+def test_signed_numbers_start_on_both_sides() -> None:
+    starts = free_parameter("relative", Range("relative", 0.01, 1.0, starts=4, signed=True), 1.0).starts
+    assert sorted(starts) == pytest.approx([-0.1, -0.01, 0.01, 0.1])
+
+
+def test_suspects_are_all_effects_with_ranges_at_all_their_places_but_periodic_ones() -> None:
+    robot = load_robot("elbow")
+    found = suspects(robot, Yardsticks({}))
+    names = [one.name for one in found]
+    assert len(set(names)) == len(names)
+    assert {"coulomb_friction@motor_1", "coulomb_friction@motor_2", "payload_error@tool"} <= set(names)
+    expected = {name for name, one in effects().items() if one.ranges and "order" not in one.ranges}
+    assert {one.effect.name for one in found} <= expected
+    assert not {"torque_ripple", "transmission_error"} & {one.effect.name for one in found}
+
+
+def test_the_typical_effect_of_a_suspect_is_at_one_of_its_starts() -> None:
+    for one in suspects(load_robot("four_mass_linear"), Yardsticks({})):
+        placed = one.typical()
+        assert placed.location == one.location
+        for free in one.free:
+            assert getattr(placed.effect, free.name) in free.starts
+            assert getattr(placed.effect, free.name) != 0
+
+
+def test_all_and_the_only_motor_are_one_place() -> None:
+    effect = effects()["delay"]
+    assert places(effect, load_robot("four_mass_linear")) == ("all",)
+    assert set(places(effect, load_robot("elbow"))) == {"all", "motor_1", "motor_2"}
+
+
+def test_hypotheses_are_named_by_effects_and_places() -> None:
+    pair = tuple(Suspect(effects()[name], place, ()) for name, place in (("backlash", "motor_1"), ("delay", "all")))
+    assert name_of(pair) == "backlash@motor_1 + delay@all"
+    assert name_of(()) == "nothing"
+
+
+def test_starts_are_all_combinations_or_belong_together() -> None:
+    free = tuple(FreeParameter(name, -1.0, 1.0, signed=True, starts=(0.1, 0.2)) for name in "ab")
+    suspect = Suspect(effects()["coulomb_friction"], "motor_1", free)
+    assert suspect.starts() == [(0.1, 0.1), (0.1, 0.2), (0.2, 0.1), (0.2, 0.2)]
+    assert replace(suspect, together=True).starts() == [(0.1, 0.1), (0.2, 0.2)]

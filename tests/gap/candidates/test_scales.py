@@ -1,0 +1,56 @@
+"""Sizes in a log that ranges of effects are multiples of."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.gap.candidates.scales import Yardsticks, yardsticks
+from flexros.robot import load_robot
+
+SIZES = Yardsticks(
+    {
+        "torque": {"motor_1": 10.0, "motor_2": 4.0},
+        "speed": {"motor_1": 2.0, "motor_2": 1.0},
+        "angle": {"motor_1": 5.0, "motor_2": 8.0},
+        "deflection": {"motor_1": 0.1, "body_1.rz": 0.1, "motor_2": 0.2, "body_2.rz": 0.2},
+    }
+)
+
+
+def test_places_have_their_own_sizes_and_others_the_largest() -> None:
+    assert SIZES.of("torque", "motor_2") == 4.0
+    assert SIZES.of("torque", "tool") == 10.0
+    assert SIZES.of("deflection", "body_1.rz") == 0.1
+
+
+def test_quotients_are_of_the_same_place() -> None:
+    assert SIZES.of("torque/speed", "motor_2") == 4.0
+    assert SIZES.of("torque/angle", "motor_2") == 0.5
+    assert SIZES.of("torque/speed", "all") == 5.0
+
+
+def test_relative_numbers_have_the_yardstick_one() -> None:
+    assert SIZES.of("relative", "motor_1") == 1.0
+
+
+def test_sizes_are_taken_from_states_and_torques() -> None:
+    robot = load_robot("elbow")
+    n, places = robot.n_coordinates, list(robot.chain.motor_places)
+    time = np.linspace(0, 1, 1001)
+    states = np.zeros((1001, 2 * n))
+    states[:, places[1]] = 0.5 * np.cos(2 * np.pi * time)
+    states[:, n + places[1]] = 3.0 * np.sin(2 * np.pi * time)
+    torque = np.column_stack([np.full(1001, -7.0), np.zeros(1001)])
+    sizes = yardsticks(robot, states, torque)
+    first, second = robot.joint_names
+    assert sizes.of("torque", first) == pytest.approx(7.0)
+    assert sizes.of("angle", second) == pytest.approx(1.0)
+    assert sizes.of("speed", second) == pytest.approx(3.0, rel=1e-3)
+    assert sizes.of("deflection", second) == pytest.approx(0.5, rel=1e-3)
+
+
+def test_sizes_are_never_zero() -> None:
+    robot = load_robot("elbow")
+    sizes = yardsticks(robot, np.zeros((100, 2 * robot.n_coordinates)), np.zeros((100, 2)))
+    assert sizes.of("torque/speed", "motor_1") > 0

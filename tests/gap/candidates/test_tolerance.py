@@ -1,0 +1,40 @@
+"""Numbers of the robot that may deviate: as its file says, or by kind."""
+
+from __future__ import annotations
+
+import pytest
+
+from flexros.errors import InputError
+from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.robot import load_robot, robot_from_data
+
+
+def test_exact_numbers_are_left_out() -> None:
+    assert tolerance_of(load_robot("four_mass_linear"), {}).names == ()
+
+
+def test_kinds_replace_what_the_file_says() -> None:
+    found = tolerance_of(load_robot("four_mass_linear"), {"stiffness": 0.05})
+    assert found.names == ("body_1.rz.stiffness", "body_2.rz.stiffness", "body_3.rz.stiffness")
+    assert found.deviations == (0.05, 0.05, 0.05)
+
+
+def test_tolerances_of_the_file_count() -> None:
+    data = load_robot("four_mass_linear").spec.model_dump()
+    data["bodies"][1]["directions"]["rz"]["spring"]["stiffness"]["tolerance"] = 0.1
+    robot = robot_from_data(data, "test")
+    assert tolerance_of(robot, {}).names == ("body_2.rz.stiffness",)
+    assert tolerance_of(robot, {"stiffness": 0.0}).names == ()
+
+
+def test_inertia_is_that_of_motors_and_bodies_but_not_zero_ones() -> None:
+    robot = load_robot("elbow")
+    names = tolerance_of(robot, {"inertia": 0.02}).names
+    assert "motor_1.inertia" in names
+    assert any(name.endswith(".mass") for name in names)
+    assert all(robot.parameters[name].value != 0 for name in names)
+
+
+def test_unknown_kinds_are_named() -> None:
+    with pytest.raises(InputError, match="kind of tolerance.*stifness.*stiffness"):
+        tolerance_of(load_robot("four_mass_linear"), {"stifness": 0.05})

@@ -1,0 +1,208 @@
+"""Fits: known numbers come back with honest deviations, from bad starts, within their bounds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import cast
+
+import numpy as np
+import pytest
+
+from flexros.arrays import FloatArray
+from flexros.gap.candidates.candidate import FreeParameter
+from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.least_squares import MOST_STARTS, Fit, best_of, chi2_of, fit, linearise, starts_of
+from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.residuals.fit_data import FitData
+from tests.gap.diagnosis_logs import data_of, numbers, predictor_of, suspects_of
+
+N = 12000
+TRUTHS = {
+    "coulomb_friction@motor_1": {"level": 0.05},
+    "stiffness_error@body_2.rz": {"relative": 0.04},
+    "viscous_friction@motor_1": {"coefficient": 3e-3, "asymmetry": 0.3},
+    "backlash@motor_1": {"gap": 1e-3},
+}
+
+
+def made(predictor: Predictor, theta: FloatArray, seed: int) -> FitData:
+    """Log that a model would make under the torques of a real one, with white noise of the encoder."""
+    data = data_of()
+    record = data.record.part(0, N)
+    blind = replace(data.gain, gain=np.zeros_like(data.gain.gain))
+    errors = predictor.predict(theta[:, None], record, blind, data.start).innovation[:, :, 0]
+    noise = data.gain.noise * np.random.default_rng(seed).normal(size=record.position.shape)
+    return replace(data, record=replace(record, position=record.position - errors + noise), spread=data.spread[:N])
+
+
+def deviations(found: Fit) -> FloatArray:
+    return np.asarray(np.sqrt(np.diag(np.linalg.inv(found.information))))
+
+
+@pytest.mark.parametrize(("name", "values"), TRUTHS.items())
+def test_known_numbers_come_back(name: str, values: dict[str, float]) -> None:
+    suspect = suspects_of()[name]
+    predictor, truth = predictor_of(suspect), np.array(numbers(suspect, **values))
+    data = made(predictor, truth, 0)
+    starts = starts_of(predictor)
+    start = starts[:, np.argmin(chi2_of(predictor, data, starts))]
+    found = fit(predictor, data, start, 20)
+    assert found.converged
+    assert found.chi2 / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
+    assert np.all(np.abs(found.theta - truth) < 5 * deviations(found))
+    np.testing.assert_allclose(found.theta, truth, rtol=0.02, atol=0.02)
+
+
+def test_an_extra_mode_comes_back() -> None:
+    suspect = suspects_of()["extra_mode@tool"]
+    middle = {one.name: one.starts[len(one.starts) // 2] for one in suspect.free}
+    predictor = predictor_of(suspect)
+    truth = np.array([one.encode(middle[one.name]) for one in suspect.free])
+    data = made(predictor, truth, 1)
+    found = fit(predictor, data, truth + 0.03, 20)
+    assert found.chi2 / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
+    assert np.all(np.abs(found.theta - truth) < 5 * deviations(found))
+
+
+def test_deviations_cover_the_truth_at_least_as_often_as_they_say() -> None:
+    suspect = suspects_of()["coulomb_friction@motor_1"]
+    pair = (suspect, suspects_of()["stiffness_error@body_2.rz"])
+    predictor = predictor_of(*pair)
+    truth = np.array([*numbers(pair[0], level=0.05), *numbers(pair[1], relative=0.04)])
+    errors = []
+    for seed in range(20):
+        found = fit(predictor, made(predictor, truth, seed), truth + 0.1)
+        errors.append((found.theta - truth) / deviations(found))
+    # 40 numbers, at least about 38 within two standard deviations; those of friction are on the safe side
+    assert np.sum(np.abs(errors) < 2) >= 33
+    assert 0.3 < np.sqrt(np.mean(np.square(errors))) < 1.5
+
+
+@pytest.mark.parametrize("factor", [0.02, 20.0])
+def test_a_bad_start_ends_at_the_same_minimum(factor: float) -> None:
+    suspect = suspects_of()["coulomb_friction@motor_1"]
+    predictor, truth = predictor_of(suspect), np.array(numbers(suspect, level=0.05))
+    data = made(predictor, truth, 0)
+    near, far = fit(predictor, data, truth + 0.1), fit(predictor, data, truth + np.log(factor), 20)
+    assert far.converged
+    np.testing.assert_allclose(far.theta, near.theta, atol=0.3 * float(deviations(near)[0]))
+
+
+def test_a_fit_without_iterations_left_says_so() -> None:
+    suspect = suspects_of()["coulomb_friction@motor_1"]
+    predictor, truth = predictor_of(suspect), np.array(numbers(suspect, level=0.05))
+    found = fit(predictor, made(predictor, truth, 0), truth + np.log(20.0), 1)
+    assert (found.converged, found.iterations) == (False, 1)
+
+
+def test_numbers_stay_within_their_bounds() -> None:
+    """A stiffness beyond what the effect allows ends at the bound."""
+    suspect = suspects_of()["stiffness_error@body_2.rz"]
+    narrow = replace(suspect, free=(replace(suspect.free[0], high=0.01, negative=None),))
+    data = made(predictor_of(suspect), np.array(numbers(suspect, relative=0.04)), 0)
+    found = fit(predictor_of(narrow), data, np.array([-1.0]))
+    assert found.theta[0] == 1.0
+
+
+class TwoAlike:
+    """Errors that two numbers change in the same way, the second by far less and then otherwise: predictor and log."""
+
+    n_effect, bounds, tolerance = 2, (np.full(2, -1.0), np.full(2, 1.0)), Tolerance()
+
+    def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
+        noise, alike, other = np.random.default_rng(0).normal(size=(3, 1000, 1))
+        far = np.maximum(np.abs(thetas[1]) - 0.01, 0.0)
+        return np.asarray(noise + 1e3 * alike * (thetas[0] - 0.01) + 0.03 * alike * thetas[1] + 100 * other * far)
+
+
+def test_of_two_numbers_that_do_the_same_the_one_moves_that_shows_more() -> None:
+    both = TwoAlike()
+    found = fit(cast("Predictor", both), cast("FitData", both), np.array([1e-4, -1e-4]), 20)
+    assert found.converged
+    assert found.theta[0] == pytest.approx(0.01, abs=2e-4)
+    assert abs(found.theta[1]) < 0.1
+
+
+class CurvedValley:
+    """Errors that are small along a curve only: predictor and log."""
+
+    n_effect, bounds, tolerance = 2, (np.full(2, -10.0), np.full(2, 10.0)), Tolerance()
+
+    def residuals(self, _: object, thetas: FloatArray) -> FloatArray:
+        noise, across, along = np.random.default_rng(0).normal(size=(3, 1000, 1))
+        return np.asarray(noise + 100 * across * (thetas[1] - thetas[0] ** 2) + along * (thetas[0] - 3.0))
+
+
+def test_steps_follow_a_curved_valley(monkeypatch: pytest.MonkeyPatch) -> None:
+    valley = CurvedValley()
+
+    def fitted() -> Fit:
+        return fit(cast("Predictor", valley), cast("FitData", valley), np.zeros(2), 40)
+
+    bent = fitted()
+    assert bent.converged
+    np.testing.assert_allclose(bent.theta, [3.0, 9.0], rtol=0.05)
+    monkeypatch.setattr("flexros.gap.fit.least_squares.KEPT", 0.0)
+    assert bent.iterations < 0.5 * fitted().iterations
+
+
+def test_what_is_tolerated_takes_up_a_deviation_at_its_price() -> None:
+    suspect = suspects_of()["stiffness_error@body_2.rz"]
+    data = made(predictor_of(suspect), np.array(numbers(suspect, relative=0.04)), 0)
+    tolerant = predictor_of(tolerance=Tolerance(("body_2.rz.stiffness",), (0.02,)))
+    found = fit(tolerant, data, np.zeros(1))
+    assert found.theta[0] == pytest.approx(2.0, abs=0.05)
+    residual = data.residuals(tolerant, found.theta[:, None])
+    assert found.chi2 == pytest.approx(float(np.sum(residual**2)) + found.theta[0] ** 2)
+
+
+def test_slopes_are_derivatives_of_the_weighted_errors() -> None:
+    suspect = suspects_of()["viscous_friction@motor_1"]
+    predictor, theta = predictor_of(suspect), np.array(numbers(suspect, coefficient=3e-3, asymmetry=0.3))
+    line = linearise(predictor, data_of(), theta)
+    step = 1e-4 * np.eye(2)
+    for k in range(2):
+        ends = data_of().residuals(predictor, np.stack([theta + step[k], theta - step[k]], axis=-1))
+        difference = (ends[:, 0] - ends[:, 1]) / 2e-4
+        assert np.linalg.norm(line.slopes[:, k] - difference) < 0.01 * np.linalg.norm(difference)
+    np.testing.assert_allclose(line.gradient, line.slopes.T @ line.residual)
+    np.testing.assert_allclose(line.information, line.slopes.T @ line.slopes)
+
+
+def test_starts_are_all_combinations() -> None:
+    pair = [suspects_of()[name] for name in ("coulomb_friction@motor_1", "stiffness_error@body_2.rz")]
+    counts = [len(one.free[0].starts) for one in pair]
+    tolerance = Tolerance(("body_1.rz.stiffness",), (0.02,))
+    free = starts_of(predictor_of(*pair, tolerance=tolerance))
+    assert free.shape == (3, counts[0] * counts[1])
+    assert len(np.unique(free, axis=1).T) == counts[0] * counts[1]
+    assert not free[2].any()
+
+
+def test_more_starts_than_allowed_are_thinned_over_their_whole_range() -> None:
+    sizes = tuple(float(size) for size in np.geomspace(1e-4, 1.0, 2 * MOST_STARTS))
+    suspect = suspects_of()["coulomb_friction@motor_1"]
+    many = replace(suspect, free=(FreeParameter("level", 1e-4, 1.0, signed=False, starts=sizes),))
+    starts = starts_of(predictor_of(many))[0]
+    assert len(starts) == MOST_STARTS
+    np.testing.assert_allclose(starts[[0, -1]], np.log([1e-4, 1.0]), atol=1e-12)
+    assert np.diff(starts).max() < 3.01 * np.log(sizes[1] / sizes[0])  # of two or three combinations one is kept
+
+
+def test_the_nominal_model_has_nothing_to_fit() -> None:
+    nothing = predictor_of()
+    found = fit(nothing, data_of(), np.zeros(0))
+    assert found.chi2 == pytest.approx(float(chi2_of(nothing, data_of(), np.zeros((0, 1)))[0]))
+
+
+def test_sums_of_many_sets_are_those_of_each() -> None:
+    suspect = suspects_of()["coulomb_friction@motor_1"]
+    thetas = np.log(np.geomspace(1e-3, 0.1, 11))[None]
+    sums = chi2_of(predictor_of(suspect), data_of(), thetas)
+    assert sums.shape == (11,)
+    assert sums[10] == pytest.approx(float(chi2_of(predictor_of(suspect), data_of(), thetas[:, 10:])[0]))
+
+
+def test_the_best_fit_has_the_smallest_sum() -> None:
+    fits = [Fit(predictor_of(), np.zeros(0), chi2) for chi2 in (3.0, 1.0, 2.0)]
+    assert best_of(fits) is fits[1]

@@ -1,0 +1,69 @@
+"""Numbers of an effect that a log does not show stay neutral; those that it shows stay in."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from flexros.gap.fit.estimates import parameters_of, placed
+from flexros.gap.fit.least_squares import Fit
+from flexros.gap.fit.pruning import _own_information, without_least_number
+from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.forward_selection import explain
+from tests.gap.diagnosis_logs import few_suspects, search_of, suspects_of
+
+VISCOUS = "viscous_friction@motor_1:coefficient=3e-3"
+
+
+@cache
+def fitted(effect: str, suspect: str) -> tuple[Search, Fit]:
+    search = search_of(effect)
+    return search, search.singles(search.nothing(), [suspects_of()[suspect]])[0]
+
+
+def names(one: Fit) -> list[str]:
+    return [free.name for suspect in one.predictor.hypothesis for free in suspect.free]
+
+
+def test_an_asymmetry_that_is_not_there_is_left_out() -> None:
+    search, rich = fitted(VISCOUS, "viscous_friction@motor_1")
+    lean = search.lean(rich)
+    assert names(rich) == ["coefficient", "asymmetry"]
+    assert names(lean) == ["coefficient"]
+    assert placed(lean)[0].effect.model_dump()["asymmetry"] == 0.0
+    assert 0 <= lean.chi2 - rich.chi2 < np.log(search.data.n_values) * rich.chi2 / search.data.n_values
+    numbers = parameters_of(lean)[0]
+    assert abs(numbers["coefficient"].value - 3e-3) < 5 * numbers["coefficient"].std
+
+
+def test_an_asymmetry_that_is_there_stays() -> None:
+    search, rich = fitted(f"{VISCOUS},asymmetry=0.3", "viscous_friction@motor_1")
+    assert search.lean(rich) is rich
+
+
+@pytest.mark.parametrize("suspect", ["torque_bias@motor_1", "coulomb_friction@motor_1"])
+def test_an_effect_keeps_what_it_is_there_by(suspect: str) -> None:
+    """Neither is in the log: the numbers are as good as zero, but without them nothing would be left of the effect."""
+    _, none = fitted(VISCOUS, suspect)
+    assert without_least_number(none) is None
+
+
+def test_the_chosen_explanation_has_no_spare_numbers() -> None:
+    with few_suspects():
+        found = explain(search_of(VISCOUS))
+    assert found.chosen.names == {"viscous_friction@motor_1"}
+    assert names(found.chosen) == ["coefficient"]
+    assert found.chosen in found.rivals
+    assert found.probabilities.sum() == pytest.approx(1.0)
+
+
+def test_information_is_what_the_other_numbers_leave() -> None:
+    """A number that the others imitate has none, though its own derivatives are large."""
+    slopes = np.random.default_rng(0).normal(size=(50, 3))
+    slopes[:, 2] = slopes[:, 0] - 2 * slopes[:, 1]
+    information = slopes.T @ slopes
+    assert _own_information(information, 2) < 1e-9 * information[2, 2]
+    apart = slopes[:, :2].T @ slopes[:, :2]
+    assert _own_information(apart, 0) == pytest.approx(1 / np.linalg.inv(apart)[0, 0])

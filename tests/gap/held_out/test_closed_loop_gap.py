@@ -1,0 +1,85 @@
+"""How far model and robot are apart under the same control, in mm and mrad."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.effects import PlacedEffect, RobotWithEffects, place_effects
+from flexros.effects.coulomb_friction import CoulombFriction
+from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, with_closed_loop
+from flexros.gap.result import DiagnosisResult, Explanation, Prediction, SignalGap
+from flexros.logs.time_series import Log
+from flexros.record.record import GapRecord
+from flexros.robot import load_robot
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import Scenario
+from tests.validation.blind.cases import diagnosis
+
+ROBOT = load_robot("four_mass_linear")
+NOMINAL = RobotWithEffects(ROBOT, ())
+REPAIRED = place_effects(ROBOT, [PlacedEffect(CoulombFriction(level=1.5), "motor_1")])
+
+
+@pytest.fixture(scope="module")
+def log() -> Log:
+    """Moves of a robot with hidden friction."""
+    scenario = Scenario.model_validate(
+        {
+            "name": "moves",
+            "robot": "four_mass_linear",
+            "plant": {"effects": ["coulomb_friction@motor_1:level=1.5"]},
+            "trajectory": {
+                "path": {"type": "joint_moves", "points_from_start": [[10.0]]},
+                "time_law": {"type": "ninth_degree", "duration": 0.8},
+            },
+            "feedforward": {"method": "rigid"},
+            "controller": {"kind": "pid", "kp": 22, "kd": 2.35, "derivative_filter": 2.6e-3},
+        }
+    )
+    return closed_loop(Experiment.prepare(scenario))
+
+
+def test_a_repaired_model_is_where_the_robot_is_but_for_noise(log: Log) -> None:
+    tool, motor = closed_loop_gap(log, NOMINAL, REPAIRED)
+    assert (tool.signal, tool.unit) == ("tool path in closed loop", "mm")
+    assert tool.after is not None
+    assert tool.before > 5 * tool.after
+    assert tool.after == pytest.approx(tool.floor, rel=0.2)
+    assert (motor.signal, motor.unit) == ("motor_1 position in closed loop", "mrad")
+    assert motor.after == pytest.approx(motor.floor, rel=0.2)
+    assert motor.before > 5 * motor.floor
+
+
+def test_nothing_is_told_where_reference_and_controller_are_not_known(log: Log) -> None:
+    assert closed_loop_gap(replace(log, provenance={}), NOMINAL) == ()
+    other = {"scenario": {**log.provenance["scenario"], "robot": "no_such_robot"}}
+    assert closed_loop_gap(replace(log, provenance=other), NOMINAL) == ()
+    assert closed_loop_gap(log, NOMINAL, begin=1e6) == ()
+
+
+def test_without_a_repair_only_the_gap_before_is_told(log: Log) -> None:
+    tool, _ = closed_loop_gap(log, NOMINAL)
+    assert tool.before > 0
+    assert tool.after is None
+
+
+def test_a_result_gets_the_gap_with_its_patch(log: Log) -> None:
+    nothing = np.zeros((10, 1))
+    record = GapRecord("log", 5e-4, nothing, nothing, np.ones(10, dtype=bool))
+    plain = DiagnosisResult(
+        diagnosis=diagnosis("explained", "coulomb_friction@motor_1"),
+        robot=ROBOT,
+        record=record,
+        holdout=replace(record, begin=0.4),
+        before=Explanation("nominal", Prediction(nothing, np.ones(1))),
+        patch=(PlacedEffect(CoulombFriction(level=1.5), "motor_1"),),
+        signals=(SignalGap("motor_1 position, 0.1 s ahead", "mrad", 1.0),),
+    )
+    ahead, tool, _ = with_closed_loop(plain, NOMINAL, log).signals
+    assert ahead == plain.signals[0]
+    assert (tool,) == closed_loop_gap(log, NOMINAL, REPAIRED, begin=0.4)[:1]
+    assert tool != closed_loop_gap(log, NOMINAL, REPAIRED)[0]

@@ -1,0 +1,83 @@
+"""How far model and log are apart: 1 without gap, and the share that a repair closes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.gap.fit.least_squares import Fit
+from flexros.gap.held_out.prediction_gap import AheadErrors, closed_fraction, errors_ahead
+from tests.gap.diagnosis_logs import ROBOT, data_of, numbers, predictor_of, suspects_of
+
+FRICTION = "coulomb_friction@motor_1:level=0.05"
+SPACING = 50  # samples
+
+
+def ahead(effects: tuple[str, ...] = (), level: float | None = None, seed: int = 1) -> AheadErrors:
+    """Errors of a log with effects, under the nominal model or with Coulomb friction."""
+    hypothesis = () if level is None else (suspects_of()["coulomb_friction@motor_1"],)
+    predictor = predictor_of(*hypothesis)
+    theta = np.array([] if level is None else numbers(hypothesis[0], level=level))
+    return errors_ahead(Fit(predictor, theta, 0.0), data_of(*effects, seed=seed))
+
+
+def synthetic(level: float, seed: int = 0, windows: int = 2000) -> AheadErrors:
+    """White errors of a mean square."""
+    squares = level * np.random.default_rng(seed).normal(size=(windows, 1)) ** 2
+    return AheadErrors(squares, SPACING * np.arange(windows), np.array([1e-4]))
+
+
+def test_without_gap_it_is_one() -> None:
+    means = [ahead(seed=seed).mean for seed in (1, 2, 3)]
+    # some 500 windows of 0.1 s in each log that overlap, four to an independent one
+    assert np.mean(means) == pytest.approx(1.0, abs=4 * np.sqrt(2 / (3 * 500 / 4)))
+
+
+def test_a_gap_shows_and_the_true_model_closes_it() -> None:
+    before, after = ahead((FRICTION,)), ahead((FRICTION,), level=0.05)
+    assert before.mean > 20
+    assert after.mean == pytest.approx(1.0, abs=0.35)
+    share = closed_fraction(before, after, ROBOT.sample_time)
+    assert share is not None
+    assert share.value == pytest.approx(1.0, abs=0.02)
+    assert share.interval[0] <= share.value <= share.interval[1]
+
+
+def test_windows_lie_within_the_log_and_avoid_missing_samples() -> None:
+    data = data_of()
+    valid = data.record.valid.copy()
+    valid[10_000:10_100] = False
+    holed = replace(data, record=replace(data.record, valid=valid))
+    found = errors_ahead(Fit(predictor_of(), np.zeros(0), 0.0), holed)
+    horizon = round(0.1 / ROBOT.sample_time)
+    assert np.all(found.starts + horizon < data.record.n_samples)
+    assert not np.any((found.starts < 10_100) & (found.starts + horizon >= 10_000))
+    assert len(found.starts) == len(found.squares)
+
+
+def test_closed_share_is_that_of_the_excess_over_the_floor() -> None:
+    share = closed_fraction(synthetic(11.0, 0), synthetic(6.0, 1), ROBOT.sample_time)
+    assert share is not None
+    assert share.value == pytest.approx(0.5, abs=0.06)
+    assert share.interval[0] < 0.5 < share.interval[1]
+    assert share.interval[1] - share.interval[0] < 0.2
+
+
+def test_a_repair_that_does_nothing_closes_nothing() -> None:
+    same = synthetic(11.0)
+    share = closed_fraction(same, same, ROBOT.sample_time)
+    assert share is not None
+    assert share.value == 0.0
+    assert share.interval == (0.0, 0.0)
+
+
+def test_errors_that_do_not_exceed_noise_have_no_share() -> None:
+    assert closed_fraction(synthetic(1.0), synthetic(1.0, 1), ROBOT.sample_time) is None
+
+
+def test_errors_over_another_floor() -> None:
+    found = synthetic(4.0).over(np.array([2e-4]))
+    assert found.mean == pytest.approx(synthetic(4.0).mean / 4)
+    assert found.floor[0] == 2e-4

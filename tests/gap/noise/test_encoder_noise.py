@@ -1,0 +1,120 @@
+"""Noise of the encoders as a log shows it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.gap.noise.encoder_noise import SIGNAL_TOLERANCE, measure_noise
+from flexros.record.record import GapRecord
+from flexros.robot import Robot, load_robot
+
+N, T, SIGMA = 40_000, 5e-4, 1e-4
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return load_robot("four_mass_linear")  # its file says SIGMA
+
+
+def record_of(noise: np.ndarray, still: bool, jitter: float = 0.0, imported: bool = False, seed: int = 3) -> GapRecord:
+    """Slow swings, standing still in the first quarter where asked for."""
+    time = np.arange(N) * T
+    seen = time + jitter * np.random.default_rng(seed).normal(size=N)
+    moving = np.where(time < 5.0, 0.0, 1.0) if still else np.ones(N)
+    motion = moving * 2.0 * (1 - np.cos(2 * np.pi * 0.4 * (seen - 5.0)))
+    return GapRecord(
+        name="log",
+        sample_time=T,
+        position=(motion + noise)[:, None],
+        torque=np.zeros((N, 1)),
+        valid=np.ones(N, dtype=bool),
+        imported=imported,
+    )
+
+
+def white(scale: float = SIGMA, seed: int = 1) -> np.ndarray:
+    return scale * np.random.default_rng(seed).normal(size=N)
+
+
+def coloured(a: float, seed: int = 1) -> np.ndarray:
+    """Noise e_k = a e_(k-1) + w_k of size SIGMA."""
+    from scipy.signal import lfilter
+
+    return lfilter([np.sqrt(1 - a**2)], [1.0, -a], white(seed=seed))
+
+
+@pytest.mark.parametrize(("still", "source"), [(True, "standstill"), (False, "above the band")])
+def test_white_noise_is_measured_with_and_without_standstill(robot: Robot, still: bool, source: str) -> None:
+    for seed in range(5):
+        noise = measure_noise(record_of(white(1.1 * SIGMA, seed), still), robot)
+        assert noise.source == (source,)
+        assert noise.standard_deviation[0] == pytest.approx(1.1 * SIGMA, rel=0.05)
+        assert noise.autoregression.shape == (1, 0)
+        assert noise.jitter == 0.0
+        assert noise.warnings == ()
+
+
+def test_a_little_less_at_standstill_is_chance_where_the_band_above_shows_the_stated_noise(robot: Robot) -> None:
+    values = white()
+    values[: N // 4] *= 0.92
+    noise = measure_noise(record_of(values, still=True), robot)
+    assert noise.source == ("above the band",)
+    assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.05)
+
+
+def test_noise_unlike_the_robot_file_is_told(robot: Robot) -> None:
+    noise = measure_noise(record_of(white(2 * SIGMA), still=True), robot)
+    assert noise.standard_deviation[0] == pytest.approx(2 * SIGMA, rel=0.05)
+    assert noise.warnings == (
+        f"the encoder noise of motor_1 is {noise.standard_deviation[0]:.3g} (standstill), the robot file says 0.0001; "
+        "the measured one is used",
+    )
+
+
+@pytest.mark.parametrize("a", [0.3, 0.8, -0.4])
+def test_colour_is_found(robot: Robot, a: float) -> None:
+    noise = measure_noise(record_of(coloured(a), still=True), robot)
+    assert noise.autoregression[0, 0] == pytest.approx(a, abs=0.05)
+    assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.1)
+    assert any("is not white (autoregression" in text for text in noise.warnings)
+
+
+@pytest.mark.parametrize("still", [True, False])
+def test_jitter_of_the_clock_grows_with_speed(robot: Robot, still: bool) -> None:
+    noise = measure_noise(record_of(white(), still, jitter=3e-5), robot)
+    assert noise.jitter == pytest.approx(3e-5, rel=0.15)
+    assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.1)
+    assert any("sampling instants jitter by" in text for text in noise.warnings)
+
+
+def test_only_logs_of_real_machines_get_a_signal_tolerance(robot: Robot) -> None:
+    assert measure_noise(record_of(white(), still=True, imported=False), robot).signal_tolerance == 0.0
+    assert measure_noise(record_of(white(), still=True, imported=True), robot).signal_tolerance == SIGNAL_TOLERANCE
+
+
+def test_log_without_noise_takes_that_of_the_robot_file(robot: Robot) -> None:
+    record = record_of(np.zeros(N), still=True)
+    constant = GapRecord("log", T, np.zeros((N, 1)), record.torque, record.valid)
+    noise = measure_noise(constant, robot)
+    assert noise.source == ("robot file",)
+    assert noise.standard_deviation[0] == robot.encoder_noise[0]
+
+
+def test_implausibly_quiet_positions_of_a_real_machine_get_the_noise_of_the_robot_file(robot: Robot) -> None:
+    noise = measure_noise(record_of(white(0.1 * SIGMA), still=True, imported=True), robot)
+    assert noise.standard_deviation[0] == robot.encoder_noise[0]
+    assert noise.source == ("robot file",)
+    assert len(noise.warnings) == 1
+    assert "so they were filtered or rounded; the 0.0001 of the robot file are used" in noise.warnings[0]
+    simulated = measure_noise(record_of(white(0.1 * SIGMA), still=True), robot)
+    assert simulated.standard_deviation[0] == pytest.approx(0.1 * SIGMA, rel=0.1)
+
+
+def test_a_small_swing_at_rest_is_no_colour_where_the_band_above_shows_the_stated_noise(robot: Robot) -> None:
+    time = np.arange(N) * T
+    swing = 4e-4 * np.sin(2 * np.pi * 5.0 * time)
+    position = (swing + SIGMA * np.random.default_rng(7).normal(size=N))[:, None]
+    noise = measure_noise(GapRecord("log", T, position, np.zeros_like(position), np.ones(N, bool)), robot)
+    assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.03)
+    assert not noise.autoregression.size

@@ -1,0 +1,124 @@
+"""Weights: what noise alone makes of prediction errors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.gap.noise import weights
+from flexros.gap.noise.encoder_noise import Noise
+from flexros.gap.noise.weights import Measurement, measurement_in, measurement_of, spread_of
+from flexros.prediction.observer import observer_gain
+from tests.gap.diagnosis_logs import ROBOT, record_of
+
+NOISE = np.array([1e-4])
+
+
+def measurement(whitening: np.ndarray, jitter: float = 0.0) -> Measurement:
+    return Measurement(NOISE, whitening, NOISE, jitter, (), 0.0, 0.0, 0.0, 0.0, ())
+
+
+def test_noise_as_declared_is_that_of_the_file_and_exact() -> None:
+    found = measurement_of(record_of(), ROBOT)
+    np.testing.assert_array_equal(found.deviation, ROBOT.encoder_noise)
+    assert found.floor_error == 0.0
+    assert found.doubt < 0.01
+    assert found.whitening.tolist() == [[1.0]]
+    assert found.quantizations == ()
+
+
+def test_other_noise_is_measured_and_less_sure() -> None:
+    record = record_of()
+    more = np.random.default_rng(0).normal(size=record.position.shape) * 2e-4
+    found = measurement_of(replace(record, position=record.position + more), ROBOT)
+    assert found.deviation[0] == pytest.approx(np.hypot(1e-4, 2e-4), rel=0.05)
+    assert found.floor_error > 0
+
+
+def test_noise_a_little_off_the_declared_one_is_allowed_for() -> None:
+    record = record_of()
+    more = np.random.default_rng(0).normal(size=record.position.shape) * 0.3e-4
+    noisier = replace(record, position=record.position + more)
+    found = measurement_of(noisier, ROBOT)
+    np.testing.assert_array_equal(found.deviation, ROBOT.encoder_noise)
+    assert (found.floor_error, found.doubt) == (0.0, pytest.approx(0.5 * 0.3**2, rel=0.3))
+    elsewhere = measurement_in(noisier, ROBOT, measurement_of(record, ROBOT))
+    assert (elsewhere.floor_error, elsewhere.doubt) == (0.0, found.doubt)
+
+
+def test_rounding_adds_its_own_noise() -> None:
+    record = record_of()
+    step = 1e-3
+    found = measurement_of(replace(record, position=step * np.round(record.position / step)), ROBOT)
+    assert found.quantizations[0].step == pytest.approx(step, rel=1e-3)
+    assert found.deviation[0] == pytest.approx(np.hypot(1e-4, step / np.sqrt(12)), rel=1e-3)
+
+
+def test_coloured_noise_is_driven_by_less_white_noise() -> None:
+    """A first-order autoregression a amplifies by 1 / sqrt(1 - a^2)."""
+    rng = np.random.default_rng(0)
+    white = rng.normal(size=40_000)
+    coloured = np.zeros_like(white)
+    for k in range(1, len(white)):
+        coloured[k] = 0.6 * coloured[k - 1] + white[k]
+    record = replace(record_of(), position=1e-3 * coloured[:, None], torque=np.zeros((40_000, 1)))
+    record = replace(record, valid=np.ones(40_000, dtype=bool), reference=None)
+    found = measurement_of(record, ROBOT)
+    assert found.deviation[0] / found.driving[0] == pytest.approx(1 / 0.8, rel=0.05)
+    assert found.whitening[0, 1] == pytest.approx(-0.6, abs=0.06)
+
+
+def test_the_start_and_what_was_not_measured_do_not_count() -> None:
+    gain = observer_gain(ROBOT, ROBOT.sample_time, 1e-3, NOISE)
+    record = record_of()
+    valid = record.valid.copy()
+    valid[9000:9010] = False
+    whitening = np.array([[1.0, -0.5, 0.1]])
+    spread = spread_of(replace(record, valid=valid), gain, measurement(whitening))
+    assert np.all(np.isinf(spread[: gain.settling]))
+    assert np.all(np.isfinite(spread[gain.settling : 9000]))
+    assert np.all(np.isinf(spread[9000:9012]))  # the filter carries them on
+    assert np.all(np.isfinite(spread[9012:]))
+    np.testing.assert_allclose(spread[gain.settling : 9000], gain.spread[0])
+
+
+def test_a_log_from_rest_counts_from_its_first_sample() -> None:
+    """Behind a known start there is less noise than later."""
+    gain, record = observer_gain(ROBOT, ROBOT.sample_time, 1e-3, NOISE), record_of()
+    rested, moving = (
+        spread_of(record, gain, measurement(np.ones((1, 1))), from_rest=from_rest) for from_rest in (True, False)
+    )
+    assert rested[0, 0] == pytest.approx(NOISE[0])
+    assert np.all(np.diff(rested[: gain.settling, 0]) >= 0)
+    np.testing.assert_allclose(rested[gain.settling :], moving[gain.settling :])
+
+
+def test_whitening_needs_what_was_before() -> None:
+    gain = observer_gain(ROBOT, ROBOT.sample_time, 1e-3, NOISE)
+    spread = spread_of(record_of(), gain, measurement(np.array([[1.0, -0.5, 0.1]])), from_rest=True)
+    np.testing.assert_array_equal(np.isinf(spread[:4, 0]), [True, True, False, False])
+
+
+def test_jitter_adds_noise_where_the_motor_is_fast() -> None:
+    gain = observer_gain(ROBOT, ROBOT.sample_time, 1e-3, NOISE)
+    record = record_of()
+    plain, jittered = (spread_of(record, gain, measurement(np.ones((1, 1)), jitter))[:, 0] for jitter in (0.0, 2e-5))
+    speed = np.abs(np.gradient(record.position[:, 0], record.sample_time))
+    fast = np.convolve(speed, np.ones(51) / 51, mode="same").argmax()
+    assert jittered[fast] == pytest.approx(np.hypot(plain[fast], 2e-5 * speed[fast - 25 : fast + 26].mean()), rel=0.1)
+    still = np.isfinite(plain) & (np.abs(record.position[:, 0] - record.position[0, 0]) < 1e-3)
+    assert np.median(jittered[still] / plain[still]) < 1.2
+
+
+def test_little_noise_above_the_band_of_a_log_without_rest_is_coloured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An autoregression of 0.75 and the declared power has 0.38 of the declared deviation at the upper end."""
+    declared = ROBOT.encoder_noise
+    seen = Noise(0.378 * declared, np.zeros((1, 0)), 0.0, ("above the band",))
+    monkeypatch.setattr(weights, "measure_noise", lambda record, robot: seen)
+    found = weights.measurement_of(record_of(), ROBOT)
+    assert found.deviation == pytest.approx(declared)
+    assert found.whitening[0, 1] == pytest.approx(-0.75, abs=0.01)
+    assert found.driving == pytest.approx(declared * np.sqrt(1 - 0.75**2), rel=0.01)
+    assert found.floor_error == weights.COLOURED_ERROR

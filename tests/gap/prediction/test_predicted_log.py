@@ -1,0 +1,64 @@
+"""Predictions that a report keeps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.gap.fit.estimates import placed
+from flexros.gap.fit.least_squares import Fit
+from flexros.gap.prediction.predicted_log import prediction_of, signature_evidence, tool_errors
+from flexros.gap.result import Explanation
+from tests.gap.diagnosis_logs import MODEL, ROBOT, data_of, numbers, predictor_of, suspects_of
+
+SOFT = "stiffness_error@body_2.rz:relative=-0.05"
+
+
+def explanation(relative: float | None) -> Explanation:
+    hypothesis = () if relative is None else (suspects_of()["stiffness_error@body_2.rz"],)
+    theta = np.array([] if relative is None else numbers(hypothesis[0], relative=relative))
+    one = Fit(predictor_of(*hypothesis), theta, 0.0)
+    return Explanation("test", prediction_of(one, data_of(SOFT)), None, placed(one))
+
+
+def test_innovations_are_the_prediction_errors_and_counted_from_where_the_start_decayed() -> None:
+    found, data = explanation(-0.05).fit, data_of(SOFT)
+    assert found.innovations.shape == data.record.position.shape
+    assert found.states is not None
+    assert found.states.shape == (data.record.n_samples, 2 * ROBOT.n_coordinates)
+    assert found.first == data.gain.settling
+    scaled = found.innovations[found.first :] / found.sd
+    assert np.mean(scaled**2) == pytest.approx(1.0, abs=0.05)
+
+
+def test_states_are_corrected_ones() -> None:
+    """The motor position is nearer to the measured one than noise."""
+    found, data = explanation(None).fit, data_of(SOFT)
+    assert found.states is not None
+    motor = found.states[:, list(ROBOT.chain.motor_places)]
+    assert np.std(motor - data.record.position) < 3 * np.std(found.innovations)
+
+
+def test_pictures_see_the_log_before_and_after_the_repair() -> None:
+    before, after = explanation(None), explanation(-0.05)
+    data, nothing = data_of(SOFT), Fit(predictor_of(), np.zeros(0), 0.0)
+    found = signature_evidence(MODEL, data, nothing, before, after)
+    assert (found.before, found.after) == (before.fit, after.fit)
+    assert found.repaired is not None
+    nominal = ROBOT.parameters["body_2.rz.stiffness"].value
+    assert found.repaired.parameters["body_2.rz.stiffness"].value == pytest.approx(0.95 * nominal)
+    assert found.tool_error is None
+    assert signature_evidence(MODEL, data, nothing, before, None).repaired is None
+
+
+def test_error_of_the_tool_is_what_the_model_lacks_beyond_noise_and_the_frame_of_the_tracker() -> None:
+    """A soft spring shows; without it the error is the noise of the tracker."""
+    nothing = Fit(predictor_of(), np.zeros(0), 0.0)
+    still, soft = (tool_errors(nothing, data_of(*effects, tool=True)) for effects in ((), (SOFT,)))
+    assert still is not None
+    assert soft is not None
+    record, error = still
+    assert error.shape == record.position.shape
+    sizes = [float(np.sqrt(np.mean(np.sum(one**2, axis=1)))) for _, one in (still, soft)]
+    assert sizes[0] < 2.5 * ROBOT.tool_noise
+    assert sizes[1] > sizes[0]

@@ -1,0 +1,122 @@
+"""Logs as a fit sees them: weighted errors of motors and tool."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from flexros.effects import RobotWithEffects
+from flexros.gap.residuals.fit_data import fit_data
+from flexros.gap.settings import DiagnosisSettings
+from flexros.record.record import GapRecord, ToolRecord
+from tests.gap.diagnosis_logs import MODEL, ROBOT, data_of, numbers, predictor_of, record_of, suspects_of
+
+
+def test_errors_that_do_not_count_are_zero() -> None:
+    record = record_of()
+    valid = record.valid.copy()
+    valid[15_000:15_010] = False
+    data = fit_data(replace(record, valid=valid), MODEL, DiagnosisSettings())
+    residual = data.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
+    np.testing.assert_array_equal(residual == 0.0, ~valid)
+    assert data.start_errors is not None
+    assert data.n_values == valid.sum() - data.start_errors.number
+
+
+def test_a_log_that_begins_with_a_hole_in_motion_does_not_begin_at_rest() -> None:
+    moving = record_of().part(9000, 20_000)
+    valid = moving.valid.copy()
+    valid[:80] = False
+    data = fit_data(replace(moving, valid=valid), MODEL, DiagnosisSettings())
+    assert not data.from_rest
+
+
+def test_weighted_errors_are_errors_over_their_spread() -> None:
+    data = data_of()
+    errors = np.random.default_rng(0).normal(size=(data.record.n_samples, 1, 3))
+    counted = np.isfinite(data.spread[:, 0])
+    expected = errors[counted, 0] / data.spread[counted]
+    np.testing.assert_allclose(data.weighted(errors)[counted], expected)
+
+
+def test_coloured_noise_becomes_white() -> None:
+    data = data_of()
+    whitening = np.array([[1.0, -0.6]])
+    coloured = replace(
+        data, spread=np.ones_like(data.spread), measurement=replace(data.measurement, whitening=whitening)
+    )
+    white = np.random.default_rng(0).normal(size=data.record.n_samples)
+    noise = lfilter([1.0], whitening[0], white)
+    np.testing.assert_allclose(coloured.weighted(noise[:, None, None])[:, 0], white, atol=1e-9)
+
+
+def test_errors_of_the_tool_stand_behind_those_of_the_motors() -> None:
+    motors, both = data_of(), data_of(tool=True)
+    assert both.tool is not None
+    theta = np.zeros((0, 1))
+    residual = both.residuals(predictor_of(), theta)[:, 0]
+    n, late = both.record.n_samples, 2 * both.gain.settling
+    np.testing.assert_allclose(residual[late:n], motors.residuals(predictor_of(), theta)[late:, 0])
+    assert len(residual) == n + both.tool.position.size
+    assert both.start_errors is not None
+    assert both.n_values == n + both.tool.position.size - both.tool.basis.shape[1] - both.start_errors.number
+    assert residual @ residual / both.n_values == pytest.approx(1.0, abs=4 * np.sqrt(2 / both.n_values))
+
+
+def test_a_tool_that_was_hardly_seen_is_left_out_with_a_warning() -> None:
+    record = record_of(tool=True)
+    assert record.tool is not None
+    few = ToolRecord(record.tool.time[500:505], record.tool.position[500:505])
+    data = fit_data(replace(record, tool=few), MODEL, DiagnosisSettings())
+    assert data.tool is None
+    assert "5 poses of the tool lie within the record, needed are 20, so the tool was left out" in data.record.warnings
+    np.testing.assert_array_equal(data.spread, data_of().spread)
+
+
+def test_sets_have_residuals_of_their_own() -> None:
+    friction = suspects_of()["coulomb_friction@motor_1"]
+    predictor, data = predictor_of(friction), data_of()
+    thetas = np.array([numbers(friction, level=level) for level in (0.01, 0.1)]).T
+    together = data.residuals(predictor, thetas)
+    for k in range(2):
+        np.testing.assert_allclose(together[:, k], data.residuals(predictor, thetas[:, k : k + 1])[:, 0])
+
+
+def test_a_log_that_begins_in_motion_starts_with_its_state() -> None:
+    """Errors of a guess of the state would last for seconds."""
+    record = record_of(length=10.0)
+    fast = int(np.argmax(np.abs(np.gradient(record.position[: record.n_samples // 2, 0]))))
+    part: GapRecord = record.part(fast, record.n_samples)
+    data = fit_data(part, MODEL, DiagnosisSettings())
+    residual = data.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
+    assert data.record.n_samples < part.n_samples
+    assert data.start_errors is None
+    assert not np.any(data.counted[: data.gain.settling])
+    assert residual @ residual / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
+
+
+def test_a_log_that_begins_with_a_start_from_rest_loses_nothing() -> None:
+    record, noise = record_of(), float(ROBOT.encoder_noise[0])
+    steps = np.abs(record.position[40:, 0] - record.position[:-40, 0])
+    part = record.part(int(np.argmax(steps > 15 * noise)), record.n_samples)
+    assert np.ptp(part.position[:40]) > 10 * noise
+    data = fit_data(part, MODEL, DiagnosisSettings())
+    residual = data.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
+    assert data.record.n_samples == part.n_samples
+    assert residual @ residual / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
+
+
+def test_the_frame_of_a_tracker_is_that_of_the_prediction_it_is_seen_by() -> None:
+    data = data_of(tool=True)
+    softer = ROBOT.with_values({"body_1.rz.stiffness": 0.9 * ROBOT.parameters["body_1.rz.stiffness"].value})
+    other = predictor_of(model=RobotWithEffects(softer, ()))
+    again, same = (data.tool_seen_by(one, np.zeros(0)) for one in (other, predictor_of()))
+    assert data.tool is not None
+    assert again.tool is not None
+    assert same.tool is not None
+    np.testing.assert_allclose(same.tool.position, data.tool.position)
+    assert not np.allclose(again.tool.position, data.tool.position, atol=1e-9)
+    assert data_of().tool_seen_by(other, np.zeros(0)) is data_of()

@@ -1,0 +1,62 @@
+"""Logs from rest: what errors of the start do is taken off, everything else counts from the first sample."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.gap.residuals.fit_data import FitData
+from tests.gap.diagnosis_logs import data_of, predictor_of, suspects_of
+
+NOTHING = np.zeros((0, 1))
+
+
+def residual_of(data: FitData) -> np.ndarray:
+    """Weigh the prediction errors of the nominal model."""
+    return data.residuals(predictor_of(), NOTHING)[:, 0]
+
+
+@pytest.mark.parametrize("tool", [False, True])
+def test_errors_of_the_start_leave_no_trace(tool: bool) -> None:
+    """Each state by five times what a settled predictor has; what is hardly seen may stay."""
+    data = data_of(tool=tool)
+    moved = replace(data, start=data.start + 5 * np.sqrt(np.diag(data.gain.error)), from_rest=False)
+    plain = replace(moved, start=data.start)
+    untreated = [residual_of(replace(one, start_errors=None)) for one in (plain, moved)]
+    assert np.linalg.norm(untreated[1] - untreated[0]) > 5
+    assert np.linalg.norm(residual_of(moved) - residual_of(plain)) < 0.1
+
+
+@pytest.mark.parametrize("seed", range(1, 6))
+def test_the_first_samples_of_a_log_from_rest_are_as_noisy_as_all_others(seed: int) -> None:
+    data = data_of(seed=seed)
+    assert data.start_errors is not None
+    first = data.gain.settling
+    early = residual_of(data)[:first]
+    values = first - data.start_errors.number
+    assert np.sum(early**2) / values == pytest.approx(1.0, abs=4 * np.sqrt(2 / values))
+
+
+@pytest.mark.parametrize("tool", [False, True])
+def test_the_directions_are_orthonormal_and_at_most_as_many_as_states(tool: bool) -> None:
+    data = data_of(tool=tool)
+    found = data.start_errors
+    assert found is not None
+    basis = np.vstack([found.motors.reshape(-1, found.number), found.tool])
+    np.testing.assert_allclose(basis.T @ basis, np.eye(found.number), atol=1e-12)
+    assert 2 <= found.number <= len(data.start)
+
+
+def test_a_gap_that_shows_only_while_the_start_decays_is_seen() -> None:
+    """Friction shows in the first samples, and explains them."""
+    friction = "coulomb_friction@motor_1:level=0.05"
+    data = data_of(friction)
+    assert data.start_errors is not None
+    first = data.gain.settling
+    early = residual_of(data)[:first]
+    assert np.sum(early**2) / first > 2.0
+    suspect = suspects_of(friction)["coulomb_friction@motor_1"]
+    explained = data.residuals(predictor_of(suspect), np.array([[suspect.free[0].encode(0.05)]]))[:first, 0]
+    assert np.sum(explained**2) / first == pytest.approx(1.0, abs=4 * np.sqrt(2 / first))

@@ -1,0 +1,77 @@
+"""Logs that lost commands: what they spoil does not count, and is no gap."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.arrays import BoolArray
+from flexros.errors import InputError
+from flexros.gap.residuals.fit_data import FitData, fit_data
+from flexros.gap.settings import DiagnosisSettings
+from flexros.record.record import GapRecord
+from tests.gap.diagnosis_logs import MODEL, data_of, predictor_of, record_of
+
+
+def held_over(record: GapRecord, late: BoolArray, *, known: bool = True) -> GapRecord:
+    """Put the command before in place of those that are late."""
+    last = np.maximum.accumulate(np.where(late, 0, np.arange(record.n_samples)))
+    return replace(record, torque=record.torque[last], late=late, valid=record.valid & (known | ~late))
+
+
+def data(record: GapRecord) -> FitData:
+    return fit_data(record, MODEL, DiagnosisSettings())
+
+
+def level(found: FitData) -> float:
+    residual = found.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
+    return float(residual @ residual) / found.n_values
+
+
+def burst(record: GapRecord, length: int) -> BoolArray:
+    """Commands that are missing in the middle of the fastest motion."""
+    middle = int(np.argmax(np.abs(np.gradient(record.torque[: record.n_samples // 2, 0]))))
+    return np.abs(np.arange(record.n_samples) - middle) < length / 2
+
+
+def test_a_log_with_all_its_commands_counts_as_before() -> None:
+    record = record_of()
+    none = np.zeros(record.n_samples, dtype=bool)
+    np.testing.assert_array_equal(data(replace(record, late=none)).spread, data_of().spread)
+
+
+def test_what_a_hole_spoils_does_not_count() -> None:
+    record = record_of()
+    late = burst(record, 100)
+    found = data(held_over(record, late, known=False))
+    assert level(found) == pytest.approx(1.0, abs=5 * np.sqrt(2 / found.n_values))
+    behind = np.flatnonzero(late)[-1] + found.gain.settling
+    assert not found.counted[np.flatnonzero(late)[0] : behind].any()
+    assert found.counted[behind + 1 :].all()
+    assert level(replace(found, spread=data_of().spread)) > 10
+
+
+def test_a_short_hole_is_noticed_by_its_prediction() -> None:
+    record = record_of()
+    late = burst(record, 3)
+    found = data(held_over(record, late))
+    assert not found.counted[np.flatnonzero(late)].any()
+    assert level(found) == pytest.approx(1.0, abs=5 * np.sqrt(2 / found.n_values))
+
+
+def test_commands_that_were_held_in_truth_count() -> None:
+    """A controller that was late: nothing is lost."""
+    record = record_of()
+    found = data(replace(record, late=burst(record, 3)))
+    np.testing.assert_array_equal(found.spread, data_of().spread)
+
+
+def test_a_log_that_lost_commands_everywhere_is_refused() -> None:
+    record = record_of()
+    late = np.arange(record.n_samples) % 97 == 50
+    with pytest.raises(
+        InputError, match=r"log: \d+ commands were lost when it was recorded, .* leaves \d+ % of the log"
+    ):
+        data(held_over(record, late))

@@ -1,0 +1,89 @@
+"""Suspects that repeat with the rotor come with the order that the errors of a log show."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.effects import effects
+from flexros.gap.candidates.candidate import Suspect
+from flexros.gap.fit.least_squares import Fit, starts_of
+from flexros.gap.prediction.predictor import LANES
+from flexros.gap.search.harmonic_candidates import ENTRIES, VALLEYS, other_orders, periodic_suspects
+from tests.gap.diagnosis_logs import ROBOT, predictor_of, record_of, search_of, suspects_of
+
+
+def found_in(*effect: str) -> list[Suspect]:
+    search = search_of(*effect)
+    nothing = search.nothing()
+    return list(periodic_suspects(ROBOT, search.data, search.residual(nothing), search.states(nothing)))
+
+
+@pytest.fixture(scope="module")
+def of_ripple() -> list[Suspect]:
+    return found_in("torque_ripple@motor_1:amplitude=0.02,order=6,phase=0.5")
+
+
+def test_every_effect_whose_order_is_sought_is_listed_at_every_motor(of_ripple: list[Suspect]) -> None:
+    assert {name for name, one in effects().items() if "order" in one.ranges} == {name for name, *_ in ENTRIES}
+    assert [(one.effect.name, one.fixed) for one in of_ripple] == [(name, fixed) for name, _, fixed in ENTRIES]
+    assert {one.location for one in of_ripple} == {"motor_1"}
+
+
+def test_ripples_are_constant_or_in_proportion_to_the_torque(of_ripple: list[Suspect]) -> None:
+    kinds = [one.fixed for one in of_ripple if one.effect.name == "torque_ripple"]
+    assert sorted(kinds) == [(), (("proportional", True),)]
+
+
+def test_the_best_order_of_one_effect_is_tried_with_the_others(of_ripple: list[Suspect]) -> None:
+    """Linear theory ranks the orders of a nonlinear robot otherwise for every place where a wave may enter."""
+    orders = [next(free.starts for free in one.free if free.name == "order") for one in of_ripple]
+    assert all(orders[0][0] in others for others in orders)
+    assert {len(others) for others in orders} == {LANES}
+
+
+def test_the_wave_that_is_there_starts_with_its_numbers(of_ripple: list[Suspect]) -> None:
+    (ripple,) = (one for one in of_ripple if one.effect.name == "torque_ripple" and not one.fixed)
+    start = {one.name: one.starts[0] for one in ripple.free}
+    assert start["order"] == pytest.approx(6, rel=0.02)
+    assert start["amplitude"] == pytest.approx(0.02, rel=0.5)
+    assert starts_of(predictor_of(ripple)).shape == (3, len(ripple.free[0].starts))
+
+
+def test_other_orders_are_tried_with_the_same_wave_in_the_middle_or_its_opposite(of_ripple: list[Suspect]) -> None:
+    (ripple,) = (one for one in of_ripple if one.effect.name == "torque_ripple" and not one.fixed)
+    friction = suspects_of()["coulomb_friction@motor_1"]
+    predictor, record = predictor_of(friction, ripple), record_of()
+    theta = np.array([0.0, *(one.encode(one.starts[0]) for one in ripple.free)])
+    found = other_orders(Fit(predictor, theta, 1.0), record)
+    first, middle = predictor.values(theta)[1], float(np.mean(record.position))
+    assert found.shape == (4, 2 * len(VALLEYS))
+    for start in found.T:
+        np.testing.assert_array_equal(start[:2], theta[:2])
+        other = predictor.values(start)[1]
+        turned = (other["order"] - first["order"]) * middle + other["phase"] - first["phase"]
+        assert np.sin(turned) == pytest.approx(0.0, abs=1e-9)
+        assert 0 < abs(other["order"] - first["order"]) * np.ptp(record.position) < 9 * np.pi
+    assert other_orders(Fit(predictor_of(friction), theta[:1], 1.0), record).shape == (1, 0)
+
+
+def test_a_fit_at_a_neighbouring_order_finds_the_true_one() -> None:
+    """A wave that is one turn off over the whole way of the rotor fits best among its neighbours, but not well."""
+    search = search_of("torque_ripple@motor_1:amplitude=0.02,order=6,phase=0.5")
+    (ripple, *_) = search.waves(search.nothing())
+    way = float(np.ptp(search.data.record.position))
+    off = replace(ripple.free[1], starts=tuple(start + 2 * np.pi / way for start in ripple.free[1].starts[:1]))
+    amplitude, phase = (replace(one, starts=one.starts[:1]) for one in (ripple.free[0], ripple.free[2]))
+    (found,) = search.singles(search.nothing(), [replace(ripple, free=(amplitude, off, phase))])
+    assert found.predictor.values(found.theta)[0]["order"] == pytest.approx(6.0, abs=0.01)
+
+
+def test_ripple_in_proportion_to_the_torque_stays_below_it() -> None:
+    """A motor that sticks for most of the log leaves errors as large as its torque."""
+    for one in found_in("coulomb_friction@motor_1:level=20"):
+        low, high = predictor_of(one).bounds
+        one.placed({free.name: float(free.decode(np.array(end))) for free, end in zip(one.free, high, strict=True)})
+        assert np.all(low <= starts_of(predictor_of(one))[:, 0])
+        assert np.all(starts_of(predictor_of(one))[:, 0] <= high + 1e-12)

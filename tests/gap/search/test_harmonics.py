@@ -1,0 +1,98 @@
+"""Waves in the rotor angle are found where they enter, with order, amplitude and phase."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.gap.search.harmonics import Entry, OrderSearch, _local_stiffness, _with_mean_stiffness, angle_spectrum
+from flexros.robot import load_robot
+from tests.gap.diagnosis_logs import ROBOT, record_of, search_of
+
+ENTRIES: tuple[Entry, ...] = ("torque", "proportional torque", "gear", "encoder")
+
+
+def order_search(*effects: str) -> OrderSearch:
+    search = search_of(*effects)
+    nothing = search.nothing()
+    return OrderSearch(ROBOT, search.data, search.residual(nothing), search.states(nothing))
+
+
+def resolution() -> float:
+    """Order whose period is the range of the rotor angle."""
+    return float(2 * np.pi / np.ptp(record_of().position))
+
+
+@pytest.mark.parametrize(
+    ("effect", "entry", "amplitude"),
+    [
+        ("torque_ripple@motor_1:amplitude={},order=7,phase=0.8", "torque", 5e-3),
+        ("torque_ripple@motor_1:amplitude={},order=7,phase=0.8,proportional=true", "proportional torque", 0.01),
+        ("transmission_error@motor_1:amplitude={},order=7,phase=0.8", "gear", 5e-4),
+        ("encoder_eccentricity@motor_1:amplitude={},order=7,phase=0.8", "encoder", 5e-4),
+    ],
+)
+def test_a_wave_is_found_where_it_enters(effect: str, entry: Entry, amplitude: float) -> None:
+    search = order_search(effect.format(amplitude))
+    best = {kind: search.search(0, kind)[0] for kind in ENTRIES}
+    assert max(best, key=lambda kind: best[kind].gain) == entry
+    found = best[entry]
+    assert found.order == pytest.approx(7.0, abs=0.3 * resolution())
+    assert found.amplitude == pytest.approx(amplitude, rel=0.4)
+
+
+def test_an_order_that_counts_behind_a_gear_may_be_high() -> None:
+    """24 periods per turn of a rotor behind a gear of 100, on a robot whose file does not tell the ratio."""
+    search = order_search()
+    search._states = search._states / 400.0
+    wave = 1e-4 * np.sin(2400.0 * search._angle(0) + 0.8)
+    search._residual = search._weighted(search._forward(search._source(0, "encoder"), wave)).reshape(1, -1).T
+    found = search.search(0, "encoder")[0]
+    assert found.order == pytest.approx(2400.0, abs=0.3 * 400.0 * resolution())
+    assert found.amplitude == pytest.approx(1e-4, rel=0.2)
+
+
+def test_a_wave_of_the_right_order_is_fitted_with_amplitude_and_phase() -> None:
+    found = order_search("torque_ripple@motor_1:amplitude=0.005,order=7,phase=0.8").fit(0, "torque", 7.0)
+    assert found.amplitude == pytest.approx(0.005, rel=0.03)
+    assert found.phase == pytest.approx(0.8, abs=0.05)
+
+
+def test_waves_come_by_gain() -> None:
+    gains = [one.gain for one in order_search().search(0, "torque", number=3)]
+    assert gains == sorted(gains, reverse=True)
+
+
+def test_without_a_wave_the_best_gains_little() -> None:
+    assert order_search().search(0, "torque")[0].gain < 40.0
+
+
+def test_the_spectrum_over_angles_is_the_sum_over_samples() -> None:
+    rng = np.random.default_rng(0)
+    angle = np.cumsum(rng.normal(size=3000)) * 0.1
+    signal = rng.normal(size=3000)
+    orders, score = angle_spectrum(signal, angle, 20.0)
+    expected = np.abs(np.exp(1j * np.outer(orders, angle)) @ signal)
+    low = orders < 10.0
+    np.testing.assert_allclose(score[low], expected[low], atol=0.05 * expected.max())
+    assert orders[-1] <= 20.0
+
+
+def test_a_motor_that_does_not_turn_has_no_orders() -> None:
+    search = order_search()
+    search._states = np.zeros_like(search._states)
+    assert search.search(0, "torque") == ()
+
+
+def test_springs_that_stiffen_count_with_their_stiffness_along_the_motion() -> None:
+    robot = load_robot("four_mass")
+    n = robot.n_coordinates
+    states = np.zeros((200, 2 * n))
+    states[100:, robot.chain.motor_places[0]] = 1.0  # far beyond the knee of the first spring
+    soft, stiff = (_local_stiffness(robot, 0, states[part]) for part in (slice(100), slice(100, None)))
+    law = robot.chain.joints[0].direction.spring.piecewise_linear
+    np.testing.assert_allclose(soft, law.slopes[0])
+    np.testing.assert_allclose(stiff, law.slopes[-1])
+    mean = _with_mean_stiffness(robot, states)
+    np.testing.assert_allclose(_local_stiffness(mean, 0, np.zeros((1, 2 * n))), (soft[0] + stiff[0]) / 2)
+    assert _with_mean_stiffness(ROBOT, states) is ROBOT

@@ -1,0 +1,70 @@
+"""Nodes as executables, the way `ros2 run` starts them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from flexros.logs.reader import read_log
+
+StartNode = Callable[..., subprocess.Popen[str]]
+CHECKOUT = Path(__file__).parents[2]
+TIMEOUT = 60.0
+
+pytestmark = pytest.mark.usefixtures("ros_domain")
+
+
+@pytest.mark.parametrize(
+    ("parameter", "sentence"),
+    [
+        ("resend_timeout:=.nan", "error: parameter resend_timeout of node plant is nan, allowed is a finite number"),
+        ("scenario:=nowhere", "error: unknown scenario 'nowhere'"),
+    ],
+)
+def test_bad_parameter_is_one_sentence_and_exit_code_2(start_node: StartNode, parameter: str, sentence: str) -> None:
+    process = start_node("plant", parameter)
+    _, errors = process.communicate(timeout=TIMEOUT)
+    assert process.returncode == 2
+    assert errors.splitlines()[-1].startswith(sentence)
+    assert "Traceback" not in errors
+
+
+def test_node_whose_parent_is_gone_ends_also_where_the_time_of_ros_stands_still(start_node: StartNode) -> None:
+    process = start_node("feedforward", "parent_process:=1", "use_sim_time:=true", "autostart:=false")
+    _, errors = process.communicate(timeout=TIMEOUT)
+    assert process.returncode == 0, errors
+
+
+def test_process_that_the_middleware_does_not_let_go_is_ended_by_the_system() -> None:
+    hang = (
+        "import ctypes; from flexros_nodes.shell.executable import end_at_the_latest_after as end; end(0.2); "
+        "ctypes.PyDLL(None).pause()"  # PyDLL keeps the lock of Python meanwhile
+    )
+    environment = {**os.environ, "PYTHONPATH": str(CHECKOUT)}
+    assert subprocess.run([sys.executable, "-c", hang], env=environment, timeout=TIMEOUT).returncode == -signal.SIGALRM
+
+
+def test_four_executables_find_each_other_and_the_plant_ends_the_run(start_node: StartNode, tmp_path: Path) -> None:
+    scenario = "scenario:=circle_dae"
+    plant = start_node("plant", scenario)
+    others = [start_node("controller", scenario), start_node("feedforward", scenario)]
+    recorder = start_node("recorder", scenario, f"folder:={tmp_path / 'log'}")
+    try:
+        _, errors = plant.communicate(timeout=TIMEOUT)
+        assert plant.returncode == 0, errors
+        for process in (*others, recorder):
+            process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=TIMEOUT)
+            assert process.returncode == 0, errors
+    finally:
+        for process in (plant, *others, recorder):
+            process.kill()
+    log = read_log(tmp_path / "log")
+    assert log.warnings == ()
+    assert len(log.joint_states.stamp) == 762

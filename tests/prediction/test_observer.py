@@ -1,0 +1,129 @@
+"""The gain is that of a stationary Kalman filter, and what noise makes of the errors is as it says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from flexros.prediction.observer import ARM_SHARE, ObserverGain, _noise_of_kind, observer_gain
+from flexros.robot import Robot, load_robot
+from flexros.robot.linear.linearise import linear_model
+
+STEP = 5e-4
+ROBOT = load_robot("four_mass_linear")
+NOISE = np.array([1e-4])
+
+
+def process_noise(robot: Robot, level: float, noise: float) -> np.ndarray:
+    """Covariance of the torques: each moves its mass by a share of the noise within one sample."""
+    inertia = np.diag(linear_model(robot).mass)
+    share = np.where(np.arange(len(inertia)) < robot.n_arm, ARM_SHARE, 1.0)
+    return np.diag((level * inertia * noise / STEP**2 * share) ** 2)
+
+
+@pytest.mark.parametrize("level", [1e-3, 0.3])
+def test_it_is_the_gain_of_a_kalman_filter(level: float) -> None:
+    import control
+
+    found = observer_gain(ROBOT, STEP, level, NOISE)
+    A, *_ = linear_model(ROBOT).matrices()
+    n = ROBOT.n_coordinates
+    F = expm(A * STEP)
+    G = np.vstack([np.zeros((n, n)), np.linalg.inv(linear_model(ROBOT).mass) * STEP])
+    C = found.readout
+    # python-control states the predictor form: x <- F x + L (y - C x), in units of the noise to stay within range
+    L, *_ = control.dlqe(F, G, C, process_noise(ROBOT, level, NOISE[0]) / NOISE[0] ** 2, np.eye(1))
+    np.testing.assert_allclose(F @ found.gain, L, rtol=1e-5, atol=1e-7 * np.abs(L).max())
+
+
+def errors(found: ObserverGain, samples: int, horizon: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Let many filters run on noise alone; returns standard deviations of their errors now and some samples ahead."""
+    rng = np.random.default_rng(seed)
+    C, K, F = found.readout, found.gain, found.motion
+    vectors = np.linalg.eigh(found.taken)
+    shape = vectors[1] * np.sqrt(np.maximum(vectors[0], 0.0))
+    x = np.zeros((len(F), 1000))
+    e = np.zeros((len(C), 1000))
+    for _ in range(samples):
+        e = found.noise[:, None] * rng.normal(size=e.shape) - C @ x
+        x = F @ (x + K @ e) + shape @ rng.normal(size=x.shape)
+    later = x
+    for _ in range(horizon - 1):
+        later = F @ later + shape @ rng.normal(size=x.shape)
+    return e.std(axis=1), (found.noise[:, None] * rng.normal(size=e.shape) - C @ later).std(axis=1)
+
+
+@pytest.mark.parametrize("tolerated", [None, np.array([0.3])])
+def test_errors_without_gap_have_the_spread_that_it_states(tolerated: np.ndarray | None) -> None:
+    found = observer_gain(ROBOT, STEP, 0.1, NOISE, tolerated=tolerated)
+    now, ahead = errors(found, found.settling, 40)
+    np.testing.assert_allclose(now, found.spread, rtol=0.08)
+    np.testing.assert_allclose(ahead, found.ahead(40), rtol=0.08)
+    assert found.spread[0] > NOISE[0]
+
+
+def test_an_error_of_the_start_decays_to_a_thousandth() -> None:
+    found = observer_gain(ROBOT, STEP, 0.1, NOISE)
+    decayed = np.linalg.matrix_power(found.transition, found.settling)
+    slowest = np.abs(np.linalg.eigvals(decayed)).max()
+    assert slowest <= 1e-3
+    assert slowest > 0.9e-3
+
+
+def test_behind_a_known_start_errors_grow_to_their_spread() -> None:
+    gain = observer_gain(ROBOT, STEP, 1e-3, NOISE)
+    early = gain.early(3 * gain.settling)
+    np.testing.assert_allclose(early[0], NOISE)
+    assert np.all(np.diff(early[:, 0]) >= -1e-9 * NOISE)
+    np.testing.assert_allclose(early[-1], gain.spread, rtol=1e-6)
+
+
+def test_tolerated_torques_are_part_of_the_spread() -> None:
+    exact, lenient = (
+        observer_gain(ROBOT, STEP, 1e-3, NOISE, tolerated=tolerated) for tolerated in (None, np.array([0.1]))
+    )
+    assert lenient.spread[0] > 1.05 * exact.spread[0]
+    assert lenient.ahead(100)[0] > 2 * exact.ahead(100)[0]
+    assert not exact.taken.any()
+
+
+def test_the_more_torque_noise_the_more_a_measurement_counts() -> None:
+    found = [observer_gain(ROBOT, STEP, level, NOISE) for level in (1e-3, 1e-2, 1e-1)]
+    corrections = [float((one.readout @ one.gain)[0, 0]) for one in found]
+    assert 0 < corrections[0] < corrections[1] < corrections[2] < 1
+
+
+def test_the_gain_does_not_depend_on_the_unit_of_the_noise() -> None:
+    """Level and noise set the torque noise together, so both scale the spread alone."""
+    fine, coarse = (observer_gain(ROBOT, STEP, 1e-2, noise) for noise in (NOISE, 1000 * NOISE))
+    np.testing.assert_allclose(fine.gain, coarse.gain, rtol=1e-9)
+    np.testing.assert_allclose(1000 * fine.spread, coarse.spread, rtol=1e-9)
+
+
+def test_gravity_of_the_pose_is_part_of_it() -> None:
+    elbow = load_robot("elbow")
+    noise = np.full(elbow.n_motors, 1e-5)
+    home = observer_gain(elbow, STEP, 1e-2, noise)
+    other = observer_gain(elbow, STEP, 1e-2, noise, elbow.home[: elbow.n_arm] + 0.5)
+    assert np.abs(home.gain - other.gain).max() > 1e-3 * np.abs(home.gain).max()
+
+
+def test_motors_that_turn_and_that_slide_have_noise_of_their_own_kind() -> None:
+    """One level fits radians and metres, as of a linear axis that carries a rotary one."""
+    robot = load_robot("e12")
+    noise = np.array([1e-6, 3e-6])
+    np.testing.assert_allclose(_noise_of_kind(robot, noise), 2e-6)
+    joints = tuple(
+        replace(joint, rotary=number != robot.chain.geared[0]) for number, joint in enumerate(robot.chain.joints)
+    )
+    mixed = SimpleNamespace(
+        chain=replace(robot.chain, joints=joints), n_arm=robot.n_arm, n_coordinates=robot.n_coordinates
+    )
+    found = _noise_of_kind(mixed, noise)
+    places = robot.chain.motor_places
+    assert found[places[0]] == 1e-6
+    assert found[places[1]] == 3e-6

@@ -1,0 +1,63 @@
+"""Healthy logs and their robots, and what spoils them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from flexros.record.checks.base import Finding
+from flexros.record.checks.run import findings
+from flexros.record.read import read_record
+from flexros.record.record import GapRecord
+from flexros.robot import Robot, load_robot
+from flexros.scenario.closed_loop import closed_loop
+from flexros.scenario.experiment import Experiment
+from flexros.scenario.scenario import load_scenario
+
+LENGTH = 10.0  # s
+
+
+@cache
+def robot_named(name: str) -> Robot:
+    return load_robot(name)
+
+
+@cache
+def healthy_record(name: str, effects: tuple[str, ...] = ()) -> GapRecord:
+    """Record of the diagnosis experiment of a robot, shortened; with effects in the plant where they are given."""
+    scenario = load_scenario("diagnosis").with_values({"robot": name, "diagnosis.length": LENGTH}, "test")
+    if effects:
+        scenario = scenario.with_values({"plant.effects": list(effects)}, "test")
+    log = closed_loop(Experiment.prepare(scenario))
+    return read_record(log, robot_named(name), name="log")
+
+
+@pytest.fixture(name="healthy", scope="session")
+def healthy_fixture() -> Callable[..., GapRecord]:
+    return healthy_record
+
+
+@pytest.fixture(name="found", scope="session")
+def found_fixture() -> Callable[..., tuple[Finding, ...]]:
+    def found(name: str, record: GapRecord | None = None, **changes: object) -> tuple[Finding, ...]:
+        """Findings of the checks in a record, by default the healthy one of a robot with changed signals."""
+        base = healthy_record(name) if record is None else record
+        return findings(replace(base, **changes), robot_named(name))
+
+    return found
+
+
+def scaled(values: np.ndarray, column: int, factor: float) -> np.ndarray:
+    """Multiply one column."""
+    changed = values.copy()
+    changed[:, column] *= factor
+    return changed
+
+
+@pytest.fixture(name="scaled", scope="session")
+def scaled_fixture() -> Callable[[np.ndarray, int, float], np.ndarray]:
+    return scaled

@@ -1,0 +1,54 @@
+"""An encoder with noise in every sample cannot repeat its value."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.record.checks.run import check_record
+from flexros.robot import load_robot
+
+
+def stuck(position: np.ndarray, first: int, length: int) -> np.ndarray:
+    changed = position.copy()
+    changed[first : first + length, 0] = changed[first, 0]
+    return changed
+
+
+def test_stuck_samples_are_told_and_do_not_count(found, healthy) -> None:
+    record = healthy("emps")
+    (finding,) = found("emps", position=stuck(record.position, 6000, 1000))
+    assert not finding.hopeless
+    assert "the encoder of motor_1 repeats its value in 999 samples, the first at 6.001 s" in finding.text
+    np.testing.assert_array_equal(np.flatnonzero(finding.spoilt), np.arange(6001, 7000))
+
+
+def test_spoilt_samples_are_not_valid_any_more(healthy) -> None:
+    from dataclasses import replace
+
+    record = healthy("emps")
+    checked = check_record(replace(record, position=stuck(record.position, 6000, 1000)), load_robot("emps"))
+    assert (~checked.valid).sum() == 999
+    assert any("repeats its value" in text for text in checked.warnings)
+
+
+@pytest.mark.parametrize("share", [0.5])
+def test_mostly_stuck_is_refused(found, healthy, share: float) -> None:
+    record = healthy("emps")
+    findings = found("emps", position=stuck(record.position, 3000, int(share * record.n_samples)))
+    assert any(finding.hopeless and "repeats its value" in finding.text for finding in findings)
+
+
+def test_encoder_that_never_changes_is_refused(found, healthy) -> None:
+    record = healthy("e12")
+    position = record.position.copy()
+    position[:, 0] = 0.2
+    findings = found("e12", position=position)
+    assert findings[0].hopeless
+    assert "the position of motor_1 never changes although its torque does" in findings[0].text
+
+
+def test_coarse_encoder_may_rest(found, healthy) -> None:
+    record = healthy("emps")
+    texts = [finding.text for finding in found("emps", position=2e-5 * np.round(record.position / 2e-5))]
+    assert not any("repeats its value" in text for text in texts)

@@ -1,0 +1,79 @@
+"""Torques and motions of different instants."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.record.record import GapRecord
+
+
+def late(record: GapRecord, samples: int) -> GapRecord:
+    """Stamp the torques later by some samples."""
+    n = record.n_samples
+    return replace(
+        record.part(samples, n) if samples > 0 else record.part(0, n + samples),
+        torque=record.torque[: n - samples] if samples > 0 else record.torque[-samples:],
+    )
+
+
+@pytest.mark.parametrize(("robot", "samples"), [("emps", 1), ("e12", 2), ("e12", 20)])
+def test_torques_stamped_too_late_are_refused(found, healthy, robot: str, samples: int) -> None:
+    record = healthy(robot)
+    findings = found(robot, late(record, samples))
+    assert findings[0].hopeless
+    amount = 1e3 * samples * record.sample_time
+    assert f"the torques are stamped too late: the motions precede them by {amount:.2g} ms" in findings[0].text
+    assert "give time_offset when importing" in findings[0].text
+
+
+def test_half_a_sample_is_told_only(found, healthy) -> None:
+    record = healthy("e12")
+    torque = record.torque.copy()
+    torque[1:] = (record.torque[1:] + record.torque[:-1]) / 2
+    (finding,) = found("e12", torque=torque)
+    assert not finding.hopeless
+    assert "precede them by 0.2" in finding.text
+
+
+def test_delay_of_the_robot_file_may_be_missing(found, healthy) -> None:
+    assert found("four_mass_linear", late(healthy("four_mass_linear"), 1)) == ()
+
+
+def test_delay_that_an_effect_explains_is_none(found, healthy) -> None:
+    assert found("e12", late(healthy("e12"), -6)) == ()
+
+
+def test_very_long_delay_is_told(found, healthy) -> None:
+    (finding,) = found("e12", late(healthy("e12"), -40))
+    assert not finding.hopeless
+    assert "the torques act 20 ms later than they are stamped" in finding.text
+
+
+def test_delay_is_found_within_a_tenth_of_a_sample(healthy) -> None:
+    from flexros.record.checks.checked_record import CheckedRecord
+    from flexros.robot import load_robot
+
+    for samples in (-4, 0, 3):
+        record = healthy("elbow") if samples == 0 else late(healthy("elbow"), samples)
+        found = CheckedRecord(record, load_robot("elbow")).delay
+        assert found.time == pytest.approx(-samples * record.sample_time, abs=5e-5)
+        assert np.isfinite(found.deviation)
+
+
+@pytest.mark.parametrize(("share", "late"), [(0.97, True), (0.2, False)])
+def test_torques_that_agree_with_the_motion_at_no_time_are_not_late(share: float, late: bool) -> None:
+    """Commands that got lost leave torques of which only slow parts fit, one time a little better than others."""
+    from flexros.record.balance.torque_balance import TorqueBalance
+
+    random = np.random.default_rng(0)
+    frequency = np.linspace(2.0, 60.0, 400)
+    needed, other = ((random.normal(size=(2, 400)) * [[1], [1j]]).sum(axis=0)[:, None] for _ in range(2))
+    alike = np.where(frequency < 8.0, 0.97, share)[:, None]
+    given = alike * needed * np.exp(2j * np.pi * 0.02 * frequency)[:, None] + np.sqrt(1 - alike**2) * other
+    band, still = np.floor(2 * np.log2(frequency)).astype(int), np.zeros((400, 1, 2), dtype=complex)
+    found = TorqueBalance(frequency, band, given, needed, still, np.ones((400, 1), dtype=bool)).delay()
+    assert (abs(found.time) > 5 * found.deviation) == late
+    assert found.time == pytest.approx(0.02, abs=1e-3) or not late

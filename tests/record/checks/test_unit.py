@@ -1,0 +1,65 @@
+"""Units and sides of the gear."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.record.checks.base import Finding
+
+
+def refusal(findings: tuple[Finding, ...]) -> str:
+    assert findings[0].hopeless
+    return findings[0].text
+
+
+def test_degrees_are_named(found, healthy) -> None:
+    text = refusal(found("four_mass_linear", position=np.degrees(healthy("four_mass_linear").position)))
+    assert "(motor_1: 0.0175), allowed is a factor of 2.7 either way: it looks like positions in degrees" in text
+    assert text.endswith("correct unit, gear ratio or torque constant when importing, or give the right robot")
+
+
+def test_one_joint_in_degrees_is_named(found, healthy, scaled) -> None:
+    text = refusal(found("e12", position=scaled(healthy("e12").position, 1, np.degrees(1.0))))
+    assert "motor_2: 0.0" in text
+    assert "degrees" in text
+    assert "motor_1" not in text
+
+
+@pytest.mark.parametrize(
+    ("position", "torque", "words"),
+    [
+        (1 / 220, 1.0, "one of torque and position on the other side of the gear"),
+        (1.0, 220.0, "one of torque and position on the other side of the gear"),
+        (1 / 220, 220.0, "torque and position on the arm side of the gear"),
+        (1.0, 1000.0, "milli (torques)"),
+    ],
+)
+def test_gear_ratio_and_milli_are_named(found, healthy, position: float, torque: float, words: str) -> None:
+    record = healthy("four_mass_linear")
+    assert words in refusal(
+        found("four_mass_linear", position=position * record.position, torque=torque * record.torque)
+    )
+
+
+def test_share_of_the_limit_is_named(found, healthy) -> None:
+    assert "torques in % of the limit" in refusal(found("emps", torque=healthy("emps").torque / 351.506 * 100))
+
+
+def test_unknown_factor_of_all_torques(found, healthy) -> None:
+    text = refusal(found("e12", torque=30 * healthy("e12").torque))
+    assert "the torques or the motions have another unit" in text
+
+
+def test_factor_of_two_is_told_only(found, healthy) -> None:
+    (finding,) = found("e12", torque=2.2 * healthy("e12").torque[:, :] * np.array([1.0, 1 / 2.2]))
+    assert not finding.hopeless
+    assert "the torque of motor_1 is 2." in finding.text
+
+
+def test_log_of_another_robot_is_refused(healthy) -> None:
+    from flexros.record.checks.run import findings
+    from flexros.robot import load_robot
+
+    text = refusal(findings(healthy("emps"), load_robot("two_mass")))
+    assert "torque or motion have another unit, or the robot is another one" in text

@@ -1,0 +1,63 @@
+"""Whether a signal lies on a lattice of equal steps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexros.record.quantization import encoder_quantization, lattice_step
+from flexros.record.record import GapRecord
+from flexros.robot import load_robot
+
+N = 4000
+
+
+def motion(seed: int, noise: float = 1e-4, n: int = N) -> np.ndarray:
+    """Random slow motion of some radians with noise in every sample."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(n) * 5e-4
+    size, rate, phase = rng.uniform(0.01, 3, 4), rng.uniform(0.1, 5, 4), rng.uniform(0, 6, 4)
+    return np.sin(2 * np.pi * np.outer(time, rate) + phase) @ size + noise * rng.normal(size=n)
+
+
+def test_no_false_alarm_in_100_logs_with_noise() -> None:
+    assert [seed for seed in range(100) if lattice_step(motion(seed, noise=10.0 ** -(2 + seed % 5))) is not None] == []
+
+
+@pytest.mark.parametrize("over_noise", [0.5, 1.0, 3.0, 10.0, 100.0])
+@pytest.mark.parametrize("ratio", [1.0, 121.7])
+def test_step_is_found(over_noise: float, ratio: float) -> None:
+    step = over_noise * 1e-4
+    for seed in range(5):
+        seen = step * np.floor(motion(seed) / step) / ratio
+        assert lattice_step(seen) == pytest.approx(step / ratio, rel=1e-6)
+
+
+def test_offset_of_the_lattice_does_not_matter() -> None:
+    assert lattice_step(1e-3 * np.round(motion(3) / 1e-3) + 0.123456) == pytest.approx(1e-3, rel=1e-6)
+
+
+def test_constant_and_binary_signals_have_no_lattice() -> None:
+    assert lattice_step(np.full(N, 1.0)) is None
+    assert lattice_step(np.sign(motion(1))) is None
+
+
+def test_decimals_of_a_text_file_are_a_lattice() -> None:
+    assert lattice_step(np.round(motion(1), 5)) == pytest.approx(1e-5, rel=1e-6)
+
+
+def record(position: np.ndarray) -> GapRecord:
+    return GapRecord("log", 5e-4, position[:, None], np.zeros((len(position), 1)), np.ones(len(position), dtype=bool))
+
+
+def test_step_above_the_noise_is_an_effect_of_its_motor() -> None:
+    robot = load_robot("four_mass_linear")  # noise 1e-4 rad
+    (found,) = encoder_quantization(record(2e-4 * np.round(motion(1) / 2e-4)), robot)
+    assert found.motor == 0
+    assert found.step == pytest.approx(2e-4, rel=1e-6)
+
+
+def test_step_far_below_the_noise_is_no_effect() -> None:
+    robot = load_robot("four_mass_linear")
+    assert encoder_quantization(record(np.round(motion(1), 6)), robot) == ()
+    assert encoder_quantization(record(motion(1)), robot) == ()

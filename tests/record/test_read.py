@@ -1,0 +1,256 @@
+"""From a log to the record of a diagnosis."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.errors import InputError
+from flexros.logs.stamps import stamps_ns
+from flexros.logs.time_series import JointSeries, Log, PoseSeries
+from flexros.record.read import read_record
+from flexros.record.record import GapRecord
+from flexros.robot import Robot, load_robot
+
+N = 3000
+T = 1e-3
+ONE = ("motor_1",)
+
+
+@pytest.fixture(scope="module")
+def emps() -> Robot:
+    return load_robot("emps")
+
+
+def motion(time: np.ndarray) -> np.ndarray:
+    return 0.05 * np.sin(2 * np.pi * 1.3 * time) + 0.01 * np.sin(2 * np.pi * 7 * time)
+
+
+def column(seed: int, n: int = N) -> np.ndarray:
+    return np.random.default_rng(seed).normal(size=(n, 1))
+
+
+def make_log(**changes: object) -> Log:
+    stamp = stamps_ns(N, T)
+    states = JointSeries(stamp, ONE, position=motion(np.arange(N) * T)[:, None])
+    return replace(Log(states, JointSeries(stamp, ONE, effort=column(2))), **changes)
+
+
+def read(log: Log, robot: Robot) -> GapRecord:
+    return read_record(log, robot, name="log")
+
+
+def test_log_of_the_contract_is_taken_as_it_is(emps: Robot) -> None:
+    log = make_log(provenance={"scenario": {"name": "x"}})
+    record = read(log, emps)
+    assert record.sample_time == T
+    np.testing.assert_array_equal(record.position, log.joint_states.position)
+    np.testing.assert_array_equal(record.torque, log.joint_commands.effort)
+    assert record.valid.all()
+    assert record.simulated
+    assert not record.measured_torque
+    assert record.reference is None
+    assert record.tool is None
+    assert record.warnings == ()
+
+
+def test_joints_are_matched_by_name() -> None:
+    elbow = load_robot("elbow")
+    stamp = stamps_ns(N, T)
+    values = np.random.default_rng(1).normal(size=(N, 3))
+    names = ("gripper", "motor_2", "motor_1")
+    log = Log(JointSeries(stamp, names, position=values), JointSeries(stamp, names, effort=values))
+    np.testing.assert_array_equal(read(log, elbow).position, values[:, [2, 1]])
+
+
+def test_foreign_names_are_taken_by_their_numbers_with_a_warning() -> None:
+    elbow = load_robot("elbow")
+    stamp = stamps_ns(N, T)
+    values = np.random.default_rng(1).normal(size=(N, 2))
+    names = ("joint_a2", "joint_a1")
+    log = Log(JointSeries(stamp, names, position=values), JointSeries(stamp, names, effort=values))
+    record = read(log, elbow)
+    np.testing.assert_array_equal(record.torque, values[:, [1, 0]])
+    assert "joint_a1, joint_a2 are taken for motor_1, motor_2" in record.warnings[0]
+
+
+def test_too_few_joints_are_refused() -> None:
+    with pytest.raises(InputError, match=r"^log: joint_states has 1 joints \(motor_1\), but robot elbow has 2 motors"):
+        read(make_log(), load_robot("elbow"))
+
+
+def test_measured_torque_stands_in_for_the_command(emps: Robot) -> None:
+    log = make_log(joint_commands=None)
+    effort = column(3)
+    record = read(replace(log, joint_states=replace(log.joint_states, effort=effort)), emps)
+    assert record.measured_torque
+    np.testing.assert_allclose(record.torque[:-1], (effort[1:] + effort[:-1]) / 2)
+    assert any("no joint_commands" in text for text in record.warnings)
+
+
+def test_command_goes_before_the_measured_torque_with_a_note(emps: Robot) -> None:
+    log = make_log()
+    record = read(replace(log, joint_states=replace(log.joint_states, effort=column(3))), emps)
+    np.testing.assert_array_equal(record.torque, column(2))
+    assert any("has measured torques too; the commands are used" in text for text in record.warnings)
+
+
+def test_copy_of_the_command_is_named(emps: Robot) -> None:
+    log = make_log()
+    record = read(replace(log, joint_states=replace(log.joint_states, effort=column(2))), emps)
+    assert any("is a copy of the commands" in text for text in record.warnings)
+
+
+def test_no_torque_is_refused(emps: Robot) -> None:
+    with pytest.raises(InputError, match="^log has neither commanded torques .* nor measured ones"):
+        read(make_log(joint_commands=None), emps)
+
+
+def test_no_position_is_refused(emps: Robot) -> None:
+    with pytest.raises(InputError, match="^log: joint_states has no positions"):
+        read(make_log(joint_states=JointSeries(stamps_ns(N, T), ONE)), emps)
+
+
+def test_commands_of_a_lower_rate_are_held(emps: Robot) -> None:
+    stamp = stamps_ns(N // 4, 4 * T)
+    record = read(make_log(joint_commands=JointSeries(stamp, ONE, effort=column(4, N // 4))), emps)
+    np.testing.assert_allclose(record.torque[:, 0], np.repeat(column(4, N // 4)[:, 0], 4), atol=1e-9)
+    assert record.valid.all()
+
+
+def test_command_that_comes_within_a_sample_acts_for_the_rest(emps: Robot) -> None:
+    stamp = stamps_ns(N, T) + 250_000
+    u = column(2)
+    record = read(make_log(joint_commands=JointSeries(stamp, ONE, effort=u)), emps)
+    np.testing.assert_allclose(record.torque, 0.25 * u[:-1] + 0.75 * u[1:], atol=1e-9)
+    np.testing.assert_array_equal(record.position, make_log().joint_states.position[1:])
+
+
+def test_record_begins_with_the_first_command_and_ends_with_the_last(emps: Robot) -> None:
+    stamp = stamps_ns(N, T)[100:-50]
+    record = read(make_log(joint_commands=JointSeries(stamp, ONE, effort=column(2)[100:-50])), emps)
+    np.testing.assert_array_equal(record.torque, column(2)[100:-50])
+    np.testing.assert_array_equal(record.position, make_log().joint_states.position[100:-50])
+
+
+def test_lost_measurements_are_held_and_marked(emps: Robot) -> None:
+    keep = np.ones(N, dtype=bool)
+    keep[[500, 501, 900]] = False
+    log = make_log()
+    states = JointSeries(log.joint_states.stamp[keep], ONE, position=log.joint_states.position[keep])
+    record = read(replace(log, joint_states=states), emps)
+    np.testing.assert_array_equal(record.valid, keep)
+    assert record.position[501, 0] == log.joint_states.position[499, 0]
+    np.testing.assert_array_equal(record.torque, column(2))
+    assert any("3 of 3000 samples are missing" in text for text in record.warnings)
+
+
+def test_short_hole_of_commands_is_held_and_a_long_one_does_not_count(emps: Robot) -> None:
+    keep = np.ones(N, dtype=bool)
+    keep[500:503], keep[1000:1100] = False, False
+    stamp = stamps_ns(N, T)[keep]
+    record = read(make_log(joint_commands=JointSeries(stamp, ONE, effort=column(2)[keep])), emps)
+    assert record.valid[495:510].all()
+    np.testing.assert_array_equal(record.torque[500:503, 0], column(2)[[499, 499, 499], 0])
+    assert not record.valid[1010:1100].any()
+    assert any("103 samples have no command of their own" in text for text in record.warnings)
+
+
+def test_values_that_are_not_finite_do_not_count(emps: Robot) -> None:
+    log = make_log()
+    position = log.joint_states.position.copy()
+    position[10:20] = np.nan
+    record = read(replace(log, joint_states=replace(log.joint_states, position=position)), emps)
+    assert not record.valid[10:20].any()
+    assert np.isfinite(record.position).all()
+
+
+def test_mostly_missing_is_refused(emps: Robot) -> None:
+    log = make_log()
+    position = log.joint_states.position.copy()
+    position[: N // 2] = np.nan
+    with pytest.raises(InputError, match=r"^log: 1500 of 3000 samples are missing or not finite \(first at sample 0\)"):
+        read(replace(log, joint_states=replace(log.joint_states, position=position)), emps)
+
+
+@pytest.mark.parametrize("true_instants", [True, False])
+def test_jitter_is_undone_where_the_stamps_tell_the_true_instants(emps: Robot, true_instants: bool) -> None:
+    rng = np.random.default_rng(5)
+    off = 1e-4 * rng.normal(size=N)
+    off[0] = 0
+    time = np.arange(N) * T
+    measured = motion(time + off if true_instants else time) + 1e-6 * rng.normal(size=N)
+    stamp = stamps_ns(N, T) + np.rint(off * 1e9).astype(np.int64)
+    record = read(make_log(joint_states=JointSeries(stamp, ONE, position=measured[:, None])), emps)
+    start = (stamps_ns(N, T)[0] - stamp[0]) * 1e-9
+    error = record.position[:, 0] - motion(np.arange(record.n_samples) * T - start)
+    assert np.sqrt(np.mean(error[5:-5] ** 2)) < 6e-6
+    text = "tell the true instants; the positions were interpolated" if true_instants else "do not follow"
+    assert any(text in warning for warning in record.warnings)
+
+
+def test_reference_of_a_lower_rate_is_interpolated(emps: Robot) -> None:
+    stamp = stamps_ns(N // 4 + 1, 4 * T)
+    ramp = np.arange(N // 4 + 1)[:, None] * 4.0
+    record = read(make_log(joint_reference=JointSeries(stamp, ONE, position=ramp)), emps)
+    np.testing.assert_allclose(record.reference[:, 0], np.arange(N), atol=1e-6)
+
+
+def test_reference_stands_at_its_samples_where_messages_share_an_instant(emps: Robot) -> None:
+    rows = np.sort(np.append(np.arange(N), [100, 1000]))
+    again = np.append(False, rows[1:] == rows[:-1])
+    stamp, ramp = stamps_ns(N, T)[rows] + 200_000 * again, rows + 0.5 * again
+    states = JointSeries(stamp, ONE, position=motion(rows * T)[:, None])
+    record = read(make_log(joint_states=states, joint_reference=JointSeries(stamp, ONE, position=ramp[:, None])), emps)
+    np.testing.assert_array_equal(record.reference[:, 0], np.arange(N))
+
+
+def test_commands_that_overlap_the_states_for_some_samples_only_are_too_short(emps: Robot) -> None:
+    commands = JointSeries(stamps_ns(N, T) + (N - 10) * 10**6, ONE, effort=column(2))
+    with pytest.raises(InputError, match="the log is too short: it has 0.00[0-9]+ s with [0-9]+ measured samples"):
+        read_record(make_log(joint_commands=commands), emps, name="log")
+
+
+def test_reference_that_ends_early_is_unknown(emps: Robot) -> None:
+    stamp = stamps_ns(N // 2, T)
+    record = read(make_log(joint_reference=JointSeries(stamp, ONE, position=column(1, N // 2))), emps)
+    assert record.reference is None
+    assert any("joint_reference covers 50 % of the log" in text for text in record.warnings)
+
+
+def test_tool_keeps_its_own_rate_and_counts_time_from_the_first_sample(emps: Robot) -> None:
+    stamp = stamps_ns(N // 3, 3 * T) + 700_000
+    position = np.random.default_rng(1).normal(size=(N // 3, 3))
+    tool = PoseSeries(stamp, "base", position, np.tile([0.0, 0, 0, 1], (N // 3, 1)))
+    record = read(make_log(tool_pose=tool, joint_commands=make_log().joint_commands), emps)
+    np.testing.assert_allclose(record.tool.time[:3], [0.0007, 0.0037, 0.0067], atol=1e-9)
+    np.testing.assert_array_equal(record.tool.position, position[: len(record.tool.time)])
+
+
+def test_commands_elsewhere_in_time_are_refused(emps: Robot) -> None:
+    stamp = stamps_ns(N, T) + 10_000_000_000
+    with pytest.raises(InputError, match="^log: no measurement lies between the first and the last command"):
+        read(make_log(joint_commands=JointSeries(stamp, ONE, effort=column(2))), emps)
+
+
+def test_checks_are_asked(emps: Robot) -> None:
+    log = make_log()
+    short = replace(
+        log,
+        joint_states=JointSeries(log.joint_states.stamp[:800], ONE, position=log.joint_states.position[:800]),
+    )
+    with pytest.raises(InputError, match="^cut: the log is too short: it has 0.799 s"):
+        read_record(short, emps, name="cut")
+
+
+def test_log_with_more_motors_than_the_robot_is_refused(emps: Robot) -> None:
+    stamp = stamps_ns(N, T)
+    values = np.random.default_rng(1).normal(size=(N, 2))
+    names = ("motor_1", "motor_2")
+    log = Log(JointSeries(stamp, names, position=values), JointSeries(stamp, names, effort=values))
+    with pytest.raises(
+        InputError, match=r"^log: joint_states has the motors motor_1, motor_2, but robot emps has 1 \(motor_1\)"
+    ):
+        read(log, emps)
