@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.arrays import FloatArray
-    from flexros.gap.candidates.candidate import Suspect
-    from flexros.gap.fit.least_squares import Fit
-    from flexros.record.record import GapRecord
+    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.record.record import Record
 
 FRICTION = (166.7061, 240.4236, 20.144, 20.6277)
 """Published friction, forward and backward: viscous [N s/m], Coulomb [N]."""
@@ -72,7 +72,7 @@ mass on a spring needs no effect of its own: it is `extra_mode` beside `payload_
 
 
 def flexibility(
-    record: GapRecord, pulses: FloatArray, run: Callable[[RobotWithEffects], GapRecord], repaired: RobotWithEffects
+    record: Record, pulses: FloatArray, run: Callable[[RobotWithEffects], Record], repaired: RobotWithEffects
 ) -> str:
     """Write the section.
 
@@ -120,7 +120,7 @@ def _friction(speed: FloatArray) -> FloatArray:
     return friction
 
 
-def _response(record: GapRecord, pulses: FloatArray) -> list[str]:
+def _response(record: Record, pulses: FloatArray) -> list[str]:
     """Estimate force over acceleration with the pulses as instrument, in bands."""
     T, q, force = record.sample_time, record.position[:, 0], record.torque[:, 0]
     speed = np.gradient(filtfilt(*butter(4, 100.0, fs=1 / T), q), T)
@@ -141,20 +141,20 @@ def _response(record: GapRecord, pulses: FloatArray) -> list[str]:
 class _Beside:
     """Fits causes beside friction."""
 
-    def __init__(self, record: GapRecord) -> None:
+    def __init__(self, record: Record) -> None:
         model = RobotWithEffects(load_robot("emps"), ())
         fitted = record.part(0, record.n_samples * 2 // 3)
         self.data = fit_data(fitted, model, DiagnosisSettings())
         self.search = Search(model, self.data)
         nothing = self.search.nothing()
         among = (*self.search.suspects(self.search.yardsticks(nothing)), *self.search.waves(nothing))
-        self.suspects: dict[str, Suspect] = {one.name: one for one in among}
+        self.suspects: dict[str, Candidate] = {one.name: one for one in among}
         known = self.search.predictor(tuple(self.suspects[name] for name in KNOWN))
         starts = starts_of(known)
         order = np.argsort(chi2_of(known, self.data, starts))[:3]
         self.friction = best_of([fit(known, self.data, starts[:, one], 30, enough=1e-3) for one in order])
 
-    def with_(self, names: tuple[str, ...], starts: FloatArray) -> Fit:
+    def with_(self, names: tuple[str, ...], starts: FloatArray) -> CandidateFit:
         """Fit causes beside friction from the best three of some starts."""
         hypothesis = (*self.friction.predictor.hypothesis, *[self.suspects[name] for name in names])
         predictor = self.search.predictor(hypothesis)
@@ -163,11 +163,11 @@ class _Beside:
         order = np.argsort(chi2_of(predictor, self.data, thetas))[:3]
         return best_of([fit(predictor, self.data, thetas[:, one], 20) for one in order])
 
-    def one(self, name: str) -> Fit:
+    def one(self, name: str) -> CandidateFit:
         """Fit one more cause."""
         return self.with_((name,), starts_of(self.search.predictor((self.suspects[name],))))
 
-    def part(self) -> Fit:
+    def part(self) -> CandidateFit:
         """Fit a part of the mass on a spring."""
         mode, mass = (self.suspects[name] for name in PART)
         free = {one.name: one for one in mode.free}
@@ -184,7 +184,7 @@ class _Beside:
         return self.with_(PART, np.array(columns).T)
 
 
-def _row(record: GapRecord) -> tuple[str, dict[str, float]]:
+def _row(record: Record) -> tuple[str, dict[str, float]]:
     """Fit all further causes to a log: the row of the table, and what the part of the mass is."""
     beside = _Beside(record)
     left = beside.friction.chi2
@@ -198,7 +198,7 @@ def _row(record: GapRecord) -> tuple[str, dict[str, float]]:
     return f"| {' | '.join(cells)} |\n", {"frequency": mode["frequency"], "share": share, "gained": gained}
 
 
-def _after_edges(record: GapRecord, pulses: FloatArray) -> str:
+def _after_edges(record: Record, pulses: FloatArray) -> str:
     """Compare the prediction errors after the edges of the pulses with the others."""
     beside = _Beside(record)
     errors = beside.search.residual(beside.friction)

@@ -24,7 +24,7 @@ from flexros.simulate.plant import Plant
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.result import DiagnosisResult
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
 
 POSITION_GAIN, SPEED_GAIN, FORCE_PER_VOLT, LIMIT = 160.18, 243.45, 35.1506, 351.506
 """Controller of the authors: 1/s, V s/m, N/V, N."""
@@ -63,10 +63,10 @@ class Experiment:
         pulses: Force added to the command [N], shape (n,).
     """
 
-    record: GapRecord
+    record: Record
     pulses: FloatArray
 
-    def run(self, model: RobotWithEffects, noise: float = 0.0) -> GapRecord:
+    def run(self, model: RobotWithEffects, noise: float = 0.0) -> Record:
         """Run the experiment again in closed loop.
 
         Args:
@@ -108,12 +108,12 @@ class Experiment:
         return 100 * float(ratio[0]), 1e6 * float(np.sqrt(np.mean(off**2))), 100 * float(ratio[1])
 
 
-def _pairs(ours: GapRecord, theirs: GapRecord) -> list[tuple[FloatArray, FloatArray]]:
+def _pairs(ours: Record, theirs: Record) -> list[tuple[FloatArray, FloatArray]]:
     """Pair the forces and the accelerations of two logs."""
     return [(ours.torque[:, 0], theirs.torque[:, 0]), (_acceleration(ours), _acceleration(theirs))]
 
 
-def _acceleration(record: GapRecord) -> FloatArray:
+def _acceleration(record: Record) -> FloatArray:
     low = butter(4, 100.0, fs=1 / record.sample_time)
     smooth = filtfilt(*low, record.position[:, 0])
     result: FloatArray = np.gradient(np.gradient(smooth, record.sample_time), record.sample_time)

@@ -10,12 +10,12 @@ from flexros.feedforward.base import AbstractFeedforward
 from flexros.feedforward.compensation.arm_forces import arm_forces
 from flexros.feedforward.minimum_phase import require_minimum_phase
 from flexros.feedforward.motion import Motion
-from flexros.feedforward.time_stepping.compiled import CompiledMarch
+from flexros.feedforward.time_stepping.compiled import CompiledStepper
 from flexros.feedforward.time_stepping.consistent_start import consistent_start
 from flexros.feedforward.time_stepping.dae_equations import DaeEquations, build_equations
-from flexros.feedforward.time_stepping.interpreted import InterpretedMarch
+from flexros.feedforward.time_stepping.interpreted import InterpretedStepper
 from flexros.feedforward.time_stepping.step_functions import StepFunctions
-from flexros.feedforward.time_stepping.stepping import MAX_ITERATIONS, March, newton_tolerance
+from flexros.feedforward.time_stepping.stepping import MAX_ITERATIONS, Stepper, newton_tolerance
 from flexros.feedforward.tool_geometry import ToolGeometry
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def dae_march(
     sample_time: float,
     compiled: bool,
     laws: tuple[PlacedLaw, ...] = (),
-) -> tuple[DaeEquations, float, March]:
+) -> tuple[DaeEquations, float, Stepper]:
     """Make the march of a robot, or return the one made before.
 
     Args:
@@ -87,7 +87,7 @@ def dae_march(
     geometry = ToolGeometry.of(robot, laws) if laws else None
     equations = build_equations(robot.model, output, geometry=geometry, forces=arm_forces(robot, laws))
     functions = StepFunctions.of(equations, order, sample_time)
-    march: March = CompiledMarch(equations, functions) if compiled else InterpretedMarch(equations, functions)
+    march: Stepper = CompiledStepper(equations, functions) if compiled else InterpretedStepper(equations, functions)
     return equations, functions.gamma, march
 
 

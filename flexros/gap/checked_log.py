@@ -10,11 +10,11 @@ from flexros.scenario.recorded_experiment import with_recorded_parts
 
 if TYPE_CHECKING:
     from flexros.logs.time_series import Log
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 
-def checked_log(log: Log, robot: Robot, *, name: str) -> GapRecord:
+def checked_log(log: Log, robot: Robot, *, name: str) -> Record:
     """Read a log and check its record for what would mislead a diagnosis: units, signs, joint order, clipping.
 
     Args:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from flexros.gap.result import DiagnosisResult, Explanation
     from flexros.gap.where.find import Where
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 
@@ -36,10 +36,10 @@ SAME_RATE = 1e-3
 
 @one_blas_thread()
 def diagnose(
-    record: GapRecord,
+    record: Record,
     robot: Robot | RobotWithEffects,
     *,
-    holdout: GapRecord | None = None,
+    holdout: Record | None = None,
     tolerance: Mapping[str, float] | None = None,
     settings: DiagnosisSettings | None = None,
     progress: Callable[[str, float], None] | None = None,
@@ -98,7 +98,7 @@ def _places(found: Findings, before: Explanation, seed: int) -> Where:
     )
 
 
-def split(record: GapRecord, share: float) -> tuple[GapRecord, GapRecord]:
+def split(record: Record, share: float) -> tuple[Record, Record]:
     """Set the last part of a log aside.
 
     Args:
@@ -109,7 +109,7 @@ def split(record: GapRecord, share: float) -> tuple[GapRecord, GapRecord]:
     return record.part(0, border), record.part(border, record.n_samples)
 
 
-def _check_alike(fitted: GapRecord, held: GapRecord) -> None:
+def _check_alike(fitted: Record, held: Record) -> None:
     """Refuse a holdout that was recorded in another way, which the predictors of the fit do not fit."""
     ways = [
         f"{one.name} has {1 / one.sample_time:.6g} samples per second and "

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from flexros.gap.held_out.prediction_gap import AheadErrors
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.schema import GapNumbers
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class MeasuredGap:
 
 @one_blas_thread()
 def measure_gap(
-    record: GapRecord,
+    record: Record,
     model: RobotWithEffects,
     *,
     repaired: RobotWithEffects | None = None,

@@ -10,14 +10,14 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.effects.kinds.base import PlacedEffect
-    from flexros.gap.schema import CauseParameter, Diagnosis, GapPlace, Place
-    from flexros.gap.signatures.signature_data import Evidence
-    from flexros.record.record import GapRecord
+    from flexros.gap.schema import CauseParameter, Diagnosis, EffectLocation, Excess
+    from flexros.gap.signatures.signature_data import SignatureData
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction:
+class PredictedLog:
     """What a predictor with a fixed gain made of a log, sample by sample.
 
     Attributes:
@@ -46,13 +46,13 @@ class Explanation:
     """
 
     name: str
-    fit: Prediction
-    holdout: Prediction | None = None
+    fit: PredictedLog
+    holdout: PredictedLog | None = None
     effects: tuple[PlacedEffect, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class RankedCandidate:
     """An effect at a place, as it stands in the ranking.
 
     Attributes:
@@ -75,7 +75,7 @@ class Candidate:
     probability: float
     holdout_gain: float | None = None
     remainder: float | None = None
-    beside: tuple[Place, ...] = ()
+    beside: tuple[EffectLocation, ...] = ()
 
     @property
     def score(self) -> float:
@@ -134,19 +134,19 @@ class DiagnosisResult:
 
     diagnosis: Diagnosis
     robot: Robot
-    record: GapRecord
-    holdout: GapRecord | None
+    record: Record
+    holdout: Record | None
     before: Explanation
-    ranking: tuple[Candidate, ...] = ()
+    ranking: tuple[RankedCandidate, ...] = ()
     nothing: float = 0.0
     after: Explanation | None = None
     rival: Explanation | None = None
     patch: tuple[PlacedEffect, ...] = ()
     covariance_of: tuple[str, ...] = ()
     covariance: FloatArray | None = None
-    excess: tuple[GapPlace, ...] = ()
+    excess: tuple[Excess, ...] = ()
     signals: tuple[SignalGap, ...] = ()
-    evidence: Evidence | None = None
+    evidence: SignatureData | None = None
     tolerance: Mapping[str, float] = field(default_factory=dict)
     cannot_tell: tuple[str, ...] = ()
     settings: Mapping[str, Any] = field(default_factory=dict)

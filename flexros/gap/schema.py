@@ -19,14 +19,14 @@ class CauseParameter(Settings):
     unit: str = Field(description="SI unit, 1 for none")
 
 
-class Place(Settings):
+class EffectLocation(Settings):
     """An effect at a place."""
 
     effect: str = Field(description="name of the effect")
     location: str = Field(description="joint, spring, body, 'tool', 'base' or 'all'")
 
 
-class Cause(Place):
+class Cause(EffectLocation):
     """An effect that is held to be part of the truth."""
 
     probability: float = Field(ge=0.0, le=1.0, description="that this effect is part of the truth [1]")
@@ -34,7 +34,7 @@ class Cause(Place):
     closed_fraction: float | None = Field(description="share of the gap that it closes on held-out data [1]")
 
 
-class GapPlace(Settings):
+class Excess(Settings):
     """A place where the gap shows, found without any hypothesis."""
 
     signal: str = Field(description="'position' of a motor or 'tool'")
@@ -65,7 +65,7 @@ class NextExperiment(Settings):
 
     name: str = Field(description="name in the catalogue")
     description: str = Field(description="what to do")
-    separates: tuple[Place, ...] = Field(description="the explanations that it separates")
+    separates: tuple[EffectLocation, ...] = Field(description="the explanations that it separates")
     expected_gain: float = Field(description="expected logarithm of the odds of the two closest [nats]")
     command: str = Field(default="", description="command that runs it, where one does")
 
@@ -76,8 +76,10 @@ class Diagnosis(Settings):
     schema_version: int = Field(default=1, alias="schema", description="version of this form")
     verdict: Verdict = Field(description="the answer in a word")
     causes: tuple[Cause, ...] = Field(description="by probability, the first one first")
-    ambiguity_groups: tuple[tuple[Place, ...], ...] = Field(description="effects that the log cannot tell apart")
-    where: tuple[GapPlace, ...] = Field(description="where the gap shows, before any hypothesis")
+    ambiguity_groups: tuple[tuple[EffectLocation, ...], ...] = Field(
+        description="effects that the log cannot tell apart"
+    )
+    where: tuple[Excess, ...] = Field(description="where the gap shows, before any hypothesis")
     gap: GapNumbers = Field(description="how far it shrinks")
     next_experiment: NextExperiment | None = Field(description="what to run next; none where nothing is open")
     warnings: tuple[str, ...] = Field(description="what limits the answer, a sentence each")

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from flexros.identify.design.experiment_design import ExperimentDesign
     from flexros.identify.experiment.plan import ExperimentPlan
     from flexros.identify.graybox.covariance import ParameterCovariance
-    from flexros.identify.graybox.fit import Fit
+    from flexros.identify.graybox.fit import GrayBoxFit
     from flexros.identify.graybox.identifiability import Identifiability
     from flexros.identify.graybox.problem import GrayBoxProblem
     from flexros.identify.graybox.residuals import ResidualReport
@@ -105,8 +105,8 @@ class IdentificationResult:
     """
 
     problem: GrayBoxProblem
-    fit: Fit
-    searched: tuple[Fit, ...]
+    fit: GrayBoxFit
+    searched: tuple[GrayBoxFit, ...]
     covariance: ParameterCovariance
     identifiability: Identifiability
     residuals: ResidualReport
@@ -226,8 +226,8 @@ class IdentificationResult:
 
 def identification_result(
     problem: GrayBoxProblem,
-    found: Fit,
-    searched: Sequence[Fit] = (),
+    found: GrayBoxFit,
+    searched: Sequence[GrayBoxFit] = (),
     *,
     design: ExperimentDesign | None = None,
     facts: ExperimentFacts | None = None,

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
     from flexros.identify.frf.frequency_response import FrequencyResponse
-    from flexros.identify.graybox.fit import Fit
+    from flexros.identify.graybox.fit import GrayBoxFit
     from flexros.identify.graybox.problem import GrayBoxProblem
     from flexros.robot import Robot
 
@@ -57,8 +57,8 @@ class Found:
     """
 
     problem: GrayBoxProblem
-    fit: Fit
-    searched: tuple[Fit, ...]
+    fit: GrayBoxFit
+    searched: tuple[GrayBoxFit, ...]
     settled: bool = True
 
     @property

@@ -59,7 +59,7 @@ class MotorReading:
 
 
 @dataclass(frozen=True, eq=False)
-class Reading:
+class MonitorReading:
     """What the monitor tells of a robot.
 
     Attributes:
@@ -196,16 +196,16 @@ class GapMonitor:
         """Highest level of all motors at the last window."""
         return Level.OK if self._alarms is None else Level(int(self._alarms.levels(self._stamp).max()))
 
-    def reading(self) -> Reading:
+    def reading(self) -> MonitorReading:
         """Tell what was found."""
         if self._watch is None or self._alarms is None:
-            return Reading(-1, (), True, (), 0.0, self.stream.unpaired)
+            return MonitorReading(-1, (), True, (), 0.0, self.stream.unpaired)
         states = self._alarms.states(self._stamp)
         passed = self.windows + self.settled + self.counts.lost_windows
         suspected = self._suspected() if any(state.level for state in states) else ()
         motors = self._motors(states)
         seen = self.windows / max(passed, 1)
-        return Reading(self._stamp, motors, self._watch.settling, suspected, seen, self.stream.unpaired)
+        return MonitorReading(self._stamp, motors, self._watch.settling, suspected, seen, self.stream.unpaired)
 
     def _made(self) -> tuple[Watch, Alarms]:
         """Make twin and thresholds once the sample time is known, and anew where it has changed."""

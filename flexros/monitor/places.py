@@ -39,7 +39,7 @@ motors (development seeds)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class DisturbanceLocation:
     """A place where a torque may act.
 
     Attributes:
@@ -69,12 +69,12 @@ class Suspicion:
         lines: What every line of the spectrum adds to it [nats], shape (lines,).
     """
 
-    place: Place
+    place: DisturbanceLocation
     gain: float
     lines: FloatArray
 
 
-def places_of(robot: Robot, found: Design) -> tuple[Place, ...]:
+def places_of(robot: Robot, found: Design) -> tuple[DisturbanceLocation, ...]:
     """List the places of a robot.
 
     Args:
@@ -82,23 +82,23 @@ def places_of(robot: Robot, found: Design) -> tuple[Place, ...]:
         found: Design at its pose.
     """
     pose, n = found.pose, len(found.pose.mass)
-    places: list[Place] = []
+    places: list[DisturbanceLocation] = []
     for motor, name in enumerate(robot.joint_names):
-        places.append(Place("motor", name, pose.motor[:, [motor]]))
+        places.append(DisturbanceLocation("motor", name, pose.motor[:, [motor]]))
         coordinate = robot.chain.motor_places[motor]
         arm = robot.chain.geared[motor]
         spring = pose.stiffness[:, [coordinate]]
         if coordinate != arm and spring[coordinate, 0] > 0:
-            places.append(Place("gear", name, spring / spring[coordinate, 0]))
-            places.append(Place("arm", name, np.eye(n)[:, [arm]]))
+            places.append(DisturbanceLocation("gear", name, spring / spring[coordinate, 0]))
+            places.append(DisturbanceLocation("arm", name, np.eye(n)[:, [arm]]))
     seen = np.flatnonzero(np.abs(pose.tool).max(axis=0) > 1e-9)
     if len(seen):
-        places.append(Place("tool", "tool", pose.tool[:, seen]))
+        places.append(DisturbanceLocation("tool", "tool", pose.tool[:, seen]))
     return tuple(places)
 
 
 def suspicions(
-    sudden: FloatArray, found: Design, places: Sequence[Place], noise: FloatArray, sample_time: float
+    sudden: FloatArray, found: Design, places: Sequence[DisturbanceLocation], noise: FloatArray, sample_time: float
 ) -> tuple[Suspicion, ...]:
     """Compare places.
 
@@ -137,13 +137,13 @@ def close(found: Sequence[Suspicion]) -> tuple[Suspicion, ...]:
     return tuple(one for one in found if comes_close(one))
 
 
-def _priced(place: Place, lines: FloatArray) -> Suspicion:
+def _priced(place: DisturbanceLocation, lines: FloatArray) -> Suspicion:
     kept = lines * (1 - FREEDOM) if place.force.shape[1] > 1 else lines
     return Suspicion(place, float(kept.sum()), kept)
 
 
 def _whitened(
-    spectrum: ComplexArray, found: Design, places: Sequence[Place], noise: FloatArray, z: ComplexArray
+    spectrum: ComplexArray, found: Design, places: Sequence[DisturbanceLocation], noise: FloatArray, z: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Bring spectrum, shape (lines, M), and responses to the places, shape (lines, M, columns), to white noise."""
     one, M, s = found.filter, len(noise), len(found.gain)

@@ -9,7 +9,7 @@ from flexros.monitor.alarms import Level
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flexros.monitor.gap_monitor import MotorReading, Reading
+    from flexros.monitor.gap_monitor import MonitorReading, MotorReading
     from flexros.monitor.places import Kind, Suspicion
     from flexros.robot import Robot
 
@@ -25,7 +25,7 @@ UNPAIRED = 2.0
 _WORDS = {Level.WARNING: "warning", Level.ALARM: "alarm"}
 
 
-def robot_sentence(reading: Reading) -> str:
+def robot_sentence(reading: MonitorReading) -> str:
     """Say how the robot is, and whether that is still known."""
     said = _state(reading)
     if not stands_still(reading):
@@ -33,12 +33,12 @@ def robot_sentence(reading: Reading) -> str:
     return f"{said}; nothing is watched: for the last {reading.unpaired:.1f} s of joint_states there are no commands"
 
 
-def stands_still(reading: Reading) -> bool:
+def stands_still(reading: MonitorReading) -> bool:
     """Tell whether states come without commands of the same time."""
     return reading.unpaired > UNPAIRED
 
 
-def _state(reading: Reading) -> str:
+def _state(reading: MonitorReading) -> str:
     if reading.stamp < 0:
         return "waits for joint_states and joint_commands"
     if reading.level is Level.OK:
@@ -77,7 +77,7 @@ def torque_units(robot: Robot) -> tuple[str, ...]:
     return tuple("Nm" if robot.chain.joints[arm].rotary else "N" for arm in robot.chain.geared)
 
 
-def robot_values(reading: Reading) -> dict[str, float | str]:
+def robot_values(reading: MonitorReading) -> dict[str, float | str]:
     """Give the figures of the robot as a whole, by key."""
     finite = [motor.gap for motor in reading.motors if motor.gap == motor.gap]
     return {

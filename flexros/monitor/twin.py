@@ -26,7 +26,7 @@ RUN_AWAY = 1e3
 """Prediction error from which the twin has lost the robot [rad or m] (chosen)."""
 
 
-class Twin:
+class ObserverModel:
     """The model that runs beside the robot.
 
     Args:

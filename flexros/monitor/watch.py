@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.monitor.design_book import DesignBook
-from flexros.monitor.twin import Twin
+from flexros.monitor.twin import ObserverModel
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -70,7 +70,7 @@ class Watch:
 
     def __init__(self, model: RobotWithEffects, sample_time: float, samples: int) -> None:
         self.book = DesignBook(model, sample_time, samples)
-        self._twin = Twin(model, sample_time)
+        self._twin = ObserverModel(model, sample_time)
         self.sample_time, self._samples = sample_time, samples
         self._stay = max(round(STAYS / (sample_time * samples)), 1)
         self._cell = self.book.home

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.logs.time_series import Log
-    from flexros.monitor.gap_monitor import Reading
+    from flexros.monitor.gap_monitor import MonitorReading
     from flexros.monitor.watch import Missed
 
 CHUNK = 2000
@@ -56,7 +56,7 @@ class WatchedLog:
     """
 
     missed: tuple[Missed, ...]
-    reading: Reading
+    reading: MonitorReading
     episodes: tuple[Episode, ...]
     warnings: tuple[str, ...]
 

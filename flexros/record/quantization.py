@@ -13,7 +13,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 QUANTILES = (0.0, 0.002, 0.02)
@@ -92,7 +92,7 @@ def _distance(change: FloatArray, step: float, resolution: float) -> float:
     return float(np.sqrt(np.mean(off**2))) + beyond + resolution / step
 
 
-def encoder_quantization(record: GapRecord, robot: Robot) -> tuple[Quantization, ...]:
+def encoder_quantization(record: Record, robot: Robot) -> tuple[Quantization, ...]:
     """Find the encoders whose rounding matters beside their noise.
 
     Args:

@@ -10,7 +10,7 @@ from flexros.errors import InputError
 from flexros.logs.stamps import START_NS
 from flexros.record.even_grid import even_grid
 from flexros.record.joint_columns import motor_columns
-from flexros.record.record import GapRecord, ToolRecord
+from flexros.record.record import Record, ToolRecord
 from flexros.record.stamp_jitter import positions_on_grid
 from flexros.record.torque_hold import held_torque, sampled_torque
 
@@ -28,7 +28,7 @@ LEAST_REFERENCE = 0.9
 """Smallest share of the record that a reference must cover to be taken (chosen)."""
 
 
-def read_record(log: Log, robot: Robot, *, name: str) -> GapRecord:
+def read_record(log: Log, robot: Robot, *, name: str) -> Record:
     """Take out of a log what a diagnosis needs.
 
     Positions come from joint_states, torques from joint_commands (held from stamp to stamp), else the measured effort
@@ -61,7 +61,7 @@ def read_record(log: Log, robot: Robot, *, name: str) -> GapRecord:
     rows = slice(held.first, max(held.first, min(held.end, grid.n_slots)))
     _count_lost(valid[rows], name, warnings)
     begin = round(((grid.origin - START_NS) * 1e-9 + grid.start) / grid.sample_time)
-    return GapRecord(
+    return Record(
         name=name,
         sample_time=grid.sample_time,
         position=position[rows],

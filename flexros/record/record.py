@@ -24,7 +24,7 @@ class ToolRecord:
 
 
 @dataclass(frozen=True, eq=False)
-class GapRecord:
+class Record:
     """Signals of one log, in the units and on the side of the gear that the robot file uses.
 
     Attributes:
@@ -72,7 +72,7 @@ class GapRecord:
         """Time from the first sample to the last [s]."""
         return (self.n_samples - 1) * self.sample_time
 
-    def part(self, first: int, end: int) -> GapRecord:
+    def part(self, first: int, end: int) -> Record:
         """Cut out samples first ... end - 1.
 
         Args:

@@ -10,7 +10,7 @@ from flexros.record.periodic_parts import periodic_parts
 
 if TYPE_CHECKING:
     from flexros.logs.time_series import Log
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.scenario.experiment import Experiment
 
 
@@ -36,7 +36,7 @@ def recorded_experiment(log: Log) -> Experiment | None:
         return None
 
 
-def with_recorded_parts(record: GapRecord, log: Log) -> GapRecord:
+def with_recorded_parts(record: Record, log: Log) -> Record:
     """Add the multisines of a diagnosis experiment to the record of its log.
 
     Args:

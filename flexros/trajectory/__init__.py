@@ -13,7 +13,7 @@ from flexros.trajectory.rest import Rest
 from flexros.trajectory.sequence import Sequence
 from flexros.trajectory.specification import TrajectorySpecification, build_trajectory
 from flexros.trajectory.time_law import TimeLaw, concatenated
-from flexros.trajectory.trajectory import JOINTS, Move, Place, Trajectory
+from flexros.trajectory.trajectory import JOINTS, Move, PathPoint, Trajectory
 
 __all__ = [
     "JOINTS",

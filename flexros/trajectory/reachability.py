@@ -11,7 +11,7 @@ from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.trajectory.trajectory import Place, Trajectory
+    from flexros.trajectory.trajectory import PathPoint, Trajectory
 
 SMALLEST_SINGULAR_VALUE = 0.005
 """A place is singular if the Jacobian's smallest singular value is below this share of its largest so far (chosen).
@@ -47,7 +47,7 @@ class Reachability:
     time: FloatArray
     joints: FloatArray
     smallest_singular_value: float
-    nearest_singularity: Place
+    nearest_singularity: PathPoint
 
 
 def check_reachable(

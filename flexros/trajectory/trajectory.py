@@ -62,7 +62,7 @@ class Move:
 
 
 @dataclass(frozen=True)
-class Place:
+class PathPoint:
     """A place on a trajectory, for messages.
 
     Args:
@@ -208,7 +208,7 @@ class Trajectory:
                 times.append(begin + np.linspace(0.0, move.law.duration, max(2, per_move)))
         return np.unique(np.concatenate(times))
 
-    def place(self, t: float) -> Place:
+    def place(self, t: float) -> PathPoint:
         """Say where on the path the trajectory is at a time [s]."""
         times = np.array([t], dtype=float)
         i = int(self._move_at(times)[0])
@@ -216,7 +216,7 @@ class Trajectory:
         s = float(law.evaluate(times - self.begins[i], 0)[0, 0])
         way = abs(law.end - law.start)
         share = abs(s - law.start) / way if way > 0.0 else 0.0
-        return Place(float(t), i + 1, s, path.parameter_unit, 100.0 * share, tuple(path.point_at(s).tolist()))
+        return PathPoint(float(t), i + 1, s, path.parameter_unit, 100.0 * share, tuple(path.point_at(s).tolist()))
 
     def _move_at(self, t: FloatArray) -> FloatArray:
         """Give the index of the move at every time, shape (n,)."""

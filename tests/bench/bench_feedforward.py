@@ -25,12 +25,12 @@ from flexros.config.settings import validate
 from flexros.feedforward.problem import FeedforwardProblem
 from flexros.feedforward.reference import compute_reference
 from flexros.feedforward.specification import FeedforwardSpecification
-from flexros.feedforward.time_stepping.compiled import CompiledMarch
+from flexros.feedforward.time_stepping.compiled import CompiledStepper
 from flexros.feedforward.time_stepping.consistent_start import consistent_start
 from flexros.feedforward.time_stepping.dae_equations import DaeEquations, arm_residual, build_equations
-from flexros.feedforward.time_stepping.interpreted import InterpretedMarch
+from flexros.feedforward.time_stepping.interpreted import InterpretedStepper
 from flexros.feedforward.time_stepping.step_functions import StepFunctions
-from flexros.feedforward.time_stepping.stepping import MarchResult, newton_tolerance
+from flexros.feedforward.time_stepping.stepping import SteppingResult, newton_tolerance
 from flexros.robot import Robot, load_robot
 from flexros.trajectory import Trajectory, TrajectorySpecification, build_trajectory
 from tests.feedforward.cases import subdivided_e12
@@ -110,14 +110,14 @@ def march_rows(case: Case) -> Iterator[dict[str, Any]]:
         begin = time.perf_counter()
         equations = build_equations(case.robot.model, case.output)
         functions = StepFunctions.of(equations, order, T)
-        march = CompiledMarch(equations, functions)
+        march = CompiledStepper(equations, functions)
         made = time.perf_counter() - begin
         tolerance = newton_tolerance(equations, functions.gamma, case.start)
         state = march.layout.at_rest(case.start)
 
         def run(
-            march: CompiledMarch = march, state: FloatArray = state, tolerance: FloatArray = tolerance
-        ) -> MarchResult:
+            march: CompiledStepper = march, state: FloatArray = state, tolerance: FloatArray = tolerance
+        ) -> SteppingResult:
             return march.advance(state, desired, tolerance)
 
         result = run()
@@ -145,7 +145,7 @@ def reference_rows(case: Case) -> Iterator[dict[str, Any]]:
 def interpreted_rows(case: Case) -> Iterator[dict[str, Any]]:
     """Time the same march with Python around the virtual machine: the fallback."""
     functions = StepFunctions.of(case.equations, 1, T)
-    march = InterpretedMarch(case.equations, functions)
+    march = InterpretedStepper(case.equations, functions)
     tolerance = newton_tolerance(case.equations, functions.gamma, case.start)
     n = 400 if case.name == "e12" else 100
     took = seconds(lambda: march.advance(march.layout.at_rest(case.start), case.problem.desired[:n], tolerance), 2)
@@ -196,7 +196,7 @@ def virtual_machine_rows(case: Case) -> Iterator[dict[str, Any]]:
     took = seconds(lambda: march(start, outputs), 3)
     yield row(case.name, "DAE step, order 1, CasADi virtual machine (fast_newton, mapaccum)", 1e6 * took / n, "us")
     functions = StepFunctions.of(case.equations, 1, T)
-    ours = CompiledMarch(case.equations, functions)
+    ours = CompiledStepper(case.equations, functions)
     tolerance = newton_tolerance(case.equations, functions.gamma, case.start)
     z = ours.advance(ours.layout.at_rest(case.start), case.problem.desired[:n], tolerance).z[-1]
     yield row(case.name, f"largest difference to CasADi after {n} steps", float(np.max(np.abs(z - last))), "rad")

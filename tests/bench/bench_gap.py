@@ -22,7 +22,7 @@ import numpy as np
 from flexros.compile.loop.prediction import PredictionLoop
 from flexros.effects import RobotWithEffects, effects
 from flexros.effects.kinds.law import AbstractLaw
-from flexros.gap.candidates.candidate import FreeParameter, Suspect
+from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose, split
@@ -39,7 +39,7 @@ from tests.bench.bench_simulate import row, seconds
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 HIDDEN = {"four_mass_linear": 0.05, "e12": 0.5, "six_axis": 2.0}
@@ -50,7 +50,7 @@ LENGTH = 40.0
 RUN_ALONE = "--alone"
 
 
-def log_of(robot: Robot) -> GapRecord:
+def log_of(robot: Robot) -> Record:
     """Record the diagnosis experiment, without disk."""
     effect = f"coulomb_friction@{robot.joint_names[0]}:level={HIDDEN[robot.name]}"
     keys = {"robot": robot.name, "seed": 1, "diagnosis.length": LENGTH, "plant.effects": [effect]}
@@ -83,7 +83,7 @@ def pass_rows(robot: Robot) -> Iterator[dict[str, Any]]:
     data = fit_data(record, model, settings)
     level = HIDDEN[robot.name]
     free = FreeParameter("level", 0.1 * level, 10 * level, signed=False, starts=(level,))
-    suspect = Suspect(effects()["coulomb_friction"], robot.joint_names[0], (free,))
+    suspect = Candidate(effects()["coulomb_friction"], robot.joint_names[0], (free,))
     predictor = Predictor(model, (suspect,), Tolerance(), record.sample_time)
     thetas = np.array([[free.encode(level * factor) for factor in np.linspace(0.5, 1.5, LANES)]])
     case = f"{robot.name}, {data.record.n_samples} samples"
@@ -106,7 +106,7 @@ def pass_rows(robot: Robot) -> Iterator[dict[str, Any]]:
     yield row(case, f"{LANES} passes of one lane", 1e3 * seconds(one_by_one, 10), "ms")
 
 
-def numbers_of(suspect: Suspect, level: float) -> list[float]:
+def numbers_of(suspect: Candidate, level: float) -> list[float]:
     """List the parameters of the plant with friction of this level."""
     law = suspect.placed({"level": level}).effect
     assert isinstance(law, AbstractLaw)

@@ -10,11 +10,11 @@ import pytest
 from flexros.effects.patching.patched_robot import load_patched
 from flexros.errors import RunError
 from flexros.gap import diagnose as diagnosis_module
-from flexros.gap.result import DiagnosisResult, Explanation, Prediction
+from flexros.gap.result import DiagnosisResult, Explanation, PredictedLog
 from flexros.gap.schema import Diagnosis
 from flexros.gap.search import candidate_fits as search
 from flexros.logs.write_log import write_log
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
@@ -38,9 +38,9 @@ def answered(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, object]]:
     """Answer "no gap" without work; returns what was asked."""
     asked: list[dict[str, object]] = []
 
-    def answer(record: GapRecord, robot: object, **given: object) -> DiagnosisResult:
+    def answer(record: Record, robot: object, **given: object) -> DiagnosisResult:
         asked.append({"record": record, **given})
-        empty = Prediction(0 * record.position, 1 + 0 * record.position[0])
+        empty = PredictedLog(0 * record.position, 1 + 0 * record.position[0])
         told = Diagnosis(
             schema=1, verdict="no_gap", causes=(), ambiguity_groups=(), where=(), gap=GAP, next_experiment=None,
             warnings=("the log is short",), provenance={},

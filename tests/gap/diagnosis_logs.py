@@ -10,7 +10,7 @@ from functools import cache
 import pytest
 
 from flexros.effects import RobotWithEffects
-from flexros.gap.candidates.candidate import FreeParameter, Hypothesis, Suspect, suspects
+from flexros.gap.candidates.candidate import Candidate, FreeParameter, Hypothesis, suspects
 from flexros.gap.candidates.scales import Yardsticks
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.predictor import Predictor
@@ -19,7 +19,7 @@ from flexros.gap.search import candidate_fits as search
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.read import read_record
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import Robot, load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
@@ -32,7 +32,7 @@ FEW = ("coulomb_friction", "viscous_friction", "stiffness_error", "motor_inertia
 
 
 @cache
-def record_of(*effects: str, length: float = SECONDS, seed: int = 1, tool: bool = False) -> GapRecord:
+def record_of(*effects: str, length: float = SECONDS, seed: int = 1, tool: bool = False) -> Record:
     """Simulate the diagnosis experiment with effects in the plant; `length` of its motion [s]."""
     keys = {"robot": ROBOT.name, "diagnosis.length": length, "seed": seed, "plant.effects": list(effects)}
     scenario = load_scenario("diagnosis").with_values(keys, "test")
@@ -52,7 +52,7 @@ def search_of(*effects: str, length: float = SECONDS, seed: int = 1, tool: bool 
 
 
 @cache
-def suspects_of(*effects: str) -> dict[str, Suspect]:
+def suspects_of(*effects: str) -> dict[str, Candidate]:
     """List what may be the cause of such a log, by effect@place."""
     search = search_of(*effects)
     nothing = search.nothing()
@@ -60,14 +60,14 @@ def suspects_of(*effects: str) -> dict[str, Suspect]:
 
 
 def predictor_of(
-    *hypothesis: Suspect, tolerance: Tolerance | None = None, model: RobotWithEffects = MODEL
+    *hypothesis: Candidate, tolerance: Tolerance | None = None, model: RobotWithEffects = MODEL
 ) -> Predictor:
     """Build a predictor for such logs."""
     placed: Hypothesis = hypothesis
     return Predictor(model, placed, tolerance or Tolerance(), ROBOT.sample_time)
 
 
-def numbers(suspect: Suspect, **values: float) -> list[float]:
+def numbers(suspect: Candidate, **values: float) -> list[float]:
     """Encode values of the free parameters of a suspect."""
     free: dict[str, FreeParameter] = {one.name: one for one in suspect.free}
     assert set(free) == set(values)
@@ -78,7 +78,7 @@ def numbers(suspect: Suspect, **values: float) -> list[float]:
 def few_suspects() -> Iterator[None]:
     """Look for some effects only, which makes searches for several of them short."""
 
-    def some(robot: Robot, sizes: Yardsticks) -> tuple[Suspect, ...]:
+    def some(robot: Robot, sizes: Yardsticks) -> tuple[Candidate, ...]:
         return tuple(one for one in suspects(robot, sizes) if one.effect.name in FEW)
 
     with pytest.MonkeyPatch.context() as patch:

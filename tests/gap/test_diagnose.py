@@ -13,7 +13,7 @@ from flexros.gap.diagnose import diagnose, split
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.read import read_record
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
@@ -148,7 +148,7 @@ def test_coloured_noise_is_no_place_of_a_gap() -> None:
     """A filter in the encoder gives its noise a band; without any effect nothing exceeds it."""
     rng = np.random.default_rng(5)
 
-    def recorded(seed: int) -> GapRecord:
+    def recorded(seed: int) -> Record:
         keys = {"robot": ROBOT.name, "diagnosis.length": LONG, "seed": seed, "noise": False}
         log = closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(keys, "test")))
         record = replace(read_record(log, ROBOT, name="log"), tool=None)

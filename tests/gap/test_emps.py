@@ -13,10 +13,10 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
-from flexros.gap.candidates.candidate import Suspect
+from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.least_squares import Fit, best_of, chi2_of, fit, starts_of
+from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, fit, starts_of
 from flexros.gap.noise.encoder_noise import SIGNAL_TOLERANCE, measure_noise
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search import forward_selection as explain
@@ -26,7 +26,7 @@ from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
 from flexros.logs.time_series import Log
 from flexros.record.checks.checked_record import CheckedRecord
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import Robot, load_robot
 
 REALDATA = os.environ.get("FLEXROS_REALDATA", "")
@@ -47,7 +47,7 @@ def log_of(name: str) -> Log:
 
 
 @cache
-def record_of(name: str) -> GapRecord:
+def record_of(name: str) -> Record:
     return checked_log(log_of(name), load_robot("emps"), name=name)
 
 
@@ -99,7 +99,7 @@ def test_coulomb_friction_is_named_first_with_its_published_level(
 
 
 @pytest.fixture(scope="module")
-def under_pulses(robot: Robot) -> tuple[Search, Fit, Mapping[str, Suspect]]:
+def under_pulses(robot: Robot) -> tuple[Search, CandidateFit, Mapping[str, Candidate]]:
     """Fit Coulomb and viscous friction to 8 s of the log with pulses."""
     model = RobotWithEffects(robot, ())
     data = fit_data(record_of("DATA_EMPS_PULSES.mat").part(0, 8000), model, DiagnosisSettings())
@@ -111,7 +111,7 @@ def under_pulses(robot: Robot) -> tuple[Search, Fit, Mapping[str, Suspect]]:
     return search, best_of([fit(predictor, data, starts[:, one], 30) for one in best]), among
 
 
-def test_pulses_show_the_published_friction(under_pulses: tuple[Search, Fit, Mapping[str, Suspect]]) -> None:
+def test_pulses_show_the_published_friction(under_pulses: tuple[Search, CandidateFit, Mapping[str, Candidate]]) -> None:
     search, friction, _ = under_pulses
     coulomb, viscous = friction.predictor.values(friction.theta)
     assert coulomb["level"] == pytest.approx(20.39, rel=0.1)
@@ -119,7 +119,7 @@ def test_pulses_show_the_published_friction(under_pulses: tuple[Search, Fit, Map
     assert friction.chi2 < 0.02 * search.nothing().chi2
 
 
-def test_pulses_leave_no_ringing(under_pulses: tuple[Search, Fit, Mapping[str, Suspect]]) -> None:
+def test_pulses_leave_no_ringing(under_pulses: tuple[Search, CandidateFit, Mapping[str, Candidate]]) -> None:
     """A flexibility that the pulses excite would show in the errors after their edges, from 344 ms on each 500 ms."""
     search, friction, _ = under_pulses
     errors = search.residual(friction)
@@ -129,7 +129,9 @@ def test_pulses_leave_no_ringing(under_pulses: tuple[Search, Fit, Mapping[str, S
 
 
 @pytest.mark.parametrize("name", ["extra_mode@tool", "delay@all", "actuator_lag@motor_1"])
-def test_pulses_need_no_mode_and_no_delay(under_pulses: tuple[Search, Fit, Mapping[str, Suspect]], name: str) -> None:
+def test_pulses_need_no_mode_and_no_delay(
+    under_pulses: tuple[Search, CandidateFit, Mapping[str, Candidate]], name: str
+) -> None:
     """The authors suspect a flexibility; docs/results/emps.md has the figures."""
     search, friction, among = under_pulses
     predictor = search.predictor((*friction.predictor.hypothesis, among[name]))

@@ -11,7 +11,7 @@ from flexros.effects import PlacedEffect, place_effects
 from flexros.effects.friction_drift import FrictionDrift
 from flexros.gap.checked_log import checked_log
 from flexros.gap.measure_gap import measure_gap
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
@@ -22,7 +22,7 @@ DRIFT = PlacedEffect(FrictionDrift(coulomb=0.6, viscous=0.0, time_constant=8.0),
 
 def test_a_part_of_a_part_counts_its_time_from_the_begin_of_the_log() -> None:
     nothing = np.zeros((100, 1))
-    record = GapRecord("log", 0.01, nothing, nothing, np.ones(100, dtype=bool))
+    record = Record("log", 0.01, nothing, nothing, np.ones(100, dtype=bool))
     assert record.begin == 0
     assert record.part(40, 100).part(10, 20).begin == pytest.approx(0.5)
 

@@ -14,21 +14,21 @@ from flexros.gap.measure_gap import measure_gap
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import load_robot
 
 T = 5e-4
 ELBOW = load_robot("elbow")
 
 
-def swinging_up(largest: float, n: int = 4000) -> GapRecord:
+def swinging_up(largest: float, n: int = 4000) -> Record:
     """A log of motors that swing up until they move by a largest amplitude [rad]."""
     time = np.arange(n) * T
     size = 1e-3 * (largest / 1e-3) ** (time / time[-1])
     phase = 2 * np.pi * 6 * time[:, None] + np.arange(ELBOW.n_motors)
     noise = ELBOW.encoder_noise * np.random.default_rng(1).standard_normal(phase.shape)
     torque = np.clip(20 * size[:, None] * np.sin(phase + 2), -20, 20)
-    return GapRecord("bags/wild", T, size[:, None] * np.sin(phase) + noise, torque, np.ones(n, dtype=bool))
+    return Record("bags/wild", T, size[:, None] * np.sin(phase) + noise, torque, np.ones(n, dtype=bool))
 
 
 def test_a_log_from_which_the_prediction_runs_away_is_refused() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.identify.graybox.fit import Fit
+from flexros.identify.graybox.fit import GrayBoxFit
 from flexros.identify.graybox.multistart import multistart
 from flexros.identify.result import IdentificationResult
 from flexros.identify.search import SearchSettings, search
@@ -52,7 +52,7 @@ def test_search_keeps_within_bounds(clear: IdentificationResult) -> None:
 
 
 def test_starts_that_fail_are_told(clear: IdentificationResult, monkeypatch: pytest.MonkeyPatch) -> None:
-    def second_fails(*arguments: Any, **options: Any) -> tuple[Fit, ...]:
+    def second_fails(*arguments: Any, **options: Any) -> tuple[GrayBoxFit, ...]:
         first, second, *others = multistart(*arguments, **options)
         return (first, replace(second, cost=np.nan, converged=False), *others)
 

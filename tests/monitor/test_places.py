@@ -11,7 +11,7 @@ import pytest
 from flexros.effects.patching.patched_robot import load_model
 from flexros.logs.time_series import Log
 from flexros.monitor.gap_monitor import GapMonitor
-from flexros.monitor.places import Place, Suspicion, close, places_of
+from flexros.monitor.places import DisturbanceLocation, Suspicion, close, places_of
 from flexros.monitor.watch import Watch
 from flexros.monitor.watch_log import watch_log
 
@@ -59,7 +59,7 @@ def test_a_rigid_drive_has_its_motor_and_its_tool_alone() -> None:
 
 def test_places_that_come_close_are_kept() -> None:
     def suspicion(joint: str, lines: np.ndarray) -> Suspicion:
-        return Suspicion(Place("motor", joint, np.ones((1, 1))), float(lines.sum()), lines)
+        return Suspicion(DisturbanceLocation("motor", joint, np.ones((1, 1))), float(lines.sum()), lines)
 
     first = suspicion("motor_1", np.full(100, 10.0))
     scattered = np.where(np.arange(100) % 2, 14.9, 5.0)

@@ -11,7 +11,7 @@ from flexros.effects.patching.patched_robot import load_model
 from flexros.errors import InputError
 from flexros.logs.time_series import Log
 from flexros.monitor.sample_stream import SampleStream
-from flexros.monitor.twin import Twin
+from flexros.monitor.twin import ObserverModel
 from flexros.monitor.watch import Missed, Watch
 
 
@@ -69,7 +69,7 @@ def test_a_robot_without_a_rest_from_the_first_window_on_is_lost_and_can_be_aske
     def no_rest(*_: object) -> None:
         raise InputError("no rest here")
 
-    monkeypatch.setattr(Twin, "begin", no_rest)
+    monkeypatch.setattr(ObserverModel, "begin", no_rest)
     found, watch, windows = missed(make_log("elbow"), "elbow")
     assert (found, watch.runaways) == ([], windows)
     assert np.all(watch.here.design.torque_spread > 0)

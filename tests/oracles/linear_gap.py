@@ -9,9 +9,9 @@ import numpy as np
 from scipy.linalg import expm
 
 from flexros.arrays import FloatArray
-from flexros.gap.result import Prediction
+from flexros.gap.result import PredictedLog
 from flexros.prediction.observer import ObserverGain, observer_gain
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import Robot
 from flexros.robot.linear.linearise import linear_model
 
@@ -24,8 +24,8 @@ class LinearLog:
     """A log and its prediction."""
 
     robot: Robot
-    record: GapRecord
-    prediction: Prediction
+    record: Record
+    prediction: PredictedLog
     observer: ObserverGain
     missing: FloatArray
 
@@ -83,5 +83,5 @@ def linear_log(
         extra = 0.0 if gear is None else gear(float(x[motor] - x[arm]))
         x = F @ x + G @ (torque[k] + lacking[k]) + inside * extra
         guess = F @ guess + G @ torque[k]
-    record = GapRecord("test", T, position, torque, np.ones(len(reference), dtype=bool))
-    return LinearLog(robot, record, Prediction(errors, observer.spread, states), observer, lacking)
+    record = Record("test", T, position, torque, np.ones(len(reference), dtype=bool))
+    return LinearLog(robot, record, PredictedLog(errors, observer.spread, states), observer, lacking)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.record.quantization import encoder_quantization, lattice_step
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import load_robot
 
 N = 4000
@@ -46,8 +46,8 @@ def test_decimals_of_a_text_file_are_a_lattice() -> None:
     assert lattice_step(np.round(motion(1), 5)) == pytest.approx(1e-5, rel=1e-6)
 
 
-def record(position: np.ndarray) -> GapRecord:
-    return GapRecord("log", 5e-4, position[:, None], np.zeros((len(position), 1)), np.ones(len(position), dtype=bool))
+def record(position: np.ndarray) -> Record:
+    return Record("log", 5e-4, position[:, None], np.zeros((len(position), 1)), np.ones(len(position), dtype=bool))
 
 
 def test_step_above_the_noise_is_an_effect_of_its_motor() -> None:

@@ -11,7 +11,7 @@ from flexros.errors import InputError
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log, PoseSeries
 from flexros.record.read import read_record
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import Robot, load_robot
 
 N = 3000
@@ -38,7 +38,7 @@ def make_log(**changes: object) -> Log:
     return replace(Log(states, JointSeries(stamp, ONE, effort=column(2))), **changes)
 
 
-def read(log: Log, robot: Robot) -> GapRecord:
+def read(log: Log, robot: Robot) -> Record:
     return read_record(log, robot, name="log")
 
 

@@ -11,7 +11,7 @@ import pytest
 from flexros.arrays import FloatArray
 from flexros.errors import InputError, RunError
 from flexros.feedforward.time_stepping import stepping as march_room
-from flexros.feedforward.time_stepping.compiled import CompiledMarch
+from flexros.feedforward.time_stepping.compiled import CompiledStepper
 from flexros.scenario.experiment import Experiment, bytes_per_sample
 from flexros.scenario.scenario import Scenario, load_scenario
 
@@ -187,12 +187,12 @@ def test_effect_equals_the_same_number_among_the_values() -> None:
 
 def test_feedforward_that_fails_at_rest_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
     def give_up(
-        march: CompiledMarch, state: FloatArray, outputs: FloatArray, tolerance: FloatArray
+        march: CompiledStepper, state: FloatArray, outputs: FloatArray, tolerance: FloatArray
     ) -> march_room.MarchResult:
         n = len(outputs)
         return march_room.MarchResult(state, np.zeros((n, 5)), np.zeros((n, 5, 2)), np.zeros(n, dtype=np.int64), 3)
 
-    monkeypatch.setattr(CompiledMarch, "advance", give_up)
+    monkeypatch.setattr(CompiledStepper, "advance", give_up)
     experiment = Experiment.prepare(scenario(feedforward={"method": "dae"}))
     with pytest.raises(RunError, match=r"found no solution at t = 0\.0015 s, 0\.0 % of move 1 .* point \("):
         _ = experiment.reference

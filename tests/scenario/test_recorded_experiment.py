@@ -10,10 +10,10 @@ import pytest
 
 from flexros.gap.checked_log import checked_log
 from flexros.logs.time_series import JointSeries, Log
+from flexros.record.read import read_record
 from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
-from flexros.record.read import read_record
 from flexros.scenario.recorded_experiment import recorded_experiment, with_recorded_parts
 from flexros.scenario.scenario import load_scenario
 

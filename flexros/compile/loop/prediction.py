@@ -41,7 +41,7 @@ JOB_FIELDS = (
 
 
 @dataclass(frozen=True)
-class Prediction:
+class LoopPrediction:
     """What a predictor found; rows of samples behind a divergence are NaN.
 
     Attributes:
@@ -104,7 +104,7 @@ class PredictionLoop:
         past: FloatArray | None = None,
         pose_samples: IntArray | None = None,
         record_states: bool = False,
-    ) -> Prediction:
+    ) -> LoopPrediction:
         """Predict all samples.
 
         Args:
@@ -141,12 +141,12 @@ class PredictionLoop:
         self._call(len(position), arrays, torque_shared=signal.ndim == 2)
         return found
 
-    def _room(self, start: FloatArray, n: int, pose_samples: IntArray | None, record_states: bool) -> Prediction:
+    def _room(self, start: FloatArray, n: int, pose_samples: IntArray | None, record_states: bool) -> LoopPrediction:
         """Make room for what the kernel fills in; the state begins with the start."""
         sizes, lanes = self.sizes, self.lanes
         state = np.asarray(start, dtype=float)
         state = state[:, None] if state.ndim == 1 else state
-        return Prediction(
+        return LoopPrediction(
             innovation=np.full((n, sizes.motors, lanes), np.nan),
             tool_pose=None if pose_samples is None else np.full((len(pose_samples), sizes.pose, lanes), np.nan),
             states=np.full((n, sizes.state, lanes), np.nan) if record_states else None,

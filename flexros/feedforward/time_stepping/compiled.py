@@ -16,8 +16,8 @@ from flexros.feedforward.time_stepping.stepping import (
     FLOOR_FACTOR,
     MAX_ITERATIONS,
     STALE_ITERATIONS,
-    MarchLayout,
-    MarchResult,
+    StepLayout,
+    SteppingResult,
 )
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ end:
 Newton's iteration renews the factors, corrects x (two buffers take turns) and ends as `InterpretedMarch` does."""
 
 
-class CompiledMarch:
+class CompiledStepper:
     """Fast march; the code is kept alive by the object, calls release the interpreter lock.
 
     Args:
@@ -128,7 +128,7 @@ class CompiledMarch:
     def __init__(self, equations: DaeEquations, functions: StepFunctions) -> None:
         builder = ModuleBuilder()
         lu = add_lu_solver(builder, equations.n_unknowns)
-        self.layout = MarchLayout(equations.n_unknowns, equations.n_coordinates, lu.work_size)
+        self.layout = StepLayout(equations.n_unknowns, equations.n_coordinates, lu.work_size)
         self._n_motors = equations.n_motors
         steps = (functions.predict, functions.residual, functions.newton_matrix, functions.correct, functions.finish)
         for function in steps:
@@ -138,7 +138,7 @@ class CompiledMarch:
         prototype = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6)
         self._march = prototype(self._code.address("march"))
 
-    def advance(self, state: FloatArray, outputs: FloatArray, tolerance: FloatArray) -> MarchResult:
+    def advance(self, state: FloatArray, outputs: FloatArray, tolerance: FloatArray) -> SteppingResult:
         """March over samples; see `flexros.feedforward.time_stepping.stepping.March.advance`."""
         n, state = len(outputs), np.array(state, dtype=np.float64)
         outputs = np.ascontiguousarray(outputs, dtype=np.float64)
@@ -147,10 +147,10 @@ class CompiledMarch:
         iterations = np.zeros(n, dtype=np.int64)
         arrays = (state, outputs, tolerance, z, motors, iterations)
         failed = self._march(n, *(array.ctypes.data for array in arrays))
-        return MarchResult(state, z, motors, iterations, int(failed))
+        return SteppingResult(state, z, motors, iterations, int(failed))
 
 
-def _driver(layout: MarchLayout, n_motors: int, lu: LuRoutines) -> str:
+def _driver(layout: StepLayout, n_motors: int, lu: LuRoutines) -> str:
     """Fill the sizes of a robot into the driver."""
     nz, nq = layout.n_unknowns, layout.n_coordinates
     return DRIVER.substitute(

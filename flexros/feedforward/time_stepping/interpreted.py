@@ -11,8 +11,8 @@ from flexros.feedforward.time_stepping.stepping import (
     FLOOR_FACTOR,
     MAX_ITERATIONS,
     STALE_ITERATIONS,
-    MarchLayout,
-    MarchResult,
+    StepLayout,
+    SteppingResult,
 )
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from flexros.feedforward.time_stepping.step_functions import StepFunctions
 
 
-class InterpretedMarch:
+class InterpretedStepper:
     """Slow march with the same iteration as the compiled one.
 
     Args:
@@ -31,11 +31,11 @@ class InterpretedMarch:
 
     def __init__(self, equations: DaeEquations, functions: StepFunctions) -> None:
         n = equations.n_unknowns
-        self.layout = MarchLayout(n, equations.n_coordinates, n * n + n)
+        self.layout = StepLayout(n, equations.n_coordinates, n * n + n)
         self._n_motors = equations.n_motors
         self._functions = functions
 
-    def advance(self, state: FloatArray, outputs: FloatArray, tolerance: FloatArray) -> MarchResult:
+    def advance(self, state: FloatArray, outputs: FloatArray, tolerance: FloatArray) -> SteppingResult:
         """March over samples; see `flexros.feedforward.time_stepping.stepping.March.advance`."""
         layout, f = self.layout, self._functions
         n, state = len(outputs), state.copy()
@@ -53,7 +53,7 @@ class InterpretedMarch:
             state[: layout.rates], state[layout.rates : layout.factors], z[k] = results[:3]
             motors[k] = results[3].reshape(5, self._n_motors)
             state[layout.stale] = float(iterations[k] > STALE_ITERATIONS)
-        return MarchResult(state, z, motors, iterations, failed)
+        return SteppingResult(state, z, motors, iterations, failed)
 
     def _solve(
         self, state: FloatArray, x: FloatArray, prediction: FloatArray, output: FloatArray, tolerance: FloatArray

@@ -28,7 +28,7 @@ ROUND_OFF = 2.0**-52
 
 
 @dataclass(frozen=True)
-class MarchLayout:
+class StepLayout:
     """Places in the flat state vector of a march.
 
     The state holds z and its first three backward differences, v and its first difference, the factors of the Newton
@@ -81,7 +81,7 @@ class MarchLayout:
 
 
 @dataclass(frozen=True)
-class MarchResult:
+class SteppingResult:
     """What a march over n samples gives.
 
     Attributes:
@@ -101,12 +101,12 @@ class MarchResult:
     failed: int
 
 
-class March(Protocol):
+class Stepper(Protocol):
     """Solver of the DAE for a given robot, order and sample time."""
 
-    layout: MarchLayout
+    layout: StepLayout
 
-    def advance(self, state: FloatArray, outputs: FloatArray, tolerance: FloatArray) -> MarchResult:
+    def advance(self, state: FloatArray, outputs: FloatArray, tolerance: FloatArray) -> SteppingResult:
         """March over samples.
 
         Args:

@@ -11,7 +11,7 @@ from flexros.gap.answer.limits import cannot_tell
 from flexros.gap.fit.estimates import covariance_of, parameters_of, placed
 from flexros.gap.next_experiment.choose import next_experiment
 from flexros.gap.prediction.predicted_log import signature_evidence
-from flexros.gap.result import Candidate, DiagnosisResult
+from flexros.gap.result import DiagnosisResult, RankedCandidate
 from flexros.gap.schema import Cause, CauseParameter, Diagnosis
 from flexros.gap.search.forward_selection import LIKELY
 from flexros.provenance import versions
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.gap.answer.decision import Findings
-    from flexros.gap.fit.least_squares import Fit
+    from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.progress import Stages
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.result import Explanation
@@ -137,7 +137,7 @@ def _rounding(found: Findings, one: Quantization) -> Cause:
     )
 
 
-def _ranking(found: Findings) -> tuple[Candidate, ...]:
+def _ranking(found: Findings) -> tuple[RankedCandidate, ...]:
     """List every effect in its best explanation, the first few with the gain where they were not fitted."""
     ranked = sorted(_candidates(found), key=lambda pair: found.order(f"{pair[0].effect}@{pair[0].location}"))
     return tuple(
@@ -146,10 +146,10 @@ def _ranking(found: Findings) -> tuple[Candidate, ...]:
     )
 
 
-def _candidates(found: Findings) -> list[tuple[Candidate, Fit]]:
+def _candidates(found: Findings) -> list[tuple[RankedCandidate, CandidateFit]]:
     """List every effect with its best explanation."""
     explanations, evidence = found.explanations, found.explanations.evidence
-    best: dict[str, tuple[Candidate, Fit]] = {}
+    best: dict[str, tuple[RankedCandidate, CandidateFit]] = {}
     for one, probability in zip(explanations.rivals, explanations.probabilities):
         if all(suspect.name in best for suspect in one.predictor.hypothesis):
             continue
@@ -158,7 +158,7 @@ def _candidates(found: Findings) -> list[tuple[Candidate, Fit]]:
             if suspect.name in best:
                 continue
             others = tuple(place_of(other.name) for other in one.predictor.hypothesis if other is not suspect)
-            candidate = Candidate(
+            candidate = RankedCandidate(
                 effect=suspect.effect.name,
                 location=suspect.location,
                 parameters=parameters,

@@ -17,15 +17,15 @@ from flexros.gap.held_out.rounding import over_expected_floor, unknown_rounding
 from flexros.gap.held_out.signal_gaps import signal_gaps
 from flexros.gap.prediction.predicted_log import prediction_of
 from flexros.gap.result import Explanation
-from flexros.gap.schema import Place
+from flexros.gap.schema import EffectLocation
 from flexros.gap.search.forward_selection import RIVAL
-from flexros.gap.search.model_probability import FORM_ELSEWHERE, Evidence, evidence_of
+from flexros.gap.search.model_probability import FORM_ELSEWHERE, ModelComparison, evidence_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects import RobotWithEffects
-    from flexros.gap.fit.least_squares import Fit
+    from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.held_out.prediction_gap import AheadErrors
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.result import SignalGap
@@ -54,10 +54,10 @@ class Findings:
     held: FitData
     explanations: Explanations
     tolerance: Mapping[str, float] = field(default_factory=dict)
-    _errors: dict[Fit, AheadErrors] = field(default_factory=dict, init=False)
-    _held_fits: dict[Fit, Fit] = field(default_factory=dict, init=False)
+    _errors: dict[CandidateFit, AheadErrors] = field(default_factory=dict, init=False)
+    _held_fits: dict[CandidateFit, CandidateFit] = field(default_factory=dict, init=False)
 
-    def explanation(self, one: Fit) -> Explanation:
+    def explanation(self, one: CandidateFit) -> Explanation:
         """Predict both logs with a fitted model."""
         return Explanation(
             name_of(one.predictor.hypothesis), prediction_of(one, self.data), prediction_of(one, self.held), placed(one)
@@ -86,18 +86,18 @@ class Findings:
         """Share of the gap that the explanation leaves in the held-out log [1]."""
         return self._held_evidence.left(self._on_held(self.explanations.chosen))
 
-    def held_gain(self, one: Fit) -> float:
+    def held_gain(self, one: CandidateFit) -> float:
         """Return twice the gain in log-likelihood over the nominal model in the held-out log; -inf if it runs away."""
         held = self._on_held(one)
         return self._held_evidence.gain(held) if np.isfinite(held.chi2) else -np.inf
 
     @cached_property
-    def _held_evidence(self) -> Evidence:
+    def _held_evidence(self) -> ModelComparison:
         """The nominal model on the held-out log."""
         nothing = self._on_held(self.explanations.evidence.nothing)
         return evidence_of(self.held, nothing)
 
-    def _on_held(self, one: Fit) -> Fit:
+    def _on_held(self, one: CandidateFit) -> CandidateFit:
         """Take the sum of squares of a fit from the held-out log, with the numbers of the fitted one."""
         if one not in self._held_fits:
             residual = self.held.residuals(one.predictor, one.theta[:, None])
@@ -117,7 +117,7 @@ class Findings:
         return {f"{EncoderQuantization.name}@{names[one.motor]}": one for one in self.quantized}
 
     @cached_property
-    def rivals(self) -> tuple[Fit, ...]:
+    def rivals(self) -> tuple[CandidateFit, ...]:
         """Explanations within a factor of the chosen one, with other effects."""
         found = self.explanations
         if not found.detected:
@@ -130,17 +130,17 @@ class Findings:
         )
 
     @cached_property
-    def best_rival(self) -> Fit | None:
+    def best_rival(self) -> CandidateFit | None:
         """The best explanation with other effects than the chosen one."""
         found = self.explanations
         if not found.detected:
             return None
         return next((one for one in found.rivals if one is not found.chosen), None)
 
-    def groups(self) -> tuple[tuple[Place, ...], ...]:
+    def groups(self) -> tuple[tuple[EffectLocation, ...], ...]:
         """Collect effects that stand for one another in rival explanations."""
         mine = {suspect.name: suspect for suspect in self.explanations.chosen.predictor.hypothesis}
-        groups: dict[str, list[Place]] = {}
+        groups: dict[str, list[EffectLocation]] = {}
         for rival in self.rivals:
             theirs = {suspect.name: suspect for suspect in rival.predictor.hypothesis}
             for name in mine.keys() - theirs.keys():
@@ -175,7 +175,7 @@ class Findings:
         probability = self.probability(name)
         return -round(probability, 2), -lost, -probability
 
-    def errors(self, one: Fit) -> AheadErrors:
+    def errors(self, one: CandidateFit) -> AheadErrors:
         """Predict the held-out log a tenth of a second ahead with a fitted model."""
         if one not in self._errors:
             self._errors[one] = errors_ahead(one, self.held)
@@ -200,7 +200,7 @@ class Findings:
         after, rival = (None if one is None else self.errors(one) for one in (chosen, self.best_rival))
         return signal_gaps(self.model.robot, self.errors_before, after, rival)
 
-    def closed(self, one: Fit) -> float | None:
+    def closed(self, one: CandidateFit) -> float | None:
         """Compute the share of the gap that a model closes on held-out data; None where the gap does not show there."""
         share = closed_fraction(self.errors_before, self.errors(one), self.held.record.sample_time)
         return None if share is None else share.value
@@ -214,12 +214,12 @@ class Findings:
         return gap_numbers(self.errors_before, after, self.held.record.sample_time, rival)
 
 
-def doubted(evidence: Evidence, data: FitData) -> Evidence:
+def doubted(evidence: ModelComparison, data: FitData) -> ModelComparison:
     """Allow for noise that is a little other than declared: alone it is no gap."""
     return replace(evidence, floor_error=float(np.hypot(evidence.floor_error, data.measurement.doubt)))
 
 
-def place_of(name: str) -> Place:
+def place_of(name: str) -> EffectLocation:
     """Split the name of a suspect, effect@location."""
     effect, _, location = name.partition("@")
-    return Place(effect=effect, location=location)
+    return EffectLocation(effect=effect, location=location)

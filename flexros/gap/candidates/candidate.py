@@ -57,7 +57,7 @@ class FreeParameter:
 
 
 @dataclass(frozen=True)
-class Suspect:
+class Candidate:
     """An effect at a place whose numbers are unknown.
 
     Attributes:
@@ -97,7 +97,7 @@ class Suspect:
         return self.placed({one.name: one.starts[len(one.starts) // 2] for one in self.free})
 
 
-Hypothesis = tuple[Suspect, ...]
+Hypothesis = tuple[Candidate, ...]
 """Effects that are there together; the empty one is "nothing"."""
 
 
@@ -135,7 +135,7 @@ def free_parameter(name: str, allowed: Range, yardstick: float) -> FreeParameter
     return FreeParameter(name, low, high, allowed.signed, starts, negative)
 
 
-def suspects(robot: Robot, yardsticks: Yardsticks) -> tuple[Suspect, ...]:
+def suspects(robot: Robot, yardsticks: Yardsticks) -> tuple[Candidate, ...]:
     """List every effect at every place that a fit can look for.
 
     Args:
@@ -146,7 +146,7 @@ def suspects(robot: Robot, yardsticks: Yardsticks) -> tuple[Suspect, ...]:
         Suspects; effects without ranges are left out, and those that repeat with the rotor, whose orders are sought
         apart.
     """
-    found: list[Suspect] = []
+    found: list[Candidate] = []
     for effect in effects().values():
         if not effect.ranges or "order" in effect.ranges:
             continue
@@ -155,7 +155,7 @@ def suspects(robot: Robot, yardsticks: Yardsticks) -> tuple[Suspect, ...]:
                 free_parameter(name, allowed, yardsticks.of(allowed.yardstick, location))
                 for name, allowed in effect().fitted(robot, location).items()
             )
-            found.append(Suspect(effect, location, free))
+            found.append(Candidate(effect, location, free))
     return tuple(found)
 
 

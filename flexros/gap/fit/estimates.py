@@ -13,17 +13,17 @@ from flexros.gap.schema import CauseParameter
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects import PlacedEffect
-    from flexros.gap.fit.least_squares import Fit
+    from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
 
 
-def placed(one: Fit) -> tuple[PlacedEffect, ...]:
+def placed(one: CandidateFit) -> tuple[PlacedEffect, ...]:
     """Return the effects of a fit with their numbers."""
     values = one.predictor.values(one.theta)
     return tuple(suspect.placed(numbers) for suspect, numbers in zip(one.predictor.hypothesis, values))
 
 
-def covariance_of(one: Fit, data: FitData | None = None) -> tuple[tuple[str, ...], FloatArray]:
+def covariance_of(one: CandidateFit, data: FitData | None = None) -> tuple[tuple[str, ...], FloatArray]:
     """Compute the covariance of the fitted numbers of the effects, in their units.
 
     Args:
@@ -41,7 +41,7 @@ def covariance_of(one: Fit, data: FitData | None = None) -> tuple[tuple[str, ...
     return names, covariance * np.outer(slopes, slopes)
 
 
-def parameters_of(one: Fit, data: FitData | None = None) -> list[dict[str, CauseParameter]]:
+def parameters_of(one: CandidateFit, data: FitData | None = None) -> list[dict[str, CauseParameter]]:
     """Return the numbers of every effect of a fit with their standard deviations."""
     _, covariance = covariance_of(one, data)
     spread = iter(np.sqrt(np.maximum(np.diag(covariance), 0.0)))

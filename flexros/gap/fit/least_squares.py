@@ -44,7 +44,7 @@ MOST_STARTS = 96
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class CandidateFit:
     """A fitted hypothesis.
 
     Attributes:
@@ -117,7 +117,7 @@ def fit(
     tolerance_slopes: FloatArray | None = None,
     enough: float = ENOUGH,
     rival: float = np.inf,
-) -> Fit:
+) -> CandidateFit:
     """Find the numbers of least squares near a start (Levenberg 1944, Marquardt 1963).
 
     Derivatives are differences, side by side in the lanes of the predictor. Eight dampings are tried at once: each
@@ -162,7 +162,7 @@ def fit(
         if before - chi2 < enough:
             converged = True
             break
-    return Fit(predictor, theta, float(chi2), information, done, converged)
+    return CandidateFit(predictor, theta, float(chi2), information, done, converged)
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,6 +282,6 @@ def _sums(predictor: Predictor, residuals: FloatArray, thetas: FloatArray) -> Fl
     return np.where(np.isfinite(sums), sums, np.inf)
 
 
-def best_of(fits: Sequence[Fit]) -> Fit:
+def best_of(fits: Sequence[CandidateFit]) -> CandidateFit:
     """Return the fit of the smallest sum of squares."""
     return min(fits, key=lambda one: one.chi2)

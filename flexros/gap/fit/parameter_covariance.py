@@ -11,7 +11,7 @@ from flexros.gap.fit.least_squares import linearise
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.gap.fit.least_squares import Fit
+    from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
 
 FEWEST_LINES = 12
@@ -20,7 +20,7 @@ BANDS = 12
 """Bands of frequencies, each up to twice that of the last, that have windows of their own [1] (chosen)."""
 
 
-def parameter_covariance(one: Fit, data: FitData) -> FloatArray:
+def parameter_covariance(one: CandidateFit, data: FitData) -> FloatArray:
     """Compute the covariance of the numbers of a fit (White 1980, Huber 1967: the sandwich).
 
     The predictor of constant gain whitens neither noise nor what a model leaves: prediction errors r have a spectrum S,

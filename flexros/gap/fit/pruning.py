@@ -11,11 +11,11 @@ from flexros.effects.kinds.law import AbstractLaw
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.gap.candidates.candidate import Hypothesis, Suspect
-    from flexros.gap.fit.least_squares import Fit
+    from flexros.gap.candidates.candidate import Candidate, Hypothesis
+    from flexros.gap.fit.least_squares import CandidateFit
 
 
-def without_least_number(one: Fit) -> tuple[Hypothesis, FloatArray] | None:
+def without_least_number(one: CandidateFit) -> tuple[Hypothesis, FloatArray] | None:
     """Leave the number out that is least clearly other than neutral.
 
     Without a number x the sum of squares rises by about x^2 i(x) (Wald 1943), with the information i(x) that is left
@@ -45,7 +45,7 @@ def without_least_number(one: Fit) -> tuple[Hypothesis, FloatArray] | None:
     return (*hypothesis[:effect], leaner, *hypothesis[effect + 1 :]), np.delete(one.theta, column)
 
 
-def _may_go(suspect: Suspect, number: int, values: dict[str, float]) -> bool:
+def _may_go(suspect: Candidate, number: int, values: dict[str, float]) -> bool:
     """Tell whether an effect is one without a number, which is zero then."""
     name = suspect.free[number].name
     if not suspect.free[number].signed or suspect.effect.ranges[name].yardstick == "phase":

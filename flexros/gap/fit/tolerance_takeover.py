@@ -11,8 +11,8 @@ from flexros.effects.kinds.model_change import AbstractChangedValues
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.gap.candidates.candidate import Suspect
-    from flexros.gap.fit.least_squares import Fit
+    from flexros.gap.candidates.candidate import Candidate
+    from flexros.gap.fit.least_squares import CandidateFit
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class Relief:
     theta: FloatArray
 
 
-def relief(suspect: Suspect, found: Fit) -> Relief | None:
+def relief(suspect: Candidate, found: CandidateFit) -> Relief | None:
     """Put a suspect in place of the tolerated deviations of the same numbers.
 
     The suspect and these deviations do the same to the robot, so that the data do not tell them apart: all that the
@@ -60,7 +60,7 @@ def relief(suspect: Suspect, found: Fit) -> Relief | None:
     return Relief(float(np.sum(found.theta[n:][mine] ** 2)), np.array([free.encode(factor - 1)]), theta)
 
 
-def with_relief(suspect: Suspect, first: Fit, promise: float, start: FloatArray) -> tuple[float, FloatArray]:
+def with_relief(suspect: Candidate, first: CandidateFit, promise: float, start: FloatArray) -> tuple[float, FloatArray]:
     """Say what a suspect promises beside a fit and where to start: in place of tolerated deviations if that is more.
 
     Args:

@@ -6,13 +6,13 @@ import re
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from flexros.gap.candidates.candidate import Suspect
+    from flexros.gap.candidates.candidate import Candidate
     from flexros.robot import Robot
 
 _UNIT = re.compile(r"\[([^\]]+)\]")
 
 
-def unit_of_parameter(suspect: Suspect, name: str, robot: Robot) -> str:
+def unit_of_parameter(suspect: Candidate, name: str, robot: Robot) -> str:
     """Return the SI unit of a number of an effect.
 
     The descriptions of parameters state it in brackets, for rotary and linear motion as in "[rad or m]".

@@ -13,7 +13,7 @@ from flexros.random_streams import generator
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
-    from flexros.gap.fit.least_squares import Fit
+    from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
 
 METRIC = "mean squared prediction error 0.1 s ahead over its floor variance"
@@ -59,7 +59,7 @@ class AheadErrors:
         return AheadErrors(self.squares * (self.floor / floor) ** 2, self.starts, floor, self.floor_error)
 
 
-def errors_ahead(found: Fit, data: FitData) -> AheadErrors:
+def errors_ahead(found: CandidateFit, data: FitData) -> AheadErrors:
     """Predict a log a tenth of a second ahead, again and again.
 
     Args:

@@ -13,7 +13,7 @@ from flexros.effects import RobotWithEffects
 from flexros.errors import RunError
 from flexros.gap.next_experiment.catalogue import CATALOGUE
 from flexros.gap.next_experiment.separation import Explained, separation, trial
-from flexros.gap.schema import NextExperiment, Place
+from flexros.gap.schema import EffectLocation, NextExperiment
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
@@ -100,7 +100,7 @@ def next_experiment(
     return NextExperiment(
         name=best.entry.name,
         description=best.entry.description,
-        separates=tuple(Place(effect=effect, location=location) for effect, location in places),
+        separates=tuple(EffectLocation(effect=effect, location=location) for effect, location in places),
         expected_gain=best.gain,
         command=command,
     )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import RobotWithEffects
-from flexros.gap.candidates.candidate import FreeParameter, Suspect
+from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.fit.least_squares import chi2_of, fit
 from flexros.gap.prediction.predictor import Predictor
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from flexros.effects.kinds.ranges import Range
     from flexros.gap.candidates.candidate import Hypothesis
     from flexros.gap.residuals.fit_data import FitData
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
 
 ROOM = 30.0
 """Factor by which a fitted number may move in either direction when it is fitted again [1] (chosen)."""
@@ -88,7 +88,7 @@ class Trial:
         data: The same with gain, start and weights.
     """
 
-    record: GapRecord
+    record: Record
     data: FitData
 
 
@@ -173,14 +173,14 @@ def predictor_of(explained: Explained, sample_time: float) -> tuple[Predictor, F
     return Predictor(explained.model, hypothesis, tolerance, sample_time), np.array(numbers, dtype=float)
 
 
-def _suspect(placed: PlacedEffect) -> Suspect:
+def _suspect(placed: PlacedEffect) -> Candidate:
     """Free the numbers of an effect that have a range, about their values."""
     values = placed.effect.model_dump()
     free = tuple(
         _free(name, float(values[name]), allowed) for name, allowed in placed.effect.ranges.items() if values.get(name)
     )
     fixed = tuple((name, value) for name, value in values.items() if name not in {one.name for one in free})
-    return Suspect(type(placed.effect), placed.location, free, fixed)
+    return Candidate(type(placed.effect), placed.location, free, fixed)
 
 
 def _free(name: str, value: float, allowed: Range) -> FreeParameter:

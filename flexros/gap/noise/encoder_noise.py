@@ -19,7 +19,7 @@ from flexros.record.smoothing import HIGH_DIFFERENCE, bridged, smooth_motion
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 LEAST_STILL = 0.25
@@ -84,7 +84,7 @@ class Noise:
     warnings: tuple[str, ...] = ()
 
 
-def measure_noise(record: GapRecord, robot: Robot) -> Noise:
+def measure_noise(record: Record, robot: Robot) -> Noise:
     """Measure the noise of the encoders.
 
     Args:
@@ -164,7 +164,7 @@ def _kept_as_stated(deviation: FloatArray, source: list[str], robot: Robot) -> t
     return tuple(found)
 
 
-def _driven(record: GapRecord, robot: Robot, position: FloatArray) -> FloatArray:
+def _driven(record: Record, robot: Robot, position: FloatArray) -> FloatArray:
     """Predict where the torques move the motors, by the nominal model; positions [rad or m], shape (n, M).
 
     Zeros where the model cannot follow the log.
@@ -232,7 +232,7 @@ def _line(square: FloatArray, power: FloatArray) -> tuple[float, float, float]:
 
 
 def _at_standstill(
-    position: FloatArray, smooth: FloatArray, driven: FloatArray, record: GapRecord, rough: float
+    position: FloatArray, smooth: FloatArray, driven: FloatArray, record: Record, rough: float
 ) -> tuple[float, FloatArray] | None:
     """Measure size and colour where a motor stands still; None where it never does long enough.
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flexros.gap.noise.encoder_noise import Noise
     from flexros.prediction.observer import ObserverGain
     from flexros.record.quantization import Quantization
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 AS_DECLARED = 0.06
@@ -68,7 +68,7 @@ class Measurement:
     warnings: tuple[str, ...]
 
 
-def measurement_of(record: GapRecord, robot: Robot) -> Measurement:
+def measurement_of(record: Record, robot: Robot) -> Measurement:
     """Find out what the encoders of a log do.
 
     Noise that is as the robot file declares it is taken from there, which is the more exact. A log without rest shows
@@ -120,7 +120,7 @@ def measurement_of(record: GapRecord, robot: Robot) -> Measurement:
     )
 
 
-def measurement_in(record: GapRecord, robot: Robot, measurement: Measurement) -> Measurement:
+def measurement_in(record: Record, robot: Robot, measurement: Measurement) -> Measurement:
     """Count with the noise that one log shows in another one of the same robot, whose noise may be a little different.
 
     Args:
@@ -140,9 +140,7 @@ def _doubt(noise: Noise, deviation: FloatArray) -> float:
     return OTHERWISE * float(abs(np.mean(differs)))
 
 
-def spread_of(
-    record: GapRecord, gain: ObserverGain, measurement: Measurement, *, from_rest: bool = False
-) -> FloatArray:
+def spread_of(record: Record, gain: ObserverGain, measurement: Measurement, *, from_rest: bool = False) -> FloatArray:
     """Compute the standard deviation of every whitened prediction error without gap.
 
     Args:

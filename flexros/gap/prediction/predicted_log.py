@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import place_effects
-from flexros.gap.result import Prediction
-from flexros.gap.signatures.signature_data import Evidence
+from flexros.gap.result import PredictedLog
+from flexros.gap.signatures.signature_data import SignatureData
 from flexros.record.record import ToolRecord
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.fit.least_squares import Fit
+    from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.result import Explanation
 
@@ -23,7 +23,7 @@ SEEN_BY_TOOL = 1e-3
 """Least rms of a tool error that is more than rounding, over the noise of the tracker [1] (chosen)."""
 
 
-def prediction_of(one: Fit, data: FitData) -> Prediction:
+def prediction_of(one: CandidateFit, data: FitData) -> PredictedLog:
     """Predict a log with a fitted model.
 
     Args:
@@ -33,10 +33,10 @@ def prediction_of(one: Fit, data: FitData) -> Prediction:
     found = data.predict(one.predictor, one.theta[:, None], record_states=True)
     assert found.states is not None
     states = found.states[:, : 2 * one.predictor.robot.n_coordinates, 0].copy()  # keep one lane of the whole arrays
-    return Prediction(found.innovation[:, :, 0].copy(), data.gain.spread, states, int(np.argmax(data.settled)))
+    return PredictedLog(found.innovation[:, :, 0].copy(), data.gain.spread, states, int(np.argmax(data.settled)))
 
 
-def tool_errors(one: Fit, data: FitData) -> tuple[ToolRecord, FloatArray] | None:
+def tool_errors(one: CandidateFit, data: FitData) -> tuple[ToolRecord, FloatArray] | None:
     """Compute how far the tool is from where a fitted model has it, frame and offset of the tracker taken off.
 
     Args:
@@ -57,8 +57,8 @@ def tool_errors(one: Fit, data: FitData) -> tuple[ToolRecord, FloatArray] | None
 
 
 def signature_evidence(
-    model: RobotWithEffects, data: FitData, nothing: Fit, before: Explanation, after: Explanation | None
-) -> Evidence:
+    model: RobotWithEffects, data: FitData, nothing: CandidateFit, before: Explanation, after: Explanation | None
+) -> SignatureData:
     """Collect what the pictures of the effects' signatures are computed from.
 
     Args:
@@ -70,7 +70,7 @@ def signature_evidence(
     """
     repaired = None if after is None else place_effects(model.robot, after.effects).robot
     tool, error = tool_errors(nothing, data) or (data.record.tool, None)
-    return Evidence(
+    return SignatureData(
         robot=model.robot,
         record=replace(data.record, tool=tool),
         observer=data.gain,

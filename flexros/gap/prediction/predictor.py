@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.compile.loop.prediction import Prediction, PredictionLoop
+from flexros.compile.loop.prediction import LoopPrediction, PredictionLoop
 from flexros.effects import PlacedLaw
 from flexros.effects.delay import Delay
 from flexros.effects.encoder_quantization import EncoderQuantization
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray, IntArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.candidates.candidate import Hypothesis, Suspect
+    from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.candidates.tolerance import Tolerance
     from flexros.prediction.observer import ObserverGain
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 FARTHEST = 5.0
@@ -121,14 +121,14 @@ class Predictor:
     def predict(
         self,
         thetas: FloatArray,
-        record: GapRecord,
+        record: Record,
         gain: ObserverGain,
         start: FloatArray,
         *,
         from_rest: bool = False,
         pose_samples: IntArray | None = None,
         record_states: bool = False,
-    ) -> Prediction:
+    ) -> LoopPrediction:
         """Predict a log with up to `LANES` sets of numbers side by side.
 
         Args:
@@ -167,7 +167,7 @@ class Predictor:
         )
 
     def ahead(
-        self, theta: FloatArray, record: GapRecord, states: FloatArray, starts: IntArray, horizon: int
+        self, theta: FloatArray, record: Record, states: FloatArray, starts: IntArray, horizon: int
     ) -> FloatArray:
         """Predict from corrected states on, without correction.
 
@@ -247,21 +247,21 @@ class Predictor:
             lanes.append(shifted)
         return np.stack(lanes, axis=-1)
 
-    def _delayed_by(self, suspect: Suspect) -> list[int]:
+    def _delayed_by(self, suspect: Candidate) -> list[int]:
         """List the motors whose commands a delay delays."""
         return [motor for motor, name in enumerate(self.robot.joint_names) if suspect.location in ("all", name)]
 
-    def _cut_off_before(self, suspect: Suspect) -> bool:
+    def _cut_off_before(self, suspect: Candidate) -> bool:
         """Tell whether a suspect cuts off torques that another one delays."""
         delays = [one for one in self.hypothesis if _delays(one)]
         return suspect.effect is TorqueSaturation and any(one.location in ("all", suspect.location) for one in delays)
 
 
-def _is_law(suspect: Suspect) -> bool:
+def _is_law(suspect: Candidate) -> bool:
     return issubclass(suspect.effect, AbstractLaw) and not _delays(suspect)
 
 
-def _law(place: int, suspect: Suspect) -> PlacedLaw:
+def _law(place: int, suspect: Candidate) -> PlacedLaw:
     """Make the law of a suspect under a name that no law of the nominal model has."""
     placed = suspect.typical()
     assert isinstance(placed.effect, AbstractLaw)
@@ -273,11 +273,11 @@ def _felt(laws: Sequence[PlacedLaw]) -> list[PlacedLaw]:
     return [law for law in laws if not isinstance(law.effect, EncoderQuantization)]
 
 
-def _delays(suspect: Suspect) -> bool:
+def _delays(suspect: Candidate) -> bool:
     return suspect.effect is Delay
 
 
-def _changed(robot: Robot, suspect: Suspect) -> tuple[str, ...]:
+def _changed(robot: Robot, suspect: Candidate) -> tuple[str, ...]:
     """Name the numbers of the robot that an effect changes."""
     placed = suspect.typical()
     assert isinstance(placed.effect, AbstractChangedValues)

@@ -12,8 +12,8 @@ from flexros.report.base import AbstractSection, Block, Heading, Paragraph
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
-    from flexros.gap.result import Candidate, DiagnosisResult
-    from flexros.gap.schema import Place
+    from flexros.gap.result import DiagnosisResult, RankedCandidate
+    from flexros.gap.schema import EffectLocation
 
 _SHOWN = 3
 """Effects whose evidence is shown."""
@@ -48,7 +48,7 @@ class EvidenceSection(AbstractSection["DiagnosisResult"]):
         return tuple(blocks)
 
 
-def speaks_for(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
+def speaks_for(one: RankedCandidate, result: DiagnosisResult) -> tuple[str, ...]:
     """List what speaks for an effect, a sentence each.
 
     Args:
@@ -75,7 +75,7 @@ def speaks_for(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
     return tuple(told)
 
 
-def speaks_against(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
+def speaks_against(one: RankedCandidate, result: DiagnosisResult) -> tuple[str, ...]:
     """List what speaks against an effect, a sentence each.
 
     Args:
@@ -109,9 +109,9 @@ def speaks_against(one: Candidate, result: DiagnosisResult) -> tuple[str, ...]:
     return tuple(told)
 
 
-def _number(name: str, one: Candidate) -> str:
+def _number(name: str, one: RankedCandidate) -> str:
     return f"{name.replace('_', ' ')} {parameter_words(name, one.parameters[name])}"
 
 
-def _same(one: Candidate, place: Place) -> bool:
+def _same(one: RankedCandidate, place: EffectLocation) -> bool:
     return (one.effect, one.location) == (place.effect, place.location)

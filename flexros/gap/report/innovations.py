@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
     from flexros.arrays import FloatArray
-    from flexros.gap.result import DiagnosisResult, Explanation, Prediction
-    from flexros.record.record import GapRecord
+    from flexros.gap.result import DiagnosisResult, Explanation, PredictedLog
+    from flexros.record.record import Record
 
 _COLOURS = {"before": "#d55e00", "after": "#0072b2"}
 _NAMES = {"before": "nominal model", "after": "repaired model"}
@@ -56,14 +56,14 @@ def innovation_picture(result: DiagnosisResult) -> Picture | None:
     )
 
 
-def _told(result: DiagnosisResult, model: Explanation) -> tuple[GapRecord, Prediction]:
+def _told(result: DiagnosisResult, model: Explanation) -> tuple[Record, PredictedLog]:
     """Return held-out data where there are any, else the fitted ones."""
     if result.holdout is not None and model.holdout is not None and result.before.holdout is not None:
         return result.holdout, model.holdout
     return result.record, model.fit
 
 
-def _settled(prediction: Prediction, record: GapRecord) -> FloatArray:
+def _settled(prediction: PredictedLog, record: Record) -> FloatArray:
     """Return the errors in standard deviations, zero where they do not count, shape (n, M)."""
     relative: FloatArray = np.clip(np.nan_to_num(prediction.innovations / prediction.sd), -_FARTHEST, _FARTHEST)
     relative[: prediction.first] = 0.0
@@ -85,7 +85,7 @@ def _empty(result: DiagnosisResult, motors: np.ndarray[tuple[int, ...], np.dtype
     return figure
 
 
-def _draw(figure: go.Figure, row: int, key: str, relative: FloatArray, record: GapRecord, *, legend: bool) -> None:
+def _draw(figure: go.Figure, row: int, key: str, relative: FloatArray, record: Record, *, legend: bool) -> None:
     from flexros.report.theme import curve
 
     time = record.sample_time * np.arange(len(relative), dtype=float)

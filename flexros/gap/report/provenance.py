@@ -10,7 +10,7 @@ from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
 
 _LONGEST = 160
 """Longer texts are cut in the table (chosen)."""
@@ -41,7 +41,7 @@ def _logs(result: DiagnosisResult) -> TextTable:
     return TextTable(header, tuple(rows), "The logs.", left=2)
 
 
-def _log(use: str, record: GapRecord) -> tuple[str, ...]:
+def _log(use: str, record: Record) -> tuple[str, ...]:
     return (
         use,
         record.name,

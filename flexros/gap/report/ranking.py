@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     import plotly.graph_objects as go
 
-    from flexros.gap.result import Candidate, DiagnosisResult
-    from flexros.gap.schema import Diagnosis, Place
+    from flexros.gap.result import DiagnosisResult, RankedCandidate
+    from flexros.gap.schema import Diagnosis, EffectLocation
 
 NOTHING = "nothing"
 _MOST_BARS, _MOST_ROWS = 10, 15
@@ -93,18 +93,18 @@ def _bars(names: Sequence[str], values: Sequence[float], colours: Sequence[str])
     return figure
 
 
-def _colour(one: Candidate, diagnosis: Diagnosis) -> str:
+def _colour(one: RankedCandidate, diagnosis: Diagnosis) -> str:
     if any(_same(one, place) for group in diagnosis.ambiguity_groups for place in group):
         return _RIVAL
     told = diagnosis.verdict in ("explained", "ambiguous") and any(_same(one, cause) for cause in diagnosis.causes)
     return _CAUSE if told and one.probability >= 0.5 else _REST
 
 
-def _same(one: Candidate, place: Place) -> bool:
+def _same(one: RankedCandidate, place: EffectLocation) -> bool:
     return (one.effect, one.location) == (place.effect, place.location)
 
 
-def _table(ranking: Sequence[Candidate]) -> TextTable:
+def _table(ranking: Sequence[RankedCandidate]) -> TextTable:
     unseen = any(one.holdout_gain is not None for one in ranking)
     rows = tuple(
         (

@@ -11,7 +11,7 @@ from flexros.report.base import Picture
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
-    from flexros.gap.result import Candidate, DiagnosisResult
+    from flexros.gap.result import DiagnosisResult, RankedCandidate
     from flexros.gap.signatures.base import Curve
     from flexros.gap.signatures.base import Picture as Signature
 
@@ -26,7 +26,7 @@ _ACROSS = 32
 """Characters of an ordinate's title that fit beside a picture."""
 
 
-def signature_pictures(one: Candidate, result: DiagnosisResult) -> tuple[Picture, ...]:
+def signature_pictures(one: RankedCandidate, result: DiagnosisResult) -> tuple[Picture, ...]:
     """Draw what an effect leaves in the log.
 
     Args:

@@ -21,7 +21,7 @@ from flexros.report.number_text import number
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from flexros.gap.schema import Cause, Diagnosis, GapNumbers, Place
+    from flexros.gap.schema import Cause, Diagnosis, EffectLocation, GapNumbers
 
 _PART = 0.5
 """A cause of at least this probability is told as part of the truth (chosen)."""
@@ -98,12 +98,12 @@ def _unknown(diagnosis: Diagnosis) -> str:
     return f"{text}. {_where(diagnosis)}".strip()
 
 
-def _rivals(diagnosis: Diagnosis) -> tuple[Place, ...]:
+def _rivals(diagnosis: Diagnosis) -> tuple[EffectLocation, ...]:
     """Return the first group of effects that the log cannot tell apart, else the first two causes."""
     return diagnosis.ambiguity_groups[0] if diagnosis.ambiguity_groups else diagnosis.causes[:2]
 
 
-def _in(cause: Cause, places: Sequence[Place]) -> bool:
+def _in(cause: Cause, places: Sequence[EffectLocation]) -> bool:
     return any((cause.effect, cause.location) == (place.effect, place.location) for place in places)
 
 

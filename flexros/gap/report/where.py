@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.gap.result import DiagnosisResult
-    from flexros.gap.schema import GapPlace
+    from flexros.gap.schema import Excess
 
 SIGNIFICANT = 0.05
 """p-value below which a place counts as one of the gap."""
@@ -52,7 +52,7 @@ class WhereSection(AbstractSection["DiagnosisResult"]):
         return (Paragraph(_sentence(looked)), *maps, _table(looked, 0.5 / result.record.sample_time))
 
 
-def _sentence(looked: Sequence[GapPlace]) -> str:
+def _sentence(looked: Sequence[Excess]) -> str:
     found = [place for place in looked if place.p_value < SIGNIFICANT]
     text = (
         "Before any effect is assumed, the part of the prediction error that exceeds noise is split by joint, "
@@ -69,7 +69,7 @@ def _caption(label: str) -> str:
     )
 
 
-def _ends(place: GapPlace) -> str:
+def _ends(place: Excess) -> str:
     """Write the ends of a band in little room."""
     low, high = (number(end, 2 if end < 100 else 3) for end in place.band_hz)
     return f"<{high}" if place.band_hz[0] <= 0 else f"{low}-{high}"
@@ -80,7 +80,7 @@ def _wrapped(text: str, width: int) -> str:
     return "<br>".join(textwrap.wrap(text, width))
 
 
-def _map(places: Sequence[GapPlace], labels: Sequence[str], title: str) -> go.Figure:
+def _map(places: Sequence[Excess], labels: Sequence[str], title: str) -> go.Figure:
     import plotly.graph_objects as go
 
     from flexros.report.grid import digits
@@ -135,11 +135,11 @@ def _write_cells(
                 )
 
 
-def _row(place: GapPlace) -> str:
+def _row(place: Excess) -> str:
     return place.joint if place.joint == "tool" else f"{place.joint} {place.signal}"
 
 
-def _table(looked: Sequence[GapPlace], highest: float) -> TextTable:
+def _table(looked: Sequence[Excess], highest: float) -> TextTable:
     ordered = sorted(looked, key=lambda place: (place.p_value >= SIGNIFICANT, -place.share))
     rows = tuple(
         (

@@ -11,8 +11,8 @@ from flexros.report.number_text import number
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from flexros.gap.result import Candidate
-    from flexros.gap.schema import Cause, CauseParameter, GapNumbers, GapPlace, Place
+    from flexros.gap.result import RankedCandidate
+    from flexros.gap.schema import Cause, CauseParameter, EffectLocation, Excess, GapNumbers
 
 _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck"}
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"))
@@ -52,7 +52,7 @@ def place_words(location: str) -> str:
     return f"in spring {location}" if "." in location else f"at {location}"
 
 
-def named(place: Place | Candidate) -> str:
+def named(place: EffectLocation | RankedCandidate) -> str:
     """Write an effect with its place, e.g. "Coulomb friction at motor_1".
 
     Args:
@@ -122,7 +122,7 @@ def parameters_words(parameters: Mapping[str, CauseParameter]) -> str:
     return ", ".join(f"{name.replace('_', ' ')} {parameter_words(name, one)}" for name, one in parameters.items())
 
 
-def cause_words(cause: Cause | Candidate) -> str:
+def cause_words(cause: Cause | RankedCandidate) -> str:
     """Write an effect with place and fitted numbers, e.g. "Coulomb friction at motor_1, 0.213 Nm (±0.011)".
 
     Args:
@@ -160,7 +160,7 @@ def band_words(band: tuple[float, float], highest: float = 1e9) -> str:
     return f"above {number(low, 3)} Hz" if high >= 0.999 * highest else f"{number(low, 3)} to {number(high, 3)} Hz"
 
 
-def where_words(place: GapPlace, sample_time: float = UNKNOWN_RATE) -> str:
+def where_words(place: Excess, sample_time: float = UNKNOWN_RATE) -> str:
     """Write a place of the gap with its share, e.g. "motor_1, below 20 Hz, at reversals: 63 % of the excess".
 
     Args:

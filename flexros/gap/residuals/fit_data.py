@@ -21,13 +21,13 @@ from flexros.prediction.observer import observer_gain
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
-    from flexros.compile.loop.prediction import Prediction
+    from flexros.compile.loop.prediction import LoopPrediction
     from flexros.effects import RobotWithEffects
     from flexros.gap.noise.weights import Measurement
     from flexros.gap.residuals.tool_data import ToolData
     from flexros.gap.settings import DiagnosisSettings
     from flexros.prediction.observer import ObserverGain
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
 
 STARTING_LEVEL = 0.3
 """Torque noise that the predictor allows for while it finds the state of a log that begins in motion [1] (chosen)."""
@@ -55,7 +55,7 @@ class FitData:
         start_errors: What errors of the start do, which is taken off; None where the start does not count.
     """
 
-    record: GapRecord
+    record: Record
     gain: ObserverGain
     start: FloatArray
     spread: FloatArray
@@ -91,7 +91,7 @@ class FitData:
         *,
         pose_samples: IntArray | None = None,
         record_states: bool = False,
-    ) -> Prediction:
+    ) -> LoopPrediction:
         """Predict the log.
 
         Args:
@@ -172,7 +172,7 @@ class FitData:
 
 
 def fit_data(
-    record: GapRecord,
+    record: Record,
     model: RobotWithEffects,
     settings: DiagnosisSettings,
     measurement: Measurement | None = None,
@@ -222,7 +222,7 @@ def fit_data(
     return _with_start_errors(_with_tool(data, predicted, robot.tool_noise), nominal, np.zeros(0))
 
 
-def _with_tool(data: FitData, predicted: Prediction, declared: float) -> FitData:
+def _with_tool(data: FitData, predicted: LoopPrediction, declared: float) -> FitData:
     """Bring what a tool tracker saw to the frame of a prediction."""
     record = data.record
     if record.tool is None:
@@ -238,7 +238,7 @@ def _with_start_errors(data: FitData, predictor: Predictor, theta: FloatArray) -
     return replace(data, start_errors=start_errors(data, predictor, theta)) if data.from_rest else data
 
 
-def _with_usable_tool(record: GapRecord) -> GapRecord:
+def _with_usable_tool(record: Record) -> Record:
     """Leave out a tool measurement of too few poses, with a warning."""
     if record.tool is None:
         return record
@@ -249,7 +249,7 @@ def _with_usable_tool(record: GapRecord) -> GapRecord:
     return replace(record, tool=None, warnings=(*record.warnings, warning))
 
 
-def _check_bounded(predicted: Prediction, record: GapRecord) -> None:
+def _check_bounded(predicted: LoopPrediction, record: Record) -> None:
     """Refuse a log that the nominal model cannot follow at all, as that of a loop which was not stable."""
     farthest = float(np.ptp(record.position, axis=0).max())
     if not np.all(np.abs(predicted.innovation[:, :, 0]) <= RUN_AWAY * farthest):

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.prediction.predictor import Predictor
     from flexros.prediction.observer import ObserverGain
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
 
 BETTER = 20.0
 """Fall of the sum of squares by which torques between the neighbours must be better than held ones (chosen)."""
@@ -21,7 +21,7 @@ LEAST_LEFT = 0.3
 """Least share of a log that must be left beside what lost commands spoil (chosen)."""
 
 
-def spoilt_by_lost_commands(record: GapRecord, nominal: Predictor, gain: ObserverGain, start: FloatArray) -> BoolArray:
+def spoilt_by_lost_commands(record: Record, nominal: Predictor, gain: ObserverGain, start: FloatArray) -> BoolArray:
     """Tell which samples do not count because the torque before them is not known.
 
     A controller that is late holds its command, a recorder that loses one does not tell it. Where the log has no
@@ -63,9 +63,7 @@ def spoilt_by_lost_commands(record: GapRecord, nominal: Predictor, gain: Observe
     return spoilt
 
 
-def _better_between(
-    record: GapRecord, late: BoolArray, nominal: Predictor, gain: ObserverGain, start: FloatArray
-) -> bool:
+def _better_between(record: Record, late: BoolArray, nominal: Predictor, gain: ObserverGain, start: FloatArray) -> bool:
     """Tell whether torques interpolated over short holes predict the log better than held ones."""
     samples, own = np.arange(record.n_samples), ~late
     between = np.stack([np.interp(samples, samples[own], column[own]) for column in record.torque.T], axis=1)

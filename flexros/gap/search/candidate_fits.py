@@ -14,7 +14,7 @@ from flexros.gap.candidates.candidate import suspects
 from flexros.gap.candidates.scales import yardsticks
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.estimates import placed
-from flexros.gap.fit.least_squares import EXACTLY, Fit, Linearised, best_of, chi2_of, fit, linearise, starts_of
+from flexros.gap.fit.least_squares import EXACTLY, CandidateFit, Linearised, best_of, chi2_of, fit, linearise, starts_of
 from flexros.gap.fit.pruning import without_least_number
 from flexros.gap.fit.screening import promises
 from flexros.gap.fit.tolerance_takeover import with_relief
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.candidates.candidate import Hypothesis, Suspect
+    from flexros.gap.candidates.candidate import Candidate, Hypothesis
     from flexros.gap.candidates.scales import Yardsticks
     from flexros.gap.residuals.fit_data import FitData
 
@@ -64,7 +64,7 @@ class Search:
     progress: Callable[[str, float], None] | None = None
     threads: int = field(default_factory=lambda: os.cpu_count() or 1)
     tolerance_slopes: FloatArray | None = None
-    _distances: dict[frozenset[Fit], float] = field(default_factory=dict, init=False, repr=False)
+    _distances: dict[frozenset[CandidateFit], float] = field(default_factory=dict, init=False, repr=False)
 
     def predictor(self, hypothesis: Hypothesis) -> Predictor:
         """Build the predictor of a hypothesis for this log."""
@@ -73,7 +73,7 @@ class Search:
             self.model, hypothesis, self.tolerance, record.sample_time, measured_torque=record.measured_torque
         )
 
-    def nothing(self) -> Fit:
+    def nothing(self) -> CandidateFit:
         """Fit the nominal model; what moves is what is known with a tolerance only.
 
         The frame of a tool tracker is estimated again with it, which the data of the search have from then on.
@@ -85,30 +85,30 @@ class Search:
         self.data = self.data.tool_seen_by(predictor, found.theta)
         return fit(predictor, self.data, found.theta, NULL)
 
-    def states(self, found: Fit) -> FloatArray:
+    def states(self, found: CandidateFit) -> FloatArray:
         """Predict the states of a fitted hypothesis, shape (n, n_states)."""
         prediction = self.data.predict(found.predictor, found.theta[:, None], record_states=True)
         assert prediction.states is not None
         states: FloatArray = prediction.states[:, :, 0].copy()
         return states
 
-    def residual(self, found: Fit) -> FloatArray:
+    def residual(self, found: CandidateFit) -> FloatArray:
         """Weigh the prediction errors of a fitted hypothesis, shape (M n,)."""
         residual: FloatArray = self.data.residuals(found.predictor, found.theta[:, None])[:, 0].copy()
         return residual
 
-    def distance(self, one: Fit, other: Fit) -> float:
+    def distance(self, one: CandidateFit, other: CandidateFit) -> float:
         """Return the sum of the squares by which the weighted prediction errors of two fits differ [1]."""
         pair = frozenset((one, other))
         if pair not in self._distances:
             self._distances[pair] = float(np.sum((self.residual(one) - self.residual(other)) ** 2))
         return self._distances[pair]
 
-    def yardsticks(self, found: Fit) -> Yardsticks:
+    def yardsticks(self, found: CandidateFit) -> Yardsticks:
         """Take the largest torques, speeds and deflections from the log."""
         return yardsticks(self.model.robot, self.states(found), self.data.record.torque)
 
-    def suspects(self, sizes: Yardsticks) -> tuple[Suspect, ...]:
+    def suspects(self, sizes: Yardsticks) -> tuple[Candidate, ...]:
         """List what may be there by ranges: all but what repeats with the turning of a rotor.
 
         Args:
@@ -118,7 +118,7 @@ class Search:
         among = suspects(self.model.robot, sizes)
         return tuple(one for one in among if tool or not issubclass(one.effect, AbstractToolError))
 
-    def waves(self, found: Fit) -> tuple[Suspect, ...]:
+    def waves(self, found: CandidateFit) -> tuple[Candidate, ...]:
         """List what may be there by the orders of rotors that the errors of what was found repeat with.
 
         Args:
@@ -126,7 +126,7 @@ class Search:
         """
         return periodic_suspects(self.model.robot, self.data, self.residual(found), self.states(found))
 
-    def singles(self, nothing: Fit, among: Sequence[Suspect]) -> list[Fit]:
+    def singles(self, nothing: CandidateFit, among: Sequence[Candidate]) -> list[CandidateFit]:
         """Fit every suspect alone: all for a few iterations, the best ones to the end.
 
         An effect that extends simpler ones starts from their fits, and only where one of those is worth anything.
@@ -142,7 +142,7 @@ class Search:
         if len(deviations):
             self.tolerance_slopes = linearise(nothing.predictor, self.data, nothing.theta).slopes
 
-        def one(suspect: Suspect) -> Fit:
+        def one(suspect: Candidate) -> CandidateFit:
             predictor = self.predictor((suspect,))
             starts = starts_of(predictor)
             starts[predictor.n_effect :] = deviations[:, None]
@@ -155,14 +155,14 @@ class Search:
         found += self._parallel("richer effects", lambda pair: self._extended(*pair), pairs)
         return self._visible(self._finished(found))
 
-    def _visible(self, found: Sequence[Fit]) -> list[Fit]:
+    def _visible(self, found: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Leave out fits of rich effects that are no more than a simpler one, which is fitted as well."""
         robot = self.model.robot
         noise = dict(zip(robot.joint_names, robot.encoder_noise))
         least = float(robot.encoder_noise.min())
         return [one for one in found if all(put.effect.visible(noise.get(put.location, least)) for put in placed(one))]
 
-    def _extended(self, suspect: Suspect, simple: Fit) -> Fit:
+    def _extended(self, suspect: Candidate, simple: CandidateFit) -> CandidateFit:
         """Fit an effect from the numbers of a simpler one that it contains."""
         values = simple.predictor.values(simple.theta)[0]
         shared = suspect.effect.extends[simple.predictor.hypothesis[0].effect.name]
@@ -174,7 +174,7 @@ class Search:
         starts[predictor.n_effect :] = simple.theta[simple.predictor.n_effect :, None]
         return self._from_grid(predictor, np.unique(starts, axis=1))
 
-    def _from_grid(self, predictor: Predictor, starts: FloatArray) -> Fit:
+    def _from_grid(self, predictor: Predictor, starts: FloatArray) -> CandidateFit:
         """Fit from the best start for a few iterations, and from the second best where it is not far worse."""
         sums = chi2_of(predictor, self.data, starts)
         order = np.argsort(sums)[:2]
@@ -183,7 +183,7 @@ class Search:
             return first
         return best_of([first, self._fallen(predictor, starts[:, order[1]], sums[order[1]])])
 
-    def _fallen(self, predictor: Predictor, start: FloatArray, before: float) -> Fit:
+    def _fallen(self, predictor: Predictor, start: FloatArray, before: float) -> CandidateFit:
         """Fit for a few iterations, and on while the sum of squares falls steeply: it says nothing yet of its end."""
         one = self._quick(predictor, start)
         for _ in range(MANY // FEW):
@@ -192,7 +192,7 @@ class Search:
             before, one = one.chi2, self._quick(predictor, one.theta)
         return one
 
-    def _finished(self, found: Sequence[Fit]) -> list[Fit]:
+    def _finished(self, found: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Carry the best fits to their end, those after the first one as long as there is hope."""
         ranked = sorted(found, key=lambda one: one.chi2)
         best = [self._continued(one, np.inf) for one in ranked[:1]]
@@ -200,11 +200,11 @@ class Search:
         best += self._parallel("best effects", lambda one: self._continued(one, rival), ranked[1:FINISHED])
         return sorted([*best, *ranked[FINISHED:]], key=lambda one: one.chi2)
 
-    def _quick(self, predictor: Predictor, start: FloatArray) -> Fit:
+    def _quick(self, predictor: Predictor, start: FloatArray) -> CandidateFit:
         """Fit for a few iterations, with derivatives to tolerated deviations as they are without effects."""
         return fit(predictor, self.data, start, FEW, self.tolerance_slopes)
 
-    def _continued(self, one: Fit, rival: float) -> Fit:
+    def _continued(self, one: CandidateFit, rival: float) -> CandidateFit:
         """Carry a fit to its end, from the best order of a rotor near its own."""
         starts = other_orders(one, self.data.record)
         if starts.shape[1]:
@@ -212,7 +212,7 @@ class Search:
             one = best_of([one, *(self._quick(one.predictor, starts[:, place]) for place in nearest)])
         return fit(one.predictor, self.data, one.theta, MANY, enough=EXACTLY, rival=rival)
 
-    def lean(self, one: Fit) -> Fit:
+    def lean(self, one: CandidateFit) -> CandidateFit:
         """Leave out the numbers of a fit that are not worth their price by the information criterion (Schwarz 1978).
 
         Args:
@@ -229,7 +229,7 @@ class Search:
             one = leaner
         return one
 
-    def beside(self, firsts: Sequence[Fit], nothing: Fit, sizes: Yardsticks) -> list[Fit]:
+    def beside(self, firsts: Sequence[CandidateFit], nothing: CandidateFit, sizes: Yardsticks) -> list[CandidateFit]:
         """Fit the most promising suspects beside each of some explanations.
 
         Args:
@@ -242,12 +242,12 @@ class Search:
         """
         lines = [linearise(first.predictor, self.data, first.theta) for first in firsts]
         plain = self.residual(nothing)
-        among: list[tuple[Suspect, int | None]] = [
+        among: list[tuple[Candidate, int | None]] = [
             (suspect, place) for place, first in enumerate(firsts) for suspect in self.waves(first)
         ]
         among += [(suspect, None) for suspect in self.suspects(sizes)]
         screened = self._parallel("further effects", lambda pair: self._promises(pair[0], nothing, plain, lines), among)
-        pairs: list[tuple[Fit, Suspect, FloatArray]] = []
+        pairs: list[tuple[CandidateFit, Candidate, FloatArray]] = []
         for place, first in enumerate(firsts):
             options = [
                 (suspect, *with_relief(suspect, first, *found[place]))
@@ -261,7 +261,7 @@ class Search:
         )
 
     def _promises(
-        self, suspect: Suspect, nothing: Fit, plain: FloatArray, lines: Sequence[Linearised]
+        self, suspect: Candidate, nothing: CandidateFit, plain: FloatArray, lines: Sequence[Linearised]
     ) -> list[tuple[float, FloatArray]]:
         """Estimate what a suspect gains beside other effects, and where to start."""
         predictor = self.predictor((suspect,))
@@ -269,7 +269,7 @@ class Search:
         starts[predictor.n_effect :] = nothing.theta[nothing.predictor.n_effect :, None]
         return promises(predictor, self.data, starts, plain, lines)
 
-    def _together(self, first: Fit, suspect: Suspect, theta: FloatArray) -> Fit:
+    def _together(self, first: CandidateFit, suspect: Candidate, theta: FloatArray) -> CandidateFit:
         """Fit an explanation together with another suspect."""
         predictor = self.predictor((*first.predictor.hypothesis, suspect))
         return fit(predictor, self.data, theta, SOME, self.tolerance_slopes)
@@ -284,7 +284,7 @@ class Search:
         return results
 
 
-def _extends(suspect: Suspect, simple: Fit) -> bool:
+def _extends(suspect: Candidate, simple: CandidateFit) -> bool:
     """Tell whether an effect contains another one, at the same place."""
     other = simple.predictor.hypothesis[0]
     return other.effect.name in suspect.effect.extends and other.location == suspect.location

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
-from flexros.gap.search.model_probability import Evidence, evidence_of
+from flexros.gap.search.model_probability import ModelComparison, evidence_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
     from flexros.gap.candidates.scales import Yardsticks
-    from flexros.gap.fit.least_squares import Fit
+    from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.search.candidate_fits import Search
 
 MOST_EFFECTS = 4
@@ -44,9 +44,9 @@ class Explanations:
         detected: Whether an effect was detected.
     """
 
-    evidence: Evidence
-    chosen: Fit
-    rivals: tuple[Fit, ...]
+    evidence: ModelComparison
+    chosen: CandidateFit
+    rivals: tuple[CandidateFit, ...]
     probabilities: FloatArray
     detected: bool
 
@@ -90,7 +90,9 @@ def explain(search: Search) -> Explanations:
     return _lean(search, _explanations(evidence, chosen, detected=True))
 
 
-def _backward(search: Search, best: Fit, found: list[Fit], nothing: Fit, sizes: Yardsticks) -> list[Fit]:
+def _backward(
+    search: Search, best: CandidateFit, found: list[CandidateFit], nothing: CandidateFit, sizes: Yardsticks
+) -> list[CandidateFit]:
     """Take what was found first out again, and look what else goes with the rest."""
     rest = names_of(best.predictor.hypothesis[1:])
     alone = [one for one in found if one.names == rest]
@@ -106,7 +108,7 @@ def _lean(search: Search, found: Explanations) -> Explanations:
     return _explanations(evidence, leaner[found.chosen], detected=True)
 
 
-def _left(search: Search, evidence: Evidence, chosen: Fit) -> bool:
+def _left(search: Search, evidence: ModelComparison, chosen: CandidateFit) -> bool:
     """Tell whether an explanation leaves anything to explain; that of a real machine always does.
 
     Also one that takes more than the tolerances of the model to be true.
@@ -114,7 +116,7 @@ def _left(search: Search, evidence: Evidence, chosen: Fit) -> bool:
     return evidence.significant(chosen) or evidence.strained(chosen) or search.data.record.imported
 
 
-def _worth(search: Search, evidence: Evidence, before: Fit, after: Fit) -> bool:
+def _worth(search: Search, evidence: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
     """Tell whether one more effect is worth it: it removes a good part of what is left, or of strained tolerances.
 
     On a real machine, where the floor is a matter of tolerance, it must remove a good part of all.
@@ -127,20 +129,20 @@ def _worth(search: Search, evidence: Evidence, before: Fit, after: Fit) -> bool:
     return relieved or evidence.removed(before, after) >= REMOVED
 
 
-def _evidence(search: Search, nothing: Fit, fits: Sequence[Fit]) -> Evidence:
+def _evidence(search: Search, nothing: CandidateFit, fits: Sequence[CandidateFit]) -> ModelComparison:
     return evidence_of(search.data, nothing, fits, search.distance)
 
 
-def unique(fits: list[Fit]) -> list[Fit]:
+def unique(fits: list[CandidateFit]) -> list[CandidateFit]:
     """Keep the best fit of every set of effects, the best first."""
-    best: dict[frozenset[str], Fit] = {}
+    best: dict[frozenset[str], CandidateFit] = {}
     for one in fits:
         if one.names not in best or one.chi2 < best[one.names].chi2:
             best[one.names] = one
     return sorted(best.values(), key=lambda one: one.chi2)
 
 
-def _explanations(evidence: Evidence, chosen: Fit, *, detected: bool) -> Explanations:
+def _explanations(evidence: ModelComparison, chosen: CandidateFit, *, detected: bool) -> Explanations:
     """Distribute probability: over all explanations with as many effects as the chosen one, and simpler ones."""
     most = max(1, len(chosen.predictor.hypothesis))
     rivals = [one for one in evidence.fits if len(one.predictor.hypothesis) <= most]

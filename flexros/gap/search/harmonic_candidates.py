@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import effects
-from flexros.gap.candidates.candidate import FreeParameter, Suspect
+from flexros.gap.candidates.candidate import Candidate, FreeParameter
 from flexros.gap.prediction.predictor import LANES
 from flexros.gap.search.harmonics import OrderSearch
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.gap.fit.least_squares import Fit
+    from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
     from flexros.gap.search.harmonics import Entry, PeriodicFit
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 ENTRIES: tuple[tuple[str, Entry, tuple[tuple[str, bool], ...]], ...] = (
@@ -36,7 +36,7 @@ LARGEST_PROPORTIONAL = 0.99
 
 def periodic_suspects(
     robot: Robot, data: FitData, residual: FloatArray, states: FloatArray, number: int = LANES
-) -> tuple[Suspect, ...]:
+) -> tuple[Candidate, ...]:
     """List periodic effects at every motor with the orders that fit best.
 
     The search for orders is linear, so that nonlinear robots rank the orders otherwise: many are tried, and with every
@@ -54,7 +54,7 @@ def periodic_suspects(
     """
     search = OrderSearch(robot, data, residual, states, data.pose)
     own = number - len(ENTRIES) + 1
-    found: list[Suspect] = []
+    found: list[Candidate] = []
     for motor, location in enumerate(robot.joint_names):
         ways = [way for way in ENTRIES if way[0] in effects() and location in effects()[way[0]]().locations(robot)]
         waves = [search.search(motor, entry, own) for _, entry, _ in ways]
@@ -63,11 +63,11 @@ def periodic_suspects(
             together = (*waves[place], *(search.fit(motor, entry, order) for order in others))
             most = LARGEST_PROPORTIONAL if fixed else float("inf")
             if together:
-                found.append(Suspect(effects()[name], location, _free(together, most), fixed, together=True))
+                found.append(Candidate(effects()[name], location, _free(together, most), fixed, together=True))
     return tuple(found)
 
 
-def other_orders(one: Fit, record: GapRecord) -> FloatArray:
+def other_orders(one: CandidateFit, record: Record) -> FloatArray:
     """List starts with other orders near those of a fit: its sum of squares has a valley per turn that the log covers.
 
     The phase goes along, so that the wave in the middle of the motion stays the same, or turns into its opposite and

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.gap.candidates.candidate import Hypothesis, Suspect
-    from flexros.gap.fit.least_squares import Fit
+    from flexros.gap.candidates.candidate import Candidate, Hypothesis
+    from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
 
 PER_EFFECT = 3.0
@@ -63,7 +63,7 @@ DETECTED = 6.0
 
 
 @dataclass(frozen=True, eq=False)
-class Evidence:
+class ModelComparison:
     """Fits of one log, compared.
 
     Attributes:
@@ -76,28 +76,28 @@ class Evidence:
         distance: Sum of the squares by which the weighted prediction errors of two fits differ; None where not known.
     """
 
-    nothing: Fit
-    fits: tuple[Fit, ...]
+    nothing: CandidateFit
+    fits: tuple[CandidateFit, ...]
     n_values: int
     floor_error: float = 0.0
     rounding: float = 0.0
     exact: bool = False
-    distance: Callable[[Fit, Fit], float] | None = None
+    distance: Callable[[CandidateFit, CandidateFit], float] | None = None
 
-    def level(self, one: Fit) -> float:
+    def level(self, one: CandidateFit) -> float:
         """Return the mean squared weighted prediction error V of a fit; 1 without gap."""
         return one.chi2 / self.n_values
 
-    def gain(self, one: Fit) -> float:
+    def gain(self, one: CandidateFit) -> float:
         """Return twice the gain in log-likelihood over the nominal model, with the noise estimated: N ln(V0 / V)."""
         before, after = (max(self.level(fit), LEAST_LEVEL) for fit in (self.nothing, one))
         return self.n_values * float(np.log(before / after))
 
-    def penalty(self, one: Fit) -> float:
+    def penalty(self, one: CandidateFit) -> float:
         """Return what the fitted numbers cost by the Bayesian information criterion (Schwarz 1978): p ln N."""
         return one.predictor.n_effect * float(np.log(self.n_values))
 
-    def score(self, one: Fit) -> float:
+    def score(self, one: CandidateFit) -> float:
         """Return gain less penalty."""
         return self.gain(one) - self.penalty(one)
 
@@ -106,16 +106,16 @@ class Evidence:
         """Standard deviation of V without gap: sqrt(2 / N), and how well the variance of the noise is known."""
         return float(np.hypot(np.sqrt(2.0 / self.n_values), self.floor_error))
 
-    def significant(self, one: Fit) -> bool:
+    def significant(self, one: CandidateFit) -> bool:
         """Tell whether a fit leaves more than noise."""
         return self.level(one) - 1.0 > SIGNIFICANT * self.spread
 
-    def strained(self, one: Fit) -> bool:
+    def strained(self, one: CandidateFit) -> bool:
         """Tell whether a fit moves tolerated numbers farther than their tolerances make it by chance."""
         number = len(one.predictor.tolerance.names)
         return one.price - number > SIGNIFICANT * float(np.sqrt(2.0 * number))
 
-    def left(self, one: Fit) -> float:
+    def left(self, one: CandidateFit) -> float:
         """Return the share of the gap that a fit leaves [1]; zero where what it leaves is not significant.
 
         Above 1 where it predicts the log worse than the nominal model does.
@@ -124,7 +124,7 @@ class Evidence:
             return 0.0
         return (self.level(one) - 1.0) / max(self.level(self.nothing) - 1.0, SIGNIFICANT * self.spread)
 
-    def adequate(self, one: Fit, form: float = FORM) -> bool:
+    def adequate(self, one: CandidateFit, form: float = FORM) -> bool:
         """Tell whether a fit leaves no more of the gap than an explanation may.
 
         Args:
@@ -134,7 +134,7 @@ class Evidence:
         excused = form if self.exact and self.level(one) > 2.0 else UNEXPLAINED
         return self.left(one) <= excused
 
-    def removed(self, before: Fit, after: Fit) -> float:
+    def removed(self, before: CandidateFit, after: CandidateFit) -> float:
         """Return the share of what one fit leaves above the floor that another one removes [1]."""
         return (self.level(before) - self.level(after)) / max(self.level(before) - 1.0, 1e-12)
 
@@ -148,7 +148,7 @@ class Evidence:
         """What an effect must gain beyond its penalty to be detected."""
         return DETECTED + ROUNDED * self.rounding * self.n_values
 
-    def probabilities(self, among: Sequence[Fit]) -> FloatArray:
+    def probabilities(self, among: Sequence[CandidateFit]) -> FloatArray:
         """Distribute probability over rival explanations.
 
         ln p = -(V - V_ref) / (2 V_ref / N + F) - 3 e - c p, with reference to the most probable one and the error of
@@ -184,13 +184,13 @@ class Evidence:
         probabilities: FloatArray = weights / weights.sum()
         return probabilities
 
-    def ranked(self, among: Sequence[Fit]) -> list[Fit]:
+    def ranked(self, among: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Sort explanations by probability, those of none by their sums of squares."""
         probabilities = self.probabilities(among)
         order = np.lexsort((np.array([one.chi2 for one in among]), -probabilities))
         return [among[place] for place in order]
 
-    def _temper(self, one: Fit, reference: Fit) -> float:
+    def _temper(self, one: CandidateFit, reference: CandidateFit) -> float:
         """Return the error of form that an explanation may have where it differs from another.
 
         It is a share of the gap that its own effects close; those that both have are off by the same. Of two of which
@@ -212,7 +212,7 @@ class Evidence:
         return form_error(gap, plain=True, apart=self.distance(one, reference) / self.n_values)
 
     @cached_property
-    def _fits_by_names(self) -> dict[frozenset[str], Fit]:
+    def _fits_by_names(self) -> dict[frozenset[str], CandidateFit]:
         found = {one.names: one for one in reversed(self.fits)}
         return {**found, frozenset(): self.nothing}
 
@@ -266,8 +266,11 @@ def form_error(gap: float, *, plain: bool, apart: float | None = None) -> float:
 
 
 def evidence_of(
-    data: FitData, nothing: Fit, fits: Sequence[Fit] = (), distance: Callable[[Fit, Fit], float] | None = None
-) -> Evidence:
+    data: FitData,
+    nothing: CandidateFit,
+    fits: Sequence[CandidateFit] = (),
+    distance: Callable[[CandidateFit, CandidateFit], float] | None = None,
+) -> ModelComparison:
     """Compare fits of a log.
 
     Args:
@@ -279,9 +282,9 @@ def evidence_of(
     measurement = data.measurement
     exact = not nothing.predictor.tolerance.names and not data.record.imported
     error, rounding = measurement.floor_error, measurement.rounding
-    return Evidence(nothing, tuple(fits), data.n_values, error, rounding, exact, distance)
+    return ModelComparison(nothing, tuple(fits), data.n_values, error, rounding, exact, distance)
 
 
-def is_plain(suspect: Suspect) -> bool:
+def is_plain(suspect: Candidate) -> bool:
     """Tell whether an effect is one number of the model or of the signals, without a shape of its own."""
     return issubclass(suspect.effect, PLAIN)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.arrays import FloatArray
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 MOST_POINTS = 2000
 """Points that a curve has at most [1]; more are not seen on a page (chosen)."""
@@ -74,7 +74,7 @@ class AbstractSignature(ABC):
     """Pictures of an effect are shown in the order of their ranks, 1 first."""
 
     @abstractmethod
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Compute the picture.
 
         Args:

@@ -8,7 +8,7 @@ from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, thinn
 from flexros.gap.where.periodic import KINDS, line_levels
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 class DetectionLines(AbstractSignature):
@@ -29,7 +29,7 @@ class DetectionLines(AbstractSignature):
     )
     rank: ClassVar[int] = 3
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Show the lines; None where no periodic part of the log is known."""
         motor, record = evidence.motor_of(location), evidence.record
         errors = evidence.before.innovations

@@ -9,7 +9,7 @@ import numpy as np
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, binned, thinned
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 BINS = 60
@@ -24,7 +24,7 @@ class EffectiveTorque(AbstractSignature):
     name: ClassVar[str] = "effective_torque"
     effects: ClassVar[tuple[str, ...]] = ("torque_saturation", "torque_gain_error", "torque_bias")
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the effective torque over parts of the command."""
         motor, rows = evidence.motor_of(location), evidence.rows
         unit, _ = evidence.units(motor)

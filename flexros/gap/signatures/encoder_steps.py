@@ -9,7 +9,7 @@ import numpy as np
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 BINS = 400
@@ -22,7 +22,7 @@ class EncoderSteps(AbstractSignature):
     name: ClassVar[str] = "encoder_steps"
     effects: ClassVar[tuple[str, ...]] = ("encoder_quantization",)
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Count the differences, the largest ones left out."""
         motor = evidence.motor_of(location)
         _, unit = evidence.units(motor)

@@ -9,7 +9,7 @@ import numpy as np
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, thinned
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 class ErrorsOverTime(AbstractSignature):
@@ -18,7 +18,7 @@ class ErrorsOverTime(AbstractSignature):
     name: ClassVar[str] = "errors_over_time"
     effects: ClassVar[tuple[str, ...]] = ()
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Show the errors of the motor."""
         motor = evidence.motor_of(location)
         time = np.asarray(np.arange(evidence.record.n_samples) * evidence.record.sample_time, dtype=float)

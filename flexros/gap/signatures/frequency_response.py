@@ -13,7 +13,7 @@ from flexros.robot.linear.linearise import linear_model
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 LOWEST = 1.0
@@ -42,7 +42,7 @@ class FrequencyResponsePicture(AbstractSignature):
     )
     rank: ClassVar[int] = 2
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Compute the responses of the linearised robots, and that of the log where it is coherent."""
         motor = evidence.motor_of(location)
         torque_unit, unit = evidence.units(motor)
@@ -68,7 +68,7 @@ class FrequencyResponsePicture(AbstractSignature):
         )
 
 
-def _of_log(evidence: Evidence, motor: int, highest: float) -> tuple[FloatArray, FloatArray]:
+def _of_log(evidence: SignatureData, motor: int, highest: float) -> tuple[FloatArray, FloatArray]:
     """Estimate the response of all motors to all torques from averaged spectra, and return that of one to its own.
 
     The reference, where it was recorded, is the instrument that keeps noise in the loop from biasing the estimate.

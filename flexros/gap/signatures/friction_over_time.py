@@ -9,7 +9,7 @@ import numpy as np
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, binned
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 BINS = 60
@@ -22,7 +22,7 @@ class FrictionOverTime(AbstractSignature):
     name: ClassVar[str] = "friction_over_time"
     effects: ClassVar[tuple[str, ...]] = ("friction_drift",)
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the torque against the motion over parts of the time, rests left out."""
         motor, rows = evidence.motor_of(location), evidence.rows
         torque_unit, _ = evidence.units(motor)

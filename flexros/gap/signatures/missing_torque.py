@@ -25,7 +25,7 @@ from flexros.robot.linear.linearise import linear_model
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
     from flexros.prediction.observer import ObserverGain
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 BANDWIDTH = 60.0
@@ -41,7 +41,7 @@ FADE = 0.3
 
 def missing_torque(
     innovations: FloatArray,
-    record: GapRecord,
+    record: Record,
     robot: Robot,
     observer: ObserverGain,
     q_a: FloatArray | None = None,

@@ -10,7 +10,7 @@ from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, thinn
 from flexros.gap.where.order_spectrum import OrderGrid
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 HIGHEST = 60.0
@@ -23,7 +23,7 @@ class OrderSpectrum(AbstractSignature):
     name: ClassVar[str] = "order_spectrum"
     effects: ClassVar[tuple[str, ...]] = ("torque_ripple", "transmission_error", "encoder_eccentricity")
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Transform over the rotor angle; None where the rotor turns too little."""
         motor = evidence.motor_of(location)
         unit, _ = evidence.units(motor)

@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.signatures.missing_torque import missing_torque
-from flexros.gap.where.motion import Motion, motion_of
+from flexros.gap.where.motion import MotorMotion, motion_of
 from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
-    from flexros.gap.result import Prediction
+    from flexros.gap.result import PredictedLog
     from flexros.prediction.observer import ObserverGain
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 
 @dataclass(frozen=True, eq=False)
-class Evidence:
+class SignatureData:
     """A log and what the models make of it.
 
     Attributes:
@@ -36,15 +36,15 @@ class Evidence:
     """
 
     robot: Robot
-    record: GapRecord
+    record: Record
     observer: ObserverGain
-    before: Prediction
-    after: Prediction | None = None
+    before: PredictedLog
+    after: PredictedLog | None = None
     repaired: Robot | None = None
     tool_error: FloatArray | None = None
 
     @cached_property
-    def motion(self) -> Motion:
+    def motion(self) -> MotorMotion:
         """Speeds, accelerations, rotor angles and gear torques of the log."""
         return motion_of(self.record, self.robot, self.before.states)
 

@@ -10,7 +10,7 @@ from scipy.signal import csd, welch
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 HIGHEST = 40.0
@@ -27,7 +27,7 @@ class TimeShift(AbstractSignature):
     name: ClassVar[str] = "time_shift"
     effects: ClassVar[tuple[str, ...]] = ("delay", "actuator_lag")
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Compute the time shift by frequency; None where the log is too short or the command is nil."""
         motor, rows = evidence.motor_of(location), evidence.rows
         T = evidence.record.sample_time

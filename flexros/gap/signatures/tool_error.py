@@ -9,7 +9,7 @@ import numpy as np
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, thinned
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 class ToolError(AbstractSignature):
@@ -19,7 +19,7 @@ class ToolError(AbstractSignature):
     effects: ClassVar[tuple[str, ...]] = ("kinematic_error", "extra_mode", "payload_error", "gravity_error")
     rank: ClassVar[int] = 3
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Show the three components; None where the tool was not measured."""
         tool, error = evidence.record.tool, evidence.tool_error
         if tool is None or error is None or not len(error):

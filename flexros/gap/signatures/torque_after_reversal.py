@@ -9,7 +9,7 @@ import numpy as np
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, binned
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 BINS = 40
@@ -23,7 +23,7 @@ class TorqueAfterReversal(AbstractSignature):
     effects: ClassVar[tuple[str, ...]] = ("presliding_friction", "coulomb_friction")
     rank: ClassVar[int] = 2
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the torque over parts of the way; None where the motor never turns round."""
         motor, rows = evidence.motor_of(location), evidence.rows
         torque_unit, unit = evidence.units(motor)

@@ -9,7 +9,7 @@ import numpy as np
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, binned
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 BINS = 50
@@ -22,7 +22,7 @@ class TorqueOverAcceleration(AbstractSignature):
     name: ClassVar[str] = "torque_over_acceleration"
     effects: ClassVar[tuple[str, ...]] = ("motor_inertia_error", "payload_error", "torque_gain_error")
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the missing torque over parts of the acceleration."""
         motor, rows = evidence.motor_of(location), evidence.rows
         torque_unit, unit = evidence.units(motor)

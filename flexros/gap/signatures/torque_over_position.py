@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, binned
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 BINS = 80
@@ -21,7 +21,7 @@ class TorqueOverPosition(AbstractSignature):
     effects: ClassVar[tuple[str, ...]] = ("gravity_error", "torque_bias", "payload_error", "nonlinear_stiffness")
     rank: ClassVar[int] = 2
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the missing torque over parts of the position."""
         motor = evidence.motor_of(location)
         torque_unit, unit = evidence.units(motor)

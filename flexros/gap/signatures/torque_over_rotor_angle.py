@@ -9,7 +9,7 @@ import numpy as np
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, binned
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 BINS = 180
@@ -23,7 +23,7 @@ class TorqueOverRotorAngle(AbstractSignature):
     effects: ClassVar[tuple[str, ...]] = ("torque_ripple", "transmission_error", "encoder_eccentricity")
     rank: ClassVar[int] = 2
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the missing torque over parts of a turn; None where the rotor makes less than one turn."""
         motor = evidence.motor_of(location)
         torque_unit, _ = evidence.units(motor)

@@ -9,7 +9,7 @@ import numpy as np
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, binned, thinned
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 BINS = 60
@@ -31,7 +31,7 @@ class TorqueOverSpeed(AbstractSignature):
         "torque_bias",
     )
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the missing torque over parts of the speed."""
         motor = evidence.motor_of(location)
         torque_unit, unit = evidence.units(motor)

@@ -9,7 +9,7 @@ import numpy as np
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, binned, thinned
 
 if TYPE_CHECKING:
-    from flexros.gap.signatures.signature_data import Evidence
+    from flexros.gap.signatures.signature_data import SignatureData
 
 
 CLOUD = 1500
@@ -24,7 +24,7 @@ class TorsionOverTorque(AbstractSignature):
     name: ClassVar[str] = "torsion_over_torque"
     effects: ClassVar[tuple[str, ...]] = ("backlash", "hysteresis", "nonlinear_stiffness", "stiffness_error")
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Show torsion over torque; None for a rigid gear and where no states were kept."""
         motor, rows = evidence.motor_of(location), evidence.rows
         torque_unit, unit = evidence.units(motor)

@@ -14,9 +14,9 @@ from flexros.gap.where.regimes import regimes
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.gap.result import Prediction
+    from flexros.gap.result import PredictedLog
     from flexros.gap.where.settings import WhereSettings
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 TOOL_REGIMES = ("all", "standstill", "reversal", "high speed", "vibration", "first third", "last third")
@@ -24,7 +24,7 @@ TOOL_REGIMES = ("all", "standstill", "reversal", "high speed", "vibration", "fir
 
 
 def motor_channels(
-    prediction: Prediction, record: GapRecord, robot: Robot, spectrum: FloatArray, settings: WhereSettings
+    prediction: PredictedLog, record: Record, robot: Robot, spectrum: FloatArray, settings: WhereSettings
 ) -> list[Channel]:
     """Prepare the positions of the motors.
 
@@ -50,7 +50,7 @@ def motor_channels(
 
 
 def tool_channels(
-    tool_error: FloatArray, record: GapRecord, motors: list[Channel], settings: WhereSettings
+    tool_error: FloatArray, record: Record, motors: list[Channel], settings: WhereSettings
 ) -> list[tuple[Channel, FloatArray]]:
     """Prepare the components of the tool position, each in units of its rms.
 

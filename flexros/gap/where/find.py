@@ -18,10 +18,10 @@ from flexros.random_streams import generator
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.gap.result import Prediction
-    from flexros.gap.schema import GapPlace
+    from flexros.gap.result import PredictedLog
+    from flexros.gap.schema import Excess
     from flexros.gap.where.channel import Channel
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 NULL_STREAM = 40
@@ -42,15 +42,15 @@ class Where:
         excess: Mean square of the prediction errors of the positions over that of noise, less one, by motor [1], (M,).
     """
 
-    places: tuple[GapPlace, ...]
-    looked: tuple[GapPlace, ...]
+    places: tuple[Excess, ...]
+    looked: tuple[Excess, ...]
     p_value: float
     excess: FloatArray
 
 
 def where(
-    prediction: Prediction,
-    record: GapRecord,
+    prediction: PredictedLog,
+    record: Record,
     robot: Robot,
     seed: int,
     *,

@@ -10,7 +10,7 @@ from scipy.signal import savgol_filter
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 WINDOW = 0.02
@@ -18,7 +18,7 @@ WINDOW = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class MotorMotion:
     """Motion of the motors of a log.
 
     Attributes:
@@ -43,7 +43,7 @@ class Motion:
     gear_torque: FloatArray
 
 
-def motion_of(record: GapRecord, robot: Robot, states: FloatArray | None = None) -> Motion:
+def motion_of(record: Record, robot: Robot, states: FloatArray | None = None) -> MotorMotion:
     """Compute the motion of the motors.
 
     Args:
@@ -61,7 +61,7 @@ def motion_of(record: GapRecord, robot: Robot, states: FloatArray | None = None)
     else:
         speed = np.ascontiguousarray(states[:, nq:][:, places])
     torsion, gear_torque = _gears(robot, states, record.position.shape)
-    return Motion(
+    return MotorMotion(
         position=record.position,
         speed=speed,
         acceleration=_smoothed(speed, record.sample_time, 1),

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import f as f_distribution
 
-from flexros.gap.schema import GapPlace
+from flexros.gap.schema import Excess
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -80,7 +80,7 @@ def line_levels(errors: FloatArray, valid: BoolArray, part: PeriodicPart, sample
 
 def periodic_places(
     errors: FloatArray, valid: BoolArray, parts: Sequence[PeriodicPart], sample_time: float, joints: Sequence[str]
-) -> tuple[GapPlace, ...]:
+) -> tuple[Excess, ...]:
     """Test whether there is more than noise at excited and at detection lines.
 
     The p-values are those of F tests times the number of tests (Bonferroni), so that many looks raise no alarm.
@@ -112,7 +112,7 @@ def periodic_places(
             ]
     whole = max(sum(entry[4] for entry in entries), 1e-300)
     return tuple(
-        GapPlace(
+        Excess(
             signal=KINDS[kind],
             joint=joint,
             band_hz=(round(float(levels.frequency[0]), 3), round(float(levels.frequency[-1]), 3)),

@@ -8,7 +8,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
-    from flexros.gap.where.motion import Motion
+    from flexros.gap.where.motion import MotorMotion
 
 FAMILIES = {
     "all": "all",
@@ -37,7 +37,7 @@ BEFORE, AFTER = 0.02, 0.06
 """Time before and after a change of sign that belongs to a reversal [s] (chosen; prediction errors come after it)."""
 
 
-def regimes(motion: Motion, number: int, sample_time: float) -> dict[str, BoolArray]:
+def regimes(motion: MotorMotion, number: int, sample_time: float) -> dict[str, BoolArray]:
     """Tell which samples belong to each regime of a motor.
 
     Args:

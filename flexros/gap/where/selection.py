@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.gap.schema import GapPlace
+from flexros.gap.schema import Excess
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,7 +20,7 @@ LEAST_SCORE = 0.02
 """Concentration that a place needs to be told, so that what is evenly spread names no regime [nats] (chosen)."""
 
 
-def told(places: Sequence[FoundPlace], settings: WhereSettings) -> tuple[GapPlace, ...]:
+def told(places: Sequence[FoundPlace], settings: WhereSettings) -> tuple[Excess, ...]:
     """Choose what is told.
 
     Args:
@@ -50,7 +50,7 @@ def told(places: Sequence[FoundPlace], settings: WhereSettings) -> tuple[GapPlac
     return tuple(_plain(place) for place in chosen[: settings.most])
 
 
-def looked_at(places: Sequence[FoundPlace]) -> tuple[GapPlace, ...]:
+def looked_at(places: Sequence[FoundPlace]) -> tuple[Excess, ...]:
     """Choose what maps of the excess are drawn from.
 
     Args:
@@ -82,8 +82,8 @@ def _of_all_axes(places: Sequence[FoundPlace]) -> list[FoundPlace]:
     return list(kept.values())
 
 
-def _plain(place: FoundPlace) -> GapPlace:
-    return GapPlace(
+def _plain(place: FoundPlace) -> Excess:
+    return Excess(
         signal=place.signal,
         joint=place.joint,
         band_hz=(round(place.band_hz[0], 3), round(place.band_hz[1], 3)),

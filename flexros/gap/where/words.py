@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from flexros.gap.schema import GapPlace
+    from flexros.gap.schema import Excess
 
 _REGIMES = {
     "all": "",
@@ -22,7 +22,7 @@ _REGIMES = {
 }
 
 
-def sentence(place: GapPlace, sample_time: float) -> str:
+def sentence(place: Excess, sample_time: float) -> str:
     """Write a place as people say it, e.g. "motor_2, below 4 Hz, at reversals: 63 % of the excess".
 
     Args:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flexros.arrays import ComplexArray, FloatArray
-    from flexros.identify.graybox.fit import Fit
+    from flexros.identify.graybox.fit import GrayBoxFit
     from flexros.identify.graybox.parameter_scale import ParameterScale
     from flexros.identify.graybox.problem import GrayBoxProblem
     from flexros.identify.graybox.response_noise import ResponseNoise
@@ -87,7 +87,7 @@ class ParameterCovariance:
             return np.stack([self.scale.values(x - reach), self.scale.values(x + reach)], axis=1)
 
 
-def parameter_covariance(problem: GrayBoxProblem, fit: Fit, correct: bool = True) -> ParameterCovariance:
+def parameter_covariance(problem: GrayBoxProblem, fit: GrayBoxFit, correct: bool = True) -> ParameterCovariance:
     """Evaluate (5) with the full covariance of the responses.
 
     Logarithms of what is lost in noise have no first-order variance: lines in a notch of the model make (5) far too
@@ -178,7 +178,7 @@ def _lost(problem: GrayBoxProblem, response: ComplexArray, noises: list[Response
     )
 
 
-def _from_residuals(problem: GrayBoxProblem, fit: Fit, sums: _Sums) -> ParameterCovariance:
+def _from_residuals(problem: GrayBoxProblem, fit: GrayBoxFit, sums: _Sums) -> ParameterCovariance:
     """Take the weights for the inverse of the covariance up to a factor that the residuals tell."""
     inverse, unknown = _inverse(sums.information)
     degrees = max(problem.estimator.noise_share * sums.count - 0.5 * len(fit.names), 1.0)

@@ -42,7 +42,7 @@ class FitSettings:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class GrayBoxFit:
     """Where a fit ended.
 
     Attributes:
@@ -98,7 +98,7 @@ def fit(
     start: FloatArray | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     settings: FitSettings | None = None,
-) -> Fit:
+) -> GrayBoxFit:
     """Minimise the cost from one start.
 
     The robot is linearised at the rests of its nominal values, fitted, linearised at the rests of the values found,
@@ -124,7 +124,7 @@ def fit(
     search = _Search(problem, lower, upper, settings)
     minimum, message, rounds = search.run(x)
     edge = 1e-9 * np.maximum(1.0, np.abs(minimum.x))
-    return Fit(
+    return GrayBoxFit(
         names=problem.names,
         values=scale.values(minimum.x),
         start=values,

@@ -11,7 +11,7 @@ from flexros.identify.graybox.covariance import NORMAL_95, ParameterCovariance, 
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
-    from flexros.identify.graybox.fit import Fit
+    from flexros.identify.graybox.fit import GrayBoxFit
     from flexros.identify.graybox.problem import GrayBoxProblem
 
 Verdict = Literal["determined", "weak", "not_determined"]
@@ -96,7 +96,7 @@ class Identifiability:
 
 
 def identifiability(
-    problem: GrayBoxProblem, fit: Fit, covariance: ParameterCovariance | None = None
+    problem: GrayBoxProblem, fit: GrayBoxFit, covariance: ParameterCovariance | None = None
 ) -> Identifiability:
     """Judge which parameters are determined.
 

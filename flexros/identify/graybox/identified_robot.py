@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.identify.graybox.covariance import ParameterCovariance
-    from flexros.identify.graybox.fit import Fit
+    from flexros.identify.graybox.fit import GrayBoxFit
     from flexros.robot.robot import Robot
 
 
 def identified_robot(
-    robot: Robot, fit: Fit, covariance: ParameterCovariance, origin: str = "", kept: Collection[str] = ()
+    robot: Robot, fit: GrayBoxFit, covariance: ParameterCovariance, origin: str = "", kept: Collection[str] = ()
 ) -> Robot:
     """Return the robot with fitted values, their source and tolerance.
 
@@ -41,7 +41,7 @@ def identified_robot(
 
 
 def identified_yaml(
-    robot: Robot, fit: Fit, covariance: ParameterCovariance, origin: str = "", kept: Collection[str] = ()
+    robot: Robot, fit: GrayBoxFit, covariance: ParameterCovariance, origin: str = "", kept: Collection[str] = ()
 ) -> str:
     """Return the text of the identified robot's file; arguments and errors as for `identified_robot`."""
     return identified_file(robot, _values(fit, covariance, kept), _source(fit, origin))
@@ -50,7 +50,7 @@ def identified_yaml(
 def write_identified_robot(
     path: Path,
     robot: Robot,
-    fit: Fit,
+    fit: GrayBoxFit,
     covariance: ParameterCovariance,
     origin: str = "",
     kept: Collection[str] = (),
@@ -71,10 +71,10 @@ def write_identified_robot(
     write_result(path, identified_yaml(robot, fit, covariance, origin, kept), "identified robot")
 
 
-def _values(fit: Fit, covariance: ParameterCovariance, kept: Collection[str]) -> dict[str, IdentifiedValue]:
+def _values(fit: GrayBoxFit, covariance: ParameterCovariance, kept: Collection[str]) -> dict[str, IdentifiedValue]:
     rows = zip(fit.names, fit.values.tolist(), covariance.relative.tolist(), strict=True)
     return {name: IdentifiedValue(value, relative) for name, value, relative in rows if name not in kept}
 
 
-def _source(fit: Fit, origin: str) -> str:
+def _source(fit: GrayBoxFit, origin: str) -> str:
     return f"identified by FlexROS, {fit.estimator} with {fit.weights} weights{', ' + origin if origin else ''}"

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexros.blas_threads import one_blas_thread
 from flexros.errors import InputError, RunError
-from flexros.identify.graybox.fit import Fit, FitSettings, fit
+from flexros.identify.graybox.fit import FitSettings, GrayBoxFit, fit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -67,7 +67,7 @@ def multistart(
     threads: int | None = None,
     client: Client | None = None,
     progress: Callable[[int], None] | None = None,
-) -> tuple[Fit, ...]:
+) -> tuple[GrayBoxFit, ...]:
     """Fit from many starts. Results do not depend on threads or scheduler.
 
     Args:
@@ -99,7 +99,7 @@ def multistart(
             raise
 
 
-def best(fits: Sequence[Fit]) -> Fit:
+def best(fits: Sequence[GrayBoxFit]) -> GrayBoxFit:
     """Return the fit of lowest cost; among equal ones the first. Fits that failed, without a finite cost, do not count.
 
     Args:
@@ -127,7 +127,7 @@ def _on_cluster(
     settings: FitSettings | None,
     client: Client,
     progress: Callable[[int], None] | None,
-) -> tuple[Fit, ...]:
+) -> tuple[GrayBoxFit, ...]:
     shared = client.scatter(problem, broadcast=True, hash=False)
     jobs = [client.submit(fit, shared, start, bounds, settings, pure=False) for start in starts]
     try:
@@ -137,7 +137,7 @@ def _on_cluster(
         raise
 
 
-def _collected(results: Iterable[Fit], progress: Callable[[int], None] | None) -> tuple[Fit, ...]:
+def _collected(results: Iterable[GrayBoxFit], progress: Callable[[int], None] | None) -> tuple[GrayBoxFit, ...]:
     fits = []
     for result in results:
         fits.append(result)

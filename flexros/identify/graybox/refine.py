@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.identify.graybox.fit import Fit, FitSettings, fit
+from flexros.identify.graybox.fit import FitSettings, GrayBoxFit, fit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,14 +34,14 @@ class Refinement:
     """
 
     problem: GrayBoxProblem
-    fit: Fit
+    fit: GrayBoxFit
     rounds: int
     settled: bool
 
 
 def refine(
     problem: GrayBoxProblem,
-    found: Fit,
+    found: GrayBoxFit,
     *,
     estimator: str = "LLS",
     weights: Weights | str = "combined",

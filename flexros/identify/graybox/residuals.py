@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-    from flexros.identify.graybox.fit import Fit
+    from flexros.identify.graybox.fit import GrayBoxFit
     from flexros.identify.graybox.problem import GrayBoxProblem
 
 BANDS = 4
@@ -80,7 +80,7 @@ class ResidualReport:
         return sum(cell.share for cell in self.cells if (cell.output, cell.input) == (output, input_name))
 
 
-def residual_report(problem: GrayBoxProblem, fit: Fit, bands: Sequence[float] | int = BANDS) -> ResidualReport:
+def residual_report(problem: GrayBoxProblem, fit: GrayBoxFit, bands: Sequence[float] | int = BANDS) -> ResidualReport:
     """Compare a fitted model with the measured responses.
 
     Args:
@@ -156,7 +156,7 @@ def _misfit(problem: GrayBoxProblem, response: ComplexArray) -> FloatArray:
     return np.stack(rows)
 
 
-def _correction(problem: GrayBoxProblem, fit: Fit, count: int) -> float:
+def _correction(problem: GrayBoxProblem, fit: GrayBoxFit, count: int) -> float:
     """Elements over degrees of freedom, each real parameter taking half of a complex element."""
     free = len(fit.names) - int(np.count_nonzero(fit.at_bound))
     return count / max(count - 0.5 * free, 1.0)

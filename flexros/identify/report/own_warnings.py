@@ -6,11 +6,11 @@ import re
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from flexros.identify.graybox.fit import Fit
+    from flexros.identify.graybox.fit import GrayBoxFit
     from flexros.identify.graybox.problem import GrayBoxProblem
 
 
-def own_warnings(problem: GrayBoxProblem, found: Fit) -> tuple[str, ...]:
+def own_warnings(problem: GrayBoxProblem, found: GrayBoxFit) -> tuple[str, ...]:
     """Collect warnings of responses and fit; those that differ in numbers only are told once.
 
     Args:

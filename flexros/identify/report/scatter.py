@@ -19,7 +19,7 @@ from flexros.identify.graybox.response_noise import response_noise
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.identify.graybox.covariance import ParameterCovariance
-    from flexros.identify.graybox.fit import Fit
+    from flexros.identify.graybox.fit import GrayBoxFit
     from flexros.identify.graybox.problem import GrayBoxProblem
     from flexros.identify.graybox.response_noise import ResponseNoise
 
@@ -49,7 +49,7 @@ class ScatterLimits:
     chi_square: float = UNEXPLAINED
 
 
-def scatter_limits(problem: GrayBoxProblem, found: Fit, covariance: ParameterCovariance) -> ScatterLimits:
+def scatter_limits(problem: GrayBoxProblem, found: GrayBoxFit, covariance: ParameterCovariance) -> ScatterLimits:
     """Compute the limits of an identification.
 
     Args:

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.record.balance.torque_balance import Fit, TorqueBalance
-    from flexros.record.record import GapRecord
+    from flexros.record.balance.torque_balance import BalanceFit, TorqueBalance
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 DOUBTFUL = 0.9
@@ -33,7 +33,7 @@ FEW = 3
 
 
 @dataclass(frozen=True)
-class Reading:
+class JointAssignment:
     """Another way to read a record.
 
     Attributes:
@@ -45,7 +45,7 @@ class Reading:
     agreement: float
 
 
-def own_fits(balance: TorqueBalance | None, n_motors: int) -> tuple[Fit | None, ...]:
+def own_fits(balance: TorqueBalance | None, n_motors: int) -> tuple[BalanceFit | None, ...]:
     """Compare the torque of every motor with its own need.
 
     Args:
@@ -58,7 +58,7 @@ def own_fits(balance: TorqueBalance | None, n_motors: int) -> tuple[Fit | None, 
     return tuple(None if balance is None else balance.fit(k, k) for k in range(n_motors))
 
 
-def score(fits: Sequence[Fit | None]) -> float | None:
+def score(fits: Sequence[BalanceFit | None]) -> float | None:
     """Mean agreement with the need itself, over the motors of which something can be told.
 
     Args:
@@ -86,7 +86,7 @@ def clearly_better(there: float | None, here: float | None) -> bool:
     return there > here + GAIN and 1 - there < REST * (1 - here)
 
 
-def best_reading(record: GapRecord, robot: Robot, here: float | None) -> Reading | None:
+def best_reading(record: Record, robot: Robot, here: float | None) -> JointAssignment | None:
     """Find a reading that fits clearly better than the record as it is.
 
     Args:
@@ -106,7 +106,7 @@ def best_reading(record: GapRecord, robot: Robot, here: float | None) -> Reading
     return max(found, key=lambda reading: reading.agreement) if found else None
 
 
-def _liveliest(record: GapRecord, length: int) -> GapRecord:
+def _liveliest(record: Record, length: int) -> Record:
     """Cut out the part in which the torques vary most."""
     starts = np.arange(0, record.n_samples - length, max(1, length // 4))
     scale = np.maximum(record.torque.std(axis=0), 1e-300)
@@ -115,7 +115,7 @@ def _liveliest(record: GapRecord, length: int) -> GapRecord:
     return record.part(first, first + length)
 
 
-def _readings(record: GapRecord, robot: Robot) -> Iterator[Reading]:
+def _readings(record: Record, robot: Robot) -> Iterator[JointAssignment]:
     """Try torques and positions in other directions and orders, both alike or one of them."""
     M, names = robot.n_motors, robot.joint_names
     as_is = torque_balance(record, robot)
@@ -124,7 +124,7 @@ def _readings(record: GapRecord, robot: Robot) -> Iterator[Reading]:
         sign[k] = -1.0
         agreement = None if as_is is None else score(own_fits(replace(as_is, given=sign * as_is.given), M))
         if agreement is not None:
-            yield Reading(f"the torque of {names[k]} inverted", agreement)
+            yield JointAssignment(f"the torque of {names[k]} inverted", agreement)
         yield from _both(record, robot, np.arange(M), sign, f"of {names[k]} inverted")
     for i, j in combinations(range(M), 2):
         order = np.arange(M)
@@ -132,7 +132,7 @@ def _readings(record: GapRecord, robot: Robot) -> Iterator[Reading]:
         yield from _both(record, robot, order, np.ones(M), f"of {names[i]} and {names[j]} exchanged")
 
 
-def _both(record: GapRecord, robot: Robot, order: np.ndarray, sign: FloatArray, change: str) -> Iterator[Reading]:
+def _both(record: Record, robot: Robot, order: np.ndarray, sign: FloatArray, change: str) -> Iterator[JointAssignment]:
     """Change the positions, and with them the torques or not."""
     M = robot.n_motors
     changed = replace(record, position=sign * record.position[:, order], torque=sign * record.torque[:, order])
@@ -143,4 +143,4 @@ def _both(record: GapRecord, robot: Robot, order: np.ndarray, sign: FloatArray, 
     for one, what in ((balance, "torque and position"), (kept, "the position")):
         agreement = score(own_fits(one, M))
         if agreement is not None:
-            yield Reading(f"{what} {change}", agreement)
+            yield JointAssignment(f"{what} {change}", agreement)

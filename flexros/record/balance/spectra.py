@@ -14,7 +14,7 @@ from flexros.record.smoothing import bridged, noise_power, smooth_motion
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 STRETCH = 4.0
@@ -90,7 +90,7 @@ class _Signals:
 _Piece = TorqueBalance  # spectra of one stretch have the form of the whole
 
 
-def torque_balance(record: GapRecord, robot: Robot, sample_time: float | None = None) -> TorqueBalance | None:
+def torque_balance(record: Record, robot: Robot, sample_time: float | None = None) -> TorqueBalance | None:
     """Compare torques with motions.
 
     Args:
@@ -125,7 +125,7 @@ def torque_balance(record: GapRecord, robot: Robot, sample_time: float | None = 
     )
 
 
-def _signals(record: GapRecord, robot: Robot, position: FloatArray, T: float, lowest: float) -> _Signals:
+def _signals(record: Record, robot: Robot, position: FloatArray, T: float, lowest: float) -> _Signals:
     rigid_below = min(RIGID_SHARE * lowest, RIGID_HIGHEST, 0.05 / T)
     return _Signals(
         sample_time=T,

@@ -38,7 +38,7 @@ LONGEST_DELAY = 0.03
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class BalanceFit:
     """How well one torque agrees with a need, beside friction.
 
     The agreement of torque u with a multiple s of a need n in one band is 2 Re(u* s n) / (|u|^2 + |s n|^2): 1 where
@@ -75,7 +75,7 @@ class TorqueBalance:
     friction: ComplexArray
     clear: BoolArray
 
-    def fit(self, torque: int, motion: int, delay: float = 0.0) -> Fit | None:
+    def fit(self, torque: int, motion: int, delay: float = 0.0) -> BalanceFit | None:
         """Compare the torque of one motor with the need of another, or its own.
 
         Args:
@@ -183,7 +183,7 @@ def _sums(place: IntArray, values: FloatArray) -> FloatArray:
     return np.asarray(np.bincount(place, values), dtype=np.float64)
 
 
-def _agreement(power: FloatArray, need: FloatArray, product: FloatArray) -> Fit:
+def _agreement(power: FloatArray, need: FloatArray, product: FloatArray) -> BalanceFit:
     """Find the multiple of the need with the best mean agreement, from powers of the bands, shape (n_bands,)."""
 
     def mean(factor: FloatArray) -> FloatArray:
@@ -196,7 +196,7 @@ def _agreement(power: FloatArray, need: FloatArray, product: FloatArray) -> Fit:
     tried = np.concatenate([sizes, -sizes])
     found = mean(tried)
     best = int(np.argmax(found))
-    return Fit(float(tried[best]), float(found[best]), float(mean(np.ones(1))[0]))
+    return BalanceFit(float(tried[best]), float(found[best]), float(mean(np.ones(1))[0]))
 
 
 def _without(regressors: ComplexArray, values: ComplexArray, weight: FloatArray) -> ComplexArray:

@@ -15,9 +15,9 @@ from flexros.record.smoothing import bridged
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.record.balance.joint_assignments import Reading
-    from flexros.record.balance.torque_balance import Fit, TorqueBalance
-    from flexros.record.record import GapRecord
+    from flexros.record.balance.joint_assignments import JointAssignment
+    from flexros.record.balance.torque_balance import BalanceFit, TorqueBalance
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 SAME_RATE = 0.1
@@ -33,7 +33,7 @@ class CheckedRecord:
         robot: The nominal robot.
     """
 
-    record: GapRecord
+    record: Record
     robot: Robot
 
     @cached_property
@@ -47,7 +47,7 @@ class CheckedRecord:
         return torque_balance(self.record, self.robot)
 
     @cached_property
-    def own(self) -> tuple[Fit | None, ...]:
+    def own(self) -> tuple[BalanceFit | None, ...]:
         """Torque of every motor beside its own need, length M; None where nothing can be told."""
         return own_fits(self.balance, self.robot.n_motors)
 
@@ -78,7 +78,7 @@ class CheckedRecord:
         return clearly_better(there, here)
 
     @cached_property
-    def reading(self) -> Reading | None:
+    def reading(self) -> JointAssignment | None:
         """Another reading of the record, a joint inverted or two exchanged, that fits far better; None without such."""
         if self.order_is_wrong or self.fits_nominal_rate:
             return None

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from flexros.record.checks.checked_record import CheckedRecord
 
 
-class OtherReading(AbstractCheck):
+class JointAssignmentCheck(AbstractCheck):
     """Couplings and gravity show directions and order of joints that torque and position of one motor do not."""
 
     name: ClassVar[str] = "reading"

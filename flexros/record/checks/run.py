@@ -10,11 +10,11 @@ from flexros.record.checks.base import Finding, checks
 from flexros.record.checks.checked_record import CheckedRecord
 
 if TYPE_CHECKING:
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 
-def findings(record: GapRecord, robot: Robot) -> tuple[Finding, ...]:
+def findings(record: Record, robot: Robot) -> tuple[Finding, ...]:
     """Collect what the checks find, up to the first stage with something hopeless.
 
     Args:
@@ -36,7 +36,7 @@ def findings(record: GapRecord, robot: Robot) -> tuple[Finding, ...]:
     return tuple(sorted(found, key=lambda finding: not finding.hopeless))
 
 
-def check_record(record: GapRecord, robot: Robot) -> GapRecord:
+def check_record(record: Record, robot: Robot) -> Record:
     """Refuse a record of which a diagnosis would be wrong; note what is doubtful.
 
     Args:

@@ -9,7 +9,7 @@ import numpy as np
 from flexros.record.checks.base import AbstractCheck, Finding
 
 if TYPE_CHECKING:
-    from flexros.record.balance.torque_balance import Fit
+    from flexros.record.balance.torque_balance import BalanceFit
     from flexros.record.checks.checked_record import CheckedRecord
     from flexros.robot import Robot
 
@@ -59,7 +59,7 @@ class Unit(AbstractCheck):
         )
 
 
-def _believed(fit: Fit) -> bool:
+def _believed(fit: BalanceFit) -> bool:
     """Tell whether the factor of a comparison is none by chance."""
     if fit.agreement > CLEAR:
         return True
@@ -67,7 +67,7 @@ def _believed(fit: Fit) -> bool:
     return bool(refused) and fit.agreement > LARGE_CLEAR and fit.agreement - fit.as_is > LARGE_GAIN
 
 
-def _refusal(off: dict[int, Fit], robot: Robot, n_motors: int) -> str:
+def _refusal(off: dict[int, BalanceFit], robot: Robot, n_motors: int) -> str:
     names = ", ".join(f"{robot.joint_names[motor]}: {fit.factor:.3g}" for motor, fit in off.items())
     causes = [cause(fit.factor, robot, motor) for motor, fit in off.items()]
     common = [text for text in causes[0] if all(text in other for other in causes)]

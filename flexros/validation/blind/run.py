@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from flexros.gap.result import DiagnosisResult
     from flexros.gap.settings import DiagnosisSettings
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 FAILURE_FILE, TIME_FILE, PATCH_FILE = "failure.txt", "seconds.txt", "patch.yaml"
@@ -110,7 +110,7 @@ def case_settings() -> DiagnosisSettings:
     return DiagnosisSettings(threads=1, where=False, next_experiment=False)
 
 
-def read_logs(folder: Path, case: OpenCase) -> tuple[Robot, GapRecord, GapRecord]:
+def read_logs(folder: Path, case: OpenCase) -> tuple[Robot, Record, Record]:
     """Read nominal model, log to fit and log to check on.
 
     Args:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexros.compile import LoopFunctions, LoopInputs, LoopState, compile_loop
-from flexros.compile.loop.prediction import Prediction, PredictionLoop
+from flexros.compile.loop.prediction import LoopPrediction, PredictionLoop
 from tests.compile.conftest import PARAMETERS, SAMPLE_TIME, STATE, integrator, unstable
 
 N = 60
@@ -20,7 +20,7 @@ def torques(seed: int = 0) -> np.ndarray:
     return np.random.default_rng(seed).normal(size=(N, 2)) * 30.0
 
 
-def one_lane(loop: PredictionLoop, torque: np.ndarray, position: np.ndarray, **given: object) -> Prediction:
+def one_lane(loop: PredictionLoop, torque: np.ndarray, position: np.ndarray, **given: object) -> LoopPrediction:
     """Run a loop around the chain, every sample measured, with a gain unless another is given."""
     gain = np.random.default_rng(5).normal(size=(10, 2)) * 0.05
     keys: dict[str, object] = {"gain": gain, "valid": np.ones(len(position)), "start": STATE, **given}

@@ -7,11 +7,11 @@ import pytest
 from scipy.optimize import fsolve
 
 from flexros.arrays import FloatArray
-from flexros.feedforward.time_stepping.compiled import CompiledMarch
+from flexros.feedforward.time_stepping.compiled import CompiledStepper
 from flexros.feedforward.time_stepping.dae_equations import build_equations
-from flexros.feedforward.time_stepping.interpreted import InterpretedMarch
+from flexros.feedforward.time_stepping.interpreted import InterpretedStepper
 from flexros.feedforward.time_stepping.step_functions import StepFunctions
-from flexros.feedforward.time_stepping.stepping import MAX_ITERATIONS, March, newton_tolerance
+from flexros.feedforward.time_stepping.stepping import MAX_ITERATIONS, Stepper, newton_tolerance
 from flexros.robot import Robot
 from tests.feedforward.cases import smooth_circle
 
@@ -19,11 +19,11 @@ STEP = 1e-3
 START = np.array([0, 0.3, 0, 0, 0.3])
 
 
-def marches(robot: Robot, order: int, exact: bool = True) -> tuple[CompiledMarch, InterpretedMarch, FloatArray]:
+def marches(robot: Robot, order: int, exact: bool = True) -> tuple[CompiledStepper, InterpretedStepper, FloatArray]:
     equations = build_equations(robot.model, exact=exact)
     functions = StepFunctions.of(equations, order, STEP)
     tolerance = newton_tolerance(equations, functions.gamma, START)
-    return CompiledMarch(equations, functions), InterpretedMarch(equations, functions), tolerance
+    return CompiledStepper(equations, functions), InterpretedStepper(equations, functions), tolerance
 
 
 def by_fsolve(robot: Robot, outputs: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -78,7 +78,7 @@ def test_backward_euler_equals_fsolve(e12: Robot) -> None:
 @pytest.mark.parametrize("kind", [0, 1])
 def test_state_resumes_bit_for_bit(kind: int, e12: Robot) -> None:
     *both, tolerance = marches(e12, 2)
-    march: March = both[kind]
+    march: Stepper = both[kind]
     outputs = smooth_circle(np.arange(60) * STEP)
     whole = march.advance(march.layout.at_rest(START), outputs, tolerance)
     first = march.advance(march.layout.at_rest(START), outputs[:23], tolerance)
@@ -90,7 +90,7 @@ def test_state_resumes_bit_for_bit(kind: int, e12: Robot) -> None:
 @pytest.mark.parametrize("kind", [0, 1])
 def test_state_is_left_as_it_was(kind: int, e12: Robot) -> None:
     *both, tolerance = marches(e12, 1)
-    march: March = both[kind]
+    march: Stepper = both[kind]
     state = march.layout.at_rest(START)
     before = state.copy()
     march.advance(state, smooth_circle(np.arange(10) * STEP), tolerance)
@@ -101,7 +101,7 @@ def test_state_is_left_as_it_was(kind: int, e12: Robot) -> None:
 @pytest.mark.parametrize("wrong", [10.0, np.nan])
 def test_failed_step_is_told(kind: int, wrong: float, e12: Robot) -> None:
     *both, tolerance = marches(e12, 1)
-    march: March = both[kind]
+    march: Stepper = both[kind]
     outputs = smooth_circle(np.arange(10) * STEP)
     outputs[6] = wrong
     result = march.advance(march.layout.at_rest(START), outputs, tolerance)

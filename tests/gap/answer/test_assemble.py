@@ -10,12 +10,12 @@ import pytest
 from flexros.gap.answer import assemble as answer
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import Findings
-from flexros.gap.fit.least_squares import Fit
+from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.forward_selection import Explanations
-from flexros.gap.search.model_probability import Evidence
+from flexros.gap.search.model_probability import ModelComparison
 from flexros.record.quantization import Quantization
 from tests.gap.diagnosis_logs import MODEL, data_of, numbers, predictor_of, suspects_of
 
@@ -25,15 +25,15 @@ TOLERANCE = {"stiffness": 0.01}
 VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}}
 
 
-def fitted(level: float, *names: str) -> Fit:
+def fitted(level: float, *names: str) -> CandidateFit:
     hypothesis = [suspects_of()[name] for name in names]
     theta = np.array([number for one in hypothesis for number in numbers(one, **VALUES[one.name])])
-    return Fit(predictor_of(*hypothesis), theta, level * data_of(TRUTH).n_values, 1e4 * np.eye(len(theta)))
+    return CandidateFit(predictor_of(*hypothesis), theta, level * data_of(TRUTH).n_values, 1e4 * np.eye(len(theta)))
 
 
 def answered(
-    chosen: Fit,
-    *rivals: Fit,
+    chosen: CandidateFit,
+    *rivals: CandidateFit,
     probabilities: tuple[float, ...],
     rounded: bool = False,
     data: FitData | None = None,
@@ -44,7 +44,7 @@ def answered(
     if rounded:
         data = replace(data, measurement=replace(data.measurement, quantizations=(Quantization(0, 1e-3),)))
     nothing = fitted(50.0)
-    evidence = Evidence(nothing, (chosen, *rivals), data.n_values)
+    evidence = ModelComparison(nothing, (chosen, *rivals), data.n_values)
     explanations = Explanations(evidence, chosen, (chosen, *rivals, nothing), np.array([*probabilities, 0.0]), True)
     found = Findings(MODEL, data, held, explanations, TOLERANCE)
     settings = {"level": 1e-3, "next_experiment": following}

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.gap.answer.decision import Findings, place_of
-from flexros.gap.fit.least_squares import Fit
+from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.search.forward_selection import Explanations
 from flexros.gap.search.model_probability import evidence_of
 from flexros.record.quantization import Quantization
@@ -22,15 +22,19 @@ COULOMB, STIFFNESS, INERTIA = (
 VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}, INERTIA: {"relative": 0.02}}
 
 
-def fitted(level: float, *names: str) -> Fit:
+def fitted(level: float, *names: str) -> CandidateFit:
     """A fit that leaves a mean squared weighted error in the fitted log."""
     hypothesis = [suspects_of()[name] for name in names]
     theta = [number for one in hypothesis for number in numbers(one, **VALUES[one.name])]
-    return Fit(predictor_of(*hypothesis), np.array(theta), level * data_of(TRUTH).n_values)
+    return CandidateFit(predictor_of(*hypothesis), np.array(theta), level * data_of(TRUTH).n_values)
 
 
 def findings(
-    chosen: Fit | None, rivals: list[Fit], probabilities: list[float], *effects: str, nothing: float = 10.0
+    chosen: CandidateFit | None,
+    rivals: list[CandidateFit],
+    probabilities: list[float],
+    *effects: str,
+    nothing: float = 10.0,
 ) -> Findings:
     """Findings with explanations made by hand, on logs with effects; `chosen` None for nothing."""
     data, held = (data_of(*effects, seed=seed) for seed in (1, 2))

@@ -9,9 +9,9 @@ import pytest
 
 from flexros.gap.answer.decision import Findings
 from flexros.gap.answer.limits import cannot_tell
-from flexros.gap.fit.least_squares import Fit
+from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.search.forward_selection import Explanations
-from flexros.gap.search.model_probability import Evidence
+from flexros.gap.search.model_probability import ModelComparison
 from tests.gap.diagnosis_logs import MODEL, data_of, predictor_of
 
 
@@ -20,8 +20,10 @@ def told_fixture():
     def told(tool: bool = False, **changes: object) -> str:
         """Say it of a log without effects, changed."""
         data = data_of(tool=tool)
-        nothing = Fit(predictor_of(), np.zeros(0), float(data.n_values))
-        found = Explanations(Evidence(nothing, (), data.n_values), nothing, (nothing,), np.ones(1), detected=False)
+        nothing = CandidateFit(predictor_of(), np.zeros(0), float(data.n_values))
+        found = Explanations(
+            ModelComparison(nothing, (), data.n_values), nothing, (nothing,), np.ones(1), detected=False
+        )
         data = replace(data, record=replace(data.record, **changes))
         return " ".join(cannot_tell(Findings(MODEL, data, data, found)))
 

@@ -12,9 +12,9 @@ from flexros.effects import parse_effect, place_effects
 from flexros.effects.patching.patched_robot import load_model, load_patched
 from flexros.errors import InputError
 from flexros.gap.answer.patch import patch_of, write_patch
-from flexros.gap.result import DiagnosisResult, Explanation, Prediction
+from flexros.gap.result import DiagnosisResult, Explanation, PredictedLog
 from flexros.gap.schema import Cause, CauseParameter, Diagnosis, GapNumbers
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import load_robot
 from flexros.robot.robot import LIBRARY
 
@@ -47,9 +47,9 @@ def result(causes: tuple[Cause, ...], texts: tuple[str, ...], **numbers: float) 
     return DiagnosisResult(
         diagnosis=diagnosis,
         robot=load_robot("e12"),
-        record=GapRecord("bags/monday", 5e-4, nothing, nothing, np.ones(10, dtype=np.bool_)),
+        record=Record("bags/monday", 5e-4, nothing, nothing, np.ones(10, dtype=np.bool_)),
         holdout=None,
-        before=Explanation("nominal", Prediction(nothing, np.ones(2))),
+        before=Explanation("nominal", PredictedLog(nothing, np.ones(2))),
         patch=tuple(parse_effect(text, "test") for text in texts),
         covariance_of=tuple(numbers),
         covariance=np.diag(list(numbers.values())) if numbers else None,

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.effects import effects
 from flexros.effects.kinds.ranges import Range
-from flexros.gap.candidates.candidate import FreeParameter, Suspect, free_parameter, name_of, places, suspects
+from flexros.gap.candidates.candidate import Candidate, FreeParameter, free_parameter, name_of, places, suspects
 from flexros.gap.candidates.scales import Yardsticks
 from flexros.robot import load_robot
 
@@ -94,13 +94,13 @@ def test_all_and_the_only_motor_are_one_place() -> None:
 
 
 def test_hypotheses_are_named_by_effects_and_places() -> None:
-    pair = tuple(Suspect(effects()[name], place, ()) for name, place in (("backlash", "motor_1"), ("delay", "all")))
+    pair = tuple(Candidate(effects()[name], place, ()) for name, place in (("backlash", "motor_1"), ("delay", "all")))
     assert name_of(pair) == "backlash@motor_1 + delay@all"
     assert name_of(()) == "nothing"
 
 
 def test_starts_are_all_combinations_or_belong_together() -> None:
     free = tuple(FreeParameter(name, -1.0, 1.0, signed=True, starts=(0.1, 0.2)) for name in "ab")
-    suspect = Suspect(effects()["coulomb_friction"], "motor_1", free)
+    suspect = Candidate(effects()["coulomb_friction"], "motor_1", free)
     assert suspect.starts() == [(0.1, 0.1), (0.1, 0.2), (0.2, 0.1), (0.2, 0.2)]
     assert replace(suspect, together=True).starts() == [(0.1, 0.1), (0.2, 0.2)]

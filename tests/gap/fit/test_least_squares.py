@@ -11,7 +11,7 @@ import pytest
 from flexros.arrays import FloatArray
 from flexros.gap.candidates.candidate import FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import MOST_STARTS, Fit, best_of, chi2_of, fit, linearise, starts_of
+from flexros.gap.fit.least_squares import MOST_STARTS, CandidateFit, best_of, chi2_of, fit, linearise, starts_of
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
 from tests.gap.diagnosis_logs import data_of, numbers, predictor_of, suspects_of
@@ -35,7 +35,7 @@ def made(predictor: Predictor, theta: FloatArray, seed: int) -> FitData:
     return replace(data, record=replace(record, position=record.position - errors + noise), spread=data.spread[:N])
 
 
-def deviations(found: Fit) -> FloatArray:
+def deviations(found: CandidateFit) -> FloatArray:
     return np.asarray(np.sqrt(np.diag(np.linalg.inv(found.information))))
 
 
@@ -136,7 +136,7 @@ class CurvedValley:
 def test_steps_follow_a_curved_valley(monkeypatch: pytest.MonkeyPatch) -> None:
     valley = CurvedValley()
 
-    def fitted() -> Fit:
+    def fitted() -> CandidateFit:
         return fit(cast("Predictor", valley), cast("FitData", valley), np.zeros(2), 40)
 
     bent = fitted()
@@ -204,5 +204,5 @@ def test_sums_of_many_sets_are_those_of_each() -> None:
 
 
 def test_the_best_fit_has_the_smallest_sum() -> None:
-    fits = [Fit(predictor_of(), np.zeros(0), chi2) for chi2 in (3.0, 1.0, 2.0)]
+    fits = [CandidateFit(predictor_of(), np.zeros(0), chi2) for chi2 in (3.0, 1.0, 2.0)]
     assert best_of(fits) is fits[1]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.gap.fit.estimates import parameters_of, placed
-from flexros.gap.fit.least_squares import Fit
+from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.fit.pruning import _own_information, without_least_number
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.forward_selection import explain
@@ -18,12 +18,12 @@ VISCOUS = "viscous_friction@motor_1:coefficient=3e-3"
 
 
 @cache
-def fitted(effect: str, suspect: str) -> tuple[Search, Fit]:
+def fitted(effect: str, suspect: str) -> tuple[Search, CandidateFit]:
     search = search_of(effect)
     return search, search.singles(search.nothing(), [suspects_of()[suspect]])[0]
 
 
-def names(one: Fit) -> list[str]:
+def names(one: CandidateFit) -> list[str]:
     return [free.name for suspect in one.predictor.hypothesis for free in suspect.free]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import Fit
+from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.fit.tolerance_takeover import relief, with_relief
 from tests.gap.diagnosis_logs import predictor_of, suspects_of
 
@@ -14,9 +14,9 @@ STIFFNESS = "stiffness_error@body_2.rz"
 NAMES = ("body_1.rz.stiffness", "body_2.rz.stiffness", "body_2.rz.damping")
 
 
-def strained() -> Fit:
+def strained() -> CandidateFit:
     predictor = predictor_of(tolerance=Tolerance(NAMES, (0.03, 0.03, 0.3)))
-    return Fit(predictor, np.array([1.0, -4.0, 2.0]), 1e4)
+    return CandidateFit(predictor, np.array([1.0, -4.0, 2.0]), 1e4)
 
 
 def test_a_changed_number_takes_over_its_own_deviation() -> None:

@@ -7,13 +7,13 @@ import re
 import pytest
 
 from flexros.effects import effects
-from flexros.gap.candidates.candidate import Suspect
+from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.fit.units import unit_of_parameter
 from flexros.robot import load_robot
 
 
 def unit(effect: str, location: str, name: str, robot: str) -> str:
-    return unit_of_parameter(Suspect(effects()[effect], location, ()), name, load_robot(robot))
+    return unit_of_parameter(Candidate(effects()[effect], location, ()), name, load_robot(robot))
 
 
 @pytest.mark.parametrize(

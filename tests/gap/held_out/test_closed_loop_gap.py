@@ -10,9 +10,9 @@ import pytest
 from flexros.effects import PlacedEffect, RobotWithEffects, place_effects
 from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, with_closed_loop
-from flexros.gap.result import DiagnosisResult, Explanation, Prediction, SignalGap
+from flexros.gap.result import DiagnosisResult, Explanation, PredictedLog, SignalGap
 from flexros.logs.time_series import Log
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
@@ -69,13 +69,13 @@ def test_without_a_repair_only_the_gap_before_is_told(log: Log) -> None:
 
 def test_a_result_gets_the_gap_with_its_patch(log: Log) -> None:
     nothing = np.zeros((10, 1))
-    record = GapRecord("log", 5e-4, nothing, nothing, np.ones(10, dtype=bool))
+    record = Record("log", 5e-4, nothing, nothing, np.ones(10, dtype=bool))
     plain = DiagnosisResult(
         diagnosis=diagnosis("explained", "coulomb_friction@motor_1"),
         robot=ROBOT,
         record=record,
         holdout=replace(record, begin=0.4),
-        before=Explanation("nominal", Prediction(nothing, np.ones(1))),
+        before=Explanation("nominal", PredictedLog(nothing, np.ones(1))),
         patch=(PlacedEffect(CoulombFriction(level=1.5), "motor_1"),),
         signals=(SignalGap("motor_1 position, 0.1 s ahead", "mrad", 1.0),),
     )

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.gap.fit.least_squares import Fit
+from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.held_out.prediction_gap import AheadErrors, closed_fraction, errors_ahead
 from tests.gap.diagnosis_logs import ROBOT, data_of, numbers, predictor_of, suspects_of
 
@@ -20,7 +20,7 @@ def ahead(effects: tuple[str, ...] = (), level: float | None = None, seed: int =
     hypothesis = () if level is None else (suspects_of()["coulomb_friction@motor_1"],)
     predictor = predictor_of(*hypothesis)
     theta = np.array([] if level is None else numbers(hypothesis[0], level=level))
-    return errors_ahead(Fit(predictor, theta, 0.0), data_of(*effects, seed=seed))
+    return errors_ahead(CandidateFit(predictor, theta, 0.0), data_of(*effects, seed=seed))
 
 
 def synthetic(level: float, seed: int = 0, windows: int = 2000) -> AheadErrors:
@@ -50,7 +50,7 @@ def test_windows_lie_within_the_log_and_avoid_missing_samples() -> None:
     valid = data.record.valid.copy()
     valid[10_000:10_100] = False
     holed = replace(data, record=replace(data.record, valid=valid))
-    found = errors_ahead(Fit(predictor_of(), np.zeros(0), 0.0), holed)
+    found = errors_ahead(CandidateFit(predictor_of(), np.zeros(0), 0.0), holed)
     horizon = round(0.1 / ROBOT.sample_time)
     assert np.all(found.starts + horizon < data.record.n_samples)
     assert not np.any((found.starts < 10_100) & (found.starts + horizon >= 10_000))

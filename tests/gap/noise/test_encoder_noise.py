@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.gap.noise.encoder_noise import SIGNAL_TOLERANCE, measure_noise
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import Robot, load_robot
 
 N, T, SIGMA = 40_000, 5e-4, 1e-4
@@ -17,13 +17,13 @@ def robot() -> Robot:
     return load_robot("four_mass_linear")  # its file says SIGMA
 
 
-def record_of(noise: np.ndarray, still: bool, jitter: float = 0.0, imported: bool = False, seed: int = 3) -> GapRecord:
+def record_of(noise: np.ndarray, still: bool, jitter: float = 0.0, imported: bool = False, seed: int = 3) -> Record:
     """Slow swings, standing still in the first quarter where asked for."""
     time = np.arange(N) * T
     seen = time + jitter * np.random.default_rng(seed).normal(size=N)
     moving = np.where(time < 5.0, 0.0, 1.0) if still else np.ones(N)
     motion = moving * 2.0 * (1 - np.cos(2 * np.pi * 0.4 * (seen - 5.0)))
-    return GapRecord(
+    return Record(
         name="log",
         sample_time=T,
         position=(motion + noise)[:, None],
@@ -95,7 +95,7 @@ def test_only_logs_of_real_machines_get_a_signal_tolerance(robot: Robot) -> None
 
 def test_log_without_noise_takes_that_of_the_robot_file(robot: Robot) -> None:
     record = record_of(np.zeros(N), still=True)
-    constant = GapRecord("log", T, np.zeros((N, 1)), record.torque, record.valid)
+    constant = Record("log", T, np.zeros((N, 1)), record.torque, record.valid)
     noise = measure_noise(constant, robot)
     assert noise.source == ("robot file",)
     assert noise.standard_deviation[0] == robot.encoder_noise[0]
@@ -115,6 +115,6 @@ def test_a_small_swing_at_rest_is_no_colour_where_the_band_above_shows_the_state
     time = np.arange(N) * T
     swing = 4e-4 * np.sin(2 * np.pi * 5.0 * time)
     position = (swing + SIGMA * np.random.default_rng(7).normal(size=N))[:, None]
-    noise = measure_noise(GapRecord("log", T, position, np.zeros_like(position), np.ones(N, bool)), robot)
+    noise = measure_noise(Record("log", T, position, np.zeros_like(position), np.ones(N, bool)), robot)
     assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.03)
     assert not noise.autoregression.size

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.gap.fit.estimates import placed
-from flexros.gap.fit.least_squares import Fit
+from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.prediction.predicted_log import prediction_of, signature_evidence, tool_errors
 from flexros.gap.result import Explanation
 from tests.gap.diagnosis_logs import MODEL, ROBOT, data_of, numbers, predictor_of, suspects_of
@@ -17,7 +17,7 @@ SOFT = "stiffness_error@body_2.rz:relative=-0.05"
 def explanation(relative: float | None) -> Explanation:
     hypothesis = () if relative is None else (suspects_of()["stiffness_error@body_2.rz"],)
     theta = np.array([] if relative is None else numbers(hypothesis[0], relative=relative))
-    one = Fit(predictor_of(*hypothesis), theta, 0.0)
+    one = CandidateFit(predictor_of(*hypothesis), theta, 0.0)
     return Explanation("test", prediction_of(one, data_of(SOFT)), None, placed(one))
 
 
@@ -41,7 +41,7 @@ def test_states_are_corrected_ones() -> None:
 
 def test_pictures_see_the_log_before_and_after_the_repair() -> None:
     before, after = explanation(None), explanation(-0.05)
-    data, nothing = data_of(SOFT), Fit(predictor_of(), np.zeros(0), 0.0)
+    data, nothing = data_of(SOFT), CandidateFit(predictor_of(), np.zeros(0), 0.0)
     found = signature_evidence(MODEL, data, nothing, before, after)
     assert (found.before, found.after) == (before.fit, after.fit)
     assert found.repaired is not None
@@ -53,7 +53,7 @@ def test_pictures_see_the_log_before_and_after_the_repair() -> None:
 
 def test_error_of_the_tool_is_what_the_model_lacks_beyond_noise_and_the_frame_of_the_tracker() -> None:
     """A soft spring shows; without it the error is the noise of the tracker."""
-    nothing = Fit(predictor_of(), np.zeros(0), 0.0)
+    nothing = CandidateFit(predictor_of(), np.zeros(0), 0.0)
     still, soft = (tool_errors(nothing, data_of(*effects, tool=True)) for effects in ((), (SOFT,)))
     assert still is not None
     assert soft is not None

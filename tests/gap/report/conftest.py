@@ -10,16 +10,16 @@ import pytest
 
 from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.base import PlacedEffect
-from flexros.gap.result import Candidate, DiagnosisResult, Explanation, Prediction, SignalGap
-from flexros.gap.schema import CauseParameter, Diagnosis, GapPlace, Place
-from flexros.record.record import GapRecord
+from flexros.gap.result import DiagnosisResult, Explanation, PredictedLog, RankedCandidate, SignalGap
+from flexros.gap.schema import CauseParameter, Diagnosis, EffectLocation, Excess
+from flexros.record.record import Record
 from flexros.robot import load_robot
 
 ROBOT = load_robot("four_mass_linear")
 N, T, SIGMA = 8000, 5e-4, 1e-4
-COULOMB = Place(effect="coulomb_friction", location="motor_1")
-HYSTERESIS = Place(effect="hysteresis", location="motor_1")
-BACKLASH = Place(effect="backlash", location="motor_1")
+COULOMB = EffectLocation(effect="coulomb_friction", location="motor_1")
+HYSTERESIS = EffectLocation(effect="hysteresis", location="motor_1")
+BACKLASH = EffectLocation(effect="backlash", location="motor_1")
 BANDS = ((0.0, 2.0), (2.0, 8.0), (8.0, 20.0), (20.0, 60.0), (60.0, 200.0), (200.0, 1e9))
 REGIMES = ("reversal", "low speed", "standstill", "high torque", "high speed")
 NUMBERS = {
@@ -30,22 +30,22 @@ NUMBERS = {
 }
 
 
-def record(name: str, seed: int) -> GapRecord:
+def record(name: str, seed: int) -> Record:
     """Motion to and fro, with a torque in step with it."""
     rng = np.random.default_rng(seed)
     time = T * np.arange(N)
     position = (np.sin(2 * np.pi * 0.5 * time) + SIGMA * rng.normal(size=N))[:, None]
     torque = (np.cos(2 * np.pi * 0.5 * time) + 0.1 * rng.normal(size=N))[:, None]
-    return GapRecord(name, T, position, torque, np.ones(N, bool), measured_torque=False, simulated=True)
+    return Record(name, T, position, torque, np.ones(N, bool), measured_torque=False, simulated=True)
 
 
-def prediction(share: float, seed: int) -> Prediction:
+def prediction(share: float, seed: int) -> PredictedLog:
     """White errors, and a share of them in step with the reversals."""
     rng = np.random.default_rng(seed)
     white = rng.normal(size=N)
     gap = share * np.sign(np.sin(2 * np.pi * 0.5 * T * np.arange(N)))
     states = np.zeros((N, 2 * ROBOT.n_dof)) if hasattr(ROBOT, "n_dof") else None
-    return Prediction((SIGMA * (white + gap))[:, None], np.array([SIGMA]), states)
+    return PredictedLog((SIGMA * (white + gap))[:, None], np.array([SIGMA]), states)
 
 
 def explanation(name: str, share: float, seed: int) -> Explanation:
@@ -58,9 +58,9 @@ def parameters(effect: str) -> dict[str, CauseParameter]:
     }
 
 
-def candidate(effect: str, location: str, probability: float, gain: float, remainder: float) -> Candidate:
+def candidate(effect: str, location: str, probability: float, gain: float, remainder: float) -> RankedCandidate:
     fitted = parameters(effect)
-    return Candidate(effect, location, fitted, gain, 11.0 * len(fitted), probability, 0.4 * gain, remainder)
+    return RankedCandidate(effect, location, fitted, gain, 11.0 * len(fitted), probability, 0.4 * gain, remainder)
 
 
 RANKING = {
@@ -84,19 +84,19 @@ RANKING = {
 GAP = {"no_gap": (1.03, None), "explained": (38.2, 1.12), "ambiguous": (38.2, 1.6), "unknown_effect": (38.2, 16.6)}
 
 
-def places(verdict: str) -> tuple[GapPlace, ...]:
+def places(verdict: str) -> tuple[Excess, ...]:
     """A gap at low frequencies and at reversals; where there is none, nothing significant."""
     found = verdict != "no_gap"
     shares = [0.61, 0.25, 0.1, 0.04, 0.0, 0.0]
     by_band = [
-        GapPlace(
+        Excess(
             signal="position", joint="motor_1", band_hz=band, regime="all", share=share if found else 1 / 6,
             p_value=0.0004 if found and share > 0.03 else 0.62,
         )
         for band, share in zip(BANDS, shares, strict=True)
     ]  # fmt: skip
     by_regime = [
-        GapPlace(
+        Excess(
             signal="position", joint="motor_1", band_hz=(0.0, 1e9), regime=regime, share=share if found else 0.2,
             p_value=0.0004 if found and share > 0.1 else 0.81,
         )

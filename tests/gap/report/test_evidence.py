@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.gap.report.evidence import EvidenceSection, speaks_against, speaks_for
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import Place
+from flexros.gap.schema import EffectLocation
 
 Diagnosed = Callable[[str], DiagnosisResult]
 
@@ -50,7 +50,7 @@ def test_a_rival_is_told_how_far_it_is_behind_and_what_it_leaves(diagnosed: Diag
 
 def test_effects_of_a_pair_are_judged_together(diagnosed: Diagnosed) -> None:
     result = diagnosed("explained")
-    backlash = Place(effect="backlash", location="motor_1")
+    backlash = EffectLocation(effect="backlash", location="motor_1")
     first = replace(result.ranking[0], beside=(backlash,))
     pair = replace(result, ranking=(first, *result.ranking[1:]))
     assert any(text.startswith("Together with backlash at motor_1 it raises") for text in speaks_for(first, pair))

@@ -13,7 +13,7 @@ from flexros.gap.report.evidence import EvidenceSection
 from flexros.gap.report.signature_pictures import signature_pictures
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture
-from flexros.gap.signatures.signature_data import Evidence
+from flexros.gap.signatures.signature_data import SignatureData
 from flexros.prediction.observer import observer_gain
 
 Changed = Callable[..., DiagnosisResult]
@@ -25,7 +25,7 @@ class Speed(AbstractSignature):
     name: ClassVar[str] = "speed"
     effects: ClassVar[tuple[str, ...]] = ("coulomb_friction", "hysteresis")
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         assert evidence.robot.name == "four_mass_linear"
         curve = Curve(np.array([-1.0, 0.0, 1.0]), np.array([-0.2, np.nan, 0.2]))
         told = {
@@ -43,7 +43,7 @@ class Absent(Speed):
 
     name: ClassVar[str] = "absent"
 
-    def picture(self, evidence: Evidence, location: str) -> Picture | None:
+    def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         return None
 
 
@@ -59,7 +59,7 @@ def result(changed: Changed, monkeypatch: pytest.MonkeyPatch) -> DiagnosisResult
     monkeypatch.setattr(module, "pictures_for", lambda effect: (Absent, Speed, Time))
     known = changed("explained")
     observer = observer_gain(known.robot, 5e-4, 1e-3, known.robot.encoder_noise)
-    return changed("explained", evidence=Evidence(known.robot, known.record, observer, known.before.fit))
+    return changed("explained", evidence=SignatureData(known.robot, known.record, observer, known.before.fit))
 
 
 def test_curves_are_drawn_as_they_ask(result: DiagnosisResult) -> None:

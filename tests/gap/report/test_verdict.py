@@ -7,7 +7,7 @@ from collections.abc import Callable
 from flexros.gap.report.terminal import gap_line
 from flexros.gap.report.verdict import told_causes, verdict_sentence
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.schema import Place
+from flexros.gap.schema import EffectLocation
 
 Diagnosed = Callable[[str], DiagnosisResult]
 
@@ -58,7 +58,7 @@ def test_a_repair_that_makes_it_worse_is_told_so(diagnosed: Diagnosed) -> None:
 
 def test_of_many_rivals_the_most_probable_are_told(diagnosed: Diagnosed) -> None:
     diagnosis = diagnosed("ambiguous").diagnosis
-    others = tuple(Place(effect=name, location="motor_1") for name in ("torque_bias", "actuator_lag", "delay"))
+    others = tuple(EffectLocation(effect=name, location="motor_1") for name in ("torque_bias", "actuator_lag", "delay"))
     many = diagnosis.model_copy(update={"ambiguity_groups": ((*others, *diagnosis.ambiguity_groups[0]),)})
     text = verdict_sentence(many)
     assert (

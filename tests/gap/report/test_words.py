@@ -17,7 +17,7 @@ from flexros.gap.report.words import (
     share_words,
     where_words,
 )
-from flexros.gap.schema import Cause, CauseParameter, GapPlace
+from flexros.gap.schema import Cause, CauseParameter, Excess
 
 
 def parameter(value: float, std: float, unit: str) -> CauseParameter:
@@ -72,9 +72,7 @@ def test_bands_without_an_end() -> None:
 
 
 def test_places_of_the_gap() -> None:
-    place = GapPlace(
-        signal="position", joint="motor_1", band_hz=(0.0, 8.0), regime="low speed", share=0.5, p_value=0.01
-    )
+    place = Excess(signal="position", joint="motor_1", band_hz=(0.0, 8.0), regime="low speed", share=0.5, p_value=0.01)
     assert where_words(place) == "motor_1, below 8 Hz, at low speed: 50 % of the excess"
 
 

@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 from flexros.effects import RobotWithEffects
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.settings import DiagnosisSettings
-from flexros.record.record import GapRecord, ToolRecord
+from flexros.record.record import Record, ToolRecord
 from tests.gap.diagnosis_logs import MODEL, ROBOT, data_of, numbers, predictor_of, record_of, suspects_of
 
 
@@ -89,7 +89,7 @@ def test_a_log_that_begins_in_motion_starts_with_its_state() -> None:
     """Errors of a guess of the state would last for seconds."""
     record = record_of(length=10.0)
     fast = int(np.argmax(np.abs(np.gradient(record.position[: record.n_samples // 2, 0]))))
-    part: GapRecord = record.part(fast, record.n_samples)
+    part: Record = record.part(fast, record.n_samples)
     data = fit_data(part, MODEL, DiagnosisSettings())
     residual = data.residuals(predictor_of(), np.zeros((0, 1)))[:, 0]
     assert data.record.n_samples < part.n_samples

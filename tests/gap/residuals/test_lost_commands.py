@@ -11,17 +11,17 @@ from flexros.arrays import BoolArray
 from flexros.errors import InputError
 from flexros.gap.residuals.fit_data import FitData, fit_data
 from flexros.gap.settings import DiagnosisSettings
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from tests.gap.diagnosis_logs import MODEL, data_of, predictor_of, record_of
 
 
-def held_over(record: GapRecord, late: BoolArray, *, known: bool = True) -> GapRecord:
+def held_over(record: Record, late: BoolArray, *, known: bool = True) -> Record:
     """Put the command before in place of those that are late."""
     last = np.maximum.accumulate(np.where(late, 0, np.arange(record.n_samples)))
     return replace(record, torque=record.torque[last], late=late, valid=record.valid & (known | ~late))
 
 
-def data(record: GapRecord) -> FitData:
+def data(record: Record) -> FitData:
     return fit_data(record, MODEL, DiagnosisSettings())
 
 
@@ -30,7 +30,7 @@ def level(found: FitData) -> float:
     return float(residual @ residual) / found.n_values
 
 
-def burst(record: GapRecord, length: int) -> BoolArray:
+def burst(record: Record, length: int) -> BoolArray:
     """Commands that are missing in the middle of the fastest motion."""
     middle = int(np.argmax(np.abs(np.gradient(record.torque[: record.n_samples // 2, 0]))))
     return np.abs(np.arange(record.n_samples) - middle) < length / 2

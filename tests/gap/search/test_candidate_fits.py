@@ -10,7 +10,7 @@ import pytest
 from flexros.effects import effects
 from flexros.effects.kinds.tool_error import AbstractToolError
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import Fit
+from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.forward_selection import unique
 from tests.gap.diagnosis_logs import data_of, predictor_of, search_of, suspects_of
@@ -19,7 +19,7 @@ FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.
 SOME = ("coulomb_friction@motor_1", "stiffness_error@body_2.rz", "motor_inertia_error@motor_1", "torque_bias@motor_1")
 
 
-def names(found: list[Fit]) -> list[str]:
+def names(found: list[CandidateFit]) -> list[str]:
     return [" + ".join(suspect.name for suspect in one.predictor.hypothesis) for one in found]
 
 
@@ -97,9 +97,9 @@ def test_progress_of_each_stage_ends_with_all_of_it() -> None:
 def test_of_one_set_of_effects_the_best_fit_is_kept() -> None:
     friction, soft = (suspects_of()[name] for name in SOME[:2])
 
-    def fitted(chi2: float, *hypothesis: str) -> Fit:
+    def fitted(chi2: float, *hypothesis: str) -> CandidateFit:
         predictor = predictor_of(*(suspects_of()[name] for name in hypothesis))
-        return Fit(predictor, np.zeros(predictor.n_fitted), chi2)
+        return CandidateFit(predictor, np.zeros(predictor.n_fitted), chi2)
 
     fits = [fitted(3.0, friction.name, soft.name), fitted(1.0, soft.name, friction.name), fitted(2.0, soft.name)]
     assert unique(fits) == [fits[1], fits[2]]

@@ -8,43 +8,43 @@ import numpy as np
 import pytest
 
 from flexros.effects import effects
-from flexros.gap.candidates.candidate import Suspect
-from flexros.gap.fit.least_squares import Fit, starts_of
+from flexros.gap.candidates.candidate import Candidate
+from flexros.gap.fit.least_squares import CandidateFit, starts_of
 from flexros.gap.prediction.predictor import LANES
 from flexros.gap.search.harmonic_candidates import ENTRIES, VALLEYS, other_orders, periodic_suspects
 from tests.gap.diagnosis_logs import ROBOT, predictor_of, record_of, search_of, suspects_of
 
 
-def found_in(*effect: str) -> list[Suspect]:
+def found_in(*effect: str) -> list[Candidate]:
     search = search_of(*effect)
     nothing = search.nothing()
     return list(periodic_suspects(ROBOT, search.data, search.residual(nothing), search.states(nothing)))
 
 
 @pytest.fixture(scope="module")
-def of_ripple() -> list[Suspect]:
+def of_ripple() -> list[Candidate]:
     return found_in("torque_ripple@motor_1:amplitude=0.02,order=6,phase=0.5")
 
 
-def test_every_effect_whose_order_is_sought_is_listed_at_every_motor(of_ripple: list[Suspect]) -> None:
+def test_every_effect_whose_order_is_sought_is_listed_at_every_motor(of_ripple: list[Candidate]) -> None:
     assert {name for name, one in effects().items() if "order" in one.ranges} == {name for name, *_ in ENTRIES}
     assert [(one.effect.name, one.fixed) for one in of_ripple] == [(name, fixed) for name, _, fixed in ENTRIES]
     assert {one.location for one in of_ripple} == {"motor_1"}
 
 
-def test_ripples_are_constant_or_in_proportion_to_the_torque(of_ripple: list[Suspect]) -> None:
+def test_ripples_are_constant_or_in_proportion_to_the_torque(of_ripple: list[Candidate]) -> None:
     kinds = [one.fixed for one in of_ripple if one.effect.name == "torque_ripple"]
     assert sorted(kinds) == [(), (("proportional", True),)]
 
 
-def test_the_best_order_of_one_effect_is_tried_with_the_others(of_ripple: list[Suspect]) -> None:
+def test_the_best_order_of_one_effect_is_tried_with_the_others(of_ripple: list[Candidate]) -> None:
     """Linear theory ranks the orders of a nonlinear robot otherwise for every place where a wave may enter."""
     orders = [next(free.starts for free in one.free if free.name == "order") for one in of_ripple]
     assert all(orders[0][0] in others for others in orders)
     assert {len(others) for others in orders} == {LANES}
 
 
-def test_the_wave_that_is_there_starts_with_its_numbers(of_ripple: list[Suspect]) -> None:
+def test_the_wave_that_is_there_starts_with_its_numbers(of_ripple: list[Candidate]) -> None:
     (ripple,) = (one for one in of_ripple if one.effect.name == "torque_ripple" and not one.fixed)
     start = {one.name: one.starts[0] for one in ripple.free}
     assert start["order"] == pytest.approx(6, rel=0.02)
@@ -52,12 +52,12 @@ def test_the_wave_that_is_there_starts_with_its_numbers(of_ripple: list[Suspect]
     assert starts_of(predictor_of(ripple)).shape == (3, len(ripple.free[0].starts))
 
 
-def test_other_orders_are_tried_with_the_same_wave_in_the_middle_or_its_opposite(of_ripple: list[Suspect]) -> None:
+def test_other_orders_are_tried_with_the_same_wave_in_the_middle_or_its_opposite(of_ripple: list[Candidate]) -> None:
     (ripple,) = (one for one in of_ripple if one.effect.name == "torque_ripple" and not one.fixed)
     friction = suspects_of()["coulomb_friction@motor_1"]
     predictor, record = predictor_of(friction, ripple), record_of()
     theta = np.array([0.0, *(one.encode(one.starts[0]) for one in ripple.free)])
-    found = other_orders(Fit(predictor, theta, 1.0), record)
+    found = other_orders(CandidateFit(predictor, theta, 1.0), record)
     first, middle = predictor.values(theta)[1], float(np.mean(record.position))
     assert found.shape == (4, 2 * len(VALLEYS))
     for start in found.T:
@@ -66,7 +66,7 @@ def test_other_orders_are_tried_with_the_same_wave_in_the_middle_or_its_opposite
         turned = (other["order"] - first["order"]) * middle + other["phase"] - first["phase"]
         assert np.sin(turned) == pytest.approx(0.0, abs=1e-9)
         assert 0 < abs(other["order"] - first["order"]) * np.ptp(record.position) < 9 * np.pi
-    assert other_orders(Fit(predictor_of(friction), theta[:1], 1.0), record).shape == (1, 0)
+    assert other_orders(CandidateFit(predictor_of(friction), theta[:1], 1.0), record).shape == (1, 0)
 
 
 def test_a_fit_at_a_neighbouring_order_finds_the_true_one() -> None:

@@ -7,10 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.gap.candidates.candidate import Suspect
+from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import Fit
-from flexros.gap.search.model_probability import FORM_ELSEWHERE, Contrast, Evidence, contrast_of, form_error, is_plain
+from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.search.model_probability import (
+    FORM_ELSEWHERE,
+    Contrast,
+    ModelComparison,
+    contrast_of,
+    form_error,
+    is_plain,
+)
 from tests.gap.diagnosis_logs import predictor_of, suspects_of
 
 N = 20_000
@@ -19,15 +26,15 @@ COULOMB, STRIBECK, STIFFNESS = (
 )  # fmt: skip
 
 
-def fitted(level: float, *names: str) -> Fit:
+def fitted(level: float, *names: str) -> CandidateFit:
     """A fit that leaves a mean squared weighted error."""
     hypothesis = tuple(suspects_of()[name] for name in names)
     predictor = predictor_of(*hypothesis)
-    return Fit(predictor, np.zeros(predictor.n_fitted), level * N)
+    return CandidateFit(predictor, np.zeros(predictor.n_fitted), level * N)
 
 
-def evidence(nothing: float, *fits: Fit, floor_error: float = 0.0) -> Evidence:
-    return Evidence(fitted(nothing), fits, N, floor_error)
+def evidence(nothing: float, *fits: CandidateFit, floor_error: float = 0.0) -> ModelComparison:
+    return ModelComparison(fitted(nothing), fits, N, floor_error)
 
 
 def test_probabilities_add_up_and_follow_the_sums_of_squares() -> None:
@@ -75,7 +82,7 @@ def test_of_plain_effects_that_do_nearly_the_same_what_parts_them_decides() -> N
 
 
 def test_the_distance_is_asked_for_only_where_it_decides() -> None:
-    def distance(*_: Fit) -> float:
+    def distance(*_: CandidateFit) -> float:
         raise AssertionError("two predictions for nothing")
 
     same, far = fitted(1.0 + 0.1 / N, "actuator_lag@motor_1"), fitted(2.0, "actuator_lag@motor_1")
@@ -192,7 +199,7 @@ def test_what_leaves_too_much_is_behind_what_does_not_though_it_has_fewer_number
 
 
 def test_numbers_of_the_model_are_plain_and_laws_are_not() -> None:
-    def one(name: str) -> Suspect:
+    def one(name: str) -> Candidate:
         return suspects_of()[name]
 
     assert all(is_plain(one(name)) for name in (STIFFNESS, "motor_inertia_error@motor_1", "payload_error@tool"))
@@ -202,7 +209,7 @@ def test_numbers_of_the_model_are_plain_and_laws_are_not() -> None:
 def test_tolerances_are_strained_beyond_what_chance_makes_of_as_many() -> None:
     names = ("body_1.rz.stiffness", "body_2.rz.stiffness", "body_3.rz.stiffness")
     predictor = predictor_of(tolerance=Tolerance(names, (0.03, 0.03, 0.03)))
-    near, far = (Fit(predictor, np.array(theta), 1.0 * N) for theta in ([1.0, -2.0, 1.5], [0.5, 4.5, 0.0]))
+    near, far = (CandidateFit(predictor, np.array(theta), 1.0 * N) for theta in ([1.0, -2.0, 1.5], [0.5, 4.5, 0.0]))
     assert near.price == pytest.approx(7.25)
     assert not evidence(1.0).strained(near)
     assert evidence(1.0).strained(far)

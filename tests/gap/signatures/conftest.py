@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
-from flexros.gap.signatures.signature_data import Evidence
+from flexros.gap.signatures.signature_data import SignatureData
 from flexros.robot import load_robot
 from tests.oracles.linear_gap import LinearLog, Torque, linear_log, nothing
 
@@ -27,8 +27,8 @@ def axis(missing: Torque) -> LinearLog:
     return linear_log(robot, swing(16000, robot.sample_time, 12.0, 0.4), (10.0, 0.8), missing)
 
 
-def evidence_of(log: LinearLog, repaired: LinearLog) -> Evidence:
-    return Evidence(log.robot, log.record, log.observer, log.prediction, repaired.prediction, log.robot)
+def evidence_of(log: LinearLog, repaired: LinearLog) -> SignatureData:
+    return SignatureData(log.robot, log.record, log.observer, log.prediction, repaired.prediction, log.robot)
 
 
 @pytest.fixture(scope="session")
@@ -37,7 +37,7 @@ def no_gap() -> LinearLog:
 
 
 @pytest.fixture(scope="session")
-def friction(no_gap: LinearLog) -> Evidence:
+def friction(no_gap: LinearLog) -> SignatureData:
     """Coulomb friction of 0.3 Nm."""
 
     def torque(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
@@ -48,7 +48,7 @@ def friction(no_gap: LinearLog) -> Evidence:
 
 
 @pytest.fixture(scope="session")
-def ripple(no_gap: LinearLog) -> Evidence:
+def ripple(no_gap: LinearLog) -> SignatureData:
     """Cogging of order 6 and 0.1 Nm."""
 
     def torque(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
@@ -59,7 +59,7 @@ def ripple(no_gap: LinearLog) -> Evidence:
 
 
 @pytest.fixture(scope="session")
-def late(no_gap: LinearLog) -> Evidence:
+def late(no_gap: LinearLog) -> SignatureData:
     """Commands that act two samples late."""
     line = [np.zeros(1)] * 2
 
@@ -72,7 +72,7 @@ def late(no_gap: LinearLog) -> Evidence:
 
 
 @pytest.fixture(scope="session")
-def weak(no_gap: LinearLog) -> Evidence:
+def weak(no_gap: LinearLog) -> SignatureData:
     """Torques that are 10 % too small."""
 
     def torque(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
@@ -82,7 +82,7 @@ def weak(no_gap: LinearLog) -> Evidence:
     return evidence_of(axis(torque), no_gap)
 
 
-def with_gear(part: Callable[[float], float], no_gap: LinearLog) -> Evidence:
+def with_gear(part: Callable[[float], float], no_gap: LinearLog) -> SignatureData:
     """Let the gear transmit k_1 times a part of its torsion."""
     robot = load_robot("four_mass_linear")
     time = robot.sample_time * np.arange(16000)
@@ -94,12 +94,12 @@ def with_gear(part: Callable[[float], float], no_gap: LinearLog) -> Evidence:
 
 
 @pytest.fixture(scope="session")
-def softer_gear(no_gap: LinearLog) -> Evidence:
+def softer_gear(no_gap: LinearLog) -> SignatureData:
     """A gear of 80 Nm/rad instead of 100."""
     return with_gear(lambda torsion: 0.8 * torsion, no_gap)
 
 
 @pytest.fixture(scope="session")
-def loose_gear(no_gap: LinearLog) -> Evidence:
+def loose_gear(no_gap: LinearLog) -> SignatureData:
     """A gear with a gap of 0.01 rad."""
     return with_gear(lambda torsion: torsion - min(max(torsion, -0.005), 0.005), no_gap)

@@ -7,7 +7,7 @@ import pytest
 
 from flexros.effects import effects
 from flexros.gap.signatures.base import MOST_POINTS, binned, pictures_for, signatures, thinned
-from flexros.gap.signatures.signature_data import Evidence
+from flexros.gap.signatures.signature_data import SignatureData
 
 CONTRACT = [
     "viscous_friction",
@@ -56,7 +56,7 @@ def test_the_clearest_picture_comes_first() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(signatures()))
-def test_pictures_are_small_and_described(name: str, friction: Evidence) -> None:
+def test_pictures_are_small_and_described(name: str, friction: SignatureData) -> None:
     picture = signatures()[name]().picture(friction, "motor_1")
     if name in ("tool_error", "detection_lines"):
         assert picture is None  # the tool was not measured, and no part of the log is periodic

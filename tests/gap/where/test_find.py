@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.gap.result import Prediction
+from flexros.gap.result import PredictedLog
 from flexros.gap.where.find import where
 from flexros.gap.where.floor import of_predictor
 from flexros.gap.where.settings import WhereSettings
@@ -54,7 +54,7 @@ def test_nothing_is_told_without_a_gap(elbow_without_gap: LinearLog) -> None:
 
 def test_level_of_the_noise_makes_no_gap(elbow_without_gap: LinearLog) -> None:
     log = elbow_without_gap
-    louder = Prediction(3 * log.prediction.innovations, log.prediction.sd, log.prediction.states)
+    louder = PredictedLog(3 * log.prediction.innovations, log.prediction.sd, log.prediction.states)
     assert where(louder, log.record, log.robot, 1, spectrum=of_predictor(log.observer), settings=FEW).places == ()
     known = WhereSettings(realisations=60, floor="predicted")
     assert where(louder, log.record, log.robot, 1, spectrum=of_predictor(log.observer), settings=known).places != ()
@@ -70,7 +70,7 @@ def test_false_alarms_stay_within_their_size(elbow_without_gap: LinearLog) -> No
     short = WhereSettings(realisations=30, orders=20)
     alarms = 0
     for seed in range(15):
-        noise = Prediction(random.standard_normal((3000, 2)), np.ones(2), states[4000:7000])
+        noise = PredictedLog(random.standard_normal((3000, 2)), np.ones(2), states[4000:7000])
         alarms += where(noise, record, log.robot, seed, settings=short).p_value <= 0.05
     assert alarms <= 3
 
@@ -80,7 +80,7 @@ def test_missing_samples_make_no_gap(elbow_without_gap: LinearLog) -> None:
     valid = np.ones(log.record.n_samples, dtype=bool)
     valid[2000:2600] = False
     errors = np.where(valid[:, None], log.prediction.innovations, 0.0)
-    prediction = Prediction(errors, log.prediction.sd, log.prediction.states)
+    prediction = PredictedLog(errors, log.prediction.sd, log.prediction.states)
     found = where(prediction, replace(log.record, valid=valid), log.robot, 1, settings=FEW)
     assert found.places == ()
 
@@ -126,16 +126,16 @@ def test_short_slow_logs_are_looked_at_without_states(samples: int, elbow_withou
     log = elbow_without_gap
     record = replace(log.record.part(0, samples), sample_time=0.01)
     noise = np.random.default_rng(4).standard_normal((samples, 2))
-    assert where(Prediction(noise, np.ones(2)), record, log.robot, 1, settings=FEW).places == ()
+    assert where(PredictedLog(noise, np.ones(2)), record, log.robot, 1, settings=FEW).places == ()
     noise[samples // 2 :, 1] += 5.0
-    assert where(Prediction(noise, np.ones(2)), record, log.robot, 1, settings=FEW).places[0].joint == "motor_2"
+    assert where(PredictedLog(noise, np.ones(2)), record, log.robot, 1, settings=FEW).places[0].joint == "motor_2"
 
 
 def test_diverged_predictions_are_left_out(elbow_without_gap: LinearLog) -> None:
     log = elbow_without_gap
     errors = log.prediction.innovations.copy()
     errors[9000:] = np.nan
-    found = where(Prediction(errors, log.prediction.sd), log.record, log.robot, 1, settings=FEW)
+    found = where(PredictedLog(errors, log.prediction.sd), log.record, log.robot, 1, settings=FEW)
     assert np.all(np.isfinite(found.excess))
     errors[:] = np.nan
-    assert where(Prediction(errors, log.prediction.sd), log.record, log.robot, 1, settings=FEW).looked == ()
+    assert where(PredictedLog(errors, log.prediction.sd), log.record, log.robot, 1, settings=FEW).looked == ()

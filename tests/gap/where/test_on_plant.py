@@ -8,14 +8,14 @@ import pytest
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.result import Prediction
-from flexros.gap.signatures.signature_data import Evidence
+from flexros.gap.result import PredictedLog
+from flexros.gap.signatures.signature_data import SignatureData
 from flexros.gap.signatures.torque_over_speed import TorqueOverSpeed
 from flexros.gap.signatures.torsion_over_torque import TorsionOverTorque
 from flexros.gap.where.find import where
 from flexros.gap.where.settings import WhereSettings
 from flexros.prediction.observer import observer_gain
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import Robot, load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
@@ -29,7 +29,7 @@ def elbow() -> Robot:
     return load_robot("elbow")
 
 
-def evidence(robot: Robot, *effects: str) -> Evidence:
+def evidence(robot: Robot, *effects: str) -> SignatureData:
     """Run the diagnosis experiment on a robot with effects and predict it without."""
     settings = {"robot": robot.name, "plant.effects": list(effects), "diagnosis.length": 12, "seed": 7}
     experiment = Experiment.prepare(load_scenario("diagnosis").with_values(settings))
@@ -37,14 +37,16 @@ def evidence(robot: Robot, *effects: str) -> Evidence:
     position, torque = log.joint_states.position, log.joint_commands.effort
     assert position is not None
     assert torque is not None
-    record = GapRecord("test", robot.sample_time, position, torque, np.ones(len(position), dtype=bool))
+    record = Record("test", robot.sample_time, position, torque, np.ones(len(position), dtype=bool))
     observer = observer_gain(robot, robot.sample_time, 2e-3, robot.encoder_noise, experiment.start)
     predictor = Predictor(RobotWithEffects(robot, ()), (), Tolerance(), robot.sample_time)
     start = robot.equilibrium(experiment.start, motor_position=position[0])
     found = predictor.predict(np.zeros((0, 1)), record, observer, start, record_states=True)
     assert found.states is not None
     states = found.states[:, : 2 * robot.n_coordinates, 0]
-    return Evidence(robot, record, observer, Prediction(found.innovation[:, :, 0], observer.spread, states, 1000))
+    return SignatureData(
+        robot, record, observer, PredictedLog(found.innovation[:, :, 0], observer.spread, states, 1000)
+    )
 
 
 def test_no_place_of_a_nominal_robot_is_told(elbow: Robot) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.gap.signatures.detection_lines import DetectionLines
-from flexros.gap.signatures.signature_data import Evidence
+from flexros.gap.signatures.signature_data import SignatureData
 from flexros.gap.where.find import where
 from flexros.gap.where.periodic import line_levels, periodic_places
 from flexros.gap.where.settings import WhereSettings
@@ -97,9 +97,11 @@ def test_multisines_of_a_diagnosis_experiment_are_found_where_they_repeat() -> N
 
 def test_picture_shows_the_lines() -> None:
     log = shaken(cubic)
-    assert DetectionLines().picture(Evidence(log.robot, log.record, log.observer, log.prediction), "motor_1") is None
+    assert (
+        DetectionLines().picture(SignatureData(log.robot, log.record, log.observer, log.prediction), "motor_1") is None
+    )
     record = replace(log.record, parts=(PART,))
-    found = DetectionLines().picture(Evidence(log.robot, record, log.observer, log.prediction), "motor_1")
+    found = DetectionLines().picture(SignatureData(log.robot, record, log.observer, log.prediction), "motor_1")
     assert found is not None
     assert found.series["odd detection lines"].y.max() > 5
     assert found.series["even detection lines"].y.max() < 5

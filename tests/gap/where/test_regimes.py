@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexros.gap.where.motion import Motion
+from flexros.gap.where.motion import MotorMotion
 from flexros.gap.where.regimes import FAMILIES, around, regimes
 
 T = 1e-3
 
 
-def moved(speed: np.ndarray) -> Motion:
+def moved(speed: np.ndarray) -> MotorMotion:
     column = speed[:, None]
     none = np.full_like(column, np.nan)
-    return Motion(column, column, np.gradient(column, axis=0), column, np.abs(column), none, none)
+    return MotorMotion(column, column, np.gradient(column, axis=0), column, np.abs(column), none, none)
 
 
 def test_reversal_is_where_the_speed_changes_its_sign() -> None:

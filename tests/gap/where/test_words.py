@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros.gap.schema import GapPlace
+from flexros.gap.schema import Excess
 from flexros.gap.where.words import sentence
 
 
@@ -18,19 +18,19 @@ from flexros.gap.where.words import sentence
     ],
 )
 def test_sentence(band: tuple[float, float], regime: str, words: str) -> None:
-    place = GapPlace(signal="position", joint="motor_2", band_hz=band, regime=regime, share=0.63, p_value=0.01)
+    place = Excess(signal="position", joint="motor_2", band_hz=band, regime=regime, share=0.63, p_value=0.01)
     assert sentence(place, 5e-4) == words
 
 
 def test_sudden_changes_are_called_so() -> None:
-    place = GapPlace(
+    place = Excess(
         signal="sudden position change", joint="motor_1", band_hz=(0, 1000), regime="reversal", share=0.5, p_value=0.01
     )
     assert sentence(place, 5e-4) == "motor_1, at reversals: 50 % of the sudden changes"
 
 
 def test_lines_of_a_multisine_are_named() -> None:
-    place = GapPlace(
+    place = Excess(
         signal="odd detection lines", joint="motor_1", band_hz=(1, 30), regime="multisine 2", share=0.5, p_value=0.01
     )
     words = "motor_1, 1 to 30 Hz, at multisine 2: 50 % of the excess of the multisines, at odd detection lines"

@@ -12,7 +12,7 @@ import pytest
 from flexros.record.checks.base import Finding
 from flexros.record.checks.run import findings
 from flexros.record.read import read_record
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 from flexros.robot import Robot, load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
@@ -27,7 +27,7 @@ def robot_named(name: str) -> Robot:
 
 
 @cache
-def healthy_record(name: str, effects: tuple[str, ...] = ()) -> GapRecord:
+def healthy_record(name: str, effects: tuple[str, ...] = ()) -> Record:
     """Record of the diagnosis experiment of a robot, shortened; with effects in the plant where they are given."""
     scenario = load_scenario("diagnosis").with_values({"robot": name, "diagnosis.length": LENGTH}, "test")
     if effects:
@@ -37,13 +37,13 @@ def healthy_record(name: str, effects: tuple[str, ...] = ()) -> GapRecord:
 
 
 @pytest.fixture(name="healthy", scope="session")
-def healthy_fixture() -> Callable[..., GapRecord]:
+def healthy_fixture() -> Callable[..., Record]:
     return healthy_record
 
 
 @pytest.fixture(name="found", scope="session")
 def found_fixture() -> Callable[..., tuple[Finding, ...]]:
-    def found(name: str, record: GapRecord | None = None, **changes: object) -> tuple[Finding, ...]:
+    def found(name: str, record: Record | None = None, **changes: object) -> tuple[Finding, ...]:
         """Findings of the checks in a record, by default the healthy one of a robot with changed signals."""
         base = healthy_record(name) if record is None else record
         return findings(replace(base, **changes), robot_named(name))

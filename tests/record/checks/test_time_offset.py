@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.record.record import GapRecord
+from flexros.record.record import Record
 
 
-def late(record: GapRecord, samples: int) -> GapRecord:
+def late(record: Record, samples: int) -> Record:
     """Stamp the torques later by some samples."""
     n = record.n_samples
     return replace(

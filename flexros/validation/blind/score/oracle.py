@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from flexros.gap.candidates.candidate import Suspect
+    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.search.candidate_fits import Search
     from flexros.validation.blind.seal import OpenCase, Truth
 
@@ -60,7 +60,7 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     return None if share is None else share.value
 
 
-def _true(search: Search, among: Sequence[Suspect], truth: Truth) -> list[Suspect]:
+def _true(search: Search, among: Sequence[Candidate], truth: Truth) -> list[Candidate]:
     """List the true effect at its place, and the simpler ones there from which its fit starts."""
     hidden, name = truth.deviations[0], search.model.robot.name
     here = [one for one in among if same_place(name, hidden.location, one.location)]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.identify.graybox.covariance import parameter_covariance
-from flexros.identify.graybox.fit import Fit, fit
+from flexros.identify.graybox.fit import GrayBoxFit, fit
 from flexros.identify.graybox.identifiability import identifiability
 from flexros.identify.graybox.multistart import best
 from flexros.identify.graybox.problem import GrayBoxProblem, graybox_problem
@@ -112,7 +112,7 @@ def repetition_estimates(
     return rows
 
 
-def _row(problem: GrayBoxProblem, found: Fit) -> dict[str, Any]:
+def _row(problem: GrayBoxProblem, found: GrayBoxFit) -> dict[str, Any]:
     covariance = parameter_covariance(problem, found)
     judged = identifiability(problem, found, covariance)
     return {

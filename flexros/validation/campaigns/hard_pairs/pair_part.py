@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from flexros.effects import RobotWithEffects
     from flexros.gap.schema import Diagnosis
-    from flexros.record.record import GapRecord
+    from flexros.record.record import Record
     from flexros.validation.campaigns.hard_pairs.settings import HardPairsSettings
 
 VALUES = "model.values."
@@ -77,7 +77,7 @@ def _second(command: str, truth: str) -> dict[str, Any]:
     return _answer(found)
 
 
-def _record(keys: Mapping[str, Any], truth: str) -> GapRecord:
+def _record(keys: Mapping[str, Any], truth: str) -> Record:
     scenario = load_scenario("diagnosis").with_values({**keys, "plant.effects": [truth]})
     experiment = Experiment.prepare(scenario)
     nominal: RobotWithEffects = load_model(scenario.robot)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.identify.graybox.covariance import parameter_covariance
-from flexros.identify.graybox.fit import Fit, FitSettings, fit
+from flexros.identify.graybox.fit import FitSettings, GrayBoxFit, fit
 from flexros.identify.graybox.multistart import multistart, random_starts
 from flexros.identify.graybox.problem import GrayBoxProblem, graybox_problem
 from flexros.identify.graybox.refine import refine
@@ -74,9 +74,9 @@ class Study:
 
     problem: GrayBoxProblem
     runs: dict[str, EstimatorRun]
-    best: Fit
+    best: GrayBoxFit
     single: int
-    refined: Fit
+    refined: GrayBoxFit
     theory: FloatArray
     corrected: FloatArray
     spread: FloatArray

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.identify.graybox.fit import Fit, fit
+from flexros.identify.graybox.fit import GrayBoxFit, fit
 from flexros.identify.graybox.response_noise import response_noise
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.problem import GrayBoxProblem
 
 
-def estimated_spread(problem: GrayBoxProblem, found: Fit, number: int, seed: int) -> FloatArray:
+def estimated_spread(problem: GrayBoxProblem, found: GrayBoxFit, number: int, seed: int) -> FloatArray:
     """Fit responses of the fitted model plus noise of the measured covariance, drawn anew each time.
 
     Args:
