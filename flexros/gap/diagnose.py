@@ -11,8 +11,8 @@ from flexros.errors import InputError
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import Findings
 from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.held_out.predictions import tool_errors
 from flexros.gap.noise.weights import measurement_in
-from flexros.gap.prediction.predicted_log import tool_errors
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.candidate_fits import Search

@@ -10,28 +10,11 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray
     from flexros.effects.kinds.base import PlacedEffect
+    from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.schema import CauseParameter, Diagnosis, EffectLocation, Excess
     from flexros.gap.signatures.signature_data import SignatureData
     from flexros.record.record import Record
     from flexros.robot import Robot
-
-
-@dataclass(frozen=True, eq=False)
-class PredictedLog:
-    """What a predictor with a fixed gain made of a log, sample by sample.
-
-    Attributes:
-        innovations: Measured minus predicted motor positions [rad or m], shape (n, M).
-        sd: Standard deviation of the innovations where nothing is missing in the model [rad or m], shape (M,).
-        states: Filtered states of the model [SI], arm and motor coordinates, then their rates, shape (n, 2 (N + M));
-            None where they were not kept.
-        first: First sample that counts; before it the unknown start decays.
-    """
-
-    innovations: FloatArray
-    sd: FloatArray
-    states: FloatArray | None = None
-    first: int = 0
 
 
 @dataclass(frozen=True, eq=False)

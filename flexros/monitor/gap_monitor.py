@@ -10,7 +10,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.monitor.alarms import Alarms, Level, MotorAlarm
-from flexros.monitor.places import Suspicion, close, places_of, suspicions
+from flexros.monitor.disturbance_location import Suspicion, close, places_of, suspicions
 from flexros.monitor.sample_stream import SampleStream
 from flexros.monitor.thresholds import FALSE_ALARMS, thresholds
 from flexros.monitor.watch import Watch

@@ -9,8 +9,8 @@ from flexros.monitor.alarms import Level
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flexros.monitor.disturbance_location import Kind, Suspicion
     from flexros.monitor.gap_monitor import MonitorReading, MotorReading
-    from flexros.monitor.places import Kind, Suspicion
     from flexros.robot import Robot
 
 CAUSES: dict[Kind, str] = {

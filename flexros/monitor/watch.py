@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.monitor.design_book import DesignBook
-from flexros.monitor.twin import ObserverModel
+from flexros.monitor.observer_model import ObserverModel
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

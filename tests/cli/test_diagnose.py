@@ -10,7 +10,8 @@ import pytest
 from flexros.effects.patching.patched_robot import load_patched
 from flexros.errors import RunError
 from flexros.gap import diagnose as diagnosis_module
-from flexros.gap.result import DiagnosisResult, Explanation, PredictedLog
+from flexros.gap.prediction.predicted_log import PredictedLog
+from flexros.gap.result import DiagnosisResult, Explanation
 from flexros.gap.schema import Diagnosis
 from flexros.gap.search import candidate_fits as search
 from flexros.logs.write_log import write_log

@@ -10,8 +10,8 @@ import pytest
 from flexros.effects.patching.patched_robot import load_model
 from flexros.errors import InputError
 from flexros.logs.time_series import Log
+from flexros.monitor.observer_model import ObserverModel
 from flexros.monitor.sample_stream import SampleStream
-from flexros.monitor.twin import ObserverModel
 from flexros.monitor.watch import Missed, Watch
 
 

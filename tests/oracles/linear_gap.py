@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from flexros.arrays import FloatArray
-from flexros.gap.result import PredictedLog
+from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.prediction.observer import ObserverGain, observer_gain
 from flexros.record.record import Record
 from flexros.robot import Robot

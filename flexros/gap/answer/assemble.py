@@ -9,8 +9,8 @@ from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.answer.decision import place_of
 from flexros.gap.answer.limits import cannot_tell
 from flexros.gap.fit.estimates import covariance_of, parameters_of, placed
+from flexros.gap.held_out.predictions import signature_evidence
 from flexros.gap.next_experiment.choose import next_experiment
-from flexros.gap.prediction.predicted_log import signature_evidence
 from flexros.gap.result import DiagnosisResult, RankedCandidate
 from flexros.gap.schema import Cause, CauseParameter, Diagnosis
 from flexros.gap.search.forward_selection import LIKELY

@@ -13,9 +13,9 @@ from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.candidates.candidate import name_of
 from flexros.gap.fit.estimates import placed
 from flexros.gap.held_out.prediction_gap import closed_fraction, errors_ahead, gap_numbers
+from flexros.gap.held_out.predictions import prediction_of
 from flexros.gap.held_out.rounding import over_expected_floor, unknown_rounding
 from flexros.gap.held_out.signal_gaps import signal_gaps
-from flexros.gap.prediction.predicted_log import prediction_of
 from flexros.gap.result import Explanation
 from flexros.gap.schema import EffectLocation
 from flexros.gap.search.forward_selection import RIVAL

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
     from flexros.arrays import FloatArray
-    from flexros.gap.result import DiagnosisResult, Explanation, PredictedLog
+    from flexros.gap.prediction.predicted_log import PredictedLog
+    from flexros.gap.result import DiagnosisResult, Explanation
     from flexros.record.record import Record
 
 _COLOURS = {"before": "#d55e00", "after": "#0072b2"}

@@ -14,7 +14,7 @@ from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
-    from flexros.gap.result import PredictedLog
+    from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.prediction.observer import ObserverGain
     from flexros.record.record import Record
     from flexros.robot import Robot

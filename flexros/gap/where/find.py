@@ -18,7 +18,7 @@ from flexros.random_streams import generator
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
-    from flexros.gap.result import PredictedLog
+    from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.schema import Excess
     from flexros.gap.where.channel import Channel
     from flexros.record.record import Record

@@ -12,7 +12,8 @@ from flexros.effects import parse_effect, place_effects
 from flexros.effects.patching.patched_robot import load_model, load_patched
 from flexros.errors import InputError
 from flexros.gap.answer.patch import patch_of, write_patch
-from flexros.gap.result import DiagnosisResult, Explanation, PredictedLog
+from flexros.gap.prediction.predicted_log import PredictedLog
+from flexros.gap.result import DiagnosisResult, Explanation
 from flexros.gap.schema import Cause, CauseParameter, Diagnosis, GapNumbers
 from flexros.record.record import Record
 from flexros.robot import load_robot

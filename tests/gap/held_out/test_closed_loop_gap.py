@@ -10,7 +10,8 @@ import pytest
 from flexros.effects import PlacedEffect, RobotWithEffects, place_effects
 from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, with_closed_loop
-from flexros.gap.result import DiagnosisResult, Explanation, PredictedLog, SignalGap
+from flexros.gap.prediction.predicted_log import PredictedLog
+from flexros.gap.result import DiagnosisResult, Explanation, SignalGap
 from flexros.logs.time_series import Log
 from flexros.record.record import Record
 from flexros.robot import load_robot

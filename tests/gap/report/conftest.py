@@ -10,7 +10,8 @@ import pytest
 
 from flexros.effects.coulomb_friction import CoulombFriction
 from flexros.effects.kinds.base import PlacedEffect
-from flexros.gap.result import DiagnosisResult, Explanation, PredictedLog, RankedCandidate, SignalGap
+from flexros.gap.prediction.predicted_log import PredictedLog
+from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate, SignalGap
 from flexros.gap.schema import CauseParameter, Diagnosis, EffectLocation, Excess
 from flexros.record.record import Record
 from flexros.robot import load_robot

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.gap.result import PredictedLog
+from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.where.find import where
 from flexros.gap.where.floor import of_predictor
 from flexros.gap.where.settings import WhereSettings

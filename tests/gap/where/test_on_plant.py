@@ -7,8 +7,8 @@ import pytest
 
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.result import PredictedLog
 from flexros.gap.signatures.signature_data import SignatureData
 from flexros.gap.signatures.torque_over_speed import TorqueOverSpeed
 from flexros.gap.signatures.torsion_over_torque import TorsionOverTorque

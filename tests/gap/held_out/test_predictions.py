@@ -7,7 +7,7 @@ import pytest
 
 from flexros.gap.fit.estimates import placed
 from flexros.gap.fit.least_squares import CandidateFit
-from flexros.gap.prediction.predicted_log import prediction_of, signature_evidence, tool_errors
+from flexros.gap.held_out.predictions import prediction_of, signature_evidence, tool_errors
 from flexros.gap.result import Explanation
 from tests.gap.diagnosis_logs import MODEL, ROBOT, data_of, numbers, predictor_of, suspects_of
 

@@ -10,8 +10,8 @@ import pytest
 
 from flexros.effects.patching.patched_robot import load_model
 from flexros.logs.time_series import Log
+from flexros.monitor.disturbance_location import DisturbanceLocation, Suspicion, close, places_of
 from flexros.monitor.gap_monitor import GapMonitor
-from flexros.monitor.places import DisturbanceLocation, Suspicion, close, places_of
 from flexros.monitor.watch import Watch
 from flexros.monitor.watch_log import watch_log
 
