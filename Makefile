@@ -4,14 +4,15 @@ BIN := .venv/bin
 # Set by the ROS 2 wheels of another virtual environment, this would keep those of .venv from finding their libraries.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help demo test lint bench fuzz campaign soak docs clean python environment
+.PHONY: help demo test test-fast lint bench fuzz campaign soak docs clean python environment
 
 help:
 	@echo "make demo    install into .venv, run the circle test over ROS 2 topics, close a gap"
 	@echo "make test    all tests"
-	@echo "make lint    style, format and types"
+	@echo "make test-fast  without ROS, guide and slow tests, below a minute"
+	@echo "make lint    style, format, types, layers"
 	@echo "make bench   speed beside a peer measured in the same run"
-	@echo "make fuzz    damaged and hostile inputs for all that reads, quarter of an hour"
+	@echo "make fuzz    fuzz every parser with damaged and hostile input (15 min)"
 	@echo "make campaign  repeated identifications, hours; goes on where it was broken off"
 	@echo "make soak    endurance and faults, two hours; goes on where it was broken off"
 	@echo "make docs    the guide as pages, in site/"
@@ -23,6 +24,10 @@ demo: environment
 test: EXTRAS = test
 test: environment
 	@$(BIN)/python -m pytest -n 2 --dist loadfile $(PYTEST_OPTIONS)
+
+test-fast: EXTRAS = test
+test-fast: environment
+	@$(BIN)/python -m pytest -n 2 --dist loadfile -m "not ros and not slow and not guide" $(PYTEST_OPTIONS)
 
 lint: EXTRAS = dev test
 lint: environment

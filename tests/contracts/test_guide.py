@@ -20,11 +20,13 @@ def pages_with(marker: str) -> list[str]:
     return [name for name, text in PAGES.items() if f"<!-- {marker} -->" in text]
 
 
+@pytest.mark.guide
 @pytest.mark.parametrize("page", pages_with(MARKER))
 def test_marked_commands_run(page: str, run_marked: Run) -> None:
     assert run_marked(PAGES[page], MARKER)
 
 
+@pytest.mark.guide
 @pytest.mark.usefixtures("ros_domain")
 @pytest.mark.parametrize("page", pages_with(MARKER_WITH_ROS))
 def test_marked_commands_run_with_ros(page: str, run_marked: Run) -> None:

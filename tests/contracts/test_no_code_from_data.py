@@ -101,9 +101,10 @@ def _is_safe(call: ast.Call) -> bool:
     return isinstance(kind, ast.Constant) and kind.value in ("safe", "rt")
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(CHECKOUT)))
-def test_module_makes_no_code_of_data(path: Path) -> None:
-    assert list(offences(path.read_text(encoding="utf-8"))) == []
+def test_no_module_makes_code_of_data() -> None:
+    found = {str(path.relative_to(CHECKOUT)): list(offences(path.read_text(encoding="utf-8"))) for path in MODULES}
+    assert len(found) > 500
+    assert {path: texts for path, texts in found.items() if texts} == {}
 
 
 @pytest.mark.parametrize(
