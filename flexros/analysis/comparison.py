@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from flexros.analysis.run_analysis import Analysis
 
 
@@ -128,23 +126,3 @@ class Comparison:
             ],
             "caveats": list(self.caveats),
         }
-
-    def table(self) -> Table:
-        """Return the table for the terminal."""
-        from rich.table import Table
-        from rich.text import Text
-
-        table = Table(box=None, pad_edge=False, header_style="bold", title="Maximum path error", title_justify="left")
-        rows = [row.texts() for row in self.rows()]
-        for place, heading in enumerate(HEADINGS):
-            # In a narrow terminal headings are broken over lines; a name or a number never is.
-            width = max((len(texts[place]) for texts in rows), default=1)
-            justify: Literal["left", "right"] = "left" if place < 2 else "right"
-            table.add_column(
-                Text(heading), justify=justify, no_wrap=place < 2, min_width=0 if place < 2 else width, overflow="fold"
-            )
-        method = ""
-        for texts in rows:
-            table.add_row(*map(Text, (texts[0] if texts[0] != method else "", *texts[1:])))
-            method = texts[0]
-        return table

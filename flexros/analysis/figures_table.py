@@ -1,4 +1,4 @@
-"""The figures of one or several runs as rows with name, unit and one column per run: for terminal and report."""
+"""Figures of one or several runs as rows with group, name, unit and one value per run."""
 
 from __future__ import annotations
 
@@ -13,8 +13,6 @@ from flexros.report.number_text import number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-
-    from rich.table import Table
 
     from flexros.analysis.corners import CornerDeviation
     from flexros.analysis.frequency_responses import LogResponses
@@ -60,33 +58,6 @@ def figure_rows(analyses: Sequence[Analysis]) -> tuple[FigureRow, ...]:
     groups = list(dict.fromkeys(group for group, _, _ in keys))
     keys.sort(key=lambda key: groups.index(key[0]))
     return tuple(FigureRow(*key, tuple(_text(column.get(key)) for column in columns)) for key in keys)
-
-
-def terminal_table(analyses: Sequence[Analysis]) -> Table:
-    """Return the figures of one or several runs as a table for the terminal.
-
-    Args:
-        analyses: The runs, one column each.
-
-    Returns:
-        The table.
-    """
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    rows = figure_rows(analyses)
-    for heading in ("", "figure", "unit"):
-        table.add_column(heading, no_wrap=heading != "figure", overflow="fold")
-    for place, analysis in enumerate(analyses):
-        # In a narrow terminal names are broken over lines; a number never is.
-        width = max((len(row.values[place]) for row in rows), default=1)
-        table.add_column(Text(analysis.label), justify="right", min_width=width, overflow="fold")
-    group = ""
-    for row in rows:
-        table.add_row(*map(Text, (row.group if row.group != group else "", row.name, row.unit, *row.values)))
-        group = row.group
-    return table
 
 
 def _text(value: float | str | None) -> str:

@@ -19,8 +19,6 @@ from flexros.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from rich.table import Table
-
     from flexros.analysis.cycles import Cycle
     from flexros.logs.time_series import Log
     from flexros.robot import Robot
@@ -72,12 +70,6 @@ class Analysis:
             "provenance": dict(self.provenance),
             "warnings": list(self.warnings),
         }
-
-    def table(self) -> Table:
-        """Return the figures as a table for the terminal."""
-        from flexros.analysis.figures_table import terminal_table
-
-        return terminal_table([self])
 
 
 def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -> Analysis:

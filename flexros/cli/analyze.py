@@ -25,8 +25,8 @@ def analyze(
 ) -> None:
     """Show path error, tracking, loop timing, and frequency responses where periodic, of recorded runs."""
     from flexros.analysis import analyse
-    from flexros.analysis.figures_table import terminal_table
     from flexros.analysis.report import write_report
+    from flexros.analysis.terminal_tables import terminal_table
     from flexros.logs.reader import read_log
 
     logs = [read_log(path, namespace=namespace or None) for path in bag]

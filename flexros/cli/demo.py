@@ -220,7 +220,9 @@ def _row(result: CaseResult) -> dict[str, Any]:
 
 
 def _print(results: list[CaseResult], comparison: Comparison, folder: Path, transport: str) -> None:
-    console.print(comparison.table())
+    from flexros.analysis.terminal_tables import comparison_table
+
+    console.print(comparison_table(comparison))
     for caveat in comparison.caveats:
         console.print(Padding(caveat, (0, 0, 0, 2)))
     if transport == "ros":

@@ -1,9 +1,6 @@
 from __future__ import annotations
 
-import io
-
 import pytest
-from rich.console import Console
 
 from flexros.analysis import analyse, circle_test
 from flexros.analysis.comparison import Comparison, MethodRun, QuotedFigure
@@ -46,14 +43,6 @@ def test_rows_of_a_method_stand_together(comparison):
     assert [row.method for row in comparison.rows()] == ["DAE", "DAE", "DAE", "PD"]
 
 
-def test_terminal_table_prints_published_reading_and_run(comparison):
-    console = Console(file=io.StringIO(), width=120)
-    console.print(comparison.table())
-    line = next(line for line in console.file.getvalue().splitlines() if line.startswith("DAE"))
-    attained = comparison.rows()[0].texts()[4]
-    assert line.split()[:5] == ["DAE", "nominal", "0.320", "0.329", attained]
-
-
 def test_published_figures_of_the_circle_test_are_those_of_the_thesis():
     published = [1e3 * figure.published for figure in circle_test.QUOTED_FIGURES if figure.published is not None]
     assert published == pytest.approx([1.74, 2.82, 0.32, 1.39, 0.64])
@@ -61,21 +50,3 @@ def test_published_figures_of_the_circle_test_are_those_of_the_thesis():
 
 def test_the_flexible_joint_caveat_is_stated():
     assert any("not fully determined by the text" in caveat for caveat in circle_test.CAVEATS)
-
-
-def test_brackets_in_names_are_printed_as_they_are(make_run):
-    run = MethodRun("[bold]DAE[/b]", "load [x]", analyse(make_run()))
-    console = Console(file=io.StringIO(), width=140)
-    console.print(Comparison((run,)).table())
-    printed = console.file.getvalue()
-    assert "published [mm]" in printed
-    assert "[bold]DAE[/b]  load [x]" in printed
-
-
-def test_no_figure_is_cut_in_a_narrow_terminal(comparison):
-    console = Console(file=io.StringIO(), width=60)
-    console.print(comparison.table())
-    printed = console.file.getvalue()
-    assert "…" not in printed
-    assert all(text in printed for row in comparison.rows() for text in row.texts())
-    assert all(len(line) <= 60 for line in printed.splitlines())

@@ -12,7 +12,6 @@ from flexros.identify.frf.quantity import derivative_order, differentiation, uni
 
 if TYPE_CHECKING:
     import control
-    import xarray
 
     from flexros.arrays import ComplexArray, FloatArray
     from flexros.identify.frf.distortion import Distortion
@@ -176,9 +175,3 @@ class FrequencyResponse:
         response = np.moveaxis(self.response, 0, 2)
         names = {"inputs": list(self.input_names), "outputs": list(self.output_names)}
         return control.FrequencyResponseData(response, 2 * np.pi * self.frequency, self.sample_time, **names)
-
-    def dataset(self) -> xarray.Dataset:
-        """Return everything as labelled arrays with units and descriptions."""
-        from flexros.identify.frf.files.labelled import dataset_of  # here, because xarray loads slowly
-
-        return dataset_of(self)

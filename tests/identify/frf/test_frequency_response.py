@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
+from flexros.identify.frf.files.labelled import dataset_of
 from flexros.identify.frf.frequency_response import FrequencyResponse
 
 
@@ -79,7 +80,7 @@ def test_frd_has_the_response_at_its_frequencies() -> None:
 
 
 def test_dataset_is_labelled() -> None:
-    data = response(2, 3).dataset()
+    data = dataset_of(response(2, 3))
     mine = response(2, 3)
     assert complex(data["response"].sel(frequency=2.0, output="motor_2", input="motor_3")) == mine.response[1, 1, 2]
     assert data["response"].attrs["output_units"] == "rad/s²;rad/s²"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.identify.frf.files.labelled import response_of
+from flexros.identify.frf.files.labelled import dataset_of, response_of
 from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def save_responses(responses: Sequence[FrequencyResponse], path: Path | str) -> 
     file = Path(path)
     if not responses:
         raise InputError(f"there are no frequency responses to write to '{file}'; estimate at least one")
-    parts = [_numbered(_without_complex(response.dataset()), number) for number, response in enumerate(responses)]
+    parts = [_numbered(_without_complex(dataset_of(response)), number) for number, response in enumerate(responses)]
     whole = xr.merge(parts, combine_attrs="override")
     whole.attrs = {"schema": SCHEMA, "n_responses": len(responses)}
     write_result(file, bytes(whole.to_netcdf(engine="scipy")), "frequency responses")
