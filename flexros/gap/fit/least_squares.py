@@ -109,9 +109,9 @@ def starts_of(predictor: Predictor) -> FloatArray:
     return np.vstack([starts, np.zeros((len(predictor.tolerance.names), starts.shape[1]))])
 
 
-# Not `flexros.prediction.damped_least_squares`: that solves from normal equations with one damping after another. Here a
-# batch of dampings costs about as much as one, since the predictor runs a lane for each; steps use the residuals
-# themselves (curvature along the step), and parameters that the data cannot separate are damped by a common scale.
+# Not `flexros.prediction.damped_least_squares`: that one solves from normal equations, one damping after another. Here
+# a batch of dampings costs about as much as one, since the predictor has a lane for each; steps use the residuals
+# themselves (curvature along the step), and parameters that the data cannot separate get a common damping scale.
 def fit(
     predictor: Predictor,
     data: FitData,
