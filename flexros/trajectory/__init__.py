@@ -25,7 +25,7 @@ __all__ = [
     "Line",
     "Move",
     "OutputDerivatives",
-    "Place",
+    "PathPoint",
     "Reachability",
     "Rest",
     "RollPitchYaw",

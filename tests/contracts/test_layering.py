@@ -1,4 +1,4 @@
-"""The library works without ROS; which room may import which is checked by import-linter (pyproject.toml, make lint)."""
+"""The library works without ROS; import-linter (make lint) checks which room may import which."""
 
 from __future__ import annotations
 
