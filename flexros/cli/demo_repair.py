@@ -134,8 +134,9 @@ def _diagnosed(
     from flexros.logs.reader import read_log
 
     known = load_model(model)
-    record = checked_log(read_log(log), known.robot, name=log.name)
-    result = diagnose(record, known, progress=lambda stage, share: progress(stage, 0.15 + 0.8 * share))
+    recorded = read_log(log)
+    record = checked_log(recorded, known.robot, name=log.name)
+    result = diagnose(record, known, log=recorded, progress=lambda stage, share: progress(stage, 0.15 + 0.8 * share))
     files = write_diagnosis(result, model, folder)
     return result.diagnosis, folder / PATCH if PATCH in files else None
 

@@ -34,7 +34,6 @@ def diagnose(
     from flexros.effects.patching.patched_robot import load_model
     from flexros.gap.checked_log import checked_log
     from flexros.gap.diagnose import diagnose as diagnosed
-    from flexros.gap.held_out.closed_loop_gap import with_closed_loop
     from flexros.gap.report.files import check_folder, write_diagnosis
     from flexros.logs.reader import read_log
 
@@ -50,11 +49,10 @@ def diagnose(
             record,
             known,
             holdout=others[0] if others else None,
+            log=logs[-1],
             tolerance=tolerances,
-            progress=_told_by(bar, task),
+            progress=_progress_on(bar, task),
         )
-        bar.update(task, description="closed loop")
-        result = with_closed_loop(result, known, logs[-1])
         bar.update(task, description="writing")
         files = write_diagnosis(result, model, out)
     if as_json:
@@ -64,15 +62,15 @@ def diagnose(
     return 0 if result.diagnosis.verdict == "no_gap" else GAP_FOUND
 
 
-def _told_by(bar: Progress, task: TaskID) -> Callable[[str, float], None]:
+def _progress_on(bar: Progress, task: TaskID) -> Callable[[str, float], None]:
     """Show stage and share; how many stages follow is not known before, so each has its own remaining time."""
 
-    def tell(stage: str, share: float) -> None:
+    def show(stage: str, share: float) -> None:
         if share < bar.tasks[0].completed:
             bar.reset(task)
         bar.update(task, description=stage, completed=share)
 
-    return tell
+    return show
 
 
 def _print(result: DiagnosisResult, files: list[Path]) -> None:

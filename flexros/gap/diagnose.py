@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
@@ -11,6 +11,7 @@ from flexros.errors import InputError
 from flexros.gap.answer.assemble import result_of
 from flexros.gap.answer.decision import Findings
 from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
 from flexros.gap.held_out.predictions import tool_errors
 from flexros.gap.noise.weights import measurement_in
 from flexros.gap.progress import Stages
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
     from flexros.gap.result import DiagnosisResult, Explanation
     from flexros.gap.where.find import Where
+    from flexros.logs.time_series import Log
     from flexros.record.record import Record
     from flexros.robot import Robot
 
@@ -40,6 +42,7 @@ def diagnose(
     robot: Robot | RobotWithEffects,
     *,
     holdout: Record | None = None,
+    log: Log | None = None,
     tolerance: Mapping[str, float] | None = None,
     settings: DiagnosisSettings | None = None,
     progress: Callable[[str, float], None] | None = None,
@@ -50,6 +53,8 @@ def diagnose(
         record: The log that effects are fitted to.
         robot: The nominal model: a robot, or one with effects that are known already.
         holdout: Second log, read once at the end; default: the last third of the first.
+        log: The log that `holdout` was read from, or `record` where there is no second one. Where its provenance names
+            reference and controller, the gap in closed loop is computed as well; default: it is not.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
         settings: Numbers of the diagnosis.
         progress: Called with the name of the stage and the share of all that is done.
@@ -78,8 +83,13 @@ def diagnose(
     stages.begin("places", 0.9)
     before = found.explanation(explanations.evidence.nothing)
     places = _places(found, before, numbers.seed) if numbers.where else None
-    stages.begin("answer", 1.0)
-    result = result_of(found, before, places, {**asdict(numbers), **found.tolerance}, stages)
+    stages.begin("answer", 0.95)
+    result = result_of(found, before, places, {**numbers.model_dump(), **found.tolerance}, stages)
+    if log is not None:
+        stages.begin("closed loop", 1.0)
+        repaired = model.with_effects(result.patch) if result.patch else None
+        signals = closed_loop_gap(log, model, repaired, begin=held_data.record.begin)
+        result = replace(result, signals=(*result.signals, *signals))
     stages.end()
     return result
 

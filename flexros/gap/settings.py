@@ -1,26 +1,24 @@
-"""Settings of a diagnosis."""
+"""Settings of a diagnosis, one group per step; all of them are recorded in the provenance of diagnosis.json."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from pydantic import Field
+
+from flexros.config.settings import Settings
 
 
-@dataclass(frozen=True)
-class DiagnosisSettings:
-    """Settings of a diagnosis.
+class DiagnosisSettings(Settings):
+    """Settings of a diagnosis."""
 
-    Attributes:
-        level: Torque noise that the predictor allows for, see `observer_gain` [1].
-        fitted_share: Share of the log that is fitted to where there is no second one [1].
-        threads: Fits at the same time; 0: as many as there are cores.
-        seed: Seed of the simulated logs without gap.
-        where: Whether the places of the gap are looked for.
-        next_experiment: Whether an experiment is chosen where the answer is ambiguous.
-    """
-
-    level: float = 2e-4
-    fitted_share: float = 2 / 3
-    threads: int = 0
-    seed: int = 1
-    where: bool = True
-    next_experiment: bool = True
+    level: float = Field(
+        default=2e-4, gt=0, description="torque noise that the predictor allows for, relative: see `observer_gain` [1]"
+    )
+    fitted_share: float = Field(
+        default=2 / 3, gt=0, lt=1, description="share of the log that is fitted to where there is no second one [1]"
+    )
+    threads: int = Field(default=0, ge=0, description="fits at the same time; 0: as many as there are cores")
+    seed: int = Field(default=1, ge=0, description="seed of the simulated logs without gap")
+    where: bool = Field(default=True, description="whether the locations of the gap are computed")
+    next_experiment: bool = Field(
+        default=True, description="whether an experiment is chosen where the answer is ambiguous"
+    )

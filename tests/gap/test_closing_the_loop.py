@@ -11,6 +11,7 @@ from flexros.effects.patching.patched_robot import load_model
 from flexros.gap.answer.patch import write_patch
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
+from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
 from flexros.gap.settings import DiagnosisSettings
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
@@ -32,10 +33,18 @@ def test_the_patch_of_a_diagnosis_brings_the_tool_back_to_the_path_without_effec
         {"robot": ROBOT, "plant.effects": [HIDDEN], "diagnosis.length": 10.0}
     )
     model = load_model(ROBOT)
-    record = checked_log(closed_loop(Experiment.prepare(experiment)), model.robot, name="hidden")
+    log = closed_loop(Experiment.prepare(experiment))
+    record = checked_log(log, model.robot, name="hidden")
     with few_suspects():
-        result = diagnose(record, model, settings=DiagnosisSettings(where=False, next_experiment=False))
+        result = diagnose(record, model, log=log, settings=DiagnosisSettings(where=False, next_experiment=False))
     assert result.diagnosis.causes[0].effect == "coulomb_friction"
+    ahead, *in_loop = result.signals
+    assert ahead.signal == "motor_1 position, 0.1 s ahead"
+    assert result.holdout is not None
+    assert result.holdout.begin > 0
+    repaired = model.with_effects(result.patch)
+    assert in_loop == list(closed_loop_gap(log, model, repaired, begin=result.holdout.begin))
+    assert in_loop != list(closed_loop_gap(log, model, repaired))
     patch = tmp_path / "patch.yaml"
     write_patch(result, ROBOT, patch)
 

@@ -156,7 +156,7 @@ def test_coloured_noise_is_no_place_of_a_gap() -> None:
         return replace(record, position=record.position + noise)
 
     with few_suspects():
-        result = diagnose(recorded(1), ROBOT, holdout=recorded(2), settings=replace(SETTINGS, where=True))
+        result = diagnose(recorded(1), ROBOT, holdout=recorded(2), settings=SETTINGS.model_copy(update={"where": True}))
     assert result.diagnosis.verdict == "no_gap"
     assert result.diagnosis.where == ()
 

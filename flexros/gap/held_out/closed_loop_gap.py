@@ -15,7 +15,6 @@ from flexros.scenario.recorded_experiment import recorded_experiment
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
     from flexros.effects import RobotWithEffects
-    from flexros.gap.result import DiagnosisResult
     from flexros.logs.time_series import Log
     from flexros.scenario.experiment import Experiment
 
@@ -54,24 +53,6 @@ def closed_loop_gap(
         return ()
     after = None if repaired is None else _run(experiment, repaired)
     return _gaps(log, before, after, rows, counted, nominal)
-
-
-def with_closed_loop(result: DiagnosisResult, model: RobotWithEffects, log: Log) -> DiagnosisResult:
-    """Add the gap in closed loop to the signals of a result, where reference and controller are known.
-
-    Args:
-        result: What a diagnosis found.
-        model: The nominal model.
-        log: The log that was held out, or whose last part was.
-
-    Returns:
-        The result with more signals.
-    """
-    repaired = None
-    if result.patch:
-        repaired = model.with_effects(result.patch)
-    begin = 0.0 if result.holdout is None else result.holdout.begin
-    return replace(result, signals=(*result.signals, *closed_loop_gap(log, model, repaired, begin=begin)))
 
 
 def _run(experiment: Experiment, model: RobotWithEffects) -> Log | None:

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from flexros.effects import PlacedEffect, RobotWithEffects, place_effects
 from flexros.effects.coulomb_friction import CoulombFriction
-from flexros.gap.held_out.closed_loop_gap import closed_loop_gap, with_closed_loop
-from flexros.gap.prediction.predicted_log import PredictedLog
-from flexros.gap.result import DiagnosisResult, Explanation, SignalGap
+from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
 from flexros.logs.time_series import Log
-from flexros.record.record import Record
 from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import Scenario
-from tests.validation.blind.cases import diagnosis
 
 ROBOT = load_robot("four_mass_linear")
 NOMINAL = RobotWithEffects(ROBOT, ())
@@ -66,21 +61,3 @@ def test_without_a_repair_only_the_gap_before_is_told(log: Log) -> None:
     tool, _ = closed_loop_gap(log, NOMINAL)
     assert tool.before > 0
     assert tool.after is None
-
-
-def test_a_result_gets_the_gap_with_its_patch(log: Log) -> None:
-    nothing = np.zeros((10, 1))
-    record = Record("log", 5e-4, nothing, nothing, np.ones(10, dtype=bool))
-    plain = DiagnosisResult(
-        diagnosis=diagnosis("explained", "coulomb_friction@motor_1"),
-        robot=ROBOT,
-        record=record,
-        holdout=replace(record, begin=0.4),
-        before=Explanation("nominal", PredictedLog(nothing, np.ones(1))),
-        patch=(PlacedEffect(CoulombFriction(level=1.5), "motor_1"),),
-        signals=(SignalGap("motor_1 position, 0.1 s ahead", "mrad", 1.0),),
-    )
-    ahead, tool, _ = with_closed_loop(plain, NOMINAL, log).signals
-    assert ahead == plain.signals[0]
-    assert (tool,) == closed_loop_gap(log, NOMINAL, REPAIRED, begin=0.4)[:1]
-    assert tool != closed_loop_gap(log, NOMINAL, REPAIRED)[0]
