@@ -36,6 +36,7 @@ class ActuatorLag(AbstractCommandLaw):
     rank: ClassVar[int] = 2
     smooth_states = 1
     stepwise_states = 2
+    signatures: ClassVar[tuple[str, ...]] = ("time_shift", "detection_lines")
     fingerprint: ClassVar[str] = (
         "prediction errors follow changes of the torque as with a delay, but the response also rolls off at high "
         "frequencies"

@@ -49,6 +49,7 @@ class Backlash(AbstractGearLaw):
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {"gap": Range("deflection", 1e-5, 10.0, 7, source="facts on vendors' play, 0.1 to 3 arcmin; bounds chosen")}
     )
+    signatures: ClassVar[tuple[str, ...]] = ("torsion_over_torque", "detection_lines")
     fingerprint: ClassVar[str] = (
         "the motor moves alone whenever the transmitted torque changes its sign, then hits the arm and rings; the "
         "resonance falls at small amplitudes, and a load that keeps one flank in touch makes all of it vanish"

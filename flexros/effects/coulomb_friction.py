@@ -30,6 +30,7 @@ class CoulombFriction(AbstractDryFriction):
     name: ClassVar[str] = "coulomb_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "level"
+    signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "torque_after_reversal")
     fingerprint: ClassVar[str] = (
         "a missing torque of constant size against the motion, which changes sign at each reversal, and a motor that "
         "stops dead there"

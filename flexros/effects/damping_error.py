@@ -16,6 +16,7 @@ class DampingError(AbstractRelativeError):
 
     name: ClassVar[str] = "damping_error"
     stage: ClassVar[Stage] = "gear"
+    signatures: ClassVar[tuple[str, ...]] = ("frequency_response", "detection_lines")
     fingerprint: ClassVar[str] = (
         "vibrations of the joint decay faster or slower, peaks of the response change height, nothing else does"
     )

@@ -27,6 +27,7 @@ class Delay(AbstractChangedValues, AbstractLaw):
     name: ClassVar[str] = "delay"
     stage: ClassVar[Stage] = "timing"
     size: ClassVar[str] = "time"
+    signatures: ClassVar[tuple[str, ...]] = ("time_shift", "detection_lines")
     fingerprint: ClassVar[str] = (
         "all onsets come later by the same time: prediction errors follow changes of the torque, the phase falls in "
         "proportion to the frequency and the magnitude stays"

@@ -30,6 +30,7 @@ class EncoderEccentricity(AbstractSensor):
     stage: ClassVar[Stage] = "sensor"
     size: ClassVar[str] = "amplitude"
     rank: ClassVar[int] = 0
+    signatures: ClassVar[tuple[str, ...]] = ("order_spectrum", "torque_over_rotor_angle")
     fingerprint: ClassVar[str] = (
         "an error of position, not of torque, that repeats with the motor angle, of the same size at all speeds"
     )

@@ -26,6 +26,7 @@ class EncoderQuantization(AbstractSensor):
     stage: ClassVar[Stage] = "sensor"
     size: ClassVar[str] = "step"
     rank: ClassVar[int] = 1
+    signatures: ClassVar[tuple[str, ...]] = ("encoder_steps",)
     fingerprint: ClassVar[str] = "measured positions lie on a lattice, and slow motion is a staircase"
 
     step: float = Field(0.0, ge=0.0, description="distance of two readings, of the motor coordinate [rad or m]")

@@ -60,6 +60,7 @@ class ExtraMode(AbstractArmLaw):
             "damping": Range("relative", 1e-3, 0.5, 1, source="2 to 4 % seen on robots; bounds chosen"),
         }
     )
+    signatures: ClassVar[tuple[str, ...]] = ("frequency_response", "detection_lines", "tool_error")
     fingerprint: ClassVar[str] = (
         "one more pole and zero, at the same frequency in the responses of all joints, without dependence on "
         "amplitude: a common ringing after every jerk"

@@ -35,6 +35,7 @@ class FrictionDrift(AbstractMotorTorque, AbstractDryFriction):
     size: ClassVar[str] = "coulomb"
     smooth_states = 1
     eases = True
+    signatures: ClassVar[tuple[str, ...]] = ("friction_over_time", "torque_over_speed")
     fingerprint: ClassVar[str] = "equal motions late in the log need another torque against the motion than early ones"
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {

@@ -39,6 +39,7 @@ class GravityError(AbstractArmLaw):
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {"relative": Range("relative", 0.003, 0.9, 4, signed=True)}
     )
+    signatures: ClassVar[tuple[str, ...]] = ("torque_over_position", "tool_error")
     fingerprint: ClassVar[str] = (
         "a torque that depends on the pose alone, by sine and cosine, the same in both directions of motion and "
         "at every speed; frequency responses do not show it"

@@ -53,6 +53,7 @@ class Hysteresis(AbstractGearLaw):
             "spread": Range("relative", 0.25, 2.0, 1, source="chosen: around the curve of Dahl and Bouc-Wen"),
         }
     )
+    signatures: ClassVar[tuple[str, ...]] = ("torsion_over_torque", "detection_lines")
     fingerprint: ClassVar[str] = (
         "a closed loop in torque over twist at every turn, the same at every speed: a loss factor that is "
         "constant over frequency, more stiffness in small motion than in large; no impacts, and no vanishing "

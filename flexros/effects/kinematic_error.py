@@ -40,6 +40,7 @@ class KinematicError(AbstractToolError):
             "angle": Range("relative", 1e-5, 0.1, 2, signed=True, source="chosen [rad]"),
         }
     )
+    signatures: ClassVar[tuple[str, ...]] = ("tool_error",)
     fingerprint: ClassVar[str] = (
         "the tool is off by an amount that depends on the pose alone, while all motors and torques are as the "
         "model says"

@@ -16,6 +16,7 @@ class MotorInertiaError(AbstractRelativeError):
 
     name: ClassVar[str] = "motor_inertia_error"
     stage: ClassVar[Stage] = "actuator"
+    signatures: ClassVar[tuple[str, ...]] = ("torque_over_acceleration", "frequency_response")
     fingerprint: ClassVar[str] = (
         "the missing torque follows the acceleration of the motor alone, also above the resonance of the joint"
     )

@@ -71,6 +71,12 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
             "rounding": Range("relative", 0.01, 2.0, 1, source="chosen: from a corner to a gradual bend"),
         }
     )
+    signatures: ClassVar[tuple[str, ...]] = (
+        "torsion_over_torque",
+        "frequency_response",
+        "torque_over_position",
+        "detection_lines",
+    )
     fingerprint: ClassVar[str] = (
         "resonance and antiresonance move with amplitude and with static load, while no energy is lost; odd "
         "harmonics, even ones too under a load"

@@ -16,6 +16,12 @@ class PayloadError(AbstractRelativeError):
 
     name: ClassVar[str] = "payload_error"
     stage: ClassVar[Stage] = "load"
+    signatures: ClassVar[tuple[str, ...]] = (
+        "torque_over_acceleration",
+        "frequency_response",
+        "torque_over_position",
+        "tool_error",
+    )
     fingerprint: ClassVar[str] = (
         "the missing torque follows the acceleration of the tool in all joints, and its weight where there is gravity"
     )

@@ -35,6 +35,7 @@ class PreslidingFriction(AbstractBristleFriction):
     name: ClassVar[str] = "presliding_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "level"
+    signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "torque_after_reversal", "detection_lines")
     fingerprint: ClassVar[str] = (
         "friction torque that builds up over a small angle after each reversal, with a loop of torque over angle, and "
         "a motor that creeps like on a spring below break-away"

@@ -16,6 +16,7 @@ class StiffnessError(AbstractRelativeError):
 
     name: ClassVar[str] = "stiffness_error"
     stage: ClassVar[Stage] = "gear"
+    signatures: ClassVar[tuple[str, ...]] = ("torsion_over_torque", "frequency_response", "detection_lines")
     fingerprint: ClassVar[str] = (
         "antiresonance and resonance of the joint are both shifted, the response at low frequencies stays"
     )

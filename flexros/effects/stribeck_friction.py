@@ -44,6 +44,7 @@ class StribeckFriction(AbstractDryFriction):
     name: ClassVar[str] = "stribeck_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "extra"
+    signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed",)
     fingerprint: ClassVar[str] = (
         "friction torque against the motion at low speed only, most of it at standstill: stick and slip in slow motion"
     )

@@ -24,6 +24,7 @@ class TorqueBias(AbstractMotorTorque):
     name: ClassVar[str] = "torque_bias"
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "level"
+    signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "torque_over_speed", "torque_over_position")
     fingerprint: ClassVar[str] = (
         "the missing torque has a mean that depends neither on direction nor on position, also at standstill"
     )

@@ -26,6 +26,7 @@ class TorqueGainError(AbstractCommandLaw):
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "relative"
     rank: ClassVar[int] = 1
+    signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "torque_over_acceleration", "frequency_response")
     fingerprint: ClassVar[str] = (
         "the missing torque is proportional to the commanded one at all speeds, accelerations and positions"
     )

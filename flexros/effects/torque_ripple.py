@@ -30,6 +30,7 @@ class TorqueRipple(AbstractMotorTorque):
     name: ClassVar[str] = "torque_ripple"
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "amplitude"
+    signatures: ClassVar[tuple[str, ...]] = ("order_spectrum", "torque_over_rotor_angle")
     fingerprint: ClassVar[str] = (
         "a missing torque that repeats with the motor angle, of the same size at all speeds, or in proportion to the "
         "torque where it is a ripple of the winding"

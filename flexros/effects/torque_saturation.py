@@ -29,6 +29,7 @@ class TorqueSaturation(AbstractCommandLaw):
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "limit"
     rank: ClassVar[int] = 0
+    signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "detection_lines")
     fingerprint: ClassVar[str] = (
         "nothing is missing below a level of the command, and whatever is commanded above it is missing"
     )

@@ -47,6 +47,7 @@ class TransmissionError(AbstractGearLaw):
             "phase": Range("phase", 0.5, 3.1416, 1, signed=True),
         }
     )
+    signatures: ClassVar[tuple[str, ...]] = ("order_spectrum", "torque_over_rotor_angle")
     fingerprint: ClassVar[str] = (
         "periodic in the angle of the rotor with an amplitude that is constant as an angle, not as a torque: "
         "hardly seen in slow motion, large where order times rotor speed meets a resonance"

@@ -29,6 +29,7 @@ class ViscousFriction(AbstractMotorTorque):
     name: ClassVar[str] = "viscous_friction"
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "coefficient"
+    signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "frequency_response")
     fingerprint: ClassVar[str] = "a missing torque against the motion in proportion to the speed of the motor"
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {

@@ -34,7 +34,8 @@ class AbstractEffect(Settings, ABC):
     2. Its parameters as fields, each with a description that states unit and meaning; the default is the neutral
        value, which switches the effect off.
     3. `locations`, the places of a robot where it can sit.
-    4. `ranges` of the parameters that a diagnosis fits, and `fingerprint`, one sentence on what one sees of it where.
+    4. `ranges` of the parameters that a diagnosis fits, `fingerprint`, one sentence on what one sees of it where, and
+       `signatures`, the pictures of `flexros/gap/signatures` that show it.
     5. What its kind asks for: `AbstractModelChange` a changed robot, `AbstractChangedValues` (one of them) changed
        numbers; `AbstractCommandLaw` a torque changed on its way to the motor, `AbstractMotorTorque` a smooth torque at
        a motor, `AbstractDryFriction` a friction that can stick, `AbstractBristleFriction` one with presliding,
@@ -49,6 +50,8 @@ class AbstractEffect(Settings, ABC):
     stage: ClassVar[Stage]
     fingerprint: ClassVar[str] = ""
     """What one sees of the effect, and where: one sentence for report and guide."""
+    signatures: ClassVar[tuple[str, ...]] = ()
+    """Pictures of a diagnosis in which the effect shows, by name (`flexros.gap.signatures`), the clearest first."""
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({})
     """Where the parameters that a diagnosis fits may lie; those without a range keep their defaults."""
     extends: ClassVar[Mapping[str, Mapping[str, str]]] = MappingProxyType({})

@@ -39,8 +39,8 @@ def signature_pictures(one: RankedCandidate, result: DiagnosisResult) -> tuple[P
     evidence = result.evidence
     if evidence is None:
         return ()
-    told = (kind().picture(evidence, one.location) for kind in pictures_for(one.effect) if kind.effects)
-    drawn = [signature for signature in told if signature is not None and signature.series]
+    pictures = (kind().picture(evidence, one.location) for kind in pictures_for(one.effect))
+    drawn = [signature for signature in pictures if signature is not None and signature.series]
     return tuple(Picture(_figure(signature), f"{signature.title}. {signature.reading}") for signature in drawn[:MOST])
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 
 from flexros.discovery import members
+from flexros.effects import effects
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -60,18 +61,14 @@ class Picture:
 
 
 class AbstractSignature(ABC):
-    """A kind of picture in which some effects leave their signature.
+    """A kind of picture in which effects leave their signature.
 
     A new one is a class in a file of its own that
-    1. sets `name`, a word, and `effects`, the names of the effects that show in it, the clearest picture of an effect
-       first by `rank`;
+    1. sets `name`, by which the effects that show in it refer to it (`AbstractEffect.signatures`);
     2. implements `picture`, a pure function of the evidence that returns None where the log cannot show it.
     """
 
     name: ClassVar[str]
-    effects: ClassVar[tuple[str, ...]]
-    rank: ClassVar[int] = 1
-    """Pictures of an effect are shown in the order of their ranks, 1 first."""
 
     @abstractmethod
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
@@ -93,16 +90,12 @@ def signatures() -> Mapping[str, type[AbstractSignature]]:
 
 
 def pictures_for(effect: str) -> tuple[type[AbstractSignature], ...]:
-    """List the pictures that tell of an effect, the clearest first.
+    """Return the pictures that show an effect, the clearest first.
 
     Args:
         effect: Name of the effect, e.g. "coulomb_friction".
-
-    Returns:
-        Kinds of pictures; those that tell of every effect (prediction errors over time) come last.
     """
-    found = [kind for kind in signatures().values() if effect in kind.effects or not kind.effects]
-    return tuple(sorted(found, key=lambda kind: (not kind.effects, kind.rank, kind.name)))
+    return tuple(signatures()[name] for name in effects()[effect].signatures)
 
 
 def thinned(x: FloatArray, y: FloatArray, most: int = MOST_POINTS) -> tuple[FloatArray, FloatArray]:

@@ -15,19 +15,6 @@ class DetectionLines(AbstractSignature):
     """Prediction errors in standard deviations of noise, line by line, in the multisine with the largest errors."""
 
     name: ClassVar[str] = "detection_lines"
-    effects: ClassVar[tuple[str, ...]] = (
-        "backlash",
-        "hysteresis",
-        "nonlinear_stiffness",
-        "presliding_friction",
-        "torque_saturation",
-        "stiffness_error",
-        "damping_error",
-        "extra_mode",
-        "delay",
-        "actuator_lag",
-    )
-    rank: ClassVar[int] = 3
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Show the lines; None where no periodic part of the log is known."""

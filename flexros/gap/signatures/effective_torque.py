@@ -22,7 +22,6 @@ class EffectiveTorque(AbstractSignature):
     """Command plus missing torque, over the command."""
 
     name: ClassVar[str] = "effective_torque"
-    effects: ClassVar[tuple[str, ...]] = ("torque_saturation", "torque_gain_error", "torque_bias")
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the effective torque over parts of the command."""

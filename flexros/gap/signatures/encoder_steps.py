@@ -20,7 +20,6 @@ class EncoderSteps(AbstractSignature):
     """How often which difference lies between two successive encoder values."""
 
     name: ClassVar[str] = "encoder_steps"
-    effects: ClassVar[tuple[str, ...]] = ("encoder_quantization",)
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Count the differences, the largest ones left out."""

@@ -30,17 +30,6 @@ class FrequencyResponsePicture(AbstractSignature):
     """Acceleration of a motor per its torque, before and after."""
 
     name: ClassVar[str] = "frequency_response"
-    effects: ClassVar[tuple[str, ...]] = (
-        "stiffness_error",
-        "damping_error",
-        "payload_error",
-        "motor_inertia_error",
-        "torque_gain_error",
-        "extra_mode",
-        "viscous_friction",
-        "nonlinear_stiffness",
-    )
-    rank: ClassVar[int] = 2
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Compute the responses of the linearised robots, and that of the log where it is coherent."""

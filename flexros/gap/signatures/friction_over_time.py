@@ -20,7 +20,6 @@ class FrictionOverTime(AbstractSignature):
     """Mean torque against the motion by time."""
 
     name: ClassVar[str] = "friction_over_time"
-    effects: ClassVar[tuple[str, ...]] = ("friction_drift",)
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the torque against the motion over parts of the time, rests left out."""

@@ -21,7 +21,6 @@ class OrderSpectrum(AbstractSignature):
     """Amplitude of the missing torque by order, over motions at several speeds."""
 
     name: ClassVar[str] = "order_spectrum"
-    effects: ClassVar[tuple[str, ...]] = ("torque_ripple", "transmission_error", "encoder_eccentricity")
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Transform over the rotor angle; None where the rotor turns too little."""

@@ -25,7 +25,6 @@ class TimeShift(AbstractSignature):
     """Phase between command and command plus missing torque, as a time."""
 
     name: ClassVar[str] = "time_shift"
-    effects: ClassVar[tuple[str, ...]] = ("delay", "actuator_lag")
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Compute the time shift by frequency; None where the log is too short or the command is nil."""

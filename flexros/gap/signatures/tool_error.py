@@ -16,8 +16,6 @@ class ToolError(AbstractSignature):
     """Measured minus predicted tool position over the position of the motor that moves it."""
 
     name: ClassVar[str] = "tool_error"
-    effects: ClassVar[tuple[str, ...]] = ("kinematic_error", "extra_mode", "payload_error", "gravity_error")
-    rank: ClassVar[int] = 3
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Show the three components; None where the tool was not measured."""

@@ -20,8 +20,6 @@ class TorqueAfterReversal(AbstractSignature):
     """Mean torque against the motion by the way since the speed changed its sign."""
 
     name: ClassVar[str] = "torque_after_reversal"
-    effects: ClassVar[tuple[str, ...]] = ("presliding_friction", "coulomb_friction")
-    rank: ClassVar[int] = 2
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the torque over parts of the way; None where the motor never turns round."""

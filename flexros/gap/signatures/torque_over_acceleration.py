@@ -20,7 +20,6 @@ class TorqueOverAcceleration(AbstractSignature):
     """Mean missing torque by acceleration."""
 
     name: ClassVar[str] = "torque_over_acceleration"
-    effects: ClassVar[tuple[str, ...]] = ("motor_inertia_error", "payload_error", "torque_gain_error")
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the missing torque over parts of the acceleration."""

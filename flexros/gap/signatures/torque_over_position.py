@@ -18,8 +18,6 @@ class TorqueOverPosition(AbstractSignature):
     """Mean missing torque by position, forward and backward apart."""
 
     name: ClassVar[str] = "torque_over_position"
-    effects: ClassVar[tuple[str, ...]] = ("gravity_error", "torque_bias", "payload_error", "nonlinear_stiffness")
-    rank: ClassVar[int] = 2
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the missing torque over parts of the position."""

@@ -20,8 +20,6 @@ class TorqueOverRotorAngle(AbstractSignature):
     """Mean missing torque over one turn of the rotor, forward and backward apart."""
 
     name: ClassVar[str] = "torque_over_rotor_angle"
-    effects: ClassVar[tuple[str, ...]] = ("torque_ripple", "transmission_error", "encoder_eccentricity")
-    rank: ClassVar[int] = 2
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the missing torque over parts of a turn; None where the rotor makes less than one turn."""

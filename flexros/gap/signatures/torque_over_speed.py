@@ -22,14 +22,6 @@ class TorqueOverSpeed(AbstractSignature):
     """Mean missing torque by speed: a step at zero is Coulomb friction, a slope viscous, a hump Stribeck friction."""
 
     name: ClassVar[str] = "torque_over_speed"
-    effects: ClassVar[tuple[str, ...]] = (
-        "coulomb_friction",
-        "viscous_friction",
-        "stribeck_friction",
-        "presliding_friction",
-        "friction_drift",
-        "torque_bias",
-    )
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Average the missing torque over parts of the speed."""

@@ -22,7 +22,6 @@ class TorsionOverTorque(AbstractSignature):
     """Torsion that the nominal spring does not explain, by the torque through the gear."""
 
     name: ClassVar[str] = "torsion_over_torque"
-    effects: ClassVar[tuple[str, ...]] = ("backlash", "hysteresis", "nonlinear_stiffness", "stiffness_error")
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         """Show torsion over torque; None for a rigid gear and where no states were kept."""

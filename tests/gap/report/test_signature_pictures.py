@@ -23,7 +23,6 @@ class Speed(AbstractSignature):
     """Torque against speed, with its title telling the place."""
 
     name: ClassVar[str] = "speed"
-    effects: ClassVar[tuple[str, ...]] = ("coulomb_friction", "hysteresis")
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
         assert evidence.robot.name == "four_mass_linear"
@@ -47,16 +46,9 @@ class Absent(Speed):
         return None
 
 
-class Time(Speed):
-    """A picture of every effect."""
-
-    name: ClassVar[str] = "time"
-    effects: ClassVar[tuple[str, ...]] = ()
-
-
 @pytest.fixture
 def result(changed: Changed, monkeypatch: pytest.MonkeyPatch) -> DiagnosisResult:
-    monkeypatch.setattr(module, "pictures_for", lambda effect: (Absent, Speed, Time))
+    monkeypatch.setattr(module, "pictures_for", lambda effect: (Absent, Speed))
     known = changed("explained")
     observer = observer_gain(known.robot, 5e-4, 1e-3, known.robot.encoder_noise)
     return changed("explained", evidence=SignatureData(known.robot, known.record, observer, known.before.fit))
