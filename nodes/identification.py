@@ -8,7 +8,7 @@ from std_msgs.msg import String
 
 from flexros.errors import InputError
 from flexros_nodes.protocol.experiment_state import ExperimentCourse, ExperimentState
-from flexros_nodes.protocol.reference_rows import RowsToRest
+from flexros_nodes.protocol.reference.reference_rows import RowsToRest
 from flexros_nodes.shell.executable import run_node
 from flexros_nodes.shell.node_base import FlexrosNode
 from flexros_nodes.shell.prepared_run import prepared_run

@@ -14,7 +14,7 @@ from flexros.errors import InputError, RunError
 from flexros.logs.stamps import NANOSECONDS, stamp_of
 from flexros.logs.writer import LogWriter
 from flexros_nodes.protocol.experiment_state import read_experiment_state
-from flexros_nodes.protocol.recording import ArrivalTime, EventRecording, TopicRecording
+from flexros_nodes.protocol.recorder.recording import ArrivalTime, EventRecording, TopicRecording
 from flexros_nodes.shell.executable import run_node
 from flexros_nodes.shell.node_base import FlexrosNode
 from flexros_nodes.shell.prepared_run import prepared_run

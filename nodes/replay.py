@@ -16,7 +16,7 @@ from flexros.logs.replay.pace import ReplayPace
 from flexros.logs.replay.playlist import LATEST_STAMP, Playlist
 from flexros.logs.replay.source import ReplayChoice, read_remaps
 from flexros.logs.stamps import NANOSECONDS
-from flexros_nodes.protocol.fed_controller import ControllerAnswers
+from flexros_nodes.protocol.controller_answers import ControllerAnswers
 from flexros_nodes.shell.executable import run_node
 from flexros_nodes.shell.node_base import FlexrosNode
 from flexros_nodes.shell.raw_topic import MissingTypeError, installed_class, played_qos

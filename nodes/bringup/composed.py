@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rclpy.executors import Executor
 
     from flexros_nodes.bringup.run_plan import RunPlan
-    from flexros_nodes.protocol.interruption import Interruption
+    from flexros_nodes.protocol.process.interruption import Interruption
     from flexros_nodes.shell.node_base import FlexrosNode
 
 NODE_CLASSES: dict[str, type[FlexrosNode]] = {

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import flexros_nodes
 from flexros.errors import InputError, RunError
-from flexros_nodes.protocol.interruption import PARTNER_ENDED
-from flexros_nodes.protocol.report import ERROR_PREFIX, NodeReport, read_report
+from flexros_nodes.protocol.node_report import ERROR_PREFIX, NodeReport, read_report
+from flexros_nodes.protocol.process.interruption import PARTNER_ENDED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

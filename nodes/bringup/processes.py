@@ -17,9 +17,9 @@ from rclpy.node import Node
 from flexros.errors import RunError
 from flexros_nodes.bringup.node_process import NodeProcess
 from flexros_nodes.bringup.run_plan import RunSummary, summarise
-from flexros_nodes.protocol.clock_steps import waking_at_clock_steps
-from flexros_nodes.protocol.ending import GOODBYE_TIMEOUT
+from flexros_nodes.protocol.loop.shutdown import GOODBYE_TIMEOUT
 from flexros_nodes.protocol.parameters import node_parameters
+from flexros_nodes.protocol.process.clock_steps import waking_at_clock_steps
 from flexros_nodes.shell.domain import DOMAIN_VARIABLE
 from flexros_nodes.shell.exposure import check_exposure
 from flexros_nodes.shell.shared_memory import remove_segments_without_owner
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from rclpy.task import Future
 
     from flexros_nodes.bringup.run_plan import RunPlan
-    from flexros_nodes.protocol.interruption import Interruption
+    from flexros_nodes.protocol.process.interruption import Interruption
 
 CONFIGURE_TIMEOUT = 60.0
 """Longest time for a node to start and to prepare its part of the scenario [s], chosen."""

@@ -11,8 +11,8 @@ from rclpy.context import Context
 from rclpy.task import Future
 
 from flexros.errors import INTERRUPTED, InputError
-from flexros_nodes.protocol.interruption import interruption
 from flexros_nodes.protocol.parameters import check_value, node_parameters
+from flexros_nodes.protocol.process.interruption import interruption
 from flexros_nodes.replay import ReplayNode
 from flexros_nodes.shell.domain import DOMAIN_VARIABLE, environment
 from flexros_nodes.shell.executable import bring_up, close
@@ -22,8 +22,8 @@ from flexros_nodes.shell.spinning import make_executor, spin
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from flexros_nodes.protocol.interruption import Interruption
     from flexros_nodes.protocol.parameters import Value
+    from flexros_nodes.protocol.process.interruption import Interruption
 
 PROGRESS_PERIOD = 0.2
 """Period at which the progress is told [s], chosen."""

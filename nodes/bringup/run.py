@@ -15,8 +15,8 @@ from flexros.scenario.scenario import Scenario, load_scenario
 from flexros_nodes.bringup.composed import run_composed
 from flexros_nodes.bringup.processes import run_processes
 from flexros_nodes.bringup.run_plan import LEADERS, NODES, RunPlan, RunSummary, leader_of
-from flexros_nodes.protocol.interruption import interruption
 from flexros_nodes.protocol.parameters import check_value, gain_parameters, node_parameters
+from flexros_nodes.protocol.process.interruption import interruption
 from flexros_nodes.shell.domain import DOMAIN_VARIABLE, domain_of_run, environment
 from flexros_nodes.shell.exposure import exposure_settings
 

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 from flexros.config.topics import load_topics
 from flexros.errors import INTERNAL_ERROR, INTERRUPTED, RunError
-from flexros_nodes.protocol.pacing import PeriodStatistics
-from flexros_nodes.protocol.precise_timing import PRIORITY
+from flexros_nodes.protocol.real_time.precise_timing import PRIORITY
+from flexros_nodes.protocol.real_time.schedule import PeriodStatistics
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
     from flexros.scenario.scenario import Scenario
+    from flexros_nodes.protocol.node_report import NodeReport
     from flexros_nodes.protocol.parameters import Value
-    from flexros_nodes.protocol.report import NodeReport
 
 LEADERS = ("feedforward", "identification")
 """Nodes that stream the reference; one of them leads a run."""

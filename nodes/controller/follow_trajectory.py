@@ -12,14 +12,14 @@ from rclpy.serialization import serialize_message
 from flexros.errors import FlexrosError, RunError
 from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk, read_joint_trajectory
 from flexros.logs.stamps import NANOSECONDS
-from flexros_nodes.protocol.trajectory_goal import (
+from flexros_nodes.protocol.reference.trajectory_goal import (
     OUTCOME_OF_REFUSAL,
     Outcome,
     TrajectoryGoal,
     Verdict,
     position_tolerances,
 )
-from flexros_nodes.protocol.trajectory_request import RefusedTrajectoryError, in_joint_order
+from flexros_nodes.protocol.reference.trajectory_request import RefusedTrajectoryError, in_joint_order
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

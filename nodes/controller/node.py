@@ -12,11 +12,11 @@ from flexros.logs.messages.joint_state import JointStateTemplate, JointStateView
 from flexros.logs.messages.joint_trajectory import read_joint_trajectory
 from flexros.logs.stamps import NANOSECONDS
 from flexros_nodes.controller.follow_trajectory import FollowTrajectory, installed_action
-from flexros_nodes.protocol.lockstep import Arrival, ControllerLockStep
-from flexros_nodes.protocol.message_loss import MessageLoss
+from flexros_nodes.protocol.loop.lockstep import Arrival, ControllerLockStep
+from flexros_nodes.protocol.loop.message_loss import MessageLoss
 from flexros_nodes.protocol.parameters import gain_parameters
-from flexros_nodes.protocol.reference_buffer import ReferenceBuffer
-from flexros_nodes.protocol.trajectory_request import in_joint_order
+from flexros_nodes.protocol.reference.reference_buffer import ReferenceBuffer
+from flexros_nodes.protocol.reference.trajectory_request import in_joint_order
 from flexros_nodes.shell.node_base import FlexrosNode
 from flexros_nodes.shell.prepared_run import prepared_run
 

@@ -10,20 +10,20 @@ import numpy as np
 from flexros.errors import FlexrosError, RunError
 from flexros.logs.stamps import stamp_ns
 from flexros_nodes.plant.messages import PlantMessages, read_recorder_progress, recorder_window
-from flexros_nodes.protocol.breakdown import recorder_silence_text, silence_text
-from flexros_nodes.protocol.command_reader import CommandReader
 from flexros_nodes.protocol.experiment_state import read_experiment_state
-from flexros_nodes.protocol.lockstep import FASTEST_RESEND, PlantLockStep, Tick
-from flexros_nodes.protocol.message_loss import MessageLoss
-from flexros_nodes.protocol.pause import Pause
-from flexros_nodes.protocol.torque_use import TorqueUse
+from flexros_nodes.protocol.loop.abort_messages import recorder_silence_text, silence_text
+from flexros_nodes.protocol.loop.command_reader import CommandReader
+from flexros_nodes.protocol.loop.lockstep import FASTEST_RESEND, PlantLockStep, Tick
+from flexros_nodes.protocol.loop.message_loss import MessageLoss
+from flexros_nodes.protocol.loop.pause import Pause
+from flexros_nodes.protocol.loop.torque_use import TorqueUse
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.arrays import FloatArray
     from flexros.scenario.experiment import Experiment
-    from flexros_nodes.protocol.plant_pacing import PlantPacing
+    from flexros_nodes.protocol.real_time.plant_pacing import PlantPacing
     from flexros_nodes.shell.node_base import FlexrosNode
 
 

@@ -11,7 +11,7 @@ from flexros.logs.messages.joint_state import JointStateTemplate
 from flexros.logs.messages.pose_stamped import PoseStampedTemplate
 from flexros.logs.stamps import NANOSECONDS, stamp_ns, stamp_of
 from flexros.logs.time_series import BASE_FRAME
-from flexros_nodes.protocol.recorder_window import RecorderWindow
+from flexros_nodes.protocol.recorder.recorder_window import RecorderWindow
 from flexros_nodes.shell.topic_interface import period, sampled_topics, topic
 
 if TYPE_CHECKING:

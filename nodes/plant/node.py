@@ -12,14 +12,14 @@ from flexros_nodes.plant.loop import PlantLoop
 from flexros_nodes.plant.messages import OWN_TOPICS
 from flexros_nodes.plant.services import PlantServices
 from flexros_nodes.plant.view import MARKER_PERIOD, PlantView
-from flexros_nodes.protocol.breakdown import no_partners_text, partner_ended_text
-from flexros_nodes.protocol.ending import Ending
-from flexros_nodes.protocol.lockstep import FASTEST_RESEND
-from flexros_nodes.protocol.loop_figures import loop_figures
-from flexros_nodes.protocol.loop_warnings import loop_warnings
-from flexros_nodes.protocol.pacing import Schedule
-from flexros_nodes.protocol.pause import Pause
-from flexros_nodes.protocol.plant_pacing import PlantPacing
+from flexros_nodes.protocol.loop.abort_messages import no_partners_text, partner_ended_text
+from flexros_nodes.protocol.loop.lockstep import FASTEST_RESEND
+from flexros_nodes.protocol.loop.loop_figures import loop_figures
+from flexros_nodes.protocol.loop.loop_warnings import loop_warnings
+from flexros_nodes.protocol.loop.pause import Pause
+from flexros_nodes.protocol.loop.shutdown import Ending
+from flexros_nodes.protocol.real_time.plant_pacing import PlantPacing
+from flexros_nodes.protocol.real_time.schedule import Schedule
 from flexros_nodes.shell.node_base import FlexrosNode
 from flexros_nodes.shell.prepared_run import prepared_run
 from flexros_nodes.shell.topic_interface import period
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
     from rclpy.context import Context
 
-    from flexros_nodes.protocol.pacing import PeriodStatistics
     from flexros_nodes.protocol.parameters import Value
+    from flexros_nodes.protocol.real_time.schedule import PeriodStatistics
 
 LOOK_PERIOD = 0.01
 """Period at which the plant looks for its partners, and at the end brakes and awaits the recorder [s], chosen."""

@@ -1,1 +1,1 @@
-"""The protocol of the nodes as plain Python: imports no ROS."""
+"""The protocol of the nodes in plain Python; imports no ROS."""

@@ -14,14 +14,14 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from flexros.errors import FlexrosError
-from flexros_nodes.protocol.interruption import interruption
-from flexros_nodes.protocol.precise_timing import take_priority, threads_of_loop
-from flexros_nodes.protocol.report import ERROR_PREFIX, NodeReport
+from flexros_nodes.protocol.node_report import ERROR_PREFIX, NodeReport
+from flexros_nodes.protocol.process.interruption import interruption
+from flexros_nodes.protocol.real_time.precise_timing import take_priority, threads_of_loop
 from flexros_nodes.shell.shared_memory import become_cleaner
 from flexros_nodes.shell.spinning import make_executor, spin
 
 if TYPE_CHECKING:
-    from flexros_nodes.protocol.interruption import Interruption
+    from flexros_nodes.protocol.process.interruption import Interruption
     from flexros_nodes.shell.node_base import FlexrosNode
 
 LOOK_PERIOD = 0.02

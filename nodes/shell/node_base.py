@@ -14,8 +14,8 @@ from rclpy.lifecycle import TransitionCallbackReturn
 
 from flexros.errors import INTERNAL_ERROR, FlexrosError
 from flexros.logs.stamps import NANOSECONDS, START_NS
+from flexros_nodes.protocol.node_report import NodeReport
 from flexros_nodes.protocol.parameters import node_parameters
-from flexros_nodes.protocol.report import NodeReport
 from flexros_nodes.shell.lifecycle_service import refuse_impossible_transitions
 from flexros_nodes.shell.topic_node import AbstractTopicNode
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from rclpy.context import Context
     from rclpy.lifecycle import LifecycleState
 
-    from flexros_nodes.protocol.pacing import Paced
     from flexros_nodes.protocol.parameters import Value
+    from flexros_nodes.protocol.real_time.schedule import Paced
 
 
 class NodeFaultError(FlexrosError):

@@ -8,16 +8,16 @@ from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk, seriali
 from flexros.logs.messages.pose_stamped import PoseStampedTemplate
 from flexros.logs.stamps import START_NS, sample_number, stamp_of, stamps_ns
 from flexros.logs.time_series import BASE_FRAME
-from flexros_nodes.protocol.chunk_stream import ChunkStream
-from flexros_nodes.protocol.lockstep import Beginning
-from flexros_nodes.protocol.reference_rows import PlannedRows
+from flexros_nodes.protocol.loop.lockstep import Beginning
+from flexros_nodes.protocol.reference.chunk_stream import ChunkStream
+from flexros_nodes.protocol.reference.reference_rows import PlannedRows
 from flexros_nodes.shell.topic_interface import period
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.scenario.experiment import Experiment
-    from flexros_nodes.protocol.reference_rows import ReferenceRows
+    from flexros_nodes.protocol.reference.reference_rows import ReferenceRows
     from flexros_nodes.shell.node_base import FlexrosNode
 
 FIND_PERIOD = 0.01

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from rclpy.executors import SingleThreadedExecutor
 
-from flexros_nodes.protocol.clock_steps import waking_at_clock_steps
-from flexros_nodes.protocol.precise_timing import precise_timing
+from flexros_nodes.protocol.process.clock_steps import waking_at_clock_steps
+from flexros_nodes.protocol.real_time.precise_timing import precise_timing
 
 try:
     from rclpy.experimental.events_executor import EventsExecutor
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from rclpy.executors import Executor
     from rclpy.task import Future
 
-    from flexros_nodes.protocol.interruption import Interruption
-    from flexros_nodes.protocol.pacing import Paced, Schedule
+    from flexros_nodes.protocol.process.interruption import Interruption
+    from flexros_nodes.protocol.real_time.schedule import Paced, Schedule
     from flexros_nodes.shell.node_base import FlexrosNode
 
 SLICE = 0.2

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 
 from flexros.scenario.scenario import load_scenario
 from flexros_nodes.bringup.run import run_scenario
-from flexros_nodes.protocol.pacing import Schedule
-from flexros_nodes.protocol.precise_timing import precise_timing
+from flexros_nodes.protocol.real_time.precise_timing import precise_timing
+from flexros_nodes.protocol.real_time.schedule import Schedule
 from flexros_nodes.shell import spinning
 
 if TYPE_CHECKING:

@@ -45,11 +45,11 @@ from flexros.robot.exchange.urdf_import import skeleton_from_urdf
 from flexros.scenario.scenario import load_scenario
 from flexros.validation.blind.seal import read_case
 from flexros_nodes.bringup.launch_plan import plan_launch, run_arguments
-from flexros_nodes.protocol.command_reader import CommandReader
 from flexros_nodes.protocol.experiment_state import read_experiment_state
+from flexros_nodes.protocol.loop.command_reader import CommandReader
 from flexros_nodes.protocol.parameters import read_parameters
-from flexros_nodes.protocol.recording import EventRecording, TopicRecording
-from flexros_nodes.protocol.reference_buffer import ReferenceBuffer
+from flexros_nodes.protocol.recorder.recording import EventRecording, TopicRecording
+from flexros_nodes.protocol.reference.reference_buffer import ReferenceBuffer
 from tests.fuzz import samples
 from tests.fuzz.damage import as_text, changed, damaged, lines, yaml_texts
 

@@ -42,7 +42,7 @@ HEAD = """# Endurance and faults
 Written by `make soak` (`python -m tests.soak.endurance_page`), part by part; short versions of the parts are among the
 tests. Everything ran on this machine, beside other work: speeds and late cycles are those of a loaded machine. The last
 column of a table says "ok", or what was not as it must be. That nodes look at steady clocks alone is tested
-(`tests/nodes/test_clock_jumps.py`).
+(`tests/nodes/runs/test_clock_jumps.py`).
 """
 
 

@@ -14,7 +14,7 @@ from std_msgs.msg import String
 
 from flexros.logs.messages.joint_state import JointStateTemplate
 from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk, serialise_joint_trajectory
-from flexros_nodes.protocol.interruption import interruption
+from flexros_nodes.protocol.process.interruption import interruption
 from flexros_nodes.shell.topic_interface import message_class, qos_profile, topic
 
 NAMES = ("motor_1", "motor_2")

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.task import Future
 
-from flexros_nodes.protocol.interruption import interruption
+from flexros_nodes.protocol.process.interruption import interruption
 from flexros_nodes.shell.spinning import make_executor
 from flexros_nodes.shell.topic_interface import message_class, qos_profile, topic
 

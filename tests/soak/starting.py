@@ -19,7 +19,7 @@ from flexros.logs.time_series import Log
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
-from flexros_nodes.protocol.report import ERROR_PREFIX
+from flexros_nodes.protocol.node_report import ERROR_PREFIX
 from flexros_nodes.shell.domain import DOMAIN_VARIABLE, domain_of_run
 from flexros_nodes.shell.exposure import exposure_settings
 

@@ -19,7 +19,7 @@ from flexros.errors import InputError
 from flexros.logs.messages.schemas import message_schema
 from flexros_nodes.bringup.replay_run import replay_log
 
-SAMPLE = Path(__file__).parents[2] / "bags" / "sample_circle_dae"
+SAMPLE = Path(__file__).parents[3] / "bags" / "sample_circle_dae"
 TIMEOUT = 60.0
 
 pytestmark = pytest.mark.usefixtures("ros_domain")

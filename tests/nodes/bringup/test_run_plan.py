@@ -8,7 +8,7 @@ import pytest
 
 from flexros.scenario.scenario import load_scenario
 from flexros_nodes.bringup.run_plan import RunPlan, leader_of, summarise
-from flexros_nodes.protocol.report import NodeReport
+from flexros_nodes.protocol.node_report import NodeReport
 
 PLANT = NodeReport("plant", figures={"samples": 100, "simulated_time_s": 0.05, "resends": 3, "dropped_on_purpose": 2})
 

@@ -14,7 +14,7 @@ import pytest
 from flexros.logs.reader import read_log
 
 StartNode = Callable[..., subprocess.Popen[str]]
-CHECKOUT = Path(__file__).parents[2]
+CHECKOUT = Path(__file__).parents[3]
 TIMEOUT = 60.0
 
 pytestmark = pytest.mark.usefixtures("ros_domain")

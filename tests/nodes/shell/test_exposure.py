@@ -17,7 +17,7 @@ import pytest
 from flexros.errors import InputError, RunError
 from flexros_nodes.shell.exposure import CHOICES, PROFILE, check_exposure, exposure_settings
 
-CHECKOUT = Path(__file__).parents[2]
+CHECKOUT = Path(__file__).parents[3]
 LOCAL = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT", "FASTRTPS_DEFAULT_PROFILES_FILE": str(PROFILE)}
 DOMAIN_5 = 7400 + 250 * 5
 COMMAND = "from flexros.cli import main; raise SystemExit(main())"

@@ -16,7 +16,7 @@ from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.task import Future
 
 from flexros_nodes.feedforward import FeedforwardNode
-from flexros_nodes.protocol.interruption import interruption
+from flexros_nodes.protocol.process.interruption import interruption
 from flexros_nodes.shell.spinning import make_executor, spin
 
 

@@ -1,0 +1,1 @@
+"""Lock-step loop of the plant: commands, pause, abort, shutdown and diagnostics."""

@@ -1,0 +1,1 @@
+"""Events of the operating system: signals and steps of the system clock."""

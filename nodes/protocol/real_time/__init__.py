@@ -1,0 +1,1 @@
+"""Real-time mode: schedule of the cycles, their statistics and precise waits."""

@@ -1,0 +1,1 @@
+"""References and trajectories: checked, streamed ahead and sampled."""

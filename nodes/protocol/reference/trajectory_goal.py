@@ -1,0 +1,137 @@
+"""A goal of the action FollowJointTrajectory: its tolerances, and how it comes out; free of ROS."""
+
+from __future__ import annotations
+
+import math
+from enum import IntEnum
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+import numpy as np
+
+from flexros.logs.stamps import NANOSECONDS
+from flexros_nodes.protocol.reference.trajectory_request import Refusal, RefusedTrajectoryError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from flexros.arrays import FloatArray
+
+
+class Outcome(IntEnum):
+    """How a goal comes out: the values of error_code in control_msgs/action/FollowJointTrajectory."""
+
+    SUCCESSFUL = 0
+    INVALID_GOAL = -1
+    INVALID_JOINTS = -2
+    OLD_HEADER_TIMESTAMP = -3
+    PATH_TOLERANCE_VIOLATED = -4
+    GOAL_TOLERANCE_VIOLATED = -5
+
+
+OUTCOME_OF_REFUSAL = {
+    Refusal.JOINTS: Outcome.INVALID_JOINTS,
+    Refusal.POINTS: Outcome.INVALID_GOAL,
+    Refusal.TOO_LATE: Outcome.OLD_HEADER_TIMESTAMP,
+}
+
+
+class Verdict(NamedTuple):
+    """How a goal has come out, and a sentence about it, empty where all is well."""
+
+    outcome: Outcome
+    text: str = ""
+
+
+class JointTolerance(Protocol):
+    """A message control_msgs/msg/JointTolerance."""
+
+    name: str
+    position: float
+    velocity: float
+    acceleration: float
+
+
+def position_tolerances(given: Iterable[JointTolerance], names: Sequence[str], field: str) -> FloatArray:
+    """Read tolerances of positions.
+
+    Args:
+        given: Tolerances by joint; 0 and -1 mean none.
+        names: Joint names in the order of the motors.
+        field: Field of the goal, for the error.
+
+    Returns:
+        Largest distance from the reference [rad or m], shape (M,), infinite where there is no tolerance.
+
+    Raises:
+        RefusedTrajectoryError: A joint is unknown, a tolerance is no number, or it is one of what is not measured.
+    """
+    tolerances = np.full(len(names), np.inf)
+    for tolerance in given:
+        where = f"{field} of {tolerance.name}"
+        if tolerance.name not in names:
+            raise RefusedTrajectoryError(f"{where}: allowed are {', '.join(names)}", Refusal.JOINTS)
+        if tolerance.velocity > 0.0 or tolerance.acceleration > 0.0:
+            raise RefusedTrajectoryError(
+                f"{where} limits velocity or acceleration, allowed is position: nothing else is measured",
+                Refusal.POINTS,
+            )
+        position = tolerance.position
+        if not math.isfinite(position) or (position < 0.0 and position != -1.0):
+            raise RefusedTrajectoryError(
+                f"{where} is {position}, allowed is a number above 0; 0 or -1 for none", Refusal.POINTS
+            )
+        if position > 0.0:
+            tolerances[names.index(tolerance.name)] = position
+    return tolerances
+
+
+class TrajectoryGoal:
+    """Judges a motion sample by sample.
+
+    Until the last point the measured position must stay within the path tolerance of the reference. Then the goal is
+    reached as soon as it is within the goal tolerance of the last point; it may take the goal time.
+
+    Args:
+        names: Joint names in the order of the motors.
+        path: Path tolerance [rad or m], shape (M,).
+        goal: Goal tolerance [rad or m], shape (M,).
+        goal_time: Longest time after the last point [s]; any where it is not above 0.
+    """
+
+    def __init__(self, names: Sequence[str], path: FloatArray, goal: FloatArray, goal_time: float) -> None:
+        self._names = names
+        self._path = path
+        self._goal = goal
+        self._goal_ns = goal_time * NANOSECONDS if goal_time > 0.0 else math.inf
+
+    def judge(self, stamp: int, end: int, reference: FloatArray, measured: FloatArray) -> Verdict | None:
+        """Judge a sample.
+
+        Args:
+            stamp: Its stamp [ns].
+            end: Stamp of the last point [ns].
+            reference: Reference position [rad or m], shape (M,).
+            measured: Measured position [rad or m], shape (M,).
+
+        Returns:
+            How the goal comes out; None while it does not.
+        """
+        distance = np.abs(measured - reference)
+        if stamp < end:
+            if not (distance > self._path).any():
+                return None
+            where = self._farthest(distance, self._path, stamp)
+            return Verdict(Outcome.PATH_TOLERANCE_VIOLATED, f"{where}; the robot comes to rest")
+        if not (distance > self._goal).any():
+            return Verdict(Outcome.SUCCESSFUL)
+        if stamp - end <= self._goal_ns:
+            return None
+        late = f"{(stamp - end) / NANOSECONDS:g} s after the last point "
+        return Verdict(Outcome.GOAL_TOLERANCE_VIOLATED, late + self._farthest(distance, self._goal, stamp))
+
+    def _farthest(self, distance: FloatArray, tolerance: FloatArray, stamp: int) -> str:
+        joint = int(np.argmax(distance / tolerance))
+        return (
+            f"{self._names[joint]} is {distance[joint]:.3g} from its reference at stamp {stamp / NANOSECONDS:.4f} s, "
+            f"allowed is {tolerance[joint]:.3g}"
+        )
