@@ -27,7 +27,7 @@ assert flexros.__file__.startswith(here), flexros.__file__
 folder = data_folder("msgs_config")
 assert str(folder) == here + "/share/flexros/msgs_config", folder
 from pathlib import Path
-scenarios = sorted((Path(flexros.__file__).parent / "config" / "scenarios").glob("*.yaml"))
+scenarios = sorted((Path(flexros.__file__).parent / "scenario" / "library").glob("*.yaml"))
 assert scenarios and robot_names()
 for name in robot_names():
     load_robot(name)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
+from flexros.gap.checked_log import checked_log
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log, PoseSeries
 from flexros.record.read import read_record
@@ -210,7 +211,7 @@ def test_reference_stands_at_its_samples_where_messages_share_an_instant(emps: R
 def test_commands_that_overlap_the_states_for_some_samples_only_are_too_short(emps: Robot) -> None:
     commands = JointSeries(stamps_ns(N, T) + (N - 10) * 10**6, ONE, effort=column(2))
     with pytest.raises(InputError, match="the log is too short: it has 0.00[0-9]+ s with [0-9]+ measured samples"):
-        read_record(make_log(joint_commands=commands), emps, name="log")
+        checked_log(make_log(joint_commands=commands), emps, name="log")
 
 
 def test_reference_that_ends_early_is_unknown(emps: Robot) -> None:
@@ -242,7 +243,7 @@ def test_checks_are_asked(emps: Robot) -> None:
         joint_states=JointSeries(log.joint_states.stamp[:800], ONE, position=log.joint_states.position[:800]),
     )
     with pytest.raises(InputError, match="^cut: the log is too short: it has 0.799 s"):
-        read_record(short, emps, name="cut")
+        checked_log(short, emps, name="cut")
 
 
 def test_log_with_more_motors_than_the_robot_is_refused(emps: Robot) -> None:

@@ -135,7 +135,7 @@ def test_run_on_the_network_says_so_and_is_open(tmp_path: Path, long_scenario: P
     "settings", [{}, {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}], ids=["nothing set", "LOCALHOST"]
 )
 def test_node_by_itself_keeps_the_middleware_as_the_user_has_it(ros_domain: int, settings: dict[str, str]) -> None:
-    with started("-m", "flexros_nodes.plant.node", ROS_DOMAIN_ID=str(ros_domain), **settings) as process:
+    with started("-m", "flexros_nodes.plant", ROS_DOMAIN_ID=str(ros_domain), **settings) as process:
         assert "0.0.0.0" in addresses(process, 1)
 
 
