@@ -28,6 +28,7 @@ class Delay(AbstractChangedValues, AbstractLaw):
     stage: ClassVar[Stage] = "timing"
     size: ClassVar[str] = "time"
     signatures: ClassVar[tuple[str, ...]] = ("time_shift", "detection_lines")
+    delays_commands: ClassVar[bool] = True
     fingerprint: ClassVar[str] = (
         "all onsets come later by the same time: prediction errors follow changes of the torque, the phase falls in "
         "proportion to the frequency and the magnitude stays"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import casadi as ca
 from pydantic import Field
 
-from flexros.effects.kinds.ranges import HIGHEST_ORDER, Range
+from flexros.effects.kinds.ranges import HIGHEST_ORDER, HarmonicEntry, Range
 from flexros.effects.kinds.sensor import AbstractSensor
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ class EncoderEccentricity(AbstractSensor):
     name: ClassVar[str] = "encoder_eccentricity"
     stage: ClassVar[Stage] = "sensor"
     size: ClassVar[str] = "amplitude"
+    harmonics: ClassVar[tuple[HarmonicEntry, ...]] = (HarmonicEntry("encoder"),)
     rank: ClassVar[int] = 0
     signatures: ClassVar[tuple[str, ...]] = ("order_spectrum", "torque_over_rotor_angle")
     fingerprint: ClassVar[str] = (

@@ -27,9 +27,15 @@ class EncoderQuantization(AbstractSensor):
     size: ClassVar[str] = "step"
     rank: ClassVar[int] = 1
     signatures: ClassVar[tuple[str, ...]] = ("encoder_steps",)
+    as_noise: ClassVar[bool] = True
     fingerprint: ClassVar[str] = "measured positions lie on a lattice, and slow motion is a staircase"
 
     step: float = Field(0.0, ge=0.0, description="distance of two readings, of the motor coordinate [rad or m]")
+
+    @property
+    def noise(self) -> float:
+        """Half a step [rad or m]."""
+        return self.step / 2
 
     def read(self, position: ca.SX, angle: ca.SX, values: Mapping[str, Value]) -> ca.SX:
         """Round to the next multiple."""

@@ -35,6 +35,7 @@ class GravityError(AbstractArmLaw):
 
     name: ClassVar[str] = "gravity_error"
     stage: ClassVar[Stage] = "load"
+    plain: ClassVar[bool] = True
     size: ClassVar[str] = "relative"
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {"relative": Range("relative", 0.003, 0.9, 4, signed=True)}

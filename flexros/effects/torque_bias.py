@@ -25,6 +25,7 @@ class TorqueBias(AbstractMotorTorque):
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "level"
     signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "torque_over_speed", "torque_over_position")
+    plain: ClassVar[bool] = True
     fingerprint: ClassVar[str] = (
         "the missing torque has a mean that depends neither on direction nor on position, also at standstill"
     )

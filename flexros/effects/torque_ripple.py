@@ -9,7 +9,7 @@ import casadi as ca
 from pydantic import Field, model_validator
 
 from flexros.effects.kinds.motor_law import AbstractMotorTorque, MotorState
-from flexros.effects.kinds.ranges import HIGHEST_ORDER, Range
+from flexros.effects.kinds.ranges import HIGHEST_ORDER, HarmonicEntry, Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -31,6 +31,10 @@ class TorqueRipple(AbstractMotorTorque):
     stage: ClassVar[Stage] = "actuator"
     size: ClassVar[str] = "amplitude"
     signatures: ClassVar[tuple[str, ...]] = ("order_spectrum", "torque_over_rotor_angle")
+    harmonics: ClassVar[tuple[HarmonicEntry, ...]] = (
+        HarmonicEntry("torque"),
+        HarmonicEntry("proportional torque", (("proportional", True),), largest=0.99),  # such ripples are below 1
+    )
     fingerprint: ClassVar[str] = (
         "a missing torque that repeats with the motor angle, of the same size at all speeds, or in proportion to the "
         "torque where it is a ripple of the winding"

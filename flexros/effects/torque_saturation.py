@@ -6,6 +6,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
 import casadi as ca
+import numpy as np
 from pydantic import Field
 
 from flexros.effects.kinds.command_law import AbstractCommandLaw
@@ -14,6 +15,7 @@ from flexros.effects.kinds.ranges import Range
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from flexros.arrays import FloatArray
     from flexros.effects.kinds.base import Stage
     from flexros.robot.symbolic.kinematics import Value
 
@@ -30,6 +32,7 @@ class TorqueSaturation(AbstractCommandLaw):
     size: ClassVar[str] = "limit"
     rank: ClassVar[int] = 0
     signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "detection_lines")
+    cuts_off: ClassVar[bool] = True
     fingerprint: ClassVar[str] = (
         "nothing is missing below a level of the command, and whatever is commanded above it is missing"
     )
@@ -44,3 +47,7 @@ class TorqueSaturation(AbstractCommandLaw):
         del own
         limit = ca.SX(values["limit"])
         return ca.if_else(limit > 0, ca.fmin(ca.fmax(torque, -limit), limit), torque)
+
+    def cut_off(self, torque: FloatArray) -> FloatArray:
+        """Clip recorded commands."""
+        return np.clip(torque, -self.limit, self.limit)

@@ -10,7 +10,7 @@ import casadi as ca
 from pydantic import Field
 
 from flexros.effects.kinds.gear_law import AbstractGearLaw, GearTorques
-from flexros.effects.kinds.ranges import HIGHEST_ORDER, Range
+from flexros.effects.kinds.ranges import HIGHEST_ORDER, HarmonicEntry, Range
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -37,6 +37,7 @@ class TransmissionError(AbstractGearLaw):
     name: ClassVar[str] = "transmission_error"
     stage: ClassVar[Stage] = "gear"
     size: ClassVar[str] = "amplitude"
+    harmonics: ClassVar[tuple[HarmonicEntry, ...]] = (HarmonicEntry("gear"),)
     rank: ClassVar[int] = 0
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {

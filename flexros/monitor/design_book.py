@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.errors import InputError
 from flexros.monitor.design import Design, design, twin_gain
 from flexros.monitor.pose_model import PoseModel
@@ -103,8 +102,8 @@ def known_noise(model: RobotWithEffects) -> FloatArray:
     """
     noise = np.array(model.robot.encoder_noise, dtype=float)
     for law in model.laws:
-        if isinstance(law.effect, EncoderQuantization):
-            noise[law.motor] = np.hypot(noise[law.motor], law.effect.step / 2)
+        if law.effect.as_noise:
+            noise[law.motor] = np.hypot(noise[law.motor], law.effect.noise)
     if not np.all(noise > 0):
         raise InputError(
             f"robot {model.robot.name} states encoder noise of {noise.tolist()} rad or m, but it must be above zero, "

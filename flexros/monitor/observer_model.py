@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.compile.loop.prediction import PredictionLoop
-from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.simulate.loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 
@@ -40,7 +39,7 @@ class ObserverModel:
 
     def __init__(self, model: RobotWithEffects, sample_time: float) -> None:
         self.robot, self._sample_time = model.robot, sample_time
-        felt = [law for law in model.laws if not isinstance(law.effect, EncoderQuantization)]
+        felt = [law for law in model.laws if not law.effect.as_noise]
         self._plant = PlantModel(model.robot, felt)
         self._loop = PredictionLoop(
             self._plant.functions(feed_through(model.robot.n_motors)),

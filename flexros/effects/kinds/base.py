@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 from flexros.config.settings import Settings, validate
 from flexros.discovery import members
 from flexros.effects.kinds.floors import WORD, check_has_floor, floor_of
-from flexros.effects.kinds.ranges import Range
+from flexros.effects.kinds.ranges import HarmonicEntry, Range
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -34,8 +34,9 @@ class AbstractEffect(Settings, ABC):
     2. Its parameters as fields, each with a description that states unit and meaning; the default is the neutral
        value, which switches the effect off.
     3. `locations`, the places of a robot where it can sit.
-    4. `ranges` of the parameters that a diagnosis fits, `fingerprint`, one sentence on what one sees of it where, and
-       `signatures`, the pictures of `flexros/gap/signatures` that show it.
+    4. What a diagnosis needs: `ranges` of the parameters that it fits, `fingerprint`, one sentence on what one sees of
+       it where, `signatures`, the pictures of `flexros/gap/signatures` that show it, and where they apply `extends`,
+       `plain` and `harmonics`.
     5. What its kind asks for: `AbstractModelChange` a changed robot, `AbstractChangedValues` (one of them) changed
        numbers; `AbstractCommandLaw` a torque changed on its way to the motor, `AbstractMotorTorque` a smooth torque at
        a motor, `AbstractDryFriction` a friction that can stick, `AbstractBristleFriction` one with presliding,
@@ -56,6 +57,14 @@ class AbstractEffect(Settings, ABC):
     """Where the parameters that a diagnosis fits may lie; those without a range keep their defaults."""
     extends: ClassVar[Mapping[str, Mapping[str, str]]] = MappingProxyType({})
     """Simpler effects that it contains, by name, with its parameters that are theirs: a fit starts from those."""
+    plain: ClassVar[bool] = False
+    """Whether it is one parameter of the model or of a signal, without a shape of its own. A diagnosis allows such an
+    effect less model-form error than a law of friction, backlash or ripple."""
+    harmonics: ClassVar[tuple[HarmonicEntry, ...]] = ()
+    """Where its harmonic of the rotor angle enters, for effects with an `order`, which a diagnosis finds in the
+    prediction errors."""
+    delays_commands: ClassVar[bool] = False
+    """Whether it delays commands by its parameter `time` [s]. A predictor then shifts the recorded samples."""
 
     @abstractmethod
     def locations(self, robot: Robot) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from flexros.effects.kinds.motor_law import AbstractMotorLaw
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from flexros.arrays import FloatArray
     from flexros.robot import Robot
     from flexros.robot.symbolic.kinematics import Value
 
@@ -28,6 +29,10 @@ class AbstractCommandLaw(AbstractMotorLaw):
 
     rank: ClassVar[int]
     """Place on the way from command to motor: saturation 0, gain 1, lag 2."""
+    plain: ClassVar[bool] = True
+    cuts_off: ClassVar[bool] = False
+    """Whether it limits the command, by `cut_off`. A predictor with a delay does that to the recorded samples first:
+    the filter of a delay by part of a sample is right only for torques that nothing cuts off behind it."""
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the motors."""
@@ -45,6 +50,10 @@ class AbstractCommandLaw(AbstractMotorLaw):
         Returns:
             Torque [Nm or N], SX (1, 1).
         """
+
+    def cut_off(self, torque: FloatArray) -> FloatArray:
+        """Limit recorded commands [Nm or N]; only where `cuts_off`."""
+        return torque
 
     def before_step(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value], step: ca.SX) -> ca.SX:
         """Update the own states before an integration step.

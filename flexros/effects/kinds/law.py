@@ -22,6 +22,8 @@ class AbstractLaw(AbstractEffect):
     """Number of own states with a derivative."""
     stepwise_states: ClassVar[int] = 0
     """Number of own states that are updated between the integration steps."""
+    as_noise: ClassVar[bool] = False
+    """Whether a predictor counts it as measurement noise of at most `noise`, and leaves it out of the plant."""
 
     @property
     def neutral(self) -> bool:
@@ -35,6 +37,11 @@ class AbstractLaw(AbstractEffect):
         return {
             name: float(dumped[name]) for name, field in type(self).model_fields.items() if field.annotation is float
         }
+
+    @property
+    def noise(self) -> float:
+        """Largest error that it adds to a measured position as noise [rad or m]."""
+        return 0.0
 
     @property
     def n_states(self) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from flexros.effects.kinds.base import AbstractEffect
 
@@ -42,6 +42,8 @@ class AbstractChangedValues(AbstractModelChange):
 
     A member provides `name`, `stage`, its parameters, `locations` and `values`.
     """
+
+    plain: ClassVar[bool] = True
 
     @abstractmethod
     def values(self, robot: Robot, location: str) -> dict[str, float]:

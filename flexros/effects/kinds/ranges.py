@@ -25,6 +25,25 @@ HIGHEST_ORDER = 10_000.0
 """Highest order of a rotor that is looked for [periods per turn]: 50 per turn of a rotor whose angle counts behind a
 gear of 200 (chosen)."""
 
+Entry = Literal["torque", "proportional torque", "gear", "encoder"]
+"""Where a harmonic of the rotor angle enters: as a torque at the motor, as a torque relative to that of the motor, as a
+deflection of the gear, or as an error of the encoder."""
+
+
+@dataclass(frozen=True)
+class HarmonicEntry:
+    """How an effect that repeats with the rotor angle enters.
+
+    Attributes:
+        entry: Where it enters.
+        fixed: Parameters that make it enter there, with their values.
+        largest: Largest amplitude [unit of the effect's amplitude].
+    """
+
+    entry: Entry
+    fixed: tuple[tuple[str, bool], ...] = ()
+    largest: float = float("inf")
+
 
 @dataclass(frozen=True)
 class Range:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from flexros.effects.kinds.law import AbstractLaw
 
@@ -20,6 +20,8 @@ class AbstractToolError(AbstractLaw):
     A member provides `name`, `stage`, `size`, its parameters, `locations` and `geometry`, and `offsets`
     where coordinates are off.
     """
+
+    plain: ClassVar[bool] = True
 
     @abstractmethod
     def geometry(self, robot: Robot, location: str, values: Mapping[str, Value]) -> dict[str, Value]:

@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.encoder_quantization import EncoderQuantization
-
 if TYPE_CHECKING:
     from flexros.effects import RobotWithEffects
     from flexros.gap.held_out.prediction_gap import AheadErrors
@@ -23,7 +21,7 @@ def unknown_rounding(model: RobotWithEffects, measurement: Measurement) -> tuple
         model: The model.
         measurement: Noise and rounding of the encoders.
     """
-    known = {law.location for law in model.laws if isinstance(law.effect, EncoderQuantization)}
+    known = {law.location for law in model.laws if law.effect.as_noise}
     names = model.robot.joint_names
     return tuple(one for one in measurement.quantizations if names[one.motor] not in known)
 

@@ -8,11 +8,9 @@ import numpy as np
 
 from flexros.compile.loop.prediction import LoopPrediction, PredictionLoop
 from flexros.effects import PlacedLaw
-from flexros.effects.delay import Delay
-from flexros.effects.encoder_quantization import EncoderQuantization
+from flexros.effects.kinds.command_law import AbstractCommandLaw
 from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
-from flexros.effects.torque_saturation import TorqueSaturation
 from flexros.errors import InputError
 from flexros.gap.prediction.fractional_delay import delayed
 from flexros.simulate.loop import feed_through
@@ -239,8 +237,9 @@ class Predictor:
             pairs = list(zip(self.hypothesis, self.values(theta)))
             for suspect, numbers in pairs:
                 if self._cut_off_before(suspect):
-                    motor, limit = self.robot.joint_names.index(suspect.location), numbers["limit"]
-                    shifted[:, motor] = np.clip(shifted[:, motor], -limit, limit)
+                    motor, effect = self.robot.joint_names.index(suspect.location), suspect.placed(numbers).effect
+                    assert isinstance(effect, AbstractCommandLaw)
+                    shifted[:, motor] = effect.cut_off(shifted[:, motor])
             for suspect, numbers in pairs:
                 if _delays(suspect):
                     shifted = delayed(shifted, numbers["time"] / self.sample_time, self._delayed_by(suspect))
@@ -254,7 +253,8 @@ class Predictor:
     def _cut_off_before(self, suspect: Candidate) -> bool:
         """Tell whether a suspect cuts off torques that another one delays."""
         delays = [one for one in self.hypothesis if _delays(one)]
-        return suspect.effect is TorqueSaturation and any(one.location in ("all", suspect.location) for one in delays)
+        cuts = issubclass(suspect.effect, AbstractCommandLaw) and suspect.effect.cuts_off
+        return cuts and any(one.location in ("all", suspect.location) for one in delays)
 
 
 def _is_law(suspect: Candidate) -> bool:
@@ -270,11 +270,11 @@ def _law(place: int, suspect: Candidate) -> PlacedLaw:
 
 def _felt(laws: Sequence[PlacedLaw]) -> list[PlacedLaw]:
     """Leave out rounding, which is part of the noise of a predictor."""
-    return [law for law in laws if not isinstance(law.effect, EncoderQuantization)]
+    return [law for law in laws if not law.effect.as_noise]
 
 
 def _delays(suspect: Candidate) -> bool:
-    return suspect.effect is Delay
+    return suspect.effect.delays_commands
 
 
 def _changed(robot: Robot, suspect: Candidate) -> tuple[str, ...]:

@@ -17,21 +17,12 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
-    from flexros.gap.search.harmonics import Entry, PeriodicFit
+    from flexros.gap.search.harmonics import PeriodicFit
     from flexros.record.record import Record
     from flexros.robot import Robot
 
-ENTRIES: tuple[tuple[str, Entry, tuple[tuple[str, bool], ...]], ...] = (
-    ("torque_ripple", "torque", ()),
-    ("torque_ripple", "proportional torque", (("proportional", True),)),
-    ("encoder_eccentricity", "encoder", ()),
-    ("transmission_error", "gear", ()),
-)
-"""Periodic effects, where the wave of each enters, and what else is set with it."""
 VALLEYS = np.array([place for place in range(-8, 9) if place])
 """Neighbours of an order that are tried as well, in half turns over the way of the rotor in a log [1] (chosen)."""
-LARGEST_PROPORTIONAL = 0.99
-"""Largest amplitude of a ripple relative to the torque; such ripples are below 1 [1] (chosen)."""
 
 
 def periodic_suspects(
@@ -53,17 +44,18 @@ def periodic_suspects(
         Suspects, each with a start per wave.
     """
     search = OrderSearch(robot, data, residual, states, data.pose)
-    own = number - len(ENTRIES) + 1
+    every = [(effect, way) for effect in effects().values() for way in effect.harmonics]
+    own = number - len(every) + 1
     found: list[Candidate] = []
     for motor, location in enumerate(robot.joint_names):
-        ways = [way for way in ENTRIES if way[0] in effects() and location in effects()[way[0]]().locations(robot)]
-        waves = [search.search(motor, entry, own) for _, entry, _ in ways]
-        for place, (name, entry, fixed) in enumerate(ways):
-            others = [rest[0].order for rest in waves[:place] + waves[place + 1 :] if rest]
-            together = (*waves[place], *(search.fit(motor, entry, order) for order in others))
-            most = LARGEST_PROPORTIONAL if fixed else float("inf")
+        here = [(effect, way) for effect, way in every if location in effect().locations(robot)]
+        waves = [search.search(motor, way.entry, own) for _, way in here]
+        for index, (effect, way) in enumerate(here):
+            others = [rest[0].order for rest in waves[:index] + waves[index + 1 :] if rest]
+            together = (*waves[index], *(search.fit(motor, way.entry, order) for order in others))
             if together:
-                found.append(Candidate(effects()[name], location, _free(together, most), fixed, together=True))
+                free = _free(together, way.largest)
+                found.append(Candidate(effect, location, free, way.fixed, together=True))
     return tuple(found)
 
 

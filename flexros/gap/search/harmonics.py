@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -19,11 +19,9 @@ from flexros.robot.spring import Spring
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
+    from flexros.effects.kinds.ranges import Entry
     from flexros.gap.residuals.fit_data import FitData
     from flexros.robot import Robot
-
-Entry = Literal["torque", "proportional torque", "gear", "encoder"]
-"""Where a wave enters: torque at the motor, the same relative to the torque, torsion of the gear, encoder."""
 
 MOST_SPEED = 0.4
 """Highest frequency of an order at the largest speed, relative to the sampling frequency [1] (chosen)."""

@@ -8,18 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects.gravity_error import GravityError
-from flexros.effects.kinds.command_law import AbstractCommandLaw
-from flexros.effects.kinds.model_change import AbstractChangedValues
-from flexros.effects.kinds.tool_error import AbstractToolError
-from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.candidates.candidate import names_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.gap.candidates.candidate import Candidate, Hypothesis
+    from flexros.gap.candidates.candidate import Hypothesis
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
 
@@ -39,8 +34,6 @@ ACROSS = 2e-6
 """The same, whatever they do, as share of the gap [1] (development seeds)."""
 MATTERS, DECIDED = 0.5, 7.0
 """Differences of the log-likelihoods between which the error of form decides how sure an answer is [nats] (chosen)."""
-PLAIN = (AbstractChangedValues, AbstractCommandLaw, AbstractToolError, TorqueBias, GravityError)
-"""Kinds of effects without a shape of their own."""
 REFERRED = 6
 """Times that the reference of the probabilities is moved to the most probable explanation [1] (chosen)."""
 LEAST_LEVEL = 0.5
@@ -241,8 +234,8 @@ def contrast_of(one: Hypothesis, other: Hypothesis) -> Contrast:
         other: Effects of the other.
     """
     own, others = names_of(one) - names_of(other), names_of(other) - names_of(one)
-    plain = all(is_plain(suspect) for suspect in one if suspect.name in own)
-    plain_others = all(is_plain(suspect) for suspect in other if suspect.name in others)
+    plain = all(suspect.effect.plain for suspect in one if suspect.name in own)
+    plain_others = all(suspect.effect.plain for suspect in other if suspect.name in others)
     return Contrast(own, plain, bool(own and others) and plain and plain_others)
 
 
@@ -283,8 +276,3 @@ def evidence_of(
     exact = not nothing.predictor.tolerance.names and not data.record.imported
     error, rounding = measurement.floor_error, measurement.rounding
     return ModelComparison(nothing, tuple(fits), data.n_values, error, rounding, exact, distance)
-
-
-def is_plain(suspect: Candidate) -> bool:
-    """Tell whether an effect is one number of the model or of the signals, without a shape of its own."""
-    return issubclass(suspect.effect, PLAIN)

@@ -11,7 +11,7 @@ from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.fit.least_squares import CandidateFit, starts_of
 from flexros.gap.prediction.predictor import LANES
-from flexros.gap.search.harmonic_candidates import ENTRIES, VALLEYS, other_orders, periodic_suspects
+from flexros.gap.search.harmonic_candidates import VALLEYS, other_orders, periodic_suspects
 from tests.gap.diagnosis_logs import ROBOT, predictor_of, record_of, search_of, suspects_of
 
 
@@ -27,8 +27,11 @@ def of_ripple() -> list[Candidate]:
 
 
 def test_every_effect_whose_order_is_sought_is_listed_at_every_motor(of_ripple: list[Candidate]) -> None:
-    assert {name for name, one in effects().items() if "order" in one.ranges} == {name for name, *_ in ENTRIES}
-    assert [(one.effect.name, one.fixed) for one in of_ripple] == [(name, fixed) for name, _, fixed in ENTRIES]
+    periodic = [one for one in effects().values() if "order" in one.ranges]
+    assert periodic == [one for one in effects().values() if one.harmonics]
+    assert [(one.effect, one.fixed) for one in of_ripple] == [
+        (one, way.fixed) for one in periodic for way in one.harmonics
+    ]
     assert {one.location for one in of_ripple} == {"motor_1"}
 
 
@@ -72,7 +75,7 @@ def test_other_orders_are_tried_with_the_same_wave_in_the_middle_or_its_opposite
 def test_a_fit_at_a_neighbouring_order_finds_the_true_one() -> None:
     """A wave that is one turn off over the whole way of the rotor fits best among its neighbours, but not well."""
     search = search_of("torque_ripple@motor_1:amplitude=0.02,order=6,phase=0.5")
-    (ripple, *_) = search.waves(search.nothing())
+    ripple = next(one for one in search.waves(search.nothing()) if one.effect.name == "torque_ripple")
     way = float(np.ptp(search.data.record.position))
     off = replace(ripple.free[1], starts=tuple(start + 2 * np.pi / way for start in ripple.free[1].starts[:1]))
     amplitude, phase = (replace(one, starts=one.starts[:1]) for one in (ripple.free[0], ripple.free[2]))

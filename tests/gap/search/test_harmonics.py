@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.search.harmonics import Entry, OrderSearch, _local_stiffness, _with_mean_stiffness, angle_spectrum
+from flexros.effects.kinds.ranges import Entry
+from flexros.gap.search.harmonics import OrderSearch, _local_stiffness, _with_mean_stiffness, angle_spectrum
 from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import ROBOT, record_of, search_of
 

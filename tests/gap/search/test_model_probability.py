@@ -16,7 +16,6 @@ from flexros.gap.search.model_probability import (
     ModelComparison,
     contrast_of,
     form_error,
-    is_plain,
 )
 from tests.gap.diagnosis_logs import predictor_of, suspects_of
 
@@ -202,8 +201,8 @@ def test_numbers_of_the_model_are_plain_and_laws_are_not() -> None:
     def one(name: str) -> Candidate:
         return suspects_of()[name]
 
-    assert all(is_plain(one(name)) for name in (STIFFNESS, "motor_inertia_error@motor_1", "payload_error@tool"))
-    assert not any(is_plain(one(name)) for name in (COULOMB, "backlash@motor_1", "extra_mode@tool"))
+    assert all(one(name).effect.plain for name in (STIFFNESS, "motor_inertia_error@motor_1", "payload_error@tool"))
+    assert not any(one(name).effect.plain for name in (COULOMB, "backlash@motor_1", "extra_mode@tool"))
 
 
 def test_tolerances_are_strained_beyond_what_chance_makes_of_as_many() -> None:
