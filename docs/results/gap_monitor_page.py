@@ -187,7 +187,7 @@ def spliced(planned: Experiment, effect: str) -> Log:
     state = None
     for plant, end in zip(plants, ends):
         kernel = compile_loop(
-            plant.functions(law.function(planned.plant.n_motors, T)),
+            plant.functions(law.function(planned.loop_context)),
             sample_time=T,
             substeps=planned.scenario.substeps,
             delay=plant.delay,
@@ -195,7 +195,7 @@ def spliced(planned: Experiment, effect: str) -> Log:
         if state is None:
             rest = plant.start(planned.start_state, planned.start_torque)
             state = delayed_start(
-                rest, law.initial_state(planned.plant.n_motors), planned.start_torque, kernel.line_length
+                rest, law.initial_state(planned.loop_context), planned.start_torque, kernel.line_length
             )
         else:
             robot = 2 * planned.plant.n_coordinates

@@ -1,4 +1,4 @@
-"""What a feedback controller is, and how one is found by its name."""
+"""The contract of feedback control laws, and their lookup by name."""
 
 from __future__ import annotations
 
@@ -19,85 +19,80 @@ if TYPE_CHECKING:
     import casadi
 
     from flexros.arrays import FloatArray
+    from flexros.control.context import LoopContext
+    from flexros.robot import Robot
 
 
 class AbstractControlLaw(Settings, ABC):
-    """A sampled feedback control law, written once as a symbolic function; its fields are the keys of a scenario.
+    """A sampled feedback control law as a symbolic function; its fields are the keys of a scenario.
 
-    How to add a controller: write one file in `flexros/control` with one final subclass, which is then found by its
-    name in scenarios, in the direct simulation, in batches and in the controller node alike. It provides:
+    How to add a controller: write one file in `flexros/control` with one final subclass. It is discovered by its
+    `kind` in scenarios, in direct simulation, in batches and in the controller node. It provides:
 
     1. `kind`, a class variable: the name by which scenarios choose it.
     2. Its settings as pydantic fields with description, unit and bounds. Records are frozen, unknown keys refused.
-    3. `state_size` and, where it does not start from zeros, `initial_state`: its memory between samples.
-    4. `gain_names` and `gains`: every number that may change while running or be swept, as one vector.
-    5. `function`: the pure update `(c, r, y, g) -> (u, c_next)` as a CasADi SX function with the shapes
-       c (state_size,), r (3 M,) = [motor position, motor velocity, feedforward torque], y (M,) measured motor
-       position, g (n_gains,), u (M,) torque command. No clock, no randomness: sample time is an argument.
+    3. `state_size` and, unless it starts from zeros, `initial_state`: its state between samples.
+    4. `gain_names` and `gains`: every parameter that may change at run time or be swept, as one vector.
+    5. `function`: the pure update `(c, r, y, g) -> (u, c_next)` as a CasADi SX function of state c (state_size,),
+       references r (context.references.size,), measurements y (context.measurements.size,) and gains g (n_gains,),
+       with the torque command u (M,). No clock, no randomness.
 
-    A law that treats each motor for itself, with gains per motor and a torque limit, derives from
-    `flexros.control.motorwise.AbstractMotorwiseLaw`, which leaves only its gains and its update to write.
+    Each method gets a `LoopContext`: the nominal robot, the sample time and the layout of r and y by name, e.g.
+    `context.references.part(r, "motor_velocity")`. An observer or state feedback designs its matrices from
+    `linear_model(context.robot)`; a computed-torque law evaluates `context.robot.model`.
+
+    A law that controls each motor separately, with gains per motor and a torque limit, derives from
+    `flexros.control.motorwise.AbstractMotorwiseLaw` and provides only its gains and its update.
     """
 
     kind: ClassVar[str]
     lowest_gain: ClassVar[float] = -math.inf
-    """Lowest value that a gain may be given while running."""
+    """Lower bound of all gains at run time."""
 
     @abstractmethod
-    def state_size(self, n_motors: int) -> int:
-        """Give the number of memory variables for `n_motors` motors."""
+    def state_size(self, context: LoopContext) -> int:
+        """Return the number of states."""
 
     @abstractmethod
-    def gain_names(self, n_motors: int) -> tuple[str, ...]:
-        """Name the entries of the gain vector, in order, e.g. "motor_1.kp"."""
+    def gain_names(self, context: LoopContext) -> tuple[str, ...]:
+        """Return the names of the entries of the gain vector, in order, e.g. "motor_1.kp"."""
 
     @abstractmethod
-    def gains(self, n_motors: int, torque_limits: FloatArray | None = None) -> FloatArray:
-        """Give the gain vector.
-
-        Args:
-            n_motors: Number of motors M.
-            torque_limits: Limits of the robot's motors [Nm], shape (M,); none where not given.
-
-        Returns:
-            Gains in the order of `gain_names`, shape (n_gains,).
+    def gains(self, context: LoopContext) -> FloatArray:
+        """Return the gain vector in the order of `gain_names`, shape (n_gains,).
 
         Raises:
             InputError: A setting given per motor does not have one value for each.
         """
 
     @abstractmethod
-    def function(self, n_motors: int, sample_time: float) -> casadi.Function:
-        """Build the update `(c, r, y, g) -> (u, c_next)`.
+    def function(self, context: LoopContext) -> casadi.Function:
+        """Build the update `(c, r, y, g) -> (u, c_next)`."""
 
-        Args:
-            n_motors: Number of motors M.
-            sample_time: Time between two samples [s].
-        """
+    def command_limits(self, robot: Robot) -> FloatArray:
+        """Return the largest torque command of the loop [Nm or N], shape (M,); infinite for no limit."""
+        return robot.torque_limits
 
-    def initial_state(self, n_motors: int) -> FloatArray:
-        """Give the memory before the first sample, shape (state_size,)."""
-        return np.zeros(self.state_size(n_motors))
+    def initial_state(self, context: LoopContext) -> FloatArray:
+        """Return the state before the first sample, shape (state_size,)."""
+        return np.zeros(self.state_size(context))
 
 
 @cache
 def control_laws() -> Mapping[str, type[AbstractControlLaw]]:
-    """Find all control laws in this package, by `kind`."""
+    """Return all control laws of this package, by `kind`."""
     return members("flexros.control", AbstractControlLaw, "kind")  # type: ignore[type-abstract]
 
 
 def control_law(settings: Mapping[str, Any], source: str = "controller") -> AbstractControlLaw:
-    """Make a control law from the mapping of a scenario.
+    """Build a control law from the mapping of a scenario.
 
     Args:
         settings: `kind` and the fields of that law, e.g. {"kind": "pid", "kp": 135000, "kd": 9000}.
-        source: Where the settings came from, opens the error text.
-
-    Returns:
-        The law.
+        source: Origin of the settings; prefix of error messages.
 
     Raises:
-        InputError: No such kind, or a setting is wrong.
+        InputError: Unknown kind or invalid setting.
     """
     laws = control_laws()
     kind = str(settings.get("kind", ""))

@@ -18,7 +18,7 @@ class Cascade(AbstractMotorwiseLaw):
 
         v_k = (tau v_{k-1} + y_k - y_{k-1}) / (tau + T)              filtered speed, backward Euler
         s_k = reference speed_k + kp (reference_k - y_k) - v_k       error of the speed loop
-        I_k = I_{k-1} + T ki s_k                                     stopped at the limit, see `anti_windup`
+        I_k = I_{k-1} + T ki s_k                                     held at the limit, see `limit_with_integral`
         u_k = limit(feedforward_k + kv s_k + I_k)
 
     At the first sample the speed is zero. The state is [y_{k-1} (M), v (M), I (M), started].

@@ -1,4 +1,4 @@
-"""What control laws have in common that treat each motor for itself."""
+"""Base of control laws that control each motor separately: gains per motor, integral part, torque limit."""
 
 from __future__ import annotations
 
@@ -10,28 +10,29 @@ import numpy as np
 from pydantic import Field
 
 from flexros.config.per_motor import NotNegativePerMotor, PositivePerMotor, per_motor
-from flexros.control.anti_windup import limit_with_integral
 from flexros.control.base import AbstractControlLaw
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
+    from flexros.control.context import LoopContext
+    from flexros.robot import Robot
 
 Gain: TypeAlias = NotNegativePerMotor
 """A gain, one for all motors or one per motor."""
 
 
 class AbstractMotorwiseLaw(AbstractControlLaw):
-    """A law with the same gains for each motor, an integral part, and a limit of the command.
+    """A decentralised law with gains per motor, an integral part and a limited command.
 
-    How to add one: name the fields that are gains in `gain_keys`, and write `update`. The state is
-    [previous value (M), filtered rate (M), integral part (M), started]; all arithmetic is motor by motor.
+    How to add one: list the fields that are gains in `gain_keys` and write `update`. The state is
+    [previous value (M), filtered rate (M), integral part (M), started]; all arithmetic is elementwise.
     """
 
     gain_keys: ClassVar[tuple[str, ...]]
     lowest_gain: ClassVar[float] = 0.0
 
     torque_limit: PositivePerMotor | None = Field(
-        default=None, description="limit of the command [Nm], one or one per motor; the robot's own where left out"
+        default=None, description="limit of the command [Nm], one or one per motor; default: the limits of the robot"
     )
 
     @abstractmethod
@@ -53,47 +54,79 @@ class AbstractMotorwiseLaw(AbstractControlLaw):
             sample_time: Time between two samples [s].
 
         Returns:
-            Command without its integral part, increment of the integral part, value and filtered rate to remember.
+            Command without its integral part, increment of the integral part, value and filtered rate to store.
         """
 
-    def state_size(self, n_motors: int) -> int:
-        """Give the number of memory variables, 3 M + 1."""
-        return 3 * n_motors + 1
+    def state_size(self, context: LoopContext) -> int:
+        """Return the number of states, 3 M + 1."""
+        return 3 * context.n_motors + 1
 
-    def gain_names(self, n_motors: int) -> tuple[str, ...]:
-        """Name the gains: those of `gain_keys`, then torque_limit, each for all motors, e.g. "motor_1.kp"."""
+    def gain_names(self, context: LoopContext) -> tuple[str, ...]:
+        """Return the names of `gain_keys`, then torque_limit, each for all motors, e.g. "motor_1.kp"."""
         keys = (*self.gain_keys, "torque_limit")
-        return tuple(f"motor_{motor}.{key}" for key in keys for motor in range(1, n_motors + 1))
+        return tuple(f"motor_{motor}.{key}" for key in keys for motor in range(1, context.n_motors + 1))
 
-    def gains(self, n_motors: int, torque_limits: FloatArray | None = None) -> FloatArray:
-        """Give the gain vector; the torque limit is the lower one of the setting and the robot's."""
-        limits = np.full(n_motors, np.inf) if torque_limits is None else np.asarray(torque_limits, dtype=float)
-        if self.torque_limit is not None:
-            limits = np.minimum(limits, per_motor("controller.torque_limit", self.torque_limit, n_motors))
-        gains = (per_motor(f"controller.{key}", getattr(self, key), n_motors) for key in self.gain_keys)
-        return np.concatenate([*gains, limits])
+    def gains(self, context: LoopContext) -> FloatArray:
+        """Return the gain vector; the torque limit is the lower of the setting and the robot's."""
+        gains = (per_motor(f"controller.{key}", getattr(self, key), context.n_motors) for key in self.gain_keys)
+        return np.concatenate([*gains, self.command_limits(context.robot)])
 
-    def function(self, n_motors: int, sample_time: float) -> casadi.Function:
+    def command_limits(self, robot: Robot) -> FloatArray:
+        """Return the lower of the controller's and the robot's torque limit [Nm or N], shape (M,)."""
+        if self.torque_limit is None:
+            return robot.torque_limits
+        return np.minimum(robot.torque_limits, per_motor("controller.torque_limit", self.torque_limit, robot.n_motors))
+
+    def function(self, context: LoopContext) -> casadi.Function:
         """Build the update `(c, r, y, g) -> (u, c_next)` as a CasADi SX function."""
-        state = casadi.SX.sym("c", self.state_size(n_motors))
-        reference = casadi.SX.sym("r", 3 * n_motors)
-        position = casadi.SX.sym("y", n_motors)
+        n_motors, references, measurements = context.n_motors, context.references, context.measurements
+        state = casadi.SX.sym("c", self.state_size(context))
+        reference = casadi.SX.sym("r", references.size)
+        measured = casadi.SX.sym("y", measurements.size)
         gains = casadi.SX.sym("g", (len(self.gain_keys) + 1) * n_motors)
         value_before, rate_before, integral_before = casadi.vertsplit(state[:-1], n_motors)
-        target, target_speed, feedforward = casadi.vertsplit(reference, n_motors)
         *factors, limit = casadi.vertsplit(gains, n_motors)
         rest, increment, value, rate = self.update(
-            (target, target_speed, feedforward),
-            position,
+            (
+                references.part(reference, "motor_position"),
+                references.part(reference, "motor_velocity"),
+                references.part(reference, "feedforward_torque"),
+            ),
+            measurements.part(measured, "motor_position"),
             tuple(factors),
             (value_before, rate_before, state[-1] > 0.5),
-            sample_time,
+            context.sample_time,
         )
         command, integral = limit_with_integral(rest, integral_before, increment, limit)
         return casadi.Function(
             self.kind,
-            [state, reference, position, gains],
+            [state, reference, measured, gains],
             [command, casadi.vertcat(value, rate, integral, casadi.SX(1.0))],
             ["c", "r", "y", "g"],
             ["u", "c_next"],
         )
+
+
+def limit_with_integral(
+    rest: casadi.SX, integral_before: casadi.SX, increment: casadi.SX, limit: casadi.SX
+) -> tuple[casadi.SX, casadi.SX]:
+    """Add the integral part, limit the sum, and stop integration that would drive it further into the limit.
+
+    This is conditional integration. Back-calculation is not used because the feedforward torque is added before the
+    limit. Whenever the feedforward alone reaches the limit, back-calculation would load the integral part with a torque
+    that the feedback never requested, and release it later on the path.
+
+    Args:
+        rest: Command without its integral part [Nm], (M, 1).
+        integral_before: Integral part at the previous sample [Nm], (M, 1).
+        increment: Increment of the integral part at this sample [Nm], (M, 1).
+        limit: Largest absolute command [Nm], infinite for none, (M, 1).
+
+    Returns:
+        Command and integral part at this sample [Nm].
+    """
+    integrated = integral_before + increment
+    wanted = rest + integrated
+    winding_up = casadi.logic_and(casadi.fabs(wanted) > limit, increment * wanted > 0.0)
+    integral = casadi.if_else(winding_up, integral_before, integrated)
+    return casadi.fmax(-limit, casadi.fmin(limit, rest + integral)), integral

@@ -16,7 +16,7 @@ class Pid(AbstractMotorwiseLaw):
     For each motor, with e_k = reference - measurement, sample time T and derivative filter time tau:
 
         s_k = (tau s_{k-1} + e_k - e_{k-1}) / (tau + T)             filtered rate of the error, backward Euler
-        I_k = I_{k-1} + T ki e_k                                    stopped at the limit, see `anti_windup`
+        I_k = I_{k-1} + T ki e_k                                    held at the limit, see `limit_with_integral`
         u_k = limit(feedforward_k + kp e_k + kd s_k + I_k)
 
     With tau = 0 and ki = 0 this is exactly the PD of the circle test of Moberg (2007), Paper B:

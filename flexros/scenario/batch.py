@@ -108,9 +108,8 @@ def batch(
     model = PlantModel(experiment.plant, experiment.laws, tuple(values or ()))
     sets = batch_sets(experiment, model, values or {}, gains or {}, seeds)
     lanes = min(LANES, 1 << (len(sets) - 1).bit_length())
-    law, plant = experiment.scenario.controller, experiment.plant
     kernel = compile_loop(
-        model.functions(law.function(plant.n_motors, experiment.sample_time)),
+        model.functions(experiment.scenario.controller.function(experiment.loop_context)),
         sample_time=experiment.sample_time,
         substeps=experiment.scenario.substeps,
         delay=model.delay,
@@ -152,8 +151,8 @@ def batch_sets(
         given = ", ".join(f"{length} {name}" for name, length in lengths.items()) or "nothing"
         raise InputError(f"batch: {given} were given, allowed is the same number for all, at least one")
     n_runs = next(iter(lengths.values()))
-    law, n_motors = experiment.scenario.controller, experiment.plant.n_motors
-    gain_names = law.gain_names(n_motors)
+    law = experiment.scenario.controller
+    gain_names = law.gain_names(experiment.loop_context)
     all_gains = np.tile(experiment.gains, (n_runs, 1))
     for name in gains:
         if name not in gain_names:
@@ -196,14 +195,14 @@ def _run_group(
 ) -> dict[int, Figure]:
     """Run as many sets as there are lanes, the last one repeated where sets are missing."""
     members = [*group, *[group[-1]] * (kernel.lanes - len(group))]
-    n, law, plant = experiment.n_samples, experiment.scenario.controller, experiment.plant
+    n, law = experiment.n_samples, experiment.scenario.controller
     rests = [sets.rests[run] for run in members]
     of_seed = {seed: experiment.signals(seed) for seed in dict.fromkeys(sets.seeds[run] for run in members)}
     signals = [of_seed[sets.seeds[run]] for run in members]
     result = kernel.run(
         delayed_start(
             _lanes([model.start(rest.state, rest.torque, sets.parameters[run]) for run, rest in zip(members, rests)]),
-            law.initial_state(plant.n_motors),
+            law.initial_state(experiment.loop_context),
             _lanes([rest.torque for rest in rests]),
             kernel.line_length,
         ),

@@ -53,14 +53,14 @@ def closed_loop(experiment: Experiment, progress: Callable[[int], None] | None =
     law, references = scenario.controller, experiment.reference_signal
     signals = experiment.signals(scenario.seed)
     kernel = compile_loop(
-        experiment.plant_model.functions(law.function(plant.n_motors, experiment.sample_time)),
+        experiment.plant_model.functions(law.function(experiment.loop_context)),
         sample_time=experiment.sample_time,
         substeps=scenario.substeps,
         delay=experiment.plant_model.delay,
     )
     state = delayed_start(
         experiment.plant_model.start(experiment.start_state, experiment.start_torque),
-        law.initial_state(plant.n_motors),
+        law.initial_state(experiment.loop_context),
         experiment.start_torque,
         kernel.line_length,
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexros.control.context import LoopContext
 from flexros.control.controller import Controller
 from flexros.errors import InputError, source_named
 from flexros.feedforward.compensation.encoder_reading import position_of_reading
@@ -135,9 +136,15 @@ class Experiment:
 
     @cached_property
     def reference_signal(self) -> FloatArray:
-        """What the controller gets: motor positions, velocities, feedforward torques, shape (n, 3 M)."""
+        """References of the controller in the order of `loop_context.references`, shape (n, 3 M)."""
         reference = self.reference
-        return np.hstack([reference.motor_position, reference.motor_velocity, reference.torque])
+        return self.loop_context.references.stack(
+            {
+                "motor_position": reference.motor_position,
+                "motor_velocity": reference.motor_velocity,
+                "feedforward_torque": reference.torque,
+            }
+        )
 
     @cached_property
     def start_motor_position(self) -> FloatArray:
@@ -165,14 +172,18 @@ class Experiment:
         return PlantModel(self.plant, self.laws)
 
     @cached_property
+    def loop_context(self) -> LoopContext:
+        """What the control law is built for: the nominal robot, never the simulated one."""
+        return LoopContext(self.nominal, self.sample_time)
+
+    @cached_property
     def gains(self) -> FloatArray:
         """Gains of the controller within the limits of the nominal robot, shape (n_gains,)."""
-        return self.scenario.controller.gains(self.nominal.n_motors, self.nominal.torque_limits)
+        return self.scenario.controller.gains(self.loop_context)
 
     def controller(self) -> Controller:
         """Make a controller in its state before the first sample."""
-        robot = self.nominal
-        return Controller(self.scenario.controller, robot.n_motors, self.sample_time, robot.torque_limits)
+        return Controller(self.scenario.controller, self.loop_context)
 
     def signals(self, seed: int) -> PlantSignals:
         """Make sensor noise and disturbances of a seed."""

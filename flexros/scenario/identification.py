@@ -16,7 +16,6 @@ from flexros.identify.design.decay import decays_at
 from flexros.identify.design.default_controller import default_controller
 from flexros.identify.design.experiment_design import SETTLED
 from flexros.identify.design.moves import move_factor
-from flexros.identify.experiment.limits import torque_limits
 from flexros.scenario.identification_plan import plan_of_scenario
 from flexros.scenario.scenario import Scenario, load_scenario, scenario_names
 
@@ -118,7 +117,7 @@ def _move_changes(template: Scenario, robot: Robot, design: ExperimentDesign) ->
     """Lower acceleration and speed of the moves as far as the torque limits ask for."""
     specification = template.identification
     assert specification is not None
-    allowed = specification.limits.torque_share * torque_limits(robot, template.controller)
+    allowed = specification.limits.torque_share * template.controller.command_limits(robot)
     start = robot.home if template.start is None else np.array(template.start)
     factor = move_factor(robot, start[list(robot.chain.geared)], design.positions, specification.move, allowed)
     if factor == 1.0:

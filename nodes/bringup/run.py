@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from flexros.control.context import LoopContext
 from flexros.effects.patching.patched_robot import load_model
 from flexros.errors import InputError, unknown_name
 from flexros.scenario.scenario import Scenario, load_scenario
@@ -99,9 +100,9 @@ def _checked(node: str, values: Mapping[str, Value], scenario: Scenario) -> dict
     specifications = node_parameters(node)
     if node == "controller":
         robot = load_model(scenario.robot).robot
-        law, n_motors = scenario.controller, robot.n_motors
-        gains = law.gains(n_motors, robot.torque_limits)
-        specifications |= gain_parameters(law, n_motors, gains)
+        context = LoopContext(robot, scenario.sample_time or robot.sample_time)
+        law = scenario.controller
+        specifications |= gain_parameters(law, law.gain_names(context), law.gains(context))
     for name in values:
         if name in SET_BY_THE_RUN:
             raise InputError(

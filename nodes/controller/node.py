@@ -106,8 +106,8 @@ class ControllerNode(FlexrosNode):
     def _declare_gains(self) -> None:
         gains = self._controller.gains
         self.undeclare(name for name in self._gain_names if self.has_parameter(name))  # the scenario may have changed
-        self._gain_names = self._controller.law.gain_names(self._n_motors)
-        self.declare(gain_parameters(self._controller.law, self._n_motors, gains))
+        self._gain_names = self._controller.gain_names
+        self.declare(gain_parameters(self._controller.law, self._gain_names, gains))
         self._take_gains({name: self.value(name) for name in self._gain_names if self.has_parameter(name)})
 
     def parameters_changed(self, values: Mapping[str, Value]) -> None:

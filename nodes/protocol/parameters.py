@@ -13,7 +13,7 @@ from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from flexros.arrays import FloatArray
@@ -110,12 +110,14 @@ def node_parameters(node: str) -> dict[str, ParameterSpecification]:
     return {name: row for file in files if file for name, row in read_parameters(folder / f"{file}.yaml").items()}
 
 
-def gain_parameters(law: AbstractControlLaw, n_motors: int, gains: FloatArray) -> dict[str, ParameterSpecification]:
+def gain_parameters(
+    law: AbstractControlLaw, names: Sequence[str], gains: FloatArray
+) -> dict[str, ParameterSpecification]:
     """Give the parameters that stand for the gains of a control law; limits that are not set are none.
 
     Args:
         law: The control law.
-        n_motors: Number of motors M.
+        names: Names of the gains.
         gains: Values of the gains in the scenario, in SI units, shape (n_gains,).
 
     Returns:
@@ -130,7 +132,7 @@ def gain_parameters(law: AbstractControlLaw, n_motors: int, gains: FloatArray) -
             description=f"Gain {name} of the control law {law.kind}, in SI units.",
             read_only=False,
         )
-        for name, gain in zip(law.gain_names(n_motors), gains.tolist(), strict=True)
+        for name, gain in zip(names, gains.tolist(), strict=True)
         if math.isfinite(gain)
     }
 

@@ -8,6 +8,7 @@ import pytest
 from flexros.control.base import AbstractControlLaw, control_law, control_laws
 from flexros.control.pid import Pid
 from flexros.errors import InputError
+from tests.control.loop_contexts import loop_context
 
 SETTINGS = {
     "cascade": {"position_gain": 3.0, "speed_gain": 2.0, "integral_gain": 1.0},
@@ -28,12 +29,13 @@ def test_pid_is_found_by_its_name() -> None:
 
 @pytest.mark.parametrize("n_motors", [1, 3])
 def test_function_has_the_shapes_of_the_contract(law: AbstractControlLaw, n_motors: int) -> None:
-    update = law.function(n_motors, 1e-3)
-    sizes = [law.state_size(n_motors), 3 * n_motors, n_motors, len(law.gain_names(n_motors))]
+    context = loop_context(n_motors, 1e-3)
+    update = law.function(context)
+    sizes = [law.state_size(context), 3 * n_motors, n_motors, len(law.gain_names(context))]
     assert [update.numel_in(i) for i in range(4)] == sizes
-    assert [update.numel_out(i) for i in range(2)] == [n_motors, law.state_size(n_motors)]
-    assert law.gains(n_motors).shape == (sizes[3],)
-    assert law.initial_state(n_motors).shape == (sizes[0],)
+    assert [update.numel_out(i) for i in range(2)] == [n_motors, law.state_size(context)]
+    assert law.gains(context).shape == (sizes[3],)
+    assert law.initial_state(context).shape == (sizes[0],)
 
 
 def test_every_setting_is_described(law: AbstractControlLaw) -> None:
@@ -42,8 +44,9 @@ def test_every_setting_is_described(law: AbstractControlLaw) -> None:
 
 
 def test_commands_stay_within_the_robot_limits(law: AbstractControlLaw) -> None:
-    update, gains = law.function(2, 1e-3), law.gains(2, np.array([5.0, np.inf]))
-    command = np.asarray(update(law.initial_state(2), [9.0, 9.0, 0, 0, 50.0, 50.0], [0.0, 0.0], gains)[0]).ravel()
+    context = loop_context(2, 1e-3, [5.0, np.inf])
+    update, gains = law.function(context), law.gains(context)
+    command = np.asarray(update(law.initial_state(context), [9.0, 9.0, 0, 0, 50.0, 50.0], [0.0, 0.0], gains)[0]).ravel()
     assert command[0] == 5.0
     assert command[1] > 5.0
 

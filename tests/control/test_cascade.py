@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.control.cascade import Cascade
+from tests.control.loop_contexts import loop_context
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -15,7 +16,8 @@ T = 5e-4
 
 
 def run(law: Cascade, references: FloatArray, positions: FloatArray) -> FloatArray:
-    update, gains, memory = law.function(1, T), law.gains(1), law.initial_state(1)
+    context = loop_context(1, T)
+    update, gains, memory = law.function(context), law.gains(context), law.initial_state(context)
     commands = []
     for reference, position in zip(references, positions, strict=True):
         command, memory = (np.asarray(out).ravel() for out in update(memory, reference, position, gains))

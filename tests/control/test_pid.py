@@ -10,6 +10,7 @@ from pydantic import ValidationError
 
 from flexros.control.pid import Pid
 from flexros.errors import InputError
+from tests.control.loop_contexts import loop_context
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -21,14 +22,14 @@ def run(
     law: Pid,
     references: FloatArray,
     positions: FloatArray,
-    limits: FloatArray | None = None,
+    limits: list[float] | None = None,
     state: FloatArray | None = None,
 ) -> FloatArray:
     """Step the law with the CasADi virtual machine through references (n, 3M) and positions (n, M)."""
     n_motors = positions.shape[1]
-    update = law.function(n_motors, T)
-    gains = law.gains(n_motors, limits)
-    memory = law.initial_state(n_motors) if state is None else state
+    context = loop_context(n_motors, T, limits)
+    update, gains = law.function(context), law.gains(context)
+    memory = law.initial_state(context) if state is None else state
     commands = []
     for reference, position in zip(references, positions, strict=True):
         command, memory = (np.asarray(out).ravel() for out in update(memory, reference, position, gains))
@@ -85,12 +86,12 @@ def test_integral_sums_the_error_from_the_first_sample_on() -> None:
 
 def test_feedforward_is_added_before_the_limit() -> None:
     references = np.array([[1.0, 0.0, 15.0], [1.0, 0.0, -25.0]])
-    commands = run(Pid(kp=10.0), references, np.zeros((2, 1)), limits=np.array([20.0]))
+    commands = run(Pid(kp=10.0), references, np.zeros((2, 1)), limits=[20.0])
     assert commands.ravel().tolist() == [20.0, -15.0]
 
 
 def test_lower_limit_of_setting_and_robot_holds() -> None:
-    assert Pid(kp=1.0, torque_limit=5.0).gains(2, np.array([3.0, 20.0]))[-2:].tolist() == [3.0, 5.0]
+    assert Pid(kp=1.0, torque_limit=5.0).gains(loop_context(2, T, [3.0, 20.0]))[-2:].tolist() == [3.0, 5.0]
 
 
 def test_integral_does_not_wind_up_at_the_limit() -> None:
@@ -98,7 +99,7 @@ def test_integral_does_not_wind_up_at_the_limit() -> None:
     references = np.zeros((2 * n, 3))
     references[:n, 0] = 10.0
     references[n:, 0] = -0.01
-    commands = run(Pid(kp=10.0, ki=100.0), references, np.zeros((2 * n, 1)), limits=np.array([20.0]))
+    commands = run(Pid(kp=10.0, ki=100.0), references, np.zeros((2 * n, 1)), limits=[20.0])
     assert np.all(commands[:n] == 20.0)
     assert commands[n, 0] < 0.0  # with 1000 Nm wound up the command would stay at +20 Nm for 1000 s
 
@@ -106,19 +107,19 @@ def test_integral_does_not_wind_up_at_the_limit() -> None:
 def test_integral_unwinds_while_the_feedforward_holds_the_limit() -> None:
     references = np.tile([[-1.0, 0.0, 50.0]], (10, 1))
     references[-1, 2] = 0.0
-    commands = run(Pid(kp=0.0, ki=100.0), references, np.zeros((10, 1)), limits=np.array([20.0]))
+    commands = run(Pid(kp=0.0, ki=100.0), references, np.zeros((10, 1)), limits=[20.0])
     assert np.all(commands[:-1] == 20.0)
     np.testing.assert_allclose(commands[-1, 0], -100.0 * 10 * T, rtol=1e-12)
 
 
 def test_gains_change_while_running_without_a_step_from_memory() -> None:
     law = Pid(kp=0.0, ki=10.0)
-    update = law.function(1, T)
-    state = law.initial_state(1)
+    context = loop_context(1, T)
+    update, state = law.function(context), law.initial_state(context)
     reference, position = np.array([1.0, 0.0, 0.0]), np.zeros(1)
     for _ in range(10):
-        before, state = (np.asarray(out).ravel() for out in update(state, reference, position, law.gains(1)))
-    after, _ = update(state, reference, position, Pid(kp=0.0, ki=0.0).gains(1))
+        before, state = (np.asarray(out).ravel() for out in update(state, reference, position, law.gains(context)))
+    after, _ = update(state, reference, position, Pid(kp=0.0, ki=0.0).gains(context))
     assert float(after) == before[0]
 
 
@@ -132,7 +133,8 @@ def test_motors_do_not_influence_each_other() -> None:
 
 def test_gain_names_match_the_gain_vector() -> None:
     law = Pid(kp=(1.0, 2.0), kd=3.0)
-    named = dict(zip(law.gain_names(2), law.gains(2), strict=True))
+    context = loop_context(2, T)
+    named = dict(zip(law.gain_names(context), law.gains(context), strict=True))
     assert (named["motor_2.kp"], named["motor_1.kd"], named["motor_2.torque_limit"]) == (2.0, 3.0, np.inf)
 
 
@@ -140,7 +142,7 @@ def test_wrong_number_of_gains_is_named() -> None:
     with pytest.raises(
         InputError, match=r"controller\.kp has 3 values, allowed is one, or one for each of the 2 motors"
     ):
-        Pid(kp=(1.0, 2.0, 3.0)).gains(2)
+        Pid(kp=(1.0, 2.0, 3.0)).gains(loop_context(2, T))
 
 
 @pytest.mark.parametrize("kp", [-1.0, float("nan"), float("inf")])

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 from pydantic import BaseModel, ValidationError
 
+from flexros.control.context import LoopContext
 from flexros.control.pid import Pid
 from flexros.errors import InputError
 from flexros.robot import load_robot
@@ -50,7 +51,7 @@ def test_shipped_scenario_loads_says_what_it_is_and_fits_its_robot(name: str) ->
     robot = load_robot(scenario.robot)
     assert scenario.name == name
     assert len(scenario.description) > 40
-    scenario.controller.gains(robot.n_motors)
+    scenario.controller.gains(LoopContext(robot, robot.sample_time))
 
 
 @pytest.mark.parametrize("name", scenario_names())

@@ -118,12 +118,13 @@ def test_number_that_the_effect_does_not_allow_is_refused_before_the_batch() -> 
 
 def test_machine_code_agrees_with_the_virtual_machine() -> None:
     prepared = experiment(*ALL, noise=False)
-    functions = prepared.plant_model.functions(prepared.scenario.controller.function(2, prepared.sample_time))
+    functions = prepared.plant_model.functions(prepared.scenario.controller.function(prepared.loop_context))
     encoders = []
     for engine in ("machine_code", "virtual_machine"):
         kernel = compile_loop(functions, sample_time=prepared.sample_time, engine=engine)
         start = kernel.initial_state(
-            prepared.plant_model.start(prepared.start_state), prepared.scenario.controller.initial_state(2)
+            prepared.plant_model.start(prepared.start_state),
+            prepared.scenario.controller.initial_state(prepared.loop_context),
         )
         disturbance = prepared.signals(0).disturbance.rows(0, 400)
         inputs = LoopInputs(reference=prepared.reference_signal[:400], disturbance=disturbance, gains=prepared.gains)

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.control.context import LoopContext
 from flexros.identify.design.closed_loop_input import ExperimentConditions, input_spectrum
 from flexros.identify.experiment.closed_loop_response import controller_response
-from flexros.identify.experiment.limits import torque_limits
 from flexros.identify.graybox.frequency_model import FrequencyModel
 from flexros.robot.linear.positions import linearise_positions
 
@@ -42,12 +42,12 @@ def amplitude_room(
     Returns:
         The factor, by which the torque about gravity reaches the limit at its crest; infinite without limits.
     """
-    limits = torque_share * torque_limits(robot, law)
+    limits = torque_share * law.command_limits(robot)
     if not np.any(np.isfinite(limits)):
         return np.inf
     positions = linearise_positions(robot, (), motor_positions)
     response = FrequencyModel(positions, conditions.frequency, sample_time, robot.delay).response(positions.values)
-    controller = controller_response(law, robot.n_motors, sample_time, conditions.frequency)
+    controller = controller_response(law, LoopContext(robot, sample_time), conditions.frequency)
     torque = input_spectrum(response, conditions, controller)
     rms = np.sqrt(conditions.share * np.sum(np.abs(torque) ** 2, axis=1) / 2).max(axis=-1)
     at_rest = np.concatenate([positions.coordinates, np.zeros_like(positions.coordinates)], axis=1)

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from flexros.compile.command_delay import split_delay
+from flexros.control.context import LoopContext
 from flexros.identify.experiment.closed_loop_response import linear_controller
 from flexros.robot.linear.positions import linearise_positions
 
@@ -27,13 +28,13 @@ _STANDING = 1e-9
 """Eigenvalues this near to 1 do not move: the flag "has begun" of a law."""
 
 
-def slowest_decay(linear: LinearModel, law: AbstractControlLaw, sample_time: float, delay: float) -> float:
+def slowest_decay(linear: LinearModel, law: AbstractControlLaw, context: LoopContext, delay: float) -> float:
     """Compute how fast a linear loop forgets.
 
     Args:
         linear: The robot about a rest.
         law: The control law.
-        sample_time: Time between two samples [s].
+        context: Robot, sample time and signals of the loop.
         delay: Delay of the command at the plant input, any time from zero on [s].
 
     Returns:
@@ -41,8 +42,8 @@ def slowest_decay(linear: LinearModel, law: AbstractControlLaw, sample_time: flo
     """
     A, B, C, _ = linear.matrices()
     motors = B.shape[1]
-    controller = linear_controller(law, motors, sample_time)
-    return float(_decays(A[None], B[None], C[:motors], controller, split_delay(delay, sample_time))[0])
+    controller = linear_controller(law, context)
+    return float(_decays(A[None], B[None], C[:motors], controller, split_delay(delay, context.sample_time))[0])
 
 
 def decays_at(
@@ -64,7 +65,8 @@ def decays_at(
     Returns:
         Decay of the slowest motion of each [1/s], shape (Q,); negative where the loop is unstable.
     """
-    controller, delay = linear_controller(law, robot.n_motors, sample_time), split_delay(robot.delay, sample_time)
+    controller = linear_controller(law, LoopContext(robot, sample_time))
+    delay = split_delay(robot.delay, sample_time)
     parts = []
     for first in range(0, len(motor_positions), _CHUNK):
         at = linearise_positions(robot, (), motor_positions[first : first + _CHUNK])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import eigh
 
+from flexros.control.context import LoopContext
 from flexros.control.pid import Pid
 from flexros.errors import InputError
 from flexros.identify.design.decay import slowest_decay
@@ -55,7 +56,7 @@ def default_controller(robot: Robot, sample_time: float) -> Pid:
             kd=tuple(_digits(2 * DAMPING * bandwidth * inertia)),
             derivative_filter=2 * sample_time,
         )
-        if slowest_decay(linear, law, sample_time, robot.delay) > _SLOWEST * bandwidth:
+        if slowest_decay(linear, law, LoopContext(robot, sample_time), robot.delay) > _SLOWEST * bandwidth:
             return law
         bandwidth /= 2
     raise InputError(

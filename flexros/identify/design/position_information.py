@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.control.context import LoopContext
 from flexros.identify.design.closed_loop_input import ExperimentConditions, input_spectrum, output_error
 from flexros.identify.design.information import frf_information
 from flexros.identify.experiment.closed_loop_response import controller_response
@@ -121,7 +122,7 @@ def _by_frequency(
     sample_time: float,
 ) -> Iterator[FloatArray]:
     """Yield the information of some positions at a time, shape (q, F, P, P)."""
-    controller = controller_response(law, robot.n_motors, sample_time, conditions.frequency)
+    controller = controller_response(law, LoopContext(robot, sample_time), conditions.frequency)
     for first in range(0, len(motor_positions), _CHUNK):
         positions = linearise_positions(robot, names, motor_positions[first : first + _CHUNK])
         model = FrequencyModel(positions, conditions.frequency, sample_time, robot.delay)

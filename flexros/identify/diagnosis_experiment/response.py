@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.control.context import LoopContext
 from flexros.identify.experiment.closed_loop_response import ControllerResponse, controller_response, loop_response
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def torque_response(
         The response [Nm/rad or N/m], shape (F, M, M).
     """
     m, s = robot.n_motors, 2j * np.pi * frequency[:, None, None]
-    feedback = controller_response(law, m, sample_time, frequency)
+    feedback = controller_response(law, LoopContext(robot, sample_time), frequency)
     position, speed = feedback.to_reference[:, :, :m], feedback.to_reference[:, :, m:]
     whole = position + s * speed + s**2 * scales.inertia
     both = np.concatenate([whole, np.zeros_like(whole)], axis=2)

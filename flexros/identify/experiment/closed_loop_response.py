@@ -13,6 +13,7 @@ from flexros.robot.linear.linearise import linear_model
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
     from flexros.control.base import AbstractControlLaw
+    from flexros.control.context import LoopContext
     from flexros.robot import Robot
 
 
@@ -21,7 +22,8 @@ class LinearController:
     """A sampled feedback controller about rest, away from its limits; m is the number of its states.
 
     u = from_state c + from_reference r + from_measured y, next c = state_step c + state_reference r + state_measured y,
-    with r = [motor position; speed; acceleration] reference.
+    with r in the order of
+    `LoopContext.references` and y in that of `LoopContext.measurements`.
 
     Attributes:
         from_state: Shape (M, m).
@@ -66,51 +68,53 @@ class ControllerResponse:
         return np.asarray(np.linalg.solve(loop, reference), dtype=np.complex128)
 
 
-def linear_controller(law: AbstractControlLaw, n_motors: int, sample_time: float) -> LinearController:
+def linear_controller(law: AbstractControlLaw, context: LoopContext) -> LinearController:
     """Linearise a controller away from its limits; exact for a sampled linear law.
 
     Args:
         law: The controller.
-        n_motors: Number of motors M.
-        sample_time: Time between two samples [s].
+        context: Robot, sample time and signals of the loop.
 
     Returns:
         Its matrices.
     """
-    function = law.function(n_motors, sample_time)
+    function = law.function(context)
     c, r, y = (ca.SX.sym(name, function.size1_in(index)) for index, name in enumerate("cry"))
-    gains = law.gains(n_motors)
+    gains = law.gains(context)
     u, after = function(c, r, y, gains)
     parts = [ca.densify(ca.jacobian(out, part)) for out in (u, after) for part in (c, r, y)]
     rest = [np.zeros(function.size1_in(1)), np.zeros(function.size1_in(2))]
-    started = function(law.initial_state(n_motors), *rest, gains)[1]
+    started = function(law.initial_state(context), *rest, gains)[1]
     evaluate = ca.Function("linearised", [c, r, y], parts)
     from_c, from_r, from_y, of_c, of_r, of_y = (np.asarray(part, float) for part in evaluate(started, *rest))
     return LinearController(from_c, from_r, from_y, of_c, of_r, of_y)
 
 
-def controller_response(
-    law: AbstractControlLaw, n_motors: int, sample_time: float, frequency: FloatArray
-) -> ControllerResponse:
+def controller_response(law: AbstractControlLaw, context: LoopContext, frequency: FloatArray) -> ControllerResponse:
     """Give the frequency responses of a controller away from its limits.
 
     Args:
         law: The controller.
-        n_motors: Number of motors M.
-        sample_time: Time between two samples [s].
+        context: Robot, sample time and signals of the loop.
         frequency: Frequencies, above 0 and below half the sampling rate [Hz], shape (F,).
 
     Returns:
         Its responses.
     """
-    linear = linear_controller(law, n_motors, sample_time)
-    z = np.exp(2j * np.pi * frequency * sample_time)[:, None, None]
+    linear = linear_controller(law, context)
+    z = np.exp(2j * np.pi * frequency * context.sample_time)[:, None, None]
     entry = np.hstack([linear.state_reference, linear.state_measured])
     memory: ComplexArray = np.linalg.solve(
         z * np.eye(len(linear.state_step)) - linear.state_step, np.broadcast_to(entry, (len(z), *entry.shape))
     )
     whole: ComplexArray = linear.from_state @ memory + np.hstack([linear.from_reference, linear.from_measured])
-    return ControllerResponse(whole[:, :, : 2 * n_motors], whole[:, :, 3 * n_motors :])
+    references, measurements = context.references, context.measurements
+    to_reference = [
+        references.part(whole[:, :, : references.size], name) for name in ("motor_position", "motor_velocity")
+    ]
+    return ControllerResponse(
+        np.concatenate(to_reference, axis=-1), measurements.part(whole[:, :, references.size :], "motor_position")
+    )
 
 
 @dataclass(frozen=True, eq=False)

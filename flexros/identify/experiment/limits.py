@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.config.per_motor import per_motor
-from flexros.control.motorwise import AbstractMotorwiseLaw
 from flexros.errors import InputError
 from flexros.identify.experiment.excursion import faded, half_way
 from flexros.identify.experiment.loop_prediction import LoopPrediction
@@ -46,7 +45,7 @@ def check_limits(plan: ExperimentPlan, robot: Robot, law: AbstractControlLaw, re
     Raises:
         InputError: A limit is left; names position, motor, quantity, by how much, and the largest amplitude.
     """
-    allowed = plan.specification.limits.torque_share * torque_limits(robot, law)
+    allowed = plan.specification.limits.torque_share * law.command_limits(robot)
     for visit in plan.visits:
         _check_move(plan, robot, visit, reference, allowed)
     prediction = LoopPrediction.of(plan, robot, law)
@@ -67,18 +66,6 @@ def check_limits(plan: ExperimentPlan, robot: Robot, law: AbstractControlLaw, re
                     worst = margin, visit
     if worst is not None and worst[0].factor < 1.0:
         raise _refusal(plan, robot, *worst)
-
-
-def torque_limits(robot: Robot, law: AbstractControlLaw) -> FloatArray:
-    """Give the largest torque command, the lower one of robot and controller [Nm or N], shape (M,); infinite for none.
-
-    Args:
-        robot: The robot.
-        law: The feedback controller.
-    """
-    if isinstance(law, AbstractMotorwiseLaw) and law.torque_limit is not None:
-        return np.minimum(robot.torque_limits, per_motor("controller.torque_limit", law.torque_limit, robot.n_motors))
-    return robot.torque_limits
 
 
 def _motion(

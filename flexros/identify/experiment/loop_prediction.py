@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.control.context import LoopContext
 from flexros.identify.experiment.closed_loop_response import (
     ControllerResponse,
     LoopResponse,
@@ -99,7 +100,7 @@ class LoopPrediction:
         lines, motion = plan.excited_lines, plan.specification.slow_motion
         if isinstance(motion, SlowSine):
             lines = np.union1d(lines, [motion.cycles])
-        controller = controller_response(law, robot.n_motors, plan.sample_time, _frequency(plan, lines))
+        controller = controller_response(law, LoopContext(robot, plan.sample_time), _frequency(plan, lines))
         return cls(plan, robot, controller, lines)
 
     def at(self, state: FloatArray) -> PredictionAtRest:

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from flexros.control.base import control_law
+from flexros.control.context import LoopContext
 from flexros.identify.design.closed_loop_input import ExperimentConditions, input_spectrum, output_error
 from flexros.identify.experiment.closed_loop_response import ControllerResponse, controller_response
+from flexros.robot import load_robot
 
 T = 5e-4
 
@@ -21,7 +23,9 @@ def test_torques_are_those_of_a_simulated_loop() -> None:
     sampled = T**2 / 2 * (z + 1) / (z - 1) ** 2 / mass  # held force on a mass, exactly
     response = ((2j * np.pi * frequency) ** 2 * sampled)[:, None, None]
     conditions = ExperimentConditions(frequency, np.array([[0.3]]), np.zeros(1))
-    predicted = input_spectrum(response, conditions, controller_response(law, 1, T, frequency))[0, 0, 0]
+    predicted = input_spectrum(
+        response, conditions, controller_response(law, LoopContext(load_robot("two_mass"), T), frequency)
+    )[0, 0, 0]
 
     time = np.arange(20 * n) * T
     position_reference = 0.3 / (2 * np.pi * frequency) * np.sin(2 * np.pi * frequency * time)

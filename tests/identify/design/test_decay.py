@@ -7,6 +7,7 @@ import pytest
 from scipy.linalg import expm
 
 from flexros.control.base import control_law
+from flexros.control.context import LoopContext
 from flexros.identify.design.decay import decays_at, slowest_decay
 from flexros.robot import load_robot
 from flexros.robot.linear.linearise import linear_model
@@ -17,7 +18,7 @@ def test_decays_at_positions_are_those_of_their_linear_models(name: str) -> None
     robot = load_robot(name)
     law = control_law({"kind": "pid", "kp": 2e3, "kd": 200.0})
     motors = robot.equilibrium()[list(robot.chain.motor_places)][None]
-    expected = slowest_decay(linear_model(robot), law, robot.sample_time, robot.delay)
+    expected = slowest_decay(linear_model(robot), law, LoopContext(robot, robot.sample_time), robot.delay)
     assert decays_at(robot, motors, law, robot.sample_time) == pytest.approx([expected], rel=1e-6)
 
 
@@ -31,7 +32,8 @@ def test_progress_counts_positions() -> None:
 @pytest.mark.parametrize("fraction", [0.0, 0.4])
 def test_whole_samples_of_delay_are_past_measurements(fraction: float) -> None:
     """A controller that answers two samples late is one whose command acts two samples late."""
-    linear, T = linear_model(load_robot("two_mass")), 1e-3
+    robot, T = load_robot("two_mass"), 1e-3
+    linear = linear_model(robot)
     law = control_law({"kind": "pid", "kp": 3e4, "kd": 500.0})
     A, B, C, _ = linear.matrices()
     n, late, prompt = len(A), *(_held(A, B, time) for time in (fraction * T, (1 - fraction) * T))
@@ -44,7 +46,7 @@ def test_whole_samples_of_delay_are_past_measurements(fraction: float) -> None:
     loop[:n, n + 2 : n + 3] += prompt[1]
     loop[n, :n], loop[n + 1], loop[n + 2, n + 1], loop[n + 3, n + 2] = -C[0], command, 1.0, 1.0
     expected = -np.log(np.max(np.abs(np.linalg.eigvals(loop)))) / T
-    assert slowest_decay(linear, law, T, (2 + fraction) * T) == pytest.approx(expected, rel=1e-8)
+    assert slowest_decay(linear, law, LoopContext(robot, T), (2 + fraction) * T) == pytest.approx(expected, rel=1e-8)
 
 
 def _held(A: np.ndarray, B: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:

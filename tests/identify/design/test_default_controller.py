@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.control.base import control_law
+from flexros.control.context import LoopContext
 from flexros.errors import InputError
 from flexros.identify.design.decay import slowest_decay
 from flexros.identify.design.default_controller import default_controller
@@ -17,7 +18,7 @@ from flexros.robot.linear.linearise import linear_model
 def test_loop_of_every_robot_decays(name: str) -> None:
     robot = load_robot(name)
     law = default_controller(robot, robot.sample_time)
-    assert slowest_decay(linear_model(robot), law, robot.sample_time, robot.delay) > 0.8
+    assert slowest_decay(linear_model(robot), law, LoopContext(robot, robot.sample_time), robot.delay) > 0.8
 
 
 @pytest.mark.parametrize("delay", [0.0, 7e-4, 1e-3, 2.7e-3])
@@ -26,7 +27,7 @@ def test_decay_is_that_of_a_simulated_loop(delay: float) -> None:
     robot = load_robot("two_mass").with_values({"delay": delay})
     linear = linear_model(robot)
     law = control_law({"kind": "pid", "kp": 3e4, "kd": 500.0})
-    decay = slowest_decay(linear, law, 1e-3, delay)
+    decay = slowest_decay(linear, law, LoopContext(robot, 1e-3), delay)
     A, B, C, _ = linear.matrices()
     whole = int(delay / 1e-3 + 1e-9)
     x, line, error_before = np.array([0.0, 1e-3, 0, 0]), [0.0] * 4, -1e-3
@@ -51,9 +52,9 @@ def test_decay_is_that_of_a_simulated_loop(delay: float) -> None:
 
 
 def test_instability_is_seen() -> None:
-    linear = linear_model(load_robot("two_mass"))
+    robot = load_robot("two_mass")
     wild = control_law({"kind": "pid", "kp": 3e6, "kd": 5e4})
-    assert slowest_decay(linear, wild, 1e-3, 0.0) < 0
+    assert slowest_decay(linear_model(robot), wild, LoopContext(robot, 1e-3), 0.0) < 0
 
 
 def test_hopeless_sample_time_is_refused() -> None:

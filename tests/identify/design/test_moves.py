@@ -7,7 +7,6 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.identify.design.moves import FACTORS, move_factor
-from flexros.identify.experiment.limits import torque_limits
 from flexros.identify.experiment.specification import MoveSettings
 from flexros.robot import load_robot
 from flexros.scenario.experiment import Experiment
@@ -41,7 +40,7 @@ def test_lowered_moves_pass_the_check_that_refuses_the_fast_ones() -> None:
     specification = scenario.identification
     assert specification is not None
     start = SIX_AXIS.home[list(SIX_AXIS.chain.geared)]
-    allowed = specification.limits.torque_share * torque_limits(SIX_AXIS, scenario.controller)
+    allowed = specification.limits.torque_share * scenario.controller.command_limits(SIX_AXIS)
     factor = move_factor(SIX_AXIS, start, np.array(FAR[:1]), specification.move, allowed)
     assert factor < 1
     with pytest.raises(InputError, match="motor_. needs .* Nm to move there"):

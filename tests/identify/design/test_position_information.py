@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.control.base import control_law
+from flexros.control.context import LoopContext
 from flexros.identify.design.closed_loop_input import input_spectrum
 from flexros.identify.design.position_information import (
     experiment_conditions,
@@ -55,7 +56,9 @@ def test_information_is_that_of_the_covariance_of_the_responses() -> None:
     linear = linearise_positions(ROBOT, NAMES, POSITIONS)
     model = FrequencyModel(linear, conditions.frequency, 5e-4, ROBOT.delay)
     response, jacobian = model.response_and_jacobian(linear.values)
-    spectrum = input_spectrum(response, conditions, controller_response(LAW, 2, 5e-4, conditions.frequency))
+    spectrum = input_spectrum(
+        response, conditions, controller_response(LAW, LoopContext(ROBOT, 5e-4), conditions.frequency)
+    )
     for place in range(3):
         total = np.zeros((4, 4))
         for k, frequency in enumerate(conditions.frequency):

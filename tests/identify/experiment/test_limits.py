@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.identify.experiment.limits import torque_limits
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import Scenario, load_scenario
@@ -96,9 +95,9 @@ def test_load_that_is_too_much_at_rest_and_moves_that_are_too_fast() -> None:
 def test_controller_may_limit_the_torque_further() -> None:
     scenario = load_scenario("identify_six_axis")
     robot = Experiment.prepare(scenario).nominal
-    assert np.array_equal(torque_limits(robot, scenario.controller), robot.torque_limits)
+    assert np.array_equal(scenario.controller.command_limits(robot), robot.torque_limits)
     tighter = scenario.with_values({"controller.torque_limit": 1000.0}).controller
-    np.testing.assert_array_equal(torque_limits(robot, tighter), [1000, 1000, 1000, 1000, 1000, 800])
+    np.testing.assert_array_equal(tighter.command_limits(robot), [1000, 1000, 1000, 1000, 1000, 800])
 
 
 def test_linear_motor_has_its_units() -> None:

@@ -51,7 +51,7 @@ def test_any_node_may_change_a_gain(bench: Bench) -> None:
     node = bench.add(ControllerNode)
     node.trigger_configure()
     assert setting(bench, "motor_2.kp", double(5.0)).successful
-    assert node._controller.gains[node._controller.law.gain_names(2).index("motor_2.kp")] == 5.0
+    assert node._controller.gains[node._controller.gain_names.index("motor_2.kp")] == 5.0
 
 
 @pytest.mark.parametrize(
@@ -99,7 +99,7 @@ def test_change_counts_from_the_sample_that_is_told(
     told = float(said[0].removeprefix("motor_2.kp = 1000.0 from the sample after stamp ").removesuffix(" s on"))
     law = Experiment.prepare(load_scenario(short_scenario)).controller()
     gains = law.gains
-    gains[law.law.gain_names(2).index("motor_2.kp")] = 1000.0
+    gains[law.gain_names.index("motor_2.kp")] = 1000.0
     for stamp, state in sorted(by_stamp["joint_states"].items()):
         if stamp > told * 1e9:
             law.gains = gains

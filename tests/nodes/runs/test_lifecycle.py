@@ -74,14 +74,14 @@ def test_gains_are_parameters_that_may_change(bench: Bench) -> None:
     node.trigger_configure()
     assert node.value("motor_2.kp") == 135000.0
     assert node.set_parameters([Parameter("motor_2.kp", value=1000.0)])[0].successful
-    names = node._controller.law.gain_names(2)
+    names = node._controller.gain_names
     assert node._controller.gains[names.index("motor_2.kp")] == 1000.0
 
 
 def test_gain_given_at_the_start_replaces_that_of_the_scenario(bench: Bench) -> None:
     node = bench.add(ControllerNode, **{"motor_1.kd": 5.0})
     node.trigger_configure()
-    assert node._controller.gains[node._controller.law.gain_names(2).index("motor_1.kd")] == 5.0
+    assert node._controller.gains[node._controller.gain_names.index("motor_1.kd")] == 5.0
 
 
 def test_controller_follows_a_trajectory_of_the_user(bench: Bench) -> None:

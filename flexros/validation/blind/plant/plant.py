@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from flexros.compile import LoopFunctions, LoopInputs, LoopState, compile_loop
+from flexros.control.context import LoopContext
 from flexros.errors import RunError
 from flexros.validation.blind.plant.added_mode import with_mode
 from flexros.validation.blind.plant.equations import Equations
@@ -99,6 +100,7 @@ class BlindPlant:
     ) -> None:
         self.nominal, self.deviations, self.law = robot, tuple(deviations), law
         self.sample_time = sample_time
+        self._context = LoopContext(robot, sample_time)
         self.ticks = math.ceil(sample_time / tick - 1e-9)
         self.robot, first_body = _robot_with_modes(robot, self.deviations)
         plant = Equations(self.robot, len(robot.spec.bodies), first_body)
@@ -115,7 +117,7 @@ class BlindPlant:
         longest = robot.delay + (LONGEST_DELAY if slow else 0.0)
         m, places = robot.n_motors, self.robot.chain.motor_places
         self._loop = MultirateLoop(
-            law.function(m, sample_time), m, sample_time, self.ticks, math.ceil(longest / sample_time - 1e-9),
+            law.function(self._context), m, sample_time, self.ticks, math.ceil(longest / sample_time - 1e-9),
             delays, plant.readings, self._numbers, plant.q, places,
         )  # fmt: skip
         self._kernel = compile_loop(self._functions(), sample_time=sample_time / self.ticks)
@@ -168,7 +170,7 @@ class BlindPlant:
         before[:, self.robot.n_motors : 2 * self.robot.n_motors] = 0.0
         rows = np.concatenate([before, rows])
         numbers = self.numbers(deviations)
-        gains = np.concatenate([self.law.gains(self.robot.n_motors, self.nominal.torque_limits), numbers])
+        gains = np.concatenate([self.law.gains(self._context), numbers])
         state = self._start(inputs, -lead * self.sample_time)
         found: list[FloatArray] = []
         nq, m = self.robot.n_coordinates, self.robot.n_motors
@@ -190,7 +192,7 @@ class BlindPlant:
         rest = self.robot.equilibrium(self.robot.home, motor_position=inputs.reference[0, :m])
         torque = self.robot.holding_torque(rest)
         x = np.concatenate([rest, self._plant.starts(), [time]])
-        law = self.law.initial_state(m)
+        law = self.law.initial_state(self._context)
         line = np.tile(torque, self._loop.remembered + 1)
         memory = np.concatenate([[0.0], law, line, inputs.reference[0, :m]])
         return LoopState(x, memory, np.zeros((0, self._loop.width)))

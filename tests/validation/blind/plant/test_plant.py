@@ -7,6 +7,7 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.compile import LoopInputs, compile_loop
+from flexros.control.context import LoopContext
 from flexros.control.pid import Pid
 from flexros.identify.design.default_controller import default_controller
 from flexros.robot import Robot, load_robot
@@ -44,15 +45,11 @@ def hidden(effect: str, location: str, **parameters: float) -> Deviation:
 
 def by_library(robot: Robot, inputs: BlindInputs) -> FloatArray:
     """Motor positions of the same closed loop, simulated by FlexROS."""
-    law, model = default_controller(robot, STEP), PlantModel(robot)
-    kernel = compile_loop(
-        model.functions(law.function(robot.n_motors, STEP)), sample_time=STEP, substeps=4, delay=robot.delay
-    )
+    law, model, context = default_controller(robot, STEP), PlantModel(robot), LoopContext(robot, STEP)
+    kernel = compile_loop(model.functions(law.function(context)), sample_time=STEP, substeps=4, delay=robot.delay)
     rest = robot.equilibrium(robot.home, motor_position=inputs.reference[0, : robot.n_motors])
-    state = delayed_start(
-        model.start(rest), law.initial_state(robot.n_motors), robot.holding_torque(rest), kernel.line_length
-    )
-    gains = law.gains(robot.n_motors, robot.torque_limits)
+    state = delayed_start(model.start(rest), law.initial_state(context), robot.holding_torque(rest), kernel.line_length)
+    gains = law.gains(context)
     return kernel.run(state, len(inputs.reference), LoopInputs(reference=inputs.reference, gains=gains)).encoder
 
 
