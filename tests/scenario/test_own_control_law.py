@@ -114,7 +114,7 @@ def scenario(robot: str, controller: AbstractControlLaw, target: list[float]) ->
     )
 
 
-OBSERVER = scenario("two_mass", ObserverFeedback(effort=1e-6), [0.5])
+OBSERVER = scenario("two_mass", ObserverFeedback(effort=1e-9), [0.5])
 COMPUTED = scenario("elbow", ComputedTorque(bandwidth=60.0), [0.5, 0.2])
 
 
@@ -134,7 +134,7 @@ def test_simulation_batch_and_controller_give_the_same_bits(wanted: Scenario) ->
 
 
 def test_loop_with_an_observer_has_the_poles_of_feedback_and_filter() -> None:
-    law, context = ObserverFeedback(effort=1e-6), Experiment.prepare(OBSERVER).loop_context
+    law, context = ObserverFeedback(effort=1e-9), Experiment.prepare(OBSERVER).loop_context
     A, B, C, K, L = law.matrices(context)
     poles = np.concatenate([np.linalg.eigvals(A - B @ K), np.linalg.eigvals(A - A @ L @ C)])
     decay = slowest_decay(linear_model(context.robot), law, context, 0.0)
