@@ -114,7 +114,7 @@ def _sizes(kind: type[AbstractEffect]) -> list[str]:
 
 def _searched(allowed: Range) -> str:
     sign = "either sign, " if allowed.signed else ""
-    unit = UNITS.get(allowed.yardstick, f" times the largest {allowed.yardstick}")
+    unit = UNITS.get(allowed.scale, f" times the largest {allowed.scale}")
     below = "" if allowed.negative is None else f", negative to {allowed.negative:g}"
     return f"{sign}{allowed.low:g} to {allowed.high:g}{unit}{below}"
 

@@ -147,16 +147,16 @@ class _Beside:
         self.data = fit_data(fitted, model, DiagnosisSettings())
         self.search = Search(model, self.data)
         nothing = self.search.nothing()
-        among = (*self.search.suspects(self.search.yardsticks(nothing)), *self.search.waves(nothing))
-        self.suspects: dict[str, Candidate] = {one.name: one for one in among}
-        known = self.search.predictor(tuple(self.suspects[name] for name in KNOWN))
+        among = (*self.search.candidates(self.search.scales(nothing)), *self.search.waves(nothing))
+        self.candidates: dict[str, Candidate] = {one.name: one for one in among}
+        known = self.search.predictor(tuple(self.candidates[name] for name in KNOWN))
         starts = starts_of(known)
         order = np.argsort(chi2_of(known, self.data, starts))[:3]
         self.friction = best_of([fit(known, self.data, starts[:, one], 30, enough=1e-3) for one in order])
 
     def with_(self, names: tuple[str, ...], starts: FloatArray) -> CandidateFit:
         """Fit causes beside friction from the best three of some starts."""
-        hypothesis = (*self.friction.predictor.hypothesis, *[self.suspects[name] for name in names])
+        hypothesis = (*self.friction.predictor.hypothesis, *[self.candidates[name] for name in names])
         predictor = self.search.predictor(hypothesis)
         before = np.repeat(self.friction.theta[:, None], starts.shape[1], axis=1)
         thetas = np.vstack([before, starts])
@@ -165,11 +165,11 @@ class _Beside:
 
     def one(self, name: str) -> CandidateFit:
         """Fit one more cause."""
-        return self.with_((name,), starts_of(self.search.predictor((self.suspects[name],))))
+        return self.with_((name,), starts_of(self.search.predictor((self.candidates[name],))))
 
     def part(self) -> CandidateFit:
         """Fit a part of the mass on a spring."""
-        mode, mass = (self.suspects[name] for name in PART)
+        mode, mass = (self.candidates[name] for name in PART)
         free = {one.name: one for one in mode.free}
         columns = [
             (

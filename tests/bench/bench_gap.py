@@ -83,8 +83,8 @@ def pass_rows(robot: Robot) -> Iterator[dict[str, Any]]:
     data = fit_data(record, model, settings)
     level = HIDDEN[robot.name]
     free = FreeParameter("level", 0.1 * level, 10 * level, signed=False, starts=(level,))
-    suspect = Candidate(effects()["coulomb_friction"], robot.joint_names[0], (free,))
-    predictor = Predictor(model, (suspect,), Tolerance(), record.sample_time)
+    candidate = Candidate(effects()["coulomb_friction"], robot.joint_names[0], (free,))
+    predictor = Predictor(model, (candidate,), Tolerance(), record.sample_time)
     thetas = np.array([[free.encode(level * factor) for factor in np.linspace(0.5, 1.5, LANES)]])
     case = f"{robot.name}, {data.record.n_samples} samples"
     took = seconds(lambda: predictor.predict(thetas, data.record, data.gain, data.start), 10)
@@ -93,7 +93,7 @@ def pass_rows(robot: Robot) -> Iterator[dict[str, Any]]:
 
     functions = predictor.model.functions(feed_through(robot.n_motors))
     loop = PredictionLoop(functions, sample_time=record.sample_time, delay=predictor.model.delay, lanes=1)
-    columns = [np.array(numbers_of(suspect, float(number))) for number in np.exp(thetas[0])]
+    columns = [np.array(numbers_of(candidate, float(number))) for number in np.exp(thetas[0])]
     start = predictor.model.start(data.start, record.torque[0], columns[0])
     gain = np.zeros((loop.sizes.state, robot.n_motors))
     gain[: len(data.gain.gain)] = data.gain.gain
@@ -106,9 +106,9 @@ def pass_rows(robot: Robot) -> Iterator[dict[str, Any]]:
     yield row(case, f"{LANES} passes of one lane", 1e3 * seconds(one_by_one, 10), "ms")
 
 
-def numbers_of(suspect: Candidate, level: float) -> list[float]:
+def numbers_of(candidate: Candidate, level: float) -> list[float]:
     """List the parameters of the plant with friction of this level."""
-    law = suspect.placed({"level": level}).effect
+    law = candidate.placed({"level": level}).effect
     assert isinstance(law, AbstractLaw)
     return list(law.numbers.values())
 

@@ -54,15 +54,15 @@ def answered(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, object]]:
 
 
 @pytest.fixture
-def few_suspects(monkeypatch: pytest.MonkeyPatch) -> None:
+def few_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let few effects compete, so that the answer comes soon."""
     names = {"coulomb_friction", "viscous_friction", "stiffness_error", "backlash"}
-    every = search.suspects
+    every = search.candidates
     few = lambda robot, sizes: tuple(one for one in every(robot, sizes) if one.effect.name in names)  # noqa: E731
-    monkeypatch.setattr(search, "suspects", few)
+    monkeypatch.setattr(search, "list_candidates", few)
 
 
-def test_hidden_friction_is_found_and_the_patch_names_it(flexros, bag: str, tmp_path: Path, few_suspects) -> None:
+def test_hidden_friction_is_found_and_the_patch_names_it(flexros, bag: str, tmp_path: Path, few_candidates) -> None:
     out = tmp_path / "out"
     ended = flexros("diagnose", bag, "--model", "four_mass_linear", "--out", str(out))
     assert ended.code == 1, ended.err

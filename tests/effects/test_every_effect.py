@@ -38,7 +38,7 @@ def typical(name: str) -> PlacedEffect:
     kind = effects()[name]
     numbers = dict(UNFITTED.get(name, {}))
     for parameter, allowed in kind().fitted(ROBOT, kind().locations(ROBOT)[-1]).items():
-        numbers[parameter] = float(np.sqrt(allowed.low * allowed.high)) * SIZES.get(allowed.yardstick, 1.0)
+        numbers[parameter] = float(np.sqrt(allowed.low * allowed.high)) * SIZES.get(allowed.scale, 1.0)
     return PlacedEffect(kind(**numbers), kind().locations(ROBOT)[-1])
 
 

@@ -10,8 +10,8 @@ from functools import cache
 import pytest
 
 from flexros.effects import RobotWithEffects
-from flexros.gap.candidates.candidate import Candidate, FreeParameter, Hypothesis, suspects
-from flexros.gap.candidates.scales import Yardsticks
+from flexros.gap.candidates.candidate import Candidate, FreeParameter, Hypothesis, list_candidates
+from flexros.gap.candidates.scales import Scales
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData, fit_data
@@ -52,11 +52,11 @@ def search_of(*effects: str, length: float = SECONDS, seed: int = 1, tool: bool 
 
 
 @cache
-def suspects_of(*effects: str) -> dict[str, Candidate]:
+def candidates_of(*effects: str) -> dict[str, Candidate]:
     """List what may be the cause of such a log, by effect@place."""
     search = search_of(*effects)
     nothing = search.nothing()
-    return {one.name: one for one in suspects(ROBOT, search.yardsticks(nothing))}
+    return {one.name: one for one in list_candidates(ROBOT, search.scales(nothing))}
 
 
 def predictor_of(
@@ -67,21 +67,21 @@ def predictor_of(
     return Predictor(model, placed, tolerance or Tolerance(), ROBOT.sample_time)
 
 
-def numbers(suspect: Candidate, **values: float) -> list[float]:
-    """Encode values of the free parameters of a suspect."""
-    free: dict[str, FreeParameter] = {one.name: one for one in suspect.free}
+def numbers(candidate: Candidate, **values: float) -> list[float]:
+    """Encode values of the free parameters of a candidate."""
+    free: dict[str, FreeParameter] = {one.name: one for one in candidate.free}
     assert set(free) == set(values)
     return [one.encode(values[name]) for name, one in free.items()]
 
 
 @contextmanager
-def few_suspects() -> Iterator[None]:
+def few_candidates() -> Iterator[None]:
     """Look for some effects only, which makes searches for several of them short."""
 
-    def some(robot: Robot, sizes: Yardsticks) -> tuple[Candidate, ...]:
-        return tuple(one for one in suspects(robot, sizes) if one.effect.name in FEW)
+    def some(robot: Robot, sizes: Scales) -> tuple[Candidate, ...]:
+        return tuple(one for one in list_candidates(robot, sizes) if one.effect.name in FEW)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "suspects", some)
-        patch.setattr(search, "periodic_suspects", lambda *_: ())
+        patch.setattr(search, "list_candidates", some)
+        patch.setattr(search, "harmonic_candidates", lambda *_: ())
         yield

@@ -16,7 +16,7 @@ from flexros.gap.settings import DiagnosisSettings
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import Scenario, load_scenario
-from tests.gap.diagnosis_logs import few_suspects
+from tests.gap.diagnosis_logs import few_candidates
 
 HIDDEN = "coulomb_friction@motor_1:level=1.5"
 ROBOT = "four_mass_linear"
@@ -35,7 +35,7 @@ def test_the_patch_of_a_diagnosis_brings_the_tool_back_to_the_path_without_effec
     model = load_model(ROBOT)
     log = closed_loop(Experiment.prepare(experiment))
     record = checked_log(log, model.robot, name="hidden")
-    with few_suspects():
+    with few_candidates():
         result = diagnose(record, model, log=log, settings=DiagnosisSettings(where=False, next_experiment=False))
     assert result.diagnosis.causes[0].effect == "coulomb_friction"
     ahead, *in_loop = result.signals

@@ -17,7 +17,7 @@ from flexros.record.record import Record
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
-from tests.gap.diagnosis_logs import ROBOT, few_suspects, record_of
+from tests.gap.diagnosis_logs import ROBOT, few_candidates, record_of
 
 SETTINGS = DiagnosisSettings(threads=1, where=False, next_experiment=False)
 LONG = 10.0
@@ -45,7 +45,7 @@ def single() -> DiagnosisResult:
 
 @pytest.fixture(scope="module")
 def pair() -> DiagnosisResult:
-    with few_suspects():
+    with few_candidates():
         return diagnosed(FRICTION, SOFT)
 
 
@@ -58,7 +58,7 @@ def unknown() -> DiagnosisResult:
         time = np.arange(record.n_samples) * record.sample_time
         wandering = np.cumsum(np.random.default_rng(seed).normal(size=record.n_samples)) * 2e-3
         logs.append(replace(record, torque=record.torque + (wandering * np.sin(2 * np.pi * 1.7 * time**1.1))[:, None]))
-    with few_suspects():
+    with few_candidates():
         return diagnose(logs[0], ROBOT, holdout=logs[1], settings=SETTINGS)
 
 
@@ -100,7 +100,7 @@ def test_the_patch_of_a_diagnosis_is_the_effect(single: DiagnosisResult) -> None
 def test_what_the_model_knows_already_is_not_told_again(single: DiagnosisResult) -> None:
     record, holdout = (record_of(FRICTION, length=LONG, seed=seed) for seed in (1, 2))
     repaired = place_effects(ROBOT, single.patch)
-    with few_suspects():
+    with few_candidates():
         assert diagnose(record, repaired, holdout=holdout, settings=SETTINGS).diagnosis.verdict == "no_gap"
 
 
@@ -137,7 +137,7 @@ def test_covariance_belongs_to_the_numbers_in_their_units(pair: DiagnosisResult)
 
 
 def test_a_coarse_encoder_is_named_and_no_gap_is_left() -> None:
-    with few_suspects():
+    with few_candidates():
         result = diagnosed("encoder_quantization@motor_1:step=0.002")
     assert causes(result) == ["encoder_quantization@motor_1"]
     assert result.diagnosis.causes[0].parameters["step"].value == pytest.approx(0.002, rel=1e-3)
@@ -155,7 +155,7 @@ def test_coloured_noise_is_no_place_of_a_gap() -> None:
         noise = lfilter([0.6], [1.0, -0.8], rng.normal(size=record.n_samples))[:, None] * ROBOT.encoder_noise
         return replace(record, position=record.position + noise)
 
-    with few_suspects():
+    with few_candidates():
         result = diagnose(recorded(1), ROBOT, holdout=recorded(2), settings=SETTINGS.model_copy(update={"where": True}))
     assert result.diagnosis.verdict == "no_gap"
     assert result.diagnosis.where == ()
@@ -164,7 +164,7 @@ def test_coloured_noise_is_no_place_of_a_gap() -> None:
 def test_stages_are_timed_and_progress_is_a_share_of_all() -> None:
     told: list[tuple[str, float]] = []
     record, holdout = (record_of(length=LONG, seed=seed) for seed in (1, 2))
-    with few_suspects():
+    with few_candidates():
         result = diagnose(
             record, ROBOT, holdout=holdout, settings=SETTINGS, progress=lambda name, share: told.append((name, share))
         )

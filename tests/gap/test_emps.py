@@ -104,7 +104,7 @@ def under_pulses(robot: Robot) -> tuple[Search, CandidateFit, Mapping[str, Candi
     model = RobotWithEffects(robot, ())
     data = fit_data(record_of("DATA_EMPS_PULSES.mat").part(0, 8000), model, DiagnosisSettings())
     search = Search(model, data)
-    among = {one.name: one for one in search.suspects(search.yardsticks(search.nothing()))}
+    among = {one.name: one for one in search.candidates(search.scales(search.nothing()))}
     predictor = search.predictor((among["coulomb_friction@motor_1"], among["viscous_friction@motor_1"]))
     starts = starts_of(predictor)
     best = np.argsort(chi2_of(predictor, data, starts))[:3]
@@ -132,7 +132,7 @@ def test_pulses_leave_no_ringing(under_pulses: tuple[Search, CandidateFit, Mappi
 def test_pulses_need_no_mode_and_no_delay(
     under_pulses: tuple[Search, CandidateFit, Mapping[str, Candidate]], name: str
 ) -> None:
-    """The authors suspect a flexibility; docs/results/emps.md has the figures."""
+    """The authors candidate a flexibility; docs/results/emps.md has the figures."""
     search, friction, among = under_pulses
     predictor = search.predictor((*friction.predictor.hypothesis, among[name]))
     starts = starts_of(search.predictor((among[name],)))

@@ -23,7 +23,7 @@ TIME = 0.1
 WORD = "floors"
 """How sizes in floors end: level=12floors."""
 QUANTITIES = ("torque", "speed", "angle", "deflection")
-"""Yardsticks of ranges that have a floor."""
+"""Scales of ranges that have a floor."""
 
 
 def check_has_floor(effect: type[AbstractEffect], parameter: str, source: str) -> None:
@@ -38,7 +38,7 @@ def check_has_floor(effect: type[AbstractEffect], parameter: str, source: str) -
         InputError: Names the parameter and what has a floor.
     """
     measured = effect.ranges.get(parameter)
-    if measured is None or measured.yardstick not in QUANTITIES:
+    if measured is None or measured.scale not in QUANTITIES:
         raise InputError(
             f"{source}: parameter '{parameter}' is given in noise floors, but only torques, speeds, motor angles and "
             "deflections of gears have one; give it as a number"
@@ -74,7 +74,7 @@ def floor_of(robot: Robot, effect: type[AbstractEffect], parameter: str, locatio
             f"{source} is given in noise floors, but the encoder of motor_{motor + 1} of robot {robot.name} has no "
             "noise; give it as a number"
         )
-    quantity = effect.ranges[parameter].yardstick
+    quantity = effect.ranges[parameter].scale
     if quantity == "torque":
         return 2 * float(rigid_inertia(robot)[motor]) * noise / TIME**2
     return noise / TIME if quantity == "speed" else noise

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Yardstick = Literal[
+Scale = Literal[
     "torque",
     "speed",
     "angle",
@@ -50,17 +50,17 @@ class Range:
     """Range of a parameter.
 
     Attributes:
-        yardstick: What the bounds multiply.
-        low: Smallest size, as a multiple of the yardstick; above zero where the spacing is logarithmic.
-        high: Largest size, as a multiple of the yardstick.
+        scale: What the bounds multiply.
+        low: Smallest size, as a multiple of the scale; above zero where the spacing is logarithmic.
+        high: Largest size, as a multiple of the scale.
         starts: Number of starts between them: logarithmic, or where `signed` is set of both signs. Or the starts
-            themselves, as multiples of the yardstick.
+            themselves, as multiples of the scale.
         signed: Whether the parameter may also be negative (the bounds hold of its magnitude).
         source: Where the range comes from.
         negative: Largest size of negative values of a signed parameter; None: as large as the positive ones.
     """
 
-    yardstick: Yardstick
+    scale: Scale
     low: float
     high: float
     starts: int | tuple[float, ...] = 5

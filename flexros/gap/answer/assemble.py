@@ -111,13 +111,13 @@ def _causes(found: Findings) -> tuple[Cause, ...]:
         return tuple(causes.values())
     for one in (explanations.chosen, *found.rivals):
         numbers = parameters_of(one, found.data)
-        for suspect, parameters in zip(one.predictor.hypothesis, numbers):
-            if suspect.name not in causes:
-                alone = next((single for single in explanations.rivals if single.names == {suspect.name}), None)
-                causes[suspect.name] = Cause(
-                    effect=suspect.effect.name,
-                    location=suspect.location,
-                    probability=found.probability(suspect.name),
+        for candidate, parameters in zip(one.predictor.hypothesis, numbers):
+            if candidate.name not in causes:
+                alone = next((single for single in explanations.rivals if single.names == {candidate.name}), None)
+                causes[candidate.name] = Cause(
+                    effect=candidate.effect.name,
+                    location=candidate.location,
+                    probability=found.probability(candidate.name),
                     parameters=parameters,
                     closed_fraction=None if alone is None else found.closed(alone),
                 )
@@ -151,24 +151,24 @@ def _candidates(found: Findings) -> list[tuple[RankedCandidate, CandidateFit]]:
     explanations, evidence = found.explanations, found.explanations.evidence
     best: dict[str, tuple[RankedCandidate, CandidateFit]] = {}
     for one, probability in zip(explanations.rivals, explanations.probabilities):
-        if all(suspect.name in best for suspect in one.predictor.hypothesis):
+        if all(candidate.name in best for candidate in one.predictor.hypothesis):
             continue
         numbers = parameters_of(one, found.data if probability > LIKELY else None)
-        for suspect, parameters in zip(one.predictor.hypothesis, numbers):
-            if suspect.name in best:
+        for candidate, parameters in zip(one.predictor.hypothesis, numbers):
+            if candidate.name in best:
                 continue
-            others = tuple(place_of(other.name) for other in one.predictor.hypothesis if other is not suspect)
-            candidate = RankedCandidate(
-                effect=suspect.effect.name,
-                location=suspect.location,
+            others = tuple(place_of(other.name) for other in one.predictor.hypothesis if other is not candidate)
+            ranked = RankedCandidate(
+                effect=candidate.effect.name,
+                location=candidate.location,
                 parameters=parameters,
                 gain=evidence.gain(one),
                 penalty=evidence.penalty(one),
-                probability=found.probability(suspect.name),
+                probability=found.probability(candidate.name),
                 remainder=evidence.left(one),
                 beside=others,
             )
-            best[suspect.name] = (candidate, one)
+            best[candidate.name] = (ranked, one)
     return list(best.values())
 
 

@@ -139,10 +139,10 @@ class Findings:
 
     def groups(self) -> tuple[tuple[EffectLocation, ...], ...]:
         """Collect effects that stand for one another in rival explanations."""
-        mine = {suspect.name: suspect for suspect in self.explanations.chosen.predictor.hypothesis}
+        mine = {candidate.name: candidate for candidate in self.explanations.chosen.predictor.hypothesis}
         groups: dict[str, list[EffectLocation]] = {}
         for rival in self.rivals:
-            theirs = {suspect.name: suspect for suspect in rival.predictor.hypothesis}
+            theirs = {candidate.name: candidate for candidate in rival.predictor.hypothesis}
             for name in mine.keys() - theirs.keys():
                 group = groups.setdefault(name, [place_of(mine[name].name)])
                 group += [
@@ -220,6 +220,6 @@ def doubted(evidence: ModelComparison, data: FitData) -> ModelComparison:
 
 
 def place_of(name: str) -> EffectLocation:
-    """Split the name of a suspect, effect@location."""
+    """Split the name of a candidate, effect@location."""
     effect, _, location = name.partition("@")
     return EffectLocation(effect=effect, location=location)

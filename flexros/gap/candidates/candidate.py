@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects import AbstractEffect
     from flexros.effects.kinds.ranges import Range
-    from flexros.gap.candidates.scales import Yardsticks
+    from flexros.gap.candidates.scales import Scales
     from flexros.robot import Robot
 
 
@@ -103,26 +103,26 @@ Hypothesis = tuple[Candidate, ...]
 
 def names_of(hypothesis: Hypothesis) -> frozenset[str]:
     """Name the effects at places of a hypothesis."""
-    return frozenset(suspect.name for suspect in hypothesis)
+    return frozenset(candidate.name for candidate in hypothesis)
 
 
 def name_of(hypothesis: Hypothesis) -> str:
     """Name a hypothesis by its effects and places."""
-    return " + ".join(suspect.name for suspect in hypothesis) or "nothing"
+    return " + ".join(candidate.name for candidate in hypothesis) or "nothing"
 
 
-def free_parameter(name: str, allowed: Range, yardstick: float) -> FreeParameter:
+def free_parameter(name: str, allowed: Range, scale: float) -> FreeParameter:
     """Put the range of a parameter into the units of a log.
 
     Args:
         name: Name within the effect.
         allowed: Its range.
-        yardstick: What the bounds of the range multiply.
+        scale: What the bounds of the range multiply.
     """
-    low, high = allowed.low * yardstick, allowed.high * yardstick
-    negative = high if allowed.negative is None else allowed.negative * yardstick
+    low, high = allowed.low * scale, allowed.high * scale
+    negative = high if allowed.negative is None else allowed.negative * scale
     if isinstance(allowed.starts, tuple):
-        starts = tuple(start * yardstick for start in allowed.starts)
+        starts = tuple(start * scale for start in allowed.starts)
     elif allowed.signed:
         half = np.geomspace(low, high, max(1, (allowed.starts + 1) // 2) + 1)[:-1]
         starts = tuple(
@@ -135,15 +135,15 @@ def free_parameter(name: str, allowed: Range, yardstick: float) -> FreeParameter
     return FreeParameter(name, low, high, allowed.signed, starts, negative)
 
 
-def suspects(robot: Robot, yardsticks: Yardsticks) -> tuple[Candidate, ...]:
+def list_candidates(robot: Robot, scales: Scales) -> tuple[Candidate, ...]:
     """List every effect at every place that a fit can look for.
 
     Args:
         robot: The nominal robot.
-        yardsticks: Largest torques, speeds and deflections of the log.
+        scales: Largest torques, speeds and deflections of the log.
 
     Returns:
-        Suspects; effects without ranges are left out, and those that repeat with the rotor, whose orders are sought
+        Candidates; effects without ranges are left out, and those that repeat with the rotor, whose orders are sought
         apart.
     """
     found: list[Candidate] = []
@@ -152,7 +152,7 @@ def suspects(robot: Robot, yardsticks: Yardsticks) -> tuple[Candidate, ...]:
             continue
         for location in places(effect, robot):
             free = tuple(
-                free_parameter(name, allowed, yardsticks.of(allowed.yardstick, location))
+                free_parameter(name, allowed, scales.of(allowed.scale, location))
                 for name, allowed in effect().fitted(robot, location).items()
             )
             found.append(Candidate(effect, location, free))

@@ -11,12 +11,12 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.arrays import FloatArray
-    from flexros.effects.kinds.ranges import Yardstick
+    from flexros.effects.kinds.ranges import Scale
     from flexros.robot import Robot
 
 
 @dataclass(frozen=True)
-class Yardsticks:
+class Scales:
     """Largest sizes in a log.
 
     Attributes:
@@ -25,14 +25,14 @@ class Yardsticks:
 
     sizes: Mapping[str, Mapping[str, float]]
 
-    def of(self, yardstick: Yardstick, location: str) -> float:
+    def of(self, scale: Scale, location: str) -> float:
         """Return the size for a place; places that are neither motor nor spring get the largest of all.
 
         Args:
-            yardstick: Which size.
+            scale: Which size.
             location: Where.
         """
-        over, _, under = yardstick.partition("/")
+        over, _, under = scale.partition("/")
         return self._largest(over, location) / (self._largest(under, location) if under else 1.0)
 
     def _largest(self, name: str, location: str) -> float:
@@ -42,7 +42,7 @@ class Yardsticks:
         return sizes.get(location, max(sizes.values()))
 
 
-def yardsticks(robot: Robot, states: FloatArray, torque: FloatArray) -> Yardsticks:
+def scales_of(robot: Robot, states: FloatArray, torque: FloatArray) -> Scales:
     """Take the sizes from a log and the states that the nominal model predicts for it.
 
     Args:
@@ -64,7 +64,7 @@ def yardsticks(robot: Robot, states: FloatArray, torque: FloatArray) -> Yardstic
         deflections[joint.name] = _largest(value)
     for motor, name in enumerate(names):
         deflections[name] = deflections[robot.chain.joints[robot.chain.geared[motor]].name]
-    return Yardsticks({"torque": torques, "speed": speeds, "angle": angles, "deflection": deflections})
+    return Scales({"torque": torques, "speed": speeds, "angle": angles, "deflection": deflections})
 
 
 def _largest(values: FloatArray) -> float:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def placed(one: CandidateFit) -> tuple[PlacedEffect, ...]:
     """Return the effects of a fit with their numbers."""
     values = one.predictor.values(one.theta)
-    return tuple(suspect.placed(numbers) for suspect, numbers in zip(one.predictor.hypothesis, values))
+    return tuple(candidate.placed(numbers) for candidate, numbers in zip(one.predictor.hypothesis, values))
 
 
 def covariance_of(one: CandidateFit, data: FitData | None = None) -> tuple[tuple[str, ...], FloatArray]:
@@ -37,7 +37,7 @@ def covariance_of(one: CandidateFit, data: FitData | None = None) -> tuple[tuple
     whole = np.linalg.pinv(one.information) if data is None else parameter_covariance(one, data)
     covariance = whole[:number, :number]
     slopes = one.predictor.slopes(one.theta)
-    names = tuple(f"{suspect.name}.{free.name}" for suspect in one.predictor.hypothesis for free in suspect.free)
+    names = tuple(f"{candidate.name}.{free.name}" for candidate in one.predictor.hypothesis for free in candidate.free)
     return names, covariance * np.outer(slopes, slopes)
 
 
@@ -49,9 +49,9 @@ def parameters_of(one: CandidateFit, data: FitData | None = None) -> list[dict[s
     return [
         {
             name: CauseParameter(
-                value=value, std=float(next(spread)), unit=unit_of_parameter(suspect, name, one.predictor.robot)
+                value=value, std=float(next(spread)), unit=unit_of_parameter(candidate, name, one.predictor.robot)
             )
             for name, value in numbers.items()
         }
-        for suspect, numbers in zip(one.predictor.hypothesis, values)
+        for candidate, numbers in zip(one.predictor.hypothesis, values)
     ]

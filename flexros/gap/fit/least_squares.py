@@ -102,7 +102,7 @@ def starts_of(predictor: Predictor) -> FloatArray:
     Returns:
         Numbers, shape (n_fitted, starts); tolerated deviations are zero.
     """
-    combinations = [sum(parts, ()) for parts in product(*(suspect.starts() for suspect in predictor.hypothesis))]
+    combinations = [sum(parts, ()) for parts in product(*(candidate.starts() for candidate in predictor.hypothesis))]
     grid = np.array(combinations, dtype=float).reshape(len(combinations), predictor.n_effect)
     kept = np.unique(np.linspace(0, len(grid) - 1, min(len(grid), MOST_STARTS)).round().astype(int))
     starts = grid[kept].T

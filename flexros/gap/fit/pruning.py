@@ -30,7 +30,7 @@ def without_least_number(one: CandidateFit) -> tuple[Hypothesis, FloatArray] | N
         every number is needed.
     """
     hypothesis, values = one.predictor.hypothesis, one.predictor.values(one.theta)
-    columns = [(effect, number) for effect, suspect in enumerate(hypothesis) for number in range(len(suspect.free))]
+    columns = [(effect, number) for effect, candidate in enumerate(hypothesis) for number in range(len(candidate.free))]
     may_go = [_may_go(hypothesis[effect], number, values[effect]) for effect, number in columns]
     if not any(may_go):
         return None
@@ -45,12 +45,12 @@ def without_least_number(one: CandidateFit) -> tuple[Hypothesis, FloatArray] | N
     return (*hypothesis[:effect], leaner, *hypothesis[effect + 1 :]), np.delete(one.theta, column)
 
 
-def _may_go(suspect: Candidate, number: int, values: dict[str, float]) -> bool:
+def _may_go(candidate: Candidate, number: int, values: dict[str, float]) -> bool:
     """Tell whether an effect is one without a number, which is zero then."""
-    name = suspect.free[number].name
-    if not suspect.free[number].signed or suspect.effect.ranges[name].yardstick == "phase":
+    name = candidate.free[number].name
+    if not candidate.free[number].signed or candidate.effect.ranges[name].scale == "phase":
         return False
-    without = suspect.placed({**values, name: 0.0}).effect
+    without = candidate.placed({**values, name: 0.0}).effect
     return isinstance(without, AbstractLaw) and not without.neutral
 
 

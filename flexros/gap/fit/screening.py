@@ -1,4 +1,4 @@
-"""What a suspect promises to gain beside effects that are fitted already, by linear theory."""
+"""What a candidate promises to gain beside effects that are fitted already, by linear theory."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ HUGE = 1e200
 def promises(
     predictor: Predictor, data: FitData, starts: FloatArray, plain: FloatArray, lines: Sequence[Linearised]
 ) -> list[tuple[float, FloatArray]]:
-    """Estimate the fall of the sum of squares when a suspect is added, by linear theory, and where to start.
+    """Estimate the fall of the sum of squares when a candidate is added, by linear theory, and where to start.
 
-    Every start of the suspect gives a direction, how the errors of the nominal model change with it; the part of it
+    Every start of the candidate gives a direction, how the errors of the nominal model change with it; the part of it
     that the numbers fitted so far cannot imitate is what counts. The best direction at any length tells what is
     promised, the direction that lowers the sum most as it is tells where to start.
 
     Args:
-        predictor: Predictor of the suspect alone.
+        predictor: Predictor of the candidate alone.
         data: Log and weights.
         starts: Its numbers and the tolerated ones to start from, shape (n_fitted, starts).
         plain: Weighted prediction errors of the nominal model, shape (n_values,).
         lines: The fits that it is added to.
 
     Returns:
-        For each of them, the promised fall and the numbers of the suspect to start from, shape (n_effect,).
+        For each of them, the promised fall and the numbers of the candidate to start from, shape (n_effect,).
     """
     promised, lowered = np.zeros(len(lines)), np.full(len(lines), -np.inf)
     chosen = [starts[: predictor.n_effect, 0]] * len(lines)

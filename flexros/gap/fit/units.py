@@ -12,20 +12,20 @@ if TYPE_CHECKING:
 _UNIT = re.compile(r"\[([^\]]+)\]")
 
 
-def unit_of_parameter(suspect: Candidate, name: str, robot: Robot) -> str:
+def unit_of_parameter(candidate: Candidate, name: str, robot: Robot) -> str:
     """Return the SI unit of a number of an effect.
 
     The descriptions of parameters state it in brackets, for rotary and linear motion as in "[rad or m]".
 
     Args:
-        suspect: Effect at a place.
+        candidate: Effect at a place.
         name: Name of the number.
         robot: The robot, which tells whether the place turns or slides.
     """
-    text = suspect.effect.model_fields[name].description or ""
+    text = candidate.effect.model_fields[name].description or ""
     found = _UNIT.search(text)
     ways = (found.group(1) if found else "1").split(" or ")
-    return ways[-1] if len(ways) > 1 and not _rotary(suspect.location, robot) else ways[0]
+    return ways[-1] if len(ways) > 1 and not _rotary(candidate.location, robot) else ways[0]
 
 
 def _rotary(location: str, robot: Robot) -> bool:

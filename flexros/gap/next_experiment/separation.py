@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 ROOM = 30.0
 """Factor by which a fitted number may move in either direction when it is fitted again [1] (chosen)."""
 WITHOUT_LOG = ("relative", "time", "frequency", "order", "phase")
-"""Yardsticks of ranges that are the same for every log."""
+"""Scales of ranges that are the same for every log."""
 ITERATIONS = 6
 """Most iterations of a fit from numbers that were fitted to another log [1] (chosen)."""
 
@@ -64,7 +64,7 @@ class Explained:
     @property
     def hypothesis(self) -> Hypothesis:
         """Its effects with their numbers free about what was fitted."""
-        return tuple(_suspect(one) for one in self.placed)
+        return tuple(_candidate(one) for one in self.placed)
 
     def shared_with(self, other: Explained) -> Explained:
         """Keep the effects that another explanation has, too."""
@@ -168,12 +168,12 @@ def predictor_of(explained: Explained, sample_time: float) -> tuple[Predictor, F
     """
     hypothesis = explained.hypothesis
     tolerance = tolerance_of(explained.model.robot, explained.tolerance)
-    numbers = [one.encode(one.starts[0]) for suspect in hypothesis for one in suspect.free]
+    numbers = [one.encode(one.starts[0]) for candidate in hypothesis for one in candidate.free]
     numbers += [0.0] * len(tolerance.names)
     return Predictor(explained.model, hypothesis, tolerance, sample_time), np.array(numbers, dtype=float)
 
 
-def _suspect(placed: PlacedEffect) -> Candidate:
+def _candidate(placed: PlacedEffect) -> Candidate:
     """Free the numbers of an effect that have a range, about their values."""
     values = placed.effect.model_dump()
     free = tuple(
@@ -187,7 +187,7 @@ def _free(name: str, value: float, allowed: Range) -> FreeParameter:
     """Free a number about its value, within its range where that does not depend on a log."""
     size = abs(value)
     low, high, negative = size / ROOM, size * ROOM, None
-    if allowed.yardstick in WITHOUT_LOG:
+    if allowed.scale in WITHOUT_LOG:
         low, high = max(low, min(allowed.low, size)), min(high, max(allowed.high, size))
         negative = None if allowed.negative is None else min(high, max(allowed.negative, size))
     return FreeParameter(name, low, high, allowed.signed, (value,), negative)

@@ -40,7 +40,7 @@ LONGEST_STEP = 5e-4
 class Predictor:
     """Predicts logs under one hypothesis.
 
-    The numbers that are fitted are those of the suspects, one after the other, then the deviations of the tolerated
+    The numbers that are fitted are those of the candidates, one after the other, then the deviations of the tolerated
     numbers of the robot in standard deviations: a number is its nominal value times exp(deviation times tolerance).
 
     Args:
@@ -63,7 +63,7 @@ class Predictor:
         self.robot = robot = model.robot
         self.hypothesis, self.tolerance = hypothesis, tolerance
         self.sample_time = sample_time
-        self._parameters = [(suspect, one) for suspect in hypothesis for one in suspect.free]
+        self._parameters = [(candidate, one) for candidate in hypothesis for one in candidate.free]
         laws = [_law(place, one) for place, one in enumerate(hypothesis) if _is_law(one)]
         self._law_names = [name for law in laws for name in law.parameters]
         self._values = [one for one in hypothesis if issubclass(one.effect, AbstractChangedValues) and not _delays(one)]
@@ -80,7 +80,7 @@ class Predictor:
 
     @property
     def n_effect(self) -> int:
-        """Number of fitted numbers of the suspects."""
+        """Number of fitted numbers of the candidates."""
         return len(self._parameters)
 
     @property
@@ -96,15 +96,15 @@ class Predictor:
         return table[:, 0], table[:, 1]
 
     def values(self, theta: FloatArray) -> list[dict[str, float]]:
-        """Return the values of the free parameters of every suspect [their units].
+        """Return the values of the free parameters of every candidate [their units].
 
         Args:
             theta: Numbers of the fit, shape (n_fitted,).
         """
         result: list[dict[str, float]] = [{} for _ in self.hypothesis]
-        places = {id(suspect): place for place, suspect in enumerate(self.hypothesis)}
-        for number, (suspect, one) in zip(theta, self._parameters):
-            result[places[id(suspect)]][one.name] = float(one.decode(np.asarray(number)))
+        places = {id(candidate): place for place, candidate in enumerate(self.hypothesis)}
+        for number, (candidate, one) in zip(theta, self._parameters):
+            result[places[id(candidate)]][one.name] = float(one.decode(np.asarray(number)))
         return result
 
     def slopes(self, theta: FloatArray) -> FloatArray:
@@ -204,16 +204,16 @@ class Predictor:
         nominal = {name: self.robot.parameters[name].value for name in robot}
         robot = {name: factor * nominal[name] for name, factor in robot.items()}
         laws: list[float] = []
-        for suspect, numbers in zip(self.hypothesis, values):
-            placed = suspect.placed(numbers)
-            if suspect in self._values:
+        for candidate, numbers in zip(self.hypothesis, values):
+            placed = candidate.placed(numbers)
+            if candidate in self._values:
                 assert isinstance(placed.effect, AbstractChangedValues)
                 for name, value in placed.effect.values(self.robot, placed.location).items():
                     robot[name] += value - nominal[name]
-            elif _is_law(suspect):
+            elif _is_law(candidate):
                 assert isinstance(placed.effect, AbstractLaw)
                 own = placed.effect.numbers
-                laws += dict.fromkeys(own, 0.0).values() if self._cut_off_before(suspect) else own.values()
+                laws += dict.fromkeys(own, 0.0).values() if self._cut_off_before(candidate) else own.values()
         return np.array([*robot.values(), *laws])
 
     def _rest(self, near: FloatArray, column: FloatArray) -> FloatArray:
@@ -229,43 +229,43 @@ class Predictor:
         What saturates is cut off before: it may be done in either order, but the filter of a delay by part of a sample
         is right only for torques that nothing cuts off behind it.
         """
-        if not any(_delays(suspect) for suspect in self.hypothesis):
+        if not any(_delays(candidate) for candidate in self.hypothesis):
             return torque
         lanes = []
         for theta in sets:
             shifted = torque.copy()
             pairs = list(zip(self.hypothesis, self.values(theta)))
-            for suspect, numbers in pairs:
-                if self._cut_off_before(suspect):
-                    motor, effect = self.robot.joint_names.index(suspect.location), suspect.placed(numbers).effect
+            for candidate, numbers in pairs:
+                if self._cut_off_before(candidate):
+                    motor, effect = self.robot.joint_names.index(candidate.location), candidate.placed(numbers).effect
                     assert isinstance(effect, AbstractCommandLaw)
                     shifted[:, motor] = effect.cut_off(shifted[:, motor])
-            for suspect, numbers in pairs:
-                if _delays(suspect):
-                    shifted = delayed(shifted, numbers["time"] / self.sample_time, self._delayed_by(suspect))
+            for candidate, numbers in pairs:
+                if _delays(candidate):
+                    shifted = delayed(shifted, numbers["time"] / self.sample_time, self._delayed_by(candidate))
             lanes.append(shifted)
         return np.stack(lanes, axis=-1)
 
-    def _delayed_by(self, suspect: Candidate) -> list[int]:
+    def _delayed_by(self, candidate: Candidate) -> list[int]:
         """List the motors whose commands a delay delays."""
-        return [motor for motor, name in enumerate(self.robot.joint_names) if suspect.location in ("all", name)]
+        return [motor for motor, name in enumerate(self.robot.joint_names) if candidate.location in ("all", name)]
 
-    def _cut_off_before(self, suspect: Candidate) -> bool:
-        """Tell whether a suspect cuts off torques that another one delays."""
+    def _cut_off_before(self, candidate: Candidate) -> bool:
+        """Tell whether a candidate cuts off torques that another one delays."""
         delays = [one for one in self.hypothesis if _delays(one)]
-        cuts = issubclass(suspect.effect, AbstractCommandLaw) and suspect.effect.cuts_off
-        return cuts and any(one.location in ("all", suspect.location) for one in delays)
+        cuts = issubclass(candidate.effect, AbstractCommandLaw) and candidate.effect.cuts_off
+        return cuts and any(one.location in ("all", candidate.location) for one in delays)
 
 
-def _is_law(suspect: Candidate) -> bool:
-    return issubclass(suspect.effect, AbstractLaw) and not _delays(suspect)
+def _is_law(candidate: Candidate) -> bool:
+    return issubclass(candidate.effect, AbstractLaw) and not _delays(candidate)
 
 
-def _law(place: int, suspect: Candidate) -> PlacedLaw:
-    """Make the law of a suspect under a name that no law of the nominal model has."""
-    placed = suspect.typical()
+def _law(place: int, candidate: Candidate) -> PlacedLaw:
+    """Make the law of a candidate under a name that no law of the nominal model has."""
+    placed = candidate.typical()
     assert isinstance(placed.effect, AbstractLaw)
-    return PlacedLaw(f"suspect {place}", placed.effect, placed.location)
+    return PlacedLaw(f"candidate {place}", placed.effect, placed.location)
 
 
 def _felt(laws: Sequence[PlacedLaw]) -> list[PlacedLaw]:
@@ -273,12 +273,12 @@ def _felt(laws: Sequence[PlacedLaw]) -> list[PlacedLaw]:
     return [law for law in laws if not law.effect.as_noise]
 
 
-def _delays(suspect: Candidate) -> bool:
-    return suspect.effect.delays_commands
+def _delays(candidate: Candidate) -> bool:
+    return candidate.effect.delays_commands
 
 
-def _changed(robot: Robot, suspect: Candidate) -> tuple[str, ...]:
+def _changed(robot: Robot, candidate: Candidate) -> tuple[str, ...]:
     """Name the numbers of the robot that an effect changes."""
-    placed = suspect.typical()
+    placed = candidate.typical()
     assert isinstance(placed.effect, AbstractChangedValues)
-    return tuple(placed.effect.values(robot, suspect.location))
+    return tuple(placed.effect.values(robot, candidate.location))

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from flexros.effects.kinds.tool_error import AbstractToolError
-from flexros.gap.candidates.candidate import suspects
-from flexros.gap.candidates.scales import yardsticks
+from flexros.gap.candidates.candidate import list_candidates
+from flexros.gap.candidates.scales import scales_of
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.estimates import placed
 from flexros.gap.fit.least_squares import EXACTLY, CandidateFit, Linearised, best_of, chi2_of, fit, linearise, starts_of
@@ -19,7 +19,7 @@ from flexros.gap.fit.pruning import without_least_number
 from flexros.gap.fit.screening import promises
 from flexros.gap.fit.tolerance_takeover import with_relief
 from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.search.harmonic_candidates import other_orders, periodic_suspects
+from flexros.gap.search.harmonic_candidates import harmonic_candidates, other_orders
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects import RobotWithEffects
     from flexros.gap.candidates.candidate import Candidate, Hypothesis
-    from flexros.gap.candidates.scales import Yardsticks
+    from flexros.gap.candidates.scales import Scales
     from flexros.gap.residuals.fit_data import FitData
 
 FALLING = 0.5
@@ -104,18 +104,18 @@ class Search:
             self._distances[pair] = float(np.sum((self.residual(one) - self.residual(other)) ** 2))
         return self._distances[pair]
 
-    def yardsticks(self, found: CandidateFit) -> Yardsticks:
+    def scales(self, found: CandidateFit) -> Scales:
         """Take the largest torques, speeds and deflections from the log."""
-        return yardsticks(self.model.robot, self.states(found), self.data.record.torque)
+        return scales_of(self.model.robot, self.states(found), self.data.record.torque)
 
-    def suspects(self, sizes: Yardsticks) -> tuple[Candidate, ...]:
+    def candidates(self, sizes: Scales) -> tuple[Candidate, ...]:
         """List what may be there by ranges: all but what repeats with the turning of a rotor.
 
         Args:
             sizes: Largest torques, speeds and deflections of the log.
         """
         tool = self.data.tool is not None
-        among = suspects(self.model.robot, sizes)
+        among = list_candidates(self.model.robot, sizes)
         return tuple(one for one in among if tool or not issubclass(one.effect, AbstractToolError))
 
     def waves(self, found: CandidateFit) -> tuple[Candidate, ...]:
@@ -124,16 +124,16 @@ class Search:
         Args:
             found: What was found.
         """
-        return periodic_suspects(self.model.robot, self.data, self.residual(found), self.states(found))
+        return harmonic_candidates(self.model.robot, self.data, self.residual(found), self.states(found))
 
     def singles(self, nothing: CandidateFit, among: Sequence[Candidate]) -> list[CandidateFit]:
-        """Fit every suspect alone: all for a few iterations, the best ones to the end.
+        """Fit every candidate alone: all for a few iterations, the best ones to the end.
 
         An effect that extends simpler ones starts from their fits, and only where one of those is worth anything.
 
         Args:
             nothing: The fitted nominal model.
-            among: The suspects.
+            among: The candidates.
 
         Returns:
             Fits, the best first.
@@ -142,16 +142,18 @@ class Search:
         if len(deviations):
             self.tolerance_slopes = linearise(nothing.predictor, self.data, nothing.theta).slopes
 
-        def one(suspect: Candidate) -> CandidateFit:
-            predictor = self.predictor((suspect,))
+        def one(candidate: Candidate) -> CandidateFit:
+            predictor = self.predictor((candidate,))
             starts = starts_of(predictor)
             starts[predictor.n_effect :] = deviations[:, None]
             return self._from_grid(predictor, starts)
 
-        found = self._parallel("single effects", one, [suspect for suspect in among if not suspect.effect.extends])
+        found = self._parallel(
+            "single effects", one, [candidate for candidate in among if not candidate.effect.extends]
+        )
         worth = float(np.log(self.data.n_values))
         simple = [fitted for fitted in found if nothing.chi2 - fitted.chi2 > worth]
-        pairs = [(suspect, fitted) for suspect in among for fitted in simple if _extends(suspect, fitted)]
+        pairs = [(candidate, fitted) for candidate in among for fitted in simple if _extends(candidate, fitted)]
         found += self._parallel("richer effects", lambda pair: self._extended(*pair), pairs)
         return self._visible(self._finished(found))
 
@@ -162,13 +164,13 @@ class Search:
         least = float(robot.encoder_noise.min())
         return [one for one in found if all(put.effect.visible(noise.get(put.location, least)) for put in placed(one))]
 
-    def _extended(self, suspect: Candidate, simple: CandidateFit) -> CandidateFit:
+    def _extended(self, candidate: Candidate, simple: CandidateFit) -> CandidateFit:
         """Fit an effect from the numbers of a simpler one that it contains."""
         values = simple.predictor.values(simple.theta)[0]
-        shared = suspect.effect.extends[simple.predictor.hypothesis[0].effect.name]
-        predictor = self.predictor((suspect,))
+        shared = candidate.effect.extends[simple.predictor.hypothesis[0].effect.name]
+        predictor = self.predictor((candidate,))
         starts = starts_of(predictor)
-        for number, free in enumerate(suspect.free):
+        for number, free in enumerate(candidate.free):
             if free.name in shared:
                 starts[number] = free.encode(values[shared[free.name]])
         starts[predictor.n_effect :] = simple.theta[simple.predictor.n_effect :, None]
@@ -229,8 +231,8 @@ class Search:
             one = leaner
         return one
 
-    def beside(self, firsts: Sequence[CandidateFit], nothing: CandidateFit, sizes: Yardsticks) -> list[CandidateFit]:
-        """Fit the most promising suspects beside each of some explanations.
+    def beside(self, firsts: Sequence[CandidateFit], nothing: CandidateFit, sizes: Scales) -> list[CandidateFit]:
+        """Fit the most promising candidates beside each of some explanations.
 
         Args:
             firsts: Fitted explanations, the best first.
@@ -238,40 +240,40 @@ class Search:
             sizes: Largest torques, speeds and deflections of the log.
 
         Returns:
-            Fits of each together with another suspect, the best first.
+            Fits of each together with another candidate, the best first.
         """
         lines = [linearise(first.predictor, self.data, first.theta) for first in firsts]
         plain = self.residual(nothing)
         among: list[tuple[Candidate, int | None]] = [
-            (suspect, place) for place, first in enumerate(firsts) for suspect in self.waves(first)
+            (candidate, place) for place, first in enumerate(firsts) for candidate in self.waves(first)
         ]
-        among += [(suspect, None) for suspect in self.suspects(sizes)]
+        among += [(candidate, None) for candidate in self.candidates(sizes)]
         screened = self._parallel("further effects", lambda pair: self._promises(pair[0], nothing, plain, lines), among)
         pairs: list[tuple[CandidateFit, Candidate, FloatArray]] = []
         for place, first in enumerate(firsts):
             options = [
-                (suspect, *with_relief(suspect, first, *found[place]))
-                for (suspect, only), found in zip(among, screened)
-                if only in (None, place) and suspect.name not in first.names
+                (candidate, *with_relief(candidate, first, *found[place]))
+                for (candidate, only), found in zip(among, screened)
+                if only in (None, place) and candidate.name not in first.names
             ]
             options.sort(key=lambda option: -option[1])
-            pairs += [(first, suspect, theta) for suspect, _, theta in options[:SECONDS]]
+            pairs += [(first, candidate, theta) for candidate, _, theta in options[:SECONDS]]
         return self._visible(
             self._finished(self._parallel("effects together", lambda pair: self._together(*pair), pairs))
         )
 
     def _promises(
-        self, suspect: Candidate, nothing: CandidateFit, plain: FloatArray, lines: Sequence[Linearised]
+        self, candidate: Candidate, nothing: CandidateFit, plain: FloatArray, lines: Sequence[Linearised]
     ) -> list[tuple[float, FloatArray]]:
-        """Estimate what a suspect gains beside other effects, and where to start."""
-        predictor = self.predictor((suspect,))
+        """Estimate what a candidate gains beside other effects, and where to start."""
+        predictor = self.predictor((candidate,))
         starts = starts_of(predictor)
         starts[predictor.n_effect :] = nothing.theta[nothing.predictor.n_effect :, None]
         return promises(predictor, self.data, starts, plain, lines)
 
-    def _together(self, first: CandidateFit, suspect: Candidate, theta: FloatArray) -> CandidateFit:
-        """Fit an explanation together with another suspect."""
-        predictor = self.predictor((*first.predictor.hypothesis, suspect))
+    def _together(self, first: CandidateFit, candidate: Candidate, theta: FloatArray) -> CandidateFit:
+        """Fit an explanation together with another candidate."""
+        predictor = self.predictor((*first.predictor.hypothesis, candidate))
         return fit(predictor, self.data, theta, SOME, self.tolerance_slopes)
 
     def _parallel(self, stage: str, work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
@@ -284,7 +286,7 @@ class Search:
         return results
 
 
-def _extends(suspect: Candidate, simple: CandidateFit) -> bool:
+def _extends(candidate: Candidate, simple: CandidateFit) -> bool:
     """Tell whether an effect contains another one, at the same place."""
     other = simple.predictor.hypothesis[0]
-    return other.effect.name in suspect.effect.extends and other.location == suspect.location
+    return other.effect.name in candidate.effect.extends and other.location == candidate.location

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.gap.candidates.scales import Yardsticks
+    from flexros.gap.candidates.scales import Scales
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.search.candidate_fits import Search
 
@@ -66,8 +66,8 @@ def explain(search: Search) -> Explanations:
         All fits and the chosen explanation.
     """
     nothing = search.nothing()
-    sizes = search.yardsticks(nothing)
-    singles = unique(search.singles(nothing, (*search.suspects(sizes), *search.waves(nothing))))
+    sizes = search.scales(nothing)
+    singles = unique(search.singles(nothing, (*search.candidates(sizes), *search.waves(nothing))))
     evidence = _evidence(search, nothing, singles)
     if not evidence.detected:
         return _explanations(evidence, nothing, detected=False)
@@ -91,7 +91,7 @@ def explain(search: Search) -> Explanations:
 
 
 def _backward(
-    search: Search, best: CandidateFit, found: list[CandidateFit], nothing: CandidateFit, sizes: Yardsticks
+    search: Search, best: CandidateFit, found: list[CandidateFit], nothing: CandidateFit, sizes: Scales
 ) -> list[CandidateFit]:
     """Take what was found first out again, and look what else goes with the rest."""
     rest = names_of(best.predictor.hypothesis[1:])

@@ -1,4 +1,4 @@
-"""Suspects that repeat with the turning of a rotor, with orders found in the prediction errors."""
+"""Candidates that repeat with the turning of a rotor, with orders found in the prediction errors."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ VALLEYS = np.array([place for place in range(-8, 9) if place])
 """Neighbours of an order that are tried as well, in half turns over the way of the rotor in a log [1] (chosen)."""
 
 
-def periodic_suspects(
+def harmonic_candidates(
     robot: Robot, data: FitData, residual: FloatArray, states: FloatArray, number: int = LANES
 ) -> tuple[Candidate, ...]:
     """List periodic effects at every motor with the orders that fit best.
@@ -41,7 +41,7 @@ def periodic_suspects(
         number: Orders per effect and motor.
 
     Returns:
-        Suspects, each with a start per wave.
+        Candidates, each with a start per wave.
     """
     search = OrderSearch(robot, data, residual, states, data.pose)
     every = [(effect, way) for effect in effects().values() for way in effect.harmonics]
@@ -73,10 +73,10 @@ def other_orders(one: CandidateFit, record: Record) -> FloatArray:
         Numbers to start from, shape (n_fitted, starts); none without a periodic effect.
     """
     robot, first, starts = one.predictor.robot, 0, []
-    for suspect, values in zip(one.predictor.hypothesis, one.predictor.values(one.theta)):
-        names = [free.name for free in suspect.free]
+    for candidate, values in zip(one.predictor.hypothesis, one.predictor.values(one.theta)):
+        names = [free.name for free in candidate.free]
         if "order" in names:
-            motor = robot.joint_names.index(suspect.location)
+            motor = robot.joint_names.index(candidate.location)
             angle = robot.rotor_turns[motor] * record.position[record.valid, motor]
             middle, valley = float(np.mean(angle)), np.pi / max(float(np.ptp(angle)), 1e-12)
             for order in values["order"] + valley * VALLEYS:
@@ -84,7 +84,7 @@ def other_orders(one: CandidateFit, record: Record) -> FloatArray:
                     phase = values["phase"] + turn + (values["order"] - order) * middle
                     theta = one.theta.copy()
                     for name, value in (("order", order), ("phase", np.remainder(phase, 2 * np.pi))):
-                        theta[first + names.index(name)] = suspect.free[names.index(name)].encode(value)
+                        theta[first + names.index(name)] = candidate.free[names.index(name)].encode(value)
                     starts.append(theta)
         first += len(names)
     return np.array(starts).reshape(-1, len(one.theta)).T

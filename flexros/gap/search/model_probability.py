@@ -234,8 +234,8 @@ def contrast_of(one: Hypothesis, other: Hypothesis) -> Contrast:
         other: Effects of the other.
     """
     own, others = names_of(one) - names_of(other), names_of(other) - names_of(one)
-    plain = all(suspect.effect.plain for suspect in one if suspect.name in own)
-    plain_others = all(suspect.effect.plain for suspect in other if suspect.name in others)
+    plain = all(candidate.effect.plain for candidate in one if candidate.name in own)
+    plain_others = all(candidate.effect.plain for candidate in other if candidate.name in others)
     return Contrast(own, plain, bool(own and others) and plain and plain_others)
 
 

@@ -17,7 +17,7 @@ from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.forward_selection import Explanations
 from flexros.gap.search.model_probability import ModelComparison
 from flexros.record.quantization import Quantization
-from tests.gap.diagnosis_logs import MODEL, data_of, numbers, predictor_of, suspects_of
+from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, numbers, predictor_of
 
 TRUTH = "coulomb_friction@motor_1:level=0.05"
 COULOMB, STIFFNESS = "coulomb_friction@motor_1", "stiffness_error@body_2.rz"
@@ -26,7 +26,7 @@ VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}}
 
 
 def fitted(level: float, *names: str) -> CandidateFit:
-    hypothesis = [suspects_of()[name] for name in names]
+    hypothesis = [candidates_of()[name] for name in names]
     theta = np.array([number for one in hypothesis for number in numbers(one, **VALUES[one.name])])
     return CandidateFit(predictor_of(*hypothesis), theta, level * data_of(TRUTH).n_values, 1e4 * np.eye(len(theta)))
 

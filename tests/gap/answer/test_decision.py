@@ -13,7 +13,7 @@ from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.search.forward_selection import Explanations
 from flexros.gap.search.model_probability import evidence_of
 from flexros.record.quantization import Quantization
-from tests.gap.diagnosis_logs import MODEL, ROBOT, data_of, numbers, predictor_of, suspects_of
+from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, numbers, predictor_of
 
 TRUTH = "coulomb_friction@motor_1:level=0.05"
 COULOMB, STIFFNESS, INERTIA = (
@@ -24,7 +24,7 @@ VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}, INERTIA: {"re
 
 def fitted(level: float, *names: str) -> CandidateFit:
     """A fit that leaves a mean squared weighted error in the fitted log."""
-    hypothesis = [suspects_of()[name] for name in names]
+    hypothesis = [candidates_of()[name] for name in names]
     theta = [number for one in hypothesis for number in numbers(one, **VALUES[one.name])]
     return CandidateFit(predictor_of(*hypothesis), np.array(theta), level * data_of(TRUTH).n_values)
 
@@ -63,7 +63,7 @@ def test_an_explanation_that_leaves_more_than_a_tenth_is_none() -> None:
 
 
 def test_beside_an_exact_model_an_explanation_leaves_no_more_than_errors_of_form() -> None:
-    wrong = replace(fitted(50.0, COULOMB), theta=np.array(numbers(suspects_of()[COULOMB], level=0.04)))
+    wrong = replace(fitted(50.0, COULOMB), theta=np.array(numbers(candidates_of()[COULOMB], level=0.04)))
     found = findings(wrong, [], [1.0], TRUTH, nothing=1000.0)
     assert 0.02 < max(found.explanations.left, found.held_out_left) < 0.1
     assert found.verdict == "unknown_effect"
@@ -71,7 +71,7 @@ def test_beside_an_exact_model_an_explanation_leaves_no_more_than_errors_of_form
 
 def test_an_explanation_that_does_not_hold_on_other_data_is_none() -> None:
     """Numbers that fit one log only: here they are wrong, as the fit is made by hand."""
-    wrong = replace(fitted(1.0, COULOMB), theta=np.array(numbers(suspects_of()[COULOMB], level=0.1)))
+    wrong = replace(fitted(1.0, COULOMB), theta=np.array(numbers(candidates_of()[COULOMB], level=0.1)))
     found = findings(wrong, [], [1.0], TRUTH)
     assert found.explanations.left == 0.0
     assert found.held_out_left > 0.1

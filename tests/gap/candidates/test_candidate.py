@@ -9,8 +9,8 @@ import pytest
 
 from flexros.effects import effects
 from flexros.effects.kinds.ranges import Range
-from flexros.gap.candidates.candidate import Candidate, FreeParameter, free_parameter, name_of, places, suspects
-from flexros.gap.candidates.scales import Yardsticks
+from flexros.gap.candidates.candidate import Candidate, FreeParameter, free_parameter, list_candidates, name_of, places
+from flexros.gap.candidates.scales import Scales
 from flexros.robot import load_robot
 
 SIGNED = [
@@ -67,9 +67,9 @@ def test_signed_numbers_start_on_both_sides() -> None:
     assert sorted(starts) == pytest.approx([-0.1, -0.01, 0.01, 0.1])
 
 
-def test_suspects_are_all_effects_with_ranges_at_all_their_places_but_periodic_ones() -> None:
+def test_candidate_are_all_effects_with_ranges_at_all_their_places_but_periodic_ones() -> None:
     robot = load_robot("elbow")
-    found = suspects(robot, Yardsticks({}))
+    found = list_candidates(robot, Scales({}))
     names = [one.name for one in found]
     assert len(set(names)) == len(names)
     assert {"coulomb_friction@motor_1", "coulomb_friction@motor_2", "payload_error@tool"} <= set(names)
@@ -78,8 +78,8 @@ def test_suspects_are_all_effects_with_ranges_at_all_their_places_but_periodic_o
     assert not {"torque_ripple", "transmission_error"} & {one.effect.name for one in found}
 
 
-def test_the_typical_effect_of_a_suspect_is_at_one_of_its_starts() -> None:
-    for one in suspects(load_robot("four_mass_linear"), Yardsticks({})):
+def test_the_typical_effect_of_a_candidate_is_at_one_of_its_starts() -> None:
+    for one in list_candidates(load_robot("four_mass_linear"), Scales({})):
         placed = one.typical()
         assert placed.location == one.location
         for free in one.free:
@@ -101,6 +101,6 @@ def test_hypotheses_are_named_by_effects_and_places() -> None:
 
 def test_starts_are_all_combinations_or_belong_together() -> None:
     free = tuple(FreeParameter(name, -1.0, 1.0, signed=True, starts=(0.1, 0.2)) for name in "ab")
-    suspect = Candidate(effects()["coulomb_friction"], "motor_1", free)
-    assert suspect.starts() == [(0.1, 0.1), (0.1, 0.2), (0.2, 0.1), (0.2, 0.2)]
-    assert replace(suspect, together=True).starts() == [(0.1, 0.1), (0.2, 0.2)]
+    candidate = Candidate(effects()["coulomb_friction"], "motor_1", free)
+    assert candidate.starts() == [(0.1, 0.1), (0.1, 0.2), (0.2, 0.1), (0.2, 0.2)]
+    assert replace(candidate, together=True).starts() == [(0.1, 0.1), (0.2, 0.2)]

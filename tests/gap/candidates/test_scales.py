@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.candidates.scales import Yardsticks, yardsticks
+from flexros.gap.candidates.scales import Scales, scales_of
 from flexros.robot import load_robot
 
-SIZES = Yardsticks(
+SIZES = Scales(
     {
         "torque": {"motor_1": 10.0, "motor_2": 4.0},
         "speed": {"motor_1": 2.0, "motor_2": 1.0},
@@ -42,7 +42,7 @@ def test_sizes_are_taken_from_states_and_torques() -> None:
     states[:, places[1]] = 0.5 * np.cos(2 * np.pi * time)
     states[:, n + places[1]] = 3.0 * np.sin(2 * np.pi * time)
     torque = np.column_stack([np.full(1001, -7.0), np.zeros(1001)])
-    sizes = yardsticks(robot, states, torque)
+    sizes = scales_of(robot, states, torque)
     first, second = robot.joint_names
     assert sizes.of("torque", first) == pytest.approx(7.0)
     assert sizes.of("angle", second) == pytest.approx(1.0)
@@ -52,5 +52,5 @@ def test_sizes_are_taken_from_states_and_torques() -> None:
 
 def test_sizes_are_never_zero() -> None:
     robot = load_robot("elbow")
-    sizes = yardsticks(robot, np.zeros((100, 2 * robot.n_coordinates)), np.zeros((100, 2)))
+    sizes = scales_of(robot, np.zeros((100, 2 * robot.n_coordinates)), np.zeros((100, 2)))
     assert sizes.of("torque/speed", "motor_1") > 0

@@ -8,13 +8,13 @@ import pytest
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.estimates import covariance_of, parameters_of, placed
 from flexros.gap.fit.least_squares import CandidateFit
-from tests.gap.diagnosis_logs import numbers, predictor_of, suspects_of
+from tests.gap.diagnosis_logs import candidates_of, numbers, predictor_of
 
 
 @pytest.fixture(name="fitted", scope="module")
 def fitted_fixture() -> CandidateFit:
     """Coulomb friction by its logarithm, known to 10 %, and a stiffness to 0.02, beside a tolerated number."""
-    pair = [suspects_of()[name] for name in ("coulomb_friction@motor_1", "stiffness_error@body_2.rz")]
+    pair = [candidates_of()[name] for name in ("coulomb_friction@motor_1", "stiffness_error@body_2.rz")]
     predictor = predictor_of(*pair, tolerance=Tolerance(("body_1.rz.stiffness",), (0.02,)))
     theta = np.array([*numbers(pair[0], level=0.05), *numbers(pair[1], relative=-0.1), 0.5])
     scale = np.array([0.1, 0.02 / pair[1].free[0].high, 0.8])

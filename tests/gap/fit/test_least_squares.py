@@ -14,7 +14,7 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import MOST_STARTS, CandidateFit, best_of, chi2_of, fit, linearise, starts_of
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
-from tests.gap.diagnosis_logs import data_of, numbers, predictor_of, suspects_of
+from tests.gap.diagnosis_logs import candidates_of, data_of, numbers, predictor_of
 
 N = 12000
 TRUTHS = {
@@ -41,8 +41,8 @@ def deviations(found: CandidateFit) -> FloatArray:
 
 @pytest.mark.parametrize(("name", "values"), TRUTHS.items())
 def test_known_numbers_come_back(name: str, values: dict[str, float]) -> None:
-    suspect = suspects_of()[name]
-    predictor, truth = predictor_of(suspect), np.array(numbers(suspect, **values))
+    candidate = candidates_of()[name]
+    predictor, truth = predictor_of(candidate), np.array(numbers(candidate, **values))
     data = made(predictor, truth, 0)
     starts = starts_of(predictor)
     start = starts[:, np.argmin(chi2_of(predictor, data, starts))]
@@ -54,10 +54,10 @@ def test_known_numbers_come_back(name: str, values: dict[str, float]) -> None:
 
 
 def test_an_extra_mode_comes_back() -> None:
-    suspect = suspects_of()["extra_mode@tool"]
-    middle = {one.name: one.starts[len(one.starts) // 2] for one in suspect.free}
-    predictor = predictor_of(suspect)
-    truth = np.array([one.encode(middle[one.name]) for one in suspect.free])
+    candidate = candidates_of()["extra_mode@tool"]
+    middle = {one.name: one.starts[len(one.starts) // 2] for one in candidate.free}
+    predictor = predictor_of(candidate)
+    truth = np.array([one.encode(middle[one.name]) for one in candidate.free])
     data = made(predictor, truth, 1)
     found = fit(predictor, data, truth + 0.03, 20)
     assert found.chi2 / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
@@ -65,8 +65,8 @@ def test_an_extra_mode_comes_back() -> None:
 
 
 def test_deviations_cover_the_truth_at_least_as_often_as_they_say() -> None:
-    suspect = suspects_of()["coulomb_friction@motor_1"]
-    pair = (suspect, suspects_of()["stiffness_error@body_2.rz"])
+    candidate = candidates_of()["coulomb_friction@motor_1"]
+    pair = (candidate, candidates_of()["stiffness_error@body_2.rz"])
     predictor = predictor_of(*pair)
     truth = np.array([*numbers(pair[0], level=0.05), *numbers(pair[1], relative=0.04)])
     errors = []
@@ -80,8 +80,8 @@ def test_deviations_cover_the_truth_at_least_as_often_as_they_say() -> None:
 
 @pytest.mark.parametrize("factor", [0.02, 20.0])
 def test_a_bad_start_ends_at_the_same_minimum(factor: float) -> None:
-    suspect = suspects_of()["coulomb_friction@motor_1"]
-    predictor, truth = predictor_of(suspect), np.array(numbers(suspect, level=0.05))
+    candidate = candidates_of()["coulomb_friction@motor_1"]
+    predictor, truth = predictor_of(candidate), np.array(numbers(candidate, level=0.05))
     data = made(predictor, truth, 0)
     near, far = fit(predictor, data, truth + 0.1), fit(predictor, data, truth + np.log(factor), 20)
     assert far.converged
@@ -89,17 +89,17 @@ def test_a_bad_start_ends_at_the_same_minimum(factor: float) -> None:
 
 
 def test_a_fit_without_iterations_left_says_so() -> None:
-    suspect = suspects_of()["coulomb_friction@motor_1"]
-    predictor, truth = predictor_of(suspect), np.array(numbers(suspect, level=0.05))
+    candidate = candidates_of()["coulomb_friction@motor_1"]
+    predictor, truth = predictor_of(candidate), np.array(numbers(candidate, level=0.05))
     found = fit(predictor, made(predictor, truth, 0), truth + np.log(20.0), 1)
     assert (found.converged, found.iterations) == (False, 1)
 
 
 def test_numbers_stay_within_their_bounds() -> None:
     """A stiffness beyond what the effect allows ends at the bound."""
-    suspect = suspects_of()["stiffness_error@body_2.rz"]
-    narrow = replace(suspect, free=(replace(suspect.free[0], high=0.01, negative=None),))
-    data = made(predictor_of(suspect), np.array(numbers(suspect, relative=0.04)), 0)
+    candidate = candidates_of()["stiffness_error@body_2.rz"]
+    narrow = replace(candidate, free=(replace(candidate.free[0], high=0.01, negative=None),))
+    data = made(predictor_of(candidate), np.array(numbers(candidate, relative=0.04)), 0)
     found = fit(predictor_of(narrow), data, np.array([-1.0]))
     assert found.theta[0] == 1.0
 
@@ -147,8 +147,8 @@ def test_steps_follow_a_curved_valley(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_what_is_tolerated_takes_up_a_deviation_at_its_price() -> None:
-    suspect = suspects_of()["stiffness_error@body_2.rz"]
-    data = made(predictor_of(suspect), np.array(numbers(suspect, relative=0.04)), 0)
+    candidate = candidates_of()["stiffness_error@body_2.rz"]
+    data = made(predictor_of(candidate), np.array(numbers(candidate, relative=0.04)), 0)
     tolerant = predictor_of(tolerance=Tolerance(("body_2.rz.stiffness",), (0.02,)))
     found = fit(tolerant, data, np.zeros(1))
     assert found.theta[0] == pytest.approx(2.0, abs=0.05)
@@ -157,8 +157,8 @@ def test_what_is_tolerated_takes_up_a_deviation_at_its_price() -> None:
 
 
 def test_slopes_are_derivatives_of_the_weighted_errors() -> None:
-    suspect = suspects_of()["viscous_friction@motor_1"]
-    predictor, theta = predictor_of(suspect), np.array(numbers(suspect, coefficient=3e-3, asymmetry=0.3))
+    candidate = candidates_of()["viscous_friction@motor_1"]
+    predictor, theta = predictor_of(candidate), np.array(numbers(candidate, coefficient=3e-3, asymmetry=0.3))
     line = linearise(predictor, data_of(), theta)
     step = 1e-4 * np.eye(2)
     for k in range(2):
@@ -170,7 +170,7 @@ def test_slopes_are_derivatives_of_the_weighted_errors() -> None:
 
 
 def test_starts_are_all_combinations() -> None:
-    pair = [suspects_of()[name] for name in ("coulomb_friction@motor_1", "stiffness_error@body_2.rz")]
+    pair = [candidates_of()[name] for name in ("coulomb_friction@motor_1", "stiffness_error@body_2.rz")]
     counts = [len(one.free[0].starts) for one in pair]
     tolerance = Tolerance(("body_1.rz.stiffness",), (0.02,))
     free = starts_of(predictor_of(*pair, tolerance=tolerance))
@@ -181,8 +181,8 @@ def test_starts_are_all_combinations() -> None:
 
 def test_more_starts_than_allowed_are_thinned_over_their_whole_range() -> None:
     sizes = tuple(float(size) for size in np.geomspace(1e-4, 1.0, 2 * MOST_STARTS))
-    suspect = suspects_of()["coulomb_friction@motor_1"]
-    many = replace(suspect, free=(FreeParameter("level", 1e-4, 1.0, signed=False, starts=sizes),))
+    candidate = candidates_of()["coulomb_friction@motor_1"]
+    many = replace(candidate, free=(FreeParameter("level", 1e-4, 1.0, signed=False, starts=sizes),))
     starts = starts_of(predictor_of(many))[0]
     assert len(starts) == MOST_STARTS
     np.testing.assert_allclose(starts[[0, -1]], np.log([1e-4, 1.0]), atol=1e-12)
@@ -196,11 +196,11 @@ def test_the_nominal_model_has_nothing_to_fit() -> None:
 
 
 def test_sums_of_many_sets_are_those_of_each() -> None:
-    suspect = suspects_of()["coulomb_friction@motor_1"]
+    candidate = candidates_of()["coulomb_friction@motor_1"]
     thetas = np.log(np.geomspace(1e-3, 0.1, 11))[None]
-    sums = chi2_of(predictor_of(suspect), data_of(), thetas)
+    sums = chi2_of(predictor_of(candidate), data_of(), thetas)
     assert sums.shape == (11,)
-    assert sums[10] == pytest.approx(float(chi2_of(predictor_of(suspect), data_of(), thetas[:, 10:])[0]))
+    assert sums[10] == pytest.approx(float(chi2_of(predictor_of(candidate), data_of(), thetas[:, 10:])[0]))
 
 
 def test_the_best_fit_has_the_smallest_sum() -> None:

@@ -9,7 +9,7 @@ from flexros.gap.fit.estimates import parameters_of
 from flexros.gap.fit.least_squares import EXACTLY, chi2_of, fit, starts_of
 from flexros.gap.fit.parameter_covariance import smoothed
 from flexros.random_streams import generator
-from tests.gap.diagnosis_logs import data_of, predictor_of, suspects_of
+from tests.gap.diagnosis_logs import candidates_of, data_of, predictor_of
 
 LEVEL = 0.03
 
@@ -28,7 +28,7 @@ def test_smoothing_keeps_a_step_at_low_frequency() -> None:
 
 def test_spread_of_estimates_is_as_stated() -> None:
     name = f"coulomb_friction@motor_1:level={LEVEL}"
-    predictor = predictor_of(suspects_of(name)["coulomb_friction@motor_1"])
+    predictor = predictor_of(candidates_of(name)["coulomb_friction@motor_1"])
     off = []
     for seed in range(10, 18):
         data = data_of(name, seed=seed)

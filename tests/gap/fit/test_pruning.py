@@ -12,19 +12,19 @@ from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.fit.pruning import _own_information, without_least_number
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.forward_selection import explain
-from tests.gap.diagnosis_logs import few_suspects, search_of, suspects_of
+from tests.gap.diagnosis_logs import candidates_of, few_candidates, search_of
 
 VISCOUS = "viscous_friction@motor_1:coefficient=3e-3"
 
 
 @cache
-def fitted(effect: str, suspect: str) -> tuple[Search, CandidateFit]:
+def fitted(effect: str, candidate: str) -> tuple[Search, CandidateFit]:
     search = search_of(effect)
-    return search, search.singles(search.nothing(), [suspects_of()[suspect]])[0]
+    return search, search.singles(search.nothing(), [candidates_of()[candidate]])[0]
 
 
 def names(one: CandidateFit) -> list[str]:
-    return [free.name for suspect in one.predictor.hypothesis for free in suspect.free]
+    return [free.name for candidate in one.predictor.hypothesis for free in candidate.free]
 
 
 def test_an_asymmetry_that_is_not_there_is_left_out() -> None:
@@ -43,15 +43,15 @@ def test_an_asymmetry_that_is_there_stays() -> None:
     assert search.lean(rich) is rich
 
 
-@pytest.mark.parametrize("suspect", ["torque_bias@motor_1", "coulomb_friction@motor_1"])
-def test_an_effect_keeps_what_it_is_there_by(suspect: str) -> None:
+@pytest.mark.parametrize("candidate", ["torque_bias@motor_1", "coulomb_friction@motor_1"])
+def test_an_effect_keeps_what_it_is_there_by(candidate: str) -> None:
     """Neither is in the log: the numbers are as good as zero, but without them nothing would be left of the effect."""
-    _, none = fitted(VISCOUS, suspect)
+    _, none = fitted(VISCOUS, candidate)
     assert without_least_number(none) is None
 
 
 def test_the_chosen_explanation_has_no_spare_numbers() -> None:
-    with few_suspects():
+    with few_candidates():
         found = explain(search_of(VISCOUS))
     assert found.chosen.names == {"viscous_friction@motor_1"}
     assert names(found.chosen) == ["coefficient"]

@@ -1,4 +1,4 @@
-"""What a suspect promises beside other effects, and what it then gains."""
+"""What a candidate promises beside other effects, and what it then gains."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ import pytest
 
 from flexros.gap.fit.least_squares import fit, linearise, starts_of
 from flexros.gap.fit.screening import promises
-from tests.gap.diagnosis_logs import numbers, predictor_of, search_of, suspects_of
+from tests.gap.diagnosis_logs import candidates_of, numbers, predictor_of, search_of
 
 TRUTH = ("coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=0.005")
 
 
 def test_the_missing_effect_promises_what_it_gains_and_one_that_is_there_nothing() -> None:
     search = search_of(*TRUTH)
-    friction, stiffness = (suspects_of(*TRUTH)[one.partition(":")[0]] for one in TRUTH)
+    friction, stiffness = (candidates_of(*TRUTH)[one.partition(":")[0]] for one in TRUTH)
     plain = search.residual(search.nothing())
     first = fit(predictor_of(friction), search.data, np.array(numbers(friction, level=0.05)))
     line = linearise(first.predictor, search.data, first.theta)
 
     def promised(name: str) -> tuple[float, float]:
-        predictor = predictor_of(suspects_of(*TRUTH)[name])
+        predictor = predictor_of(candidates_of(*TRUTH)[name])
         ((gain, start),) = promises(predictor, search.data, starts_of(predictor), plain, [line])
         return gain, float(start[0])
 

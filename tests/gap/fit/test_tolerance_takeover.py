@@ -8,7 +8,7 @@ import pytest
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.fit.tolerance_takeover import relief, with_relief
-from tests.gap.diagnosis_logs import predictor_of, suspects_of
+from tests.gap.diagnosis_logs import candidates_of, predictor_of
 
 STIFFNESS = "stiffness_error@body_2.rz"
 NAMES = ("body_1.rz.stiffness", "body_2.rz.stiffness", "body_2.rz.damping")
@@ -20,25 +20,25 @@ def strained() -> CandidateFit:
 
 
 def test_a_changed_number_takes_over_its_own_deviation() -> None:
-    suspect = suspects_of()[STIFFNESS]
-    found = relief(suspect, strained())
+    candidate = candidates_of()[STIFFNESS]
+    found = relief(candidate, strained())
     assert found is not None
     assert found.price == 16.0
     np.testing.assert_array_equal(found.theta, [1.0, 0.0, 2.0])
-    (free,) = suspect.free
+    (free,) = candidate.free
     assert 1 + float(free.decode(found.start)[0]) == pytest.approx(np.exp(-4.0 * 0.03))
 
 
 @pytest.mark.parametrize("name", ["coulomb_friction@motor_1", "stiffness_error@body_3.rz"])
 def test_others_take_over_nothing(name: str) -> None:
-    assert relief(suspects_of()[name], strained()) is None
+    assert relief(candidates_of()[name], strained()) is None
 
 
 def test_the_larger_promise_tells_where_to_start() -> None:
-    suspect, first = suspects_of()[STIFFNESS], strained()
-    promise, theta = with_relief(suspect, first, 3.0, np.array([0.5]))
+    candidate, first = candidates_of()[STIFFNESS], strained()
+    promise, theta = with_relief(candidate, first, 3.0, np.array([0.5]))
     assert promise == 16.0
     np.testing.assert_array_equal(theta[1:], [1.0, 0.0, 2.0])
-    promise, theta = with_relief(suspect, first, 30.0, np.array([0.5]))
+    promise, theta = with_relief(candidate, first, 30.0, np.array([0.5]))
     assert promise == 30.0
     np.testing.assert_array_equal(theta, [0.5, 1.0, -4.0, 2.0])

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.held_out.prediction_gap import AheadErrors, closed_fraction, errors_ahead
-from tests.gap.diagnosis_logs import ROBOT, data_of, numbers, predictor_of, suspects_of
+from tests.gap.diagnosis_logs import ROBOT, candidates_of, data_of, numbers, predictor_of
 
 FRICTION = "coulomb_friction@motor_1:level=0.05"
 SPACING = 50  # samples
@@ -17,7 +17,7 @@ SPACING = 50  # samples
 
 def ahead(effects: tuple[str, ...] = (), level: float | None = None, seed: int = 1) -> AheadErrors:
     """Errors of a log with effects, under the nominal model or with Coulomb friction."""
-    hypothesis = () if level is None else (suspects_of()["coulomb_friction@motor_1"],)
+    hypothesis = () if level is None else (candidates_of()["coulomb_friction@motor_1"],)
     predictor = predictor_of(*hypothesis)
     theta = np.array([] if level is None else numbers(hypothesis[0], level=level))
     return errors_ahead(CandidateFit(predictor, theta, 0.0), data_of(*effects, seed=seed))

@@ -8,8 +8,8 @@ import pytest
 from flexros.effects import RobotWithEffects, parse_effect
 from flexros.effects.kinds.ranges import Range
 from flexros.effects.torque_bias import TorqueBias
-from flexros.gap.candidates.candidate import suspects
-from flexros.gap.candidates.scales import yardsticks
+from flexros.gap.candidates.candidate import list_candidates
+from flexros.gap.candidates.scales import scales_of
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import best_of, chi2_of, fit, starts_of
 from flexros.gap.next_experiment.separation import ROOM, Explained, Trial, predictor_of, separation, trial
@@ -35,9 +35,9 @@ def best_chi2(rival: str, made: Trial, model: RobotWithEffects) -> float:
     nothing, _ = predictor_of(Explained(model, ()), SAMPLE_TIME)
     seen = nothing.predict(np.zeros((0, 1)), made.record, made.data.gain, made.data.start, record_states=True)
     assert seen.states is not None
-    sizes = yardsticks(model.robot, seen.states[:, :, 0], made.record.torque)
-    suspect = next(one for one in suspects(model.robot, sizes) if one.name == rival)
-    predictor = Predictor(model, (suspect,), Tolerance(), SAMPLE_TIME)
+    sizes = scales_of(model.robot, seen.states[:, :, 0], made.record.torque)
+    candidate = next(one for one in list_candidates(model.robot, sizes) if one.name == rival)
+    predictor = Predictor(model, (candidate,), Tolerance(), SAMPLE_TIME)
     starts = starts_of(predictor)
     order = np.argsort(chi2_of(predictor, made.data, starts))[:2]
     return best_of([fit(predictor, made.data, starts[:, place]) for place in order]).chi2

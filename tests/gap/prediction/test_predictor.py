@@ -14,7 +14,7 @@ from flexros.gap.prediction.predictor import LANES, Predictor
 from flexros.prediction.observer import observer_gain
 from flexros.robot import load_robot
 from flexros.simulate.plant_model import PlantModel
-from tests.gap.diagnosis_logs import MODEL, ROBOT, data_of, numbers, predictor_of, record_of, suspects_of
+from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, numbers, predictor_of, record_of
 
 N = 4000
 
@@ -44,21 +44,21 @@ def test_errors_of_the_true_model_are_noise() -> None:
         ("motor_inertia_error@motor_1", {"relative": 0.05}),
     ],
 )
-def test_a_suspect_with_its_numbers_predicts_as_the_same_effect_that_is_known(
+def test_a_candidate_with_its_numbers_predicts_as_the_same_effect_that_is_known(
     effect: str, values: dict[str, float]
 ) -> None:
-    suspect = suspects_of()[effect]
+    candidate = candidates_of()[effect]
     text = effect + ":" + ",".join(f"{name}={value!r}" for name, value in values.items())
     known = place_effects(ROBOT, [parse_effect(text, "test")])
     expected = innovations(predictor_of(model=RobotWithEffects(known.robot, known.laws)), [])
-    found = innovations(predictor_of(suspect), numbers(suspect, **values))
+    found = innovations(predictor_of(candidate), numbers(candidate, **values))
     assert np.std(expected - innovations(predictor_of(), [])) > 1e-6
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
 def test_effects_add_up() -> None:
     names = {"coulomb_friction@motor_1": {"level": 0.05}, "stiffness_error@body_2.rz": {"relative": -0.1}}
-    pair = [suspects_of()[name] for name in names]
+    pair = [candidates_of()[name] for name in names]
     theta = [number for one, values in zip(pair, names.values(), strict=True) for number in numbers(one, **values)]
     known = place_effects(
         ROBOT,
@@ -83,19 +83,19 @@ def test_effects_add_up() -> None:
 )
 def test_the_smaller_an_effect_the_nearer_it_is_to_nothing(effect: str, size: str) -> None:
     """The gap of a backlash, far smaller than what a correction by noise moves, once changed the predictions a lot."""
-    suspect, nothing = suspects_of()[effect], innovations(predictor_of(), [])
-    typical = {one.name: one.starts[0] for one in suspect.free}
+    candidate, nothing = candidates_of()[effect], innovations(predictor_of(), [])
+    typical = {one.name: one.starts[0] for one in candidate.free}
 
     def away(value: float) -> float:
-        found = innovations(predictor_of(suspect), numbers(suspect, **{**typical, size: value}))
+        found = innovations(predictor_of(candidate), numbers(candidate, **{**typical, size: value}))
         return float(np.abs(found - nothing).max())
 
-    lowest = next(one.low for one in suspect.free if one.name == size)
+    lowest = next(one.low for one in candidate.free if one.name == size)
     assert away(lowest) < 0.05 * float(ROBOT.encoder_noise[0])
 
 
 def test_what_saturates_is_cut_off_before_a_delay_by_part_of_a_sample() -> None:
-    saturation, delay = (suspects_of()[name] for name in ("torque_saturation@motor_1", "delay@all"))
+    saturation, delay = (candidates_of()[name] for name in ("torque_saturation@motor_1", "delay@all"))
     torque = record_of().part(0, N).torque
     late = numbers(delay, time=2.4 * ROBOT.sample_time)
     limit = 0.5 * float(np.abs(torque).max())
@@ -106,10 +106,10 @@ def test_what_saturates_is_cut_off_before_a_delay_by_part_of_a_sample() -> None:
 
 
 def test_a_delay_of_whole_samples_shifts_the_torque() -> None:
-    suspect = suspects_of()["delay@all"]
+    candidate = candidates_of()["delay@all"]
     torque = record_of().part(0, N).torque
     late = np.vstack([np.repeat(torque[:1], 3, axis=0), torque[:-3]])
-    found = innovations(predictor_of(suspect), numbers(suspect, time=3 * ROBOT.sample_time))
+    found = innovations(predictor_of(candidate), numbers(candidate, time=3 * ROBOT.sample_time))
     np.testing.assert_allclose(found, innovations(predictor_of(), [], torque=late), atol=1e-9)
 
 
@@ -156,8 +156,8 @@ def test_a_tolerated_number_moves_by_its_standard_deviation() -> None:
 
 
 def test_sets_of_numbers_are_predicted_side_by_side() -> None:
-    suspect = suspects_of()["coulomb_friction@motor_1"]
-    predictor, data = predictor_of(suspect), data_of()
+    candidate = candidates_of()["coulomb_friction@motor_1"]
+    predictor, data = predictor_of(candidate), data_of()
     thetas = np.log(np.geomspace(1e-3, 0.1, LANES))[None, :]
     record = record_of().part(0, N)
     together = predictor.predict(thetas, record, data.gain, data.start).innovation
@@ -166,7 +166,7 @@ def test_sets_of_numbers_are_predicted_side_by_side() -> None:
 
 
 def test_slopes_are_the_derivatives_of_the_values() -> None:
-    pair = [suspects_of()[name] for name in ("viscous_friction@motor_1", "stiffness_error@body_2.rz")]
+    pair = [candidates_of()[name] for name in ("viscous_friction@motor_1", "stiffness_error@body_2.rz")]
     predictor = predictor_of(*pair)
     theta = np.array([*numbers(pair[0], coefficient=2e-3, asymmetry=0.3), *numbers(pair[1], relative=0.1)])
 
@@ -179,18 +179,18 @@ def test_slopes_are_the_derivatives_of_the_values() -> None:
     np.testing.assert_allclose(predictor.slopes(theta), differences, rtol=1e-6)
 
 
-def test_bounds_are_those_of_the_suspects_and_wide_for_what_is_tolerated() -> None:
-    suspect = suspects_of()["stiffness_error@body_2.rz"]
-    low, high = predictor_of(suspect, tolerance=Tolerance(("body_1.rz.stiffness",), (0.02,))).bounds
-    assert (low[0], high[0]) == suspect.free[0].bounds
+def test_bounds_are_those_of_the_candidate_and_wide_for_what_is_tolerated() -> None:
+    candidate = candidates_of()["stiffness_error@body_2.rz"]
+    low, high = predictor_of(candidate, tolerance=Tolerance(("body_1.rz.stiffness",), (0.02,))).bounds
+    assert (low[0], high[0]) == candidate.free[0].bounds
     assert low[1] <= -5.0
     assert high[1] >= 5.0
 
 
 def test_a_prediction_ahead_is_the_motion_without_corrections() -> None:
-    suspect = suspects_of()["coulomb_friction@motor_1"]
-    predictor, data, record = predictor_of(suspect), data_of(), record_of().part(0, N)
-    theta = np.array(numbers(suspect, level=0.05))
+    candidate = candidates_of()["coulomb_friction@motor_1"]
+    predictor, data, record = predictor_of(candidate), data_of(), record_of().part(0, N)
+    theta = np.array(numbers(candidate, level=0.05))
     blind = replace(data.gain, gain=np.zeros_like(data.gain.gain))
     alone = predictor.predict(theta[:, None], record, blind, data.start, record_states=True)
     assert alone.states is not None

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.gap.residuals.fit_data import FitData
-from tests.gap.diagnosis_logs import data_of, predictor_of, suspects_of
+from tests.gap.diagnosis_logs import candidates_of, data_of, predictor_of
 
 NOTHING = np.zeros((0, 1))
 
@@ -57,6 +57,6 @@ def test_a_gap_that_shows_only_while_the_start_decays_is_seen() -> None:
     first = data.gain.settling
     early = residual_of(data)[:first]
     assert np.sum(early**2) / first > 2.0
-    suspect = suspects_of(friction)["coulomb_friction@motor_1"]
-    explained = data.residuals(predictor_of(suspect), np.array([[suspect.free[0].encode(0.05)]]))[:first, 0]
+    candidate = candidates_of(friction)["coulomb_friction@motor_1"]
+    explained = data.residuals(predictor_of(candidate), np.array([[candidate.free[0].encode(0.05)]]))[:first, 0]
     assert np.sum(explained**2) / first == pytest.approx(1.0, abs=4 * np.sqrt(2 / first))

@@ -1,4 +1,4 @@
-"""Searches: every suspect is looked at, the true one comes first, what was found is refitted beside others."""
+"""Searches: every candidate is looked at, the true one comes first, what was found is refitted beside others."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.forward_selection import unique
-from tests.gap.diagnosis_logs import data_of, predictor_of, search_of, suspects_of
+from tests.gap.diagnosis_logs import candidates_of, data_of, predictor_of, search_of
 
 FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"
 SOME = ("coulomb_friction@motor_1", "stiffness_error@body_2.rz", "motor_inertia_error@motor_1", "torque_bias@motor_1")
 
 
 def names(found: list[CandidateFit]) -> list[str]:
-    return [" + ".join(suspect.name for suspect in one.predictor.hypothesis) for one in found]
+    return [" + ".join(candidate.name for candidate in one.predictor.hypothesis) for one in found]
 
 
-def test_every_effect_with_ranges_is_a_suspect_but_those_of_an_unmeasured_tool() -> None:
+def test_every_effect_with_ranges_is_a_candidate_but_those_of_an_unmeasured_tool() -> None:
     search = search_of()
     nothing = search.nothing()
-    listed = {one.effect.name for one in (*search.suspects(search.yardsticks(nothing)), *search.waves(nothing))}
-    possible = {one.effect.name for one in suspects_of().values()}
+    listed = {one.effect.name for one in (*search.candidates(search.scales(nothing)), *search.waves(nothing))}
+    possible = {one.effect.name for one in candidates_of().values()}
     of_tool = {name for name, one in effects().items() if issubclass(one, AbstractToolError)}
     assert possible - of_tool <= listed
     assert not listed & of_tool
@@ -37,7 +37,7 @@ def test_every_effect_with_ranges_is_a_suspect_but_those_of_an_unmeasured_tool()
 @pytest.mark.parametrize("threads", [1, 3])
 def test_the_true_effect_fits_best_with_any_number_of_threads(threads: int) -> None:
     search = replace(search_of(FRICTION), threads=threads)
-    found = search.singles(search.nothing(), [suspects_of()[name] for name in SOME])
+    found = search.singles(search.nothing(), [candidates_of()[name] for name in SOME])
     assert names(found)[0] == SOME[0]
     assert sorted(names(found)) == sorted(SOME)
     sums = [one.chi2 for one in found]
@@ -48,15 +48,15 @@ def test_the_true_effect_fits_best_with_any_number_of_threads(threads: int) -> N
 def test_the_second_of_two_effects_is_found_beside_the_first_which_is_not_put_beside_itself() -> None:
     search = search_of(FRICTION, SOFT)
     nothing = search.nothing()
-    singles = search.singles(nothing, [suspects_of()[name] for name in SOME])
-    together = search.beside(singles[:1], nothing, search.yardsticks(nothing))
+    singles = search.singles(nothing, [candidates_of()[name] for name in SOME])
+    together = search.beside(singles[:1], nothing, search.scales(nothing))
     first = singles[0].predictor.hypothesis[0].name
     for one in together:
-        held = [suspect.name for suspect in one.predictor.hypothesis]
+        held = [candidate.name for candidate in one.predictor.hypothesis]
         assert held[0] == first
         assert first not in held[1:]
     best = together[0]
-    assert {suspect.name for suspect in best.predictor.hypothesis} == set(SOME[:2])
+    assert {candidate.name for candidate in best.predictor.hypothesis} == set(SOME[:2])
     assert best.chi2 / search.data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / search.data.n_values))
 
 
@@ -73,7 +73,7 @@ def test_an_effect_far_from_its_starts_is_found(effect: str, size: str, true: fl
     search = search_of(effect)
     nothing = search.nothing()
     name = effect.partition(":")[0]
-    among = [one for one in search.suspects(search.yardsticks(nothing)) if one.location in name]
+    among = [one for one in search.candidates(search.scales(nothing)) if one.location in name]
     among = [one for one in among if one.name == name or one.effect.name.endswith("friction")]
     best, *_ = search.singles(nothing, among)
     assert best.predictor.hypothesis[0].name == name
@@ -89,16 +89,16 @@ def test_the_nominal_model_takes_up_what_is_tolerated() -> None:
 def test_progress_of_each_stage_ends_with_all_of_it() -> None:
     told: dict[str, list[float]] = {}
     search = replace(search_of(), progress=lambda stage, share: told.setdefault(stage, []).append(share))
-    search.singles(search.nothing(), [suspects_of()[name] for name in SOME])
+    search.singles(search.nothing(), [candidates_of()[name] for name in SOME])
     assert all(shares == sorted(shares) and shares[-1] == 1.0 for shares in told.values())
     assert len(told["single effects"]) == len(SOME)
 
 
 def test_of_one_set_of_effects_the_best_fit_is_kept() -> None:
-    friction, soft = (suspects_of()[name] for name in SOME[:2])
+    friction, soft = (candidates_of()[name] for name in SOME[:2])
 
     def fitted(chi2: float, *hypothesis: str) -> CandidateFit:
-        predictor = predictor_of(*(suspects_of()[name] for name in hypothesis))
+        predictor = predictor_of(*(candidates_of()[name] for name in hypothesis))
         return CandidateFit(predictor, np.zeros(predictor.n_fitted), chi2)
 
     fits = [fitted(3.0, friction.name, soft.name), fitted(1.0, soft.name, friction.name), fitted(2.0, soft.name)]

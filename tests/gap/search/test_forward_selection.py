@@ -10,22 +10,22 @@ import pytest
 from flexros.gap.search import candidate_fits as search_module
 from flexros.gap.search.forward_selection import Explanations, explain
 from flexros.gap.search.model_probability import UNEXPLAINED
-from tests.gap.diagnosis_logs import search_of, suspects_of
+from tests.gap.diagnosis_logs import candidates_of, search_of
 
 FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"
 SOME = ("coulomb_friction@motor_1", "stiffness_error@body_2.rz", "motor_inertia_error@motor_1", "torque_bias@motor_1")
 
 
 @pytest.fixture(autouse=True)
-def few_suspects(monkeypatch: pytest.MonkeyPatch) -> None:
+def few_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
     """Look for some effects only, which makes searches short."""
-    some = [suspects_of()[name] for name in SOME]
-    monkeypatch.setattr(search_module, "suspects", lambda *_: some)
-    monkeypatch.setattr(search_module, "periodic_suspects", lambda *_: ())
+    some = [candidates_of()[name] for name in SOME]
+    monkeypatch.setattr(search_module, "list_candidates", lambda *_: some)
+    monkeypatch.setattr(search_module, "harmonic_candidates", lambda *_: ())
 
 
 def names(found: Explanations) -> set[str]:
-    return {suspect.name for suspect in found.chosen.predictor.hypothesis}
+    return {candidate.name for candidate in found.chosen.predictor.hypothesis}
 
 
 def test_without_gap_the_nominal_model_is_chosen() -> None:
@@ -52,9 +52,9 @@ def test_two_effects_are_chosen_together() -> None:
 
 
 def test_a_further_effect_that_removes_little_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The cause, friction, is not among the suspects: what is beside the best of the others removes little."""
+    """The cause, friction, is not among the candidates: what is beside the best of the others removes little."""
     others: Sequence[str] = SOME[1:]
-    monkeypatch.setattr(search_module, "suspects", lambda *_: [suspects_of()[name] for name in others])
+    monkeypatch.setattr(search_module, "list_candidates", lambda *_: [candidates_of()[name] for name in others])
     found = explain(search_of(FRICTION))
     assert len(names(found)) <= 1
     assert found.left > UNEXPLAINED

@@ -1,4 +1,4 @@
-"""Suspects that repeat with the rotor come with the order that the errors of a log show."""
+"""Candidates that repeat with the rotor come with the order that the errors of a log show."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.fit.least_squares import CandidateFit, starts_of
 from flexros.gap.prediction.predictor import LANES
-from flexros.gap.search.harmonic_candidates import VALLEYS, other_orders, periodic_suspects
-from tests.gap.diagnosis_logs import ROBOT, predictor_of, record_of, search_of, suspects_of
+from flexros.gap.search.harmonic_candidates import VALLEYS, harmonic_candidates, other_orders
+from tests.gap.diagnosis_logs import ROBOT, candidates_of, predictor_of, record_of, search_of
 
 
 def found_in(*effect: str) -> list[Candidate]:
     search = search_of(*effect)
     nothing = search.nothing()
-    return list(periodic_suspects(ROBOT, search.data, search.residual(nothing), search.states(nothing)))
+    return list(harmonic_candidates(ROBOT, search.data, search.residual(nothing), search.states(nothing)))
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +57,7 @@ def test_the_wave_that_is_there_starts_with_its_numbers(of_ripple: list[Candidat
 
 def test_other_orders_are_tried_with_the_same_wave_in_the_middle_or_its_opposite(of_ripple: list[Candidate]) -> None:
     (ripple,) = (one for one in of_ripple if one.effect.name == "torque_ripple" and not one.fixed)
-    friction = suspects_of()["coulomb_friction@motor_1"]
+    friction = candidates_of()["coulomb_friction@motor_1"]
     predictor, record = predictor_of(friction, ripple), record_of()
     theta = np.array([0.0, *(one.encode(one.starts[0]) for one in ripple.free)])
     found = other_orders(CandidateFit(predictor, theta, 1.0), record)

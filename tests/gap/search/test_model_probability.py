@@ -17,7 +17,7 @@ from flexros.gap.search.model_probability import (
     contrast_of,
     form_error,
 )
-from tests.gap.diagnosis_logs import predictor_of, suspects_of
+from tests.gap.diagnosis_logs import candidates_of, predictor_of
 
 N = 20_000
 COULOMB, STRIBECK, STIFFNESS = (
@@ -27,7 +27,7 @@ COULOMB, STRIBECK, STIFFNESS = (
 
 def fitted(level: float, *names: str) -> CandidateFit:
     """A fit that leaves a mean squared weighted error."""
-    hypothesis = tuple(suspects_of()[name] for name in names)
+    hypothesis = tuple(candidates_of()[name] for name in names)
     predictor = predictor_of(*hypothesis)
     return CandidateFit(predictor, np.zeros(predictor.n_fitted), level * N)
 
@@ -114,8 +114,8 @@ def test_errors_of_form() -> None:
 def test_contrast_of_two_explanations(
     one: tuple[str, ...], other: tuple[str, ...], own: set[str], plain: bool, between: bool
 ) -> None:
-    suspects = suspects_of()
-    found = contrast_of(*(tuple(suspects[name] for name in names) for names in (one, other)))
+    candidates = candidates_of()
+    found = contrast_of(*(tuple(candidates[name] for name in names) for names in (one, other)))
     assert found == Contrast(frozenset(own), plain, between)
 
 
@@ -199,7 +199,7 @@ def test_what_leaves_too_much_is_behind_what_does_not_though_it_has_fewer_number
 
 def test_numbers_of_the_model_are_plain_and_laws_are_not() -> None:
     def one(name: str) -> Candidate:
-        return suspects_of()[name]
+        return candidates_of()[name]
 
     assert all(one(name).effect.plain for name in (STIFFNESS, "motor_inertia_error@motor_1", "payload_error@tool"))
     assert not any(one(name).effect.plain for name in (COULOMB, "backlash@motor_1", "extra_mode@tool"))

@@ -47,7 +47,7 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     search.threads = 1
     nothing = search.nothing()
     held = held.tool_seen_by(nothing.predictor, nothing.theta)
-    among = (*search.suspects(search.yardsticks(nothing)), *search.waves(nothing))
+    among = (*search.candidates(search.scales(nothing)), *search.waves(nothing))
     true = _true(search, among, truth)
     if not true:
         return None
