@@ -15,7 +15,7 @@ INTERRUPTED = 130
 """Exit code after Ctrl-C or termination."""
 
 INTERNAL_ERROR = 70
-"""Exit code of a fault in FlexROS itself, with a traceback (EX_SOFTWARE of sysexits.h)."""
+"""Exit code of an internal error of FlexROS, with a traceback (EX_SOFTWARE of sysexits.h)."""
 
 
 _MANY, _NEAR = 20, 5
@@ -33,15 +33,30 @@ class FlexrosError(Exception):
 
 
 class InputError(FlexrosError):
-    """Bad input: the message says what was given, what is allowed, where it came from and what to do."""
+    """Bad input: the message says what was given, what is allowed, where it came from and what to do.
+
+    Attributes:
+        argument: Name of the argument that was bad, empty where none is; the command line puts its option there.
+    """
 
     exit_code: ClassVar[int] = 2
 
+    def __init__(self, message: str, argument: str = "") -> None:
+        """Keep message and argument."""
+        super().__init__(message)
+        self.argument = argument
+
 
 class RunError(FlexrosError):
-    """A run broke off: the message says what happened, when, and where the log up to there lies."""
+    """A run aborted: the message says what happened, when, and where the log up to that point is."""
 
     exit_code: ClassVar[int] = 3
+
+
+class InterruptedRunError(RunError):
+    """A run was interrupted from outside, by Ctrl-C or termination."""
+
+    exit_code: ClassVar[int] = INTERRUPTED
 
 
 @contextmanager
@@ -57,7 +72,24 @@ def source_named(source: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError(f"{source}: {error}") from error
+        raise InputError(f"{source}: {error}", error.argument) from error
+
+
+@contextmanager
+def argument_named(argument: str) -> Iterator[None]:
+    """Give the name of an argument to every InputError that is raised inside and names none.
+
+    Args:
+        argument: Name of the argument that is checked inside.
+
+    Raises:
+        InputError: The same error.
+    """
+    try:
+        yield
+    except InputError as error:
+        error.argument = error.argument or argument
+        raise
 
 
 def unknown_name(kind: str, given: str, allowed: Iterable[str], source: str = "", other: str = "") -> InputError:

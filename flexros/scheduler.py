@@ -45,8 +45,8 @@ def connected(address: str = "", threads: int | None = None) -> Iterator[Client]
             client = Client(address, timeout=ANSWER)
         except (OSError, ValueError) as error:
             raise InputError(
-                f"--scheduler: no Dask scheduler answers at '{address}' ({error}); start one (dask scheduler) or leave "
-                "the option out"
+                f"no Dask scheduler answers at '{address}' ({error}); start one (dask scheduler), or give no address",
+                "scheduler",
             ) from error
         with client:
             yield client

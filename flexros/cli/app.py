@@ -1,13 +1,14 @@
-"""The command itself: its subcommands, and how errors become one sentence and an exit code."""
+"""The command with its subcommands; errors become one sentence and an exit code."""
 
 from __future__ import annotations
 
 import functools
+import inspect
 import os
 import sys
 import traceback
 from importlib import metadata
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 import typer
 
@@ -18,12 +19,12 @@ from flexros.errors import INTERNAL_ERROR, INTERRUPTED, FlexrosError, InputError
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-READER_GONE = 141
-"""Exit code when nobody reads the output any more, as for a program that SIGPIPE ends."""
+BROKEN_PIPE = 141
+"""Exit code after a broken pipe, as of a program that SIGPIPE ends."""
 
 EXIT_CODES = (
-    "Exit codes: 0 done, 1 a gap was found, 2 bad input, 3 a run broke off, 70 a fault in FlexROS (with a traceback), "
-    "130 Ctrl-C, 141 nobody reads the output any more."
+    "Exit codes: 0 done, 1 a gap was found, 2 bad input, 3 run aborted (the log is valid up to that point), "
+    "70 internal error (traceback printed), 130 Ctrl-C, 141 broken pipe."
 )
 
 GROUP = "flexros.commands"
@@ -40,10 +41,10 @@ app = typer.Typer(
 
 
 def reported(command: Callable[..., Any]) -> Callable[..., None]:
-    """Wrap a command such that it ends with an exit code, and an error on purpose is one sentence on stderr.
+    """Wrap a command such that it ends with an exit code and reports errors in one sentence on stderr.
 
     Args:
-        command: The command; what it returns is the exit code, None counts as 0.
+        command: The command; its return value is the exit code, None counts as 0.
 
     Returns:
         The wrapped command, which ends with one of the `EXIT_CODES`.
@@ -55,26 +56,38 @@ def reported(command: Callable[..., Any]) -> Callable[..., None]:
             code = command(*args, **kwargs) or 0
             sys.stdout.flush()
         except FlexrosError as error:
-            print(f"flexros: {error}", file=sys.stderr)
+            print(f"flexros: {_with_option(error, command)}", file=sys.stderr)
             code = error.exit_code
         except KeyboardInterrupt:
             print("flexros: interrupted by Ctrl-C", file=sys.stderr)
             code = INTERRUPTED
         except BrokenPipeError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else Python complains when it ends
-            code = READER_GONE
+            code = BROKEN_PIPE
         except OSError as error:
             text = error.strerror or str(error)
-            place = f"'{error.filename}': {text}; give a path that can be used" if error.filename else text
-            print(f"flexros: {place}", file=sys.stderr)
+            if error.filename:
+                text = f"'{error.filename}': {text}; give a path that can be used"
+            print(f"flexros: {text}", file=sys.stderr)
             code = InputError.exit_code
         except Exception:  # noqa: BLE001 - uncaught it would end with 1, which says "a gap was found"
             traceback.print_exc()
-            print("flexros: this is a fault in FlexROS, please report it with the lines above", file=sys.stderr)
+            print("flexros: internal error, please report it with the lines above", file=sys.stderr)
             code = INTERNAL_ERROR
         raise SystemExit(code)
 
     return wrapped
+
+
+def _with_option(error: FlexrosError, command: Callable[..., Any]) -> str:
+    """Put the option before an error of the library that names an argument of the command."""
+    if not isinstance(error, InputError) or not error.argument:
+        return str(error)
+    parameter = inspect.signature(command).parameters.get(error.argument)
+    hint = get_type_hints(command, include_extras=True).get(error.argument)
+    declared = (() if parameter is None else (parameter.default,)) + getattr(hint, "__metadata__", ())
+    options = [option for each in declared for option in getattr(each, "param_decls", None) or ()]
+    return f"{options[0]}: {error}" if options else str(error)
 
 
 COMMANDS: dict[str, Callable[..., Any]] = {
@@ -94,7 +107,7 @@ COMMANDS: dict[str, Callable[..., Any]] = {
 
 
 def _add(name: str, commands: Mapping[str, Callable[..., Any]], help_text: str = "") -> None:
-    """Add commands: as they are, or where there is a help text as those of a group."""
+    """Add commands to the application, or with a help text to a group of their own."""
     into = typer.Typer(name=name, help=help_text, no_args_is_help=True, rich_markup_mode=None) if help_text else app
     for word, command in commands.items():
         into.command(word)(reported(command))

@@ -12,18 +12,19 @@ import typer
 from rich.padding import Padding
 from rich.table import Table
 
-from flexros.cli import demo_repair, transports
+from flexros.cli import demo_repair
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.cli.run import choose_transport
-from flexros.errors import INTERRUPTED, InputError, RunError
+from flexros.errors import InputError
+from flexros.scenario import transports
 
 if TYPE_CHECKING:
     from flexros.analysis import Analysis
     from flexros.analysis.comparison import Comparison
     from flexros.cli.demo_repair import Repair
-    from flexros.cli.transports import RunResult
     from flexros.logs.time_series import Log
     from flexros.scenario.scenario import Scenario
+    from flexros.scenario.transports import RunResult
 
 LOADS = (190.0, 210.0)
 """Mass of the last body in the plant when the load is off by 10 kg [kg]; the model keeps 200 kg."""
@@ -152,7 +153,7 @@ def run_case(case: Case, folder: Path, transport: str) -> CaseResult:
         What came of it.
 
     Raises:
-        RunError: The run broke off.
+        RunError: The run aborted.
     """
     from flexros.analysis import analyse
     from flexros.logs.reader import read_log
@@ -162,13 +163,10 @@ def run_case(case: Case, folder: Path, transport: str) -> CaseResult:
     scenario = load_scenario(case.scenario).with_values(case.settings, f"demo, {case.label}")
     bag = folder / case.label
     if transport == "direct":
-        run = transports.run_direct(scenario, bag, show_progress=False)
+        run = transports.run_direct(scenario, bag)
     else:
         run = transports.run_ros(scenario, bag)
-    if run.exit_code == INTERRUPTED:
-        raise KeyboardInterrupt
-    if run.exit_code:
-        raise RunError(f"{case.label}: {run.message}")
+    run.require_complete(case.label)
     log = read_log(bag)
     equal = None if transport == "direct" else equal_to_direct(scenario, log)
     return CaseResult(case, run, analyse(log, robot=load_robot(scenario.robot), label=case.label), equal)

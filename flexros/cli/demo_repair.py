@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.table import Table
 
-from flexros.cli import transports
 from flexros.cli.output import console, say
-from flexros.errors import INTERRUPTED, RunError
+from flexros.scenario import transports
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -80,7 +79,7 @@ def repair(folder: Path, transport: str, progress: Callable[[str, float], None])
         What came of it.
 
     Raises:
-        RunError: A run broke off.
+        RunError: A run aborted.
     """
     from flexros.scenario.scenario import load_scenario
 
@@ -142,15 +141,8 @@ def _diagnosed(
 
 
 def _run(scenario: Scenario, bag: Path, transport: str) -> None:
-    run = (
-        transports.run_direct(scenario, bag, show_progress=False)
-        if transport == "direct"
-        else transports.run_ros(scenario, bag)
-    )
-    if run.exit_code == INTERRUPTED:
-        raise KeyboardInterrupt
-    if run.exit_code:
-        raise RunError(f"{bag.name}: {run.message}")
+    run = transports.run_direct(scenario, bag) if transport == "direct" else transports.run_ros(scenario, bag)
+    run.require_complete(bag.name)
 
 
 def _analysed(scenario: Scenario, bag: Path, transport: str, label: str) -> Analysis:

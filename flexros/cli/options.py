@@ -1,4 +1,4 @@
-"""Options that several commands have, and what is read from them."""
+"""Options that several commands share, and their parsers."""
 
 from __future__ import annotations
 
@@ -9,36 +9,33 @@ import typer
 from flexros.errors import InputError, unknown_name
 
 NamespaceOption = Annotated[str, typer.Option("--namespace", help="Namespace of the topics, when a log holds several.")]
-"""The robot of a log of several."""
+"""Namespace of the robot in a log of several robots."""
 KnownModelOption = Annotated[
-    str, typer.Option("--model", help="Robot as it is thought to be: shipped name, YAML or patch.yaml.")
+    str, typer.Option("--model", help="Nominal robot model: built-in name, robot YAML or patch.yaml.")
 ]
-"""A robot, with the effects that are known of it."""
+"""A robot with its known effects."""
 ToleranceOption = Annotated[
     str,
     typer.Option("--tolerance", help="Relative tolerances of the model, e.g. stiffness=0.03,inertia=0.03,damping=0.3."),
 ]
-"""How well the numbers of a robot are known, see `parse_tolerance`."""
+"""Relative tolerances of the parameters of a robot, see `parse_tolerance`."""
 
 NetworkOption = Annotated[
-    bool, typer.Option("--network", help="Let nodes on other machines take part; else sockets are bound to 127.0.0.1.")
+    bool,
+    typer.Option("--network", help="Let nodes on other machines take part; default: sockets are bound to 127.0.0.1."),
 ]
-"""Whether a run is heard on the network."""
+"""Exposes a run to the network."""
 
 
 def warn_of_network(network: bool) -> None:
-    """Say that a run goes on the network, where it does.
-
-    Args:
-        network: Whether it does.
-    """
+    """Print a warning where a run is exposed to the network."""
     if network:
-        text = "flexros: --network: whoever is in reach of this machine can hear and command the nodes of this run"
+        text = "flexros: --network: any host that can reach this machine can subscribe to and command these nodes"
         typer.echo(text, err=True)
 
 
 def parse_tolerance(text: str) -> dict[str, float]:
-    """Read relative tolerances as written on the command line.
+    """Parse relative tolerances of the command line.
 
     Args:
         text: KIND=SHARE,..., e.g. "stiffness=0.03,damping=0.3"; empty for those of the robot file.

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.table import Table
 
-from flexros.cli import transports
 from flexros.cli.options import NetworkOption, warn_of_network
-from flexros.cli.output import console, print_json, say
+from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.config.yaml_file import parse_yaml
 from flexros.errors import InputError, unknown_name
+from flexros.scenario import transports
 
 if TYPE_CHECKING:
-    from flexros.cli.transports import RunResult
     from flexros.scenario.scenario import Scenario
+    from flexros.scenario.transports import RunResult
 
 TRANSPORTS = ("ros", "direct")
 
@@ -90,7 +90,7 @@ def run(
             raise InputError(
                 "--realtime, --network, --layout and --parameter belong to the ROS nodes; give --transport ros"
             )
-        result = transports.run_direct(chosen, folder)
+        result = run_direct(chosen, folder)
     else:
         nodes = node_parameters(parameter)
         warn_of_network(network)
@@ -104,6 +104,15 @@ def run(
     if result.exit_code:
         typer.echo(f"flexros: {result.message}", err=True)
     return result.exit_code
+
+
+def run_direct(scenario: Scenario, folder: Path) -> RunResult:
+    """Run a scenario in this process with a progress bar, see `transports.run_direct`."""
+    with progress_bar() as bar:
+        task = bar.add_task("simulating", total=None)
+        return transports.run_direct(
+            scenario, folder, lambda done, total: bar.update(task, completed=done, total=total)
+        )
 
 
 def changed_scenario(

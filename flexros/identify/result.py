@@ -1,22 +1,20 @@
-"""Everything an identification found, for table, JSON and report alike."""
+"""The result of an identification; its verdict, JSON record and report are functions of it in `identify.report`."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flexros.identify.graybox.bias import bias_signs
 from flexros.identify.graybox.covariance import parameter_covariance
 from flexros.identify.graybox.fit import cost_at
 from flexros.identify.graybox.identifiability import identifiability
 from flexros.identify.graybox.residuals import residual_report
-from flexros.identify.report.bias import bias_signs
-from flexros.identify.report.own_warnings import own_warnings
-from flexros.identify.report.scatter import ScatterLimits, scatter_limits
-from flexros.identify.report.verdict import advice, covariance_text, verdict
-from flexros.identify.report.words import known_ends
+from flexros.identify.graybox.scatter import ScatterLimits, scatter_limits
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -31,7 +29,7 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.residuals import ResidualReport
 
 MUCH = 5.0
-"""Misfit in standard deviations, rms, from which noise is not what limits the result (chosen)."""
+"""Misfit in standard deviations, rms, above which noise does not limit the result (chosen)."""
 SAME_MINIMUM = 1.01
 """Fits whose cost is within this factor of the best one count as the same minimum (chosen)."""
 
@@ -48,8 +46,8 @@ class ExperimentFacts:
         periods: Recorded whole periods of each experiment.
         period: Length of a period [s].
         excitation: Kind of the excitation, e.g. "multisine".
-        log: Where the log lies; empty if not known.
-        transport: How it ran, "direct" or "ros, composed"; empty if not known.
+        log: Path of the log; empty if not known.
+        transport: Transport of the run, "direct" or "ros, composed"; empty if not known.
     """
 
     robot_time: float
@@ -64,12 +62,12 @@ class ExperimentFacts:
 
     @classmethod
     def of(cls, plan: ExperimentPlan, log: str = "", transport: str = "") -> ExperimentFacts:
-        """Read the facts off a plan.
+        """Return the facts of a plan.
 
         Args:
             plan: The plan of the experiment.
-            log: Where the log lies.
-            transport: How it ran.
+            log: Path of the log.
+            transport: Transport of the run.
         """
         specification = plan.specification
         blocks = sum(specification.blocks_per_position)
@@ -88,20 +86,20 @@ class ExperimentFacts:
 
 @dataclass(frozen=True, eq=False)
 class IdentificationResult:
-    """An identification with all that is told about it.
+    """A fit with its covariance, verdicts and residuals.
 
     Attributes:
         problem: Measured responses, robot with nominal values, unknowns; as of the last fit.
-        fit: The fit that counts.
-        searched: Fits from all starts, from which the last fit began, in the order of the starts; may be empty.
+        fit: The last fit, which holds the values.
+        searched: Fits from all initial values, in their order; the last fit continued the best. May be empty.
         covariance: Covariance of the parameters.
         identifiability: Verdict per parameter.
         residuals: What the fitted model leaves unexplained.
         design: How the positions were chosen, where they were.
         facts: What the experiment took, where it is known.
-        truth: Values of the robot that was measured (SI), where it was a simulated one and they are known.
+        truth: True values (SI) by name, where a simulated robot was measured.
         warnings: What limits the result, one sentence each.
-        provenance: Where the data came from.
+        provenance: Origin of the data.
     """
 
     problem: GrayBoxProblem
@@ -128,17 +126,17 @@ class IdentificationResult:
 
     @property
     def settled(self) -> bool:
-        """Whether the fit converged within its bounds, so that its misfit tells something of the robot."""
+        """Whether the fit converged within its bounds, so that its misfit is evidence about the robot."""
         return self.fit.converged and not np.any(self.fit.at_bound)
 
     @cached_property
     def limits(self) -> ScatterLimits:
-        """Misfits that chance explains."""
+        """Limits of the misfits that chance explains."""
         return scatter_limits(self.problem, self.fit, self.covariance)
 
     @property
     def much_missed(self) -> bool:
-        """Whether the model misses the responses by many times their uncertainty, so that noise limits nothing."""
+        """Whether the misfit is many times the uncertainty of the responses, so that noise does not limit the result."""
         if self.covariance.basis == "residuals":
             return False
         cost, lines = self.covariance.reduced_cost, self.residuals.chi_square
@@ -146,87 +144,30 @@ class IdentificationResult:
 
     @cached_property
     def bias_signs(self) -> tuple[str, ...]:
-        """Signs that the model lacks something, so that parameters shift by more than their intervals tell."""
+        """Signs that the model lacks something, so that parameters shift by more than their intervals."""
         return bias_signs(self.problem, self.covariance, self.residuals, self.limits, self.settled)
 
     @cached_property
     def nominal_cost(self) -> float:
-        """Cost of the robot's values before the identification, at their own rests."""
+        """Cost of the nominal values, each position linearised at its own rest."""
         return cost_at(self.problem, self.problem.model_at(self.nominal), self.nominal)
 
     @property
     def same_minimum(self) -> int:
-        """Number of starts that ended in the best minimum."""
+        """Number of initial values whose fit ended in the best minimum."""
         costs = self.start_costs
         return int(np.sum(costs <= SAME_MINIMUM * np.min(costs, initial=np.inf)))
 
     @property
     def start_costs(self) -> FloatArray:
-        """Costs of the fits from all starts but those that failed, lowest first, shape (S,)."""
+        """Costs of the fits that did not fail, in ascending order, shape (S,)."""
         costs = np.array([each.cost for each in self.searched])
         return np.sort(costs[np.isfinite(costs)])
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all figures for JSON; values in SI units, standard deviations relative to the value.
-
-        Ends of intervals are None where they say nothing.
-        """
-        return {
-            "schema": 1,
-            "robot": self.problem.robot.name,
-            "estimator": self.fit.estimator,
-            "weights": self.fit.weights,
-            "verdict": verdict(self),
-            "cost": {"nominal": self.nominal_cost, "identified": self.fit.cost},
-            "covariance": {
-                "basis": self.covariance.basis,
-                "reduced_cost": self.covariance.reduced_cost,
-                "factor": self.covariance.factor,
-                "explanation": covariance_text(self),
-                "misfit": self.residuals.chi_square,
-                "by_chance": {"reduced_cost": self.limits.cost, "misfit": self.limits.chi_square},
-            },
-            "bias_signs": list(self.bias_signs),
-            "advice": advice(self),
-            "parameters": [self._parameter(place) for place in range(len(self.fit.names))],
-            "not_determined": [
-                {"combination": dict(each.exponents), "std": each.standard_deviation, "text": each.sentence}
-                for each in self.identifiability.directions
-            ],
-            "kept_nominal": list(self.kept_nominal),
-            "starts": {
-                "number": len(self.searched),
-                "failed": len(self.searched) - len(self.start_costs),
-                "same_minimum": self.same_minimum,
-                "costs": self.start_costs.tolist(),
-            },
-            "positions": [response.gears.tolist() for response in self.problem.responses],
-            "experiment": None if self.facts is None else vars(self.facts),
-            "warnings": list(self.warnings),
-            "provenance": dict(self.provenance),
-        }
-
-    def _parameter(self, place: int) -> dict[str, Any]:
-        entry = self.identifiability.parameters[place]
-        content: dict[str, Any] = {
-            "name": entry.name,
-            "unit": entry.unit,
-            "nominal": float(self.nominal[place]),
-            "value": entry.value,
-            "relative_std": float(self.covariance.relative[place]),
-            "interval_95": list(known_ends(entry.interval[0], entry.value, entry.interval[1])),
-            "verdict": entry.verdict,
-            "reason": entry.reason,
-            "used": entry.name not in self.kept_nominal,
-        }
-        if entry.name in self.truth:
-            content["truth"] = self.truth[entry.name]
-        return content
 
 
 def identification_result(
     problem: GrayBoxProblem,
-    found: GrayBoxFit,
+    fit: GrayBoxFit,
     searched: Sequence[GrayBoxFit] = (),
     *,
     design: ExperimentDesign | None = None,
@@ -239,8 +180,8 @@ def identification_result(
 
     Args:
         problem: What was fitted last.
-        found: The fit that counts.
-        searched: Fits from all starts before it.
+        fit: The last fit.
+        searched: Fits from all initial values before it.
         design: How the positions were chosen.
         facts: What the experiment took.
         truth: True values (SI) by name, where they are known.
@@ -250,17 +191,35 @@ def identification_result(
     Returns:
         The result.
     """
-    covariance = parameter_covariance(problem, found)
+    covariance = parameter_covariance(problem, fit)
     return IdentificationResult(
         problem=problem,
-        fit=found,
+        fit=fit,
         searched=tuple(searched),
         covariance=covariance,
-        identifiability=identifiability(problem, found, covariance),
-        residuals=residual_report(problem, found),
+        identifiability=identifiability(problem, fit, covariance),
+        residuals=residual_report(problem, fit),
         design=design,
         facts=facts,
         truth={} if truth is None else truth,
-        warnings=(*warnings, *own_warnings(problem, found)),
+        warnings=(*warnings, *_own_warnings(problem, fit)),
         provenance={} if provenance is None else provenance,
     )
+
+
+def _own_warnings(problem: GrayBoxProblem, fit: GrayBoxFit) -> tuple[str, ...]:
+    """Collect the warnings of responses and fit; those that differ in numbers only are listed once."""
+    alike: dict[str, list[str]] = {}
+    for response in problem.responses:
+        for text in dict.fromkeys(response.warnings):
+            alike.setdefault(re.sub(r"[\d.]+", "#", text), []).append(text)
+    texts = []
+    for same in alike.values():
+        others = len(set(same)) - 1
+        texts.append(same[0] if not others else f"{same[0]} (alike in {others} more position{'s' * (others > 1)})")
+    if not fit.converged:
+        texts.append(f"The fit did not converge: {fit.message}.")
+    bound = [name for name, at in zip(fit.names, fit.at_bound, strict=True) if at]
+    if bound:
+        texts.append(f"On a bound of the search: {', '.join(bound)}.")
+    return tuple(texts)

@@ -7,10 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.errors import InputError
+from flexros.errors import InputError, argument_named, unknown_name
+from flexros.identify.graybox.estimators import estimator_named
 from flexros.identify.graybox.multistart import best, multistart, random_starts
+from flexros.identify.graybox.parameter_scale import parameter_scale
 from flexros.identify.graybox.problem import graybox_problem
 from flexros.identify.graybox.refine import refine
+from flexros.identify.graybox.weights import weights_named
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -43,6 +46,30 @@ class SearchSettings:
     starts: int = 20
     seed: int = 1
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def check(self, robot: Robot, names: Sequence[str]) -> None:
+        """Refuse impossible settings before anything is measured for them.
+
+        Args:
+            robot: The nominal robot.
+            names: Unknown parameters.
+
+        Raises:
+            InputError: One of the settings is not possible.
+        """
+        with argument_named("estimator"):
+            estimator_named(self.estimator)
+        with argument_named("weights"):
+            weights_named(self.weights)
+        if self.starts < 1:
+            raise InputError(f"{self.starts} starts were asked for, but at least one is needed", "starts")
+        if self.seed < 0:
+            raise InputError(f"the seed is {self.seed}, but must be 0 or more", "seed")
+        with argument_named("bound"):
+            for name in self.bounds:
+                if name not in names:
+                    raise unknown_name("parameter to identify", name, names)
+            parameter_scale(robot, names).bounds(self.bounds)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +134,7 @@ def search(
         InputError: Estimator, weights, names, bounds or responses are not possible.
         RunError: The model cannot be evaluated at any start.
     """
-    if settings.starts < 1:
-        raise InputError(f"{settings.starts} starts were asked for, but at least one is needed")
+    settings.check(robot, names)
     problem = graybox_problem(robot, responses, names, settings.estimator, "user")
     problem.with_choice(settings.estimator, settings.weights)  # what is not possible is refused before the search
     scale, bounds = problem.scale, settings.bounds

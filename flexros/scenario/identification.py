@@ -1,8 +1,9 @@
-"""The scenario of an identification experiment: from a template to chosen positions."""
+"""Design of an identification experiment: template, chosen positions, scenario file."""
 
 from __future__ import annotations
 
 import io
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,16 +11,28 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from flexros.config.settings import validate
-from flexros.errors import InputError
+from flexros.errors import InputError, argument_named, unknown_name
 from flexros.identify.design.amplitude import amplitude_room
 from flexros.identify.design.decay import decays_at
 from flexros.identify.design.default_controller import default_controller
-from flexros.identify.design.experiment_design import SETTLED
+from flexros.identify.design.experiment_design import (
+    SETTLED,
+    DesignSettings,
+    default_positions,
+    design_experiment,
+)
 from flexros.identify.design.moves import move_factor
+from flexros.identify.design.stand_in import stand_in_values
 from flexros.scenario.identification_plan import plan_of_scenario
 from flexros.scenario.scenario import Scenario, load_scenario, scenario_names
+from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from numpy.typing import ArrayLike
+
     from flexros.identify.design.experiment_design import ExperimentDesign
     from flexros.robot import Robot
 
@@ -27,30 +40,47 @@ LONGEST = 1800.0
 """Longest experiment to which transient periods are added [s] (chosen)."""
 _DIGITS = 4
 """Decimals of gear coordinates in a scenario (chosen)."""
+_LISTED = "(others are named alike, e.g. body_1.mass, body_2.center_of_mass.x, motor_1.inertia)"
 
 
-def unknown_names(robot: Robot) -> tuple[str, ...]:
-    """Name the parameters to identify: those that the robot file lists, else all springs and dampers above zero."""
-    if robot.spec.unknown_parameters:
-        return robot.spec.unknown_parameters
+def unknown_names(robot: Robot, given: Sequence[str] = ()) -> tuple[str, ...]:
+    """Return the names of the parameters to identify.
+
+    Args:
+        robot: The robot.
+        given: Names that replace the default: those that the robot file lists, else all springs and dampers above zero.
+
+    Returns:
+        The names, each once.
+
+    Raises:
+        InputError: A name is not a parameter of the robot, or there is none.
+    """
+    for name in given:
+        if name not in robot.parameters:
+            with argument_named("unknown"):
+                raise unknown_name(f"parameter of robot {robot.name}", name, robot.parameters, other=_LISTED)
+    if given or robot.spec.unknown_parameters:
+        return tuple(dict.fromkeys(given)) or robot.spec.unknown_parameters
     ends = (".stiffness", ".damping")
-    names = tuple(name for name, one in robot.parameters.items() if name.endswith(ends) and one.value > 0)
+    names = tuple(name for name, entry in robot.parameters.items() if name.endswith(ends) and entry.value > 0)
     if not names:
         raise InputError(
             f"robot {robot.name} has neither springs nor dampers, so nothing is to be identified by frequency "
-            "responses; name unknown parameters with --unknown, or use flexros identify rigid"
+            "responses; name the unknown parameters, or identify the rigid model",
+            "unknown",
         )
     return names
 
 
 def template_scenario(robot: Robot, reference: str, given: str = "") -> Scenario:
-    """Find the scenario that says how to experiment with a robot: excitation, controller, feedforward.
+    """Return the scenario of an identification experiment: excitation, controller, feedforward.
 
     Args:
         robot: The robot.
-        reference: Shipped name or file of the robot.
-        given: Scenario to take, shipped or a file; default: the shipped one for the robot, else a controller is chosen
-            for it and all else is left at its defaults.
+        reference: Built-in name or file of the robot.
+        given: Built-in name or file of a scenario; default: the built-in one for the robot, else a scenario with a
+            controller designed for the robot and defaults otherwise.
 
     Returns:
         A scenario with identification; its positions are still to be chosen.
@@ -58,22 +88,102 @@ def template_scenario(robot: Robot, reference: str, given: str = "") -> Scenario
     Raises:
         InputError: The scenario has no identification.
     """
-    shipped = f"identify_{robot.name}"
-    if given or shipped in scenario_names():
-        scenario = load_scenario(given or shipped)
+    built_in = f"identify_{robot.name}"
+    if given or built_in in scenario_names():
+        scenario = load_scenario(given or built_in)
         if scenario.identification is None:
             raise InputError(f"scenario {scenario.name} has no key identification, so it is no experiment; add the key")
         return scenario.with_values({"robot": reference})
     flexible = bool(robot.chain.flexible_motors)
     settings = {
-        "name": shipped,
+        "name": built_in,
         "description": "Identification experiment with a controller chosen by FlexROS.",
         "robot": reference,
         "identification": {"positions": [robot.home[list(robot.chain.geared)].tolist()]},
         "feedforward": {"method": "flexible_joint" if flexible else "rigid"},
         "controller": {"kind": "pid", **default_controller(robot, robot.sample_time).model_dump(mode="json")},
     }
-    return validate(Scenario, settings, shipped)
+    return validate(Scenario, settings, built_in)
+
+
+def with_real_robot(template: Scenario, nominal: Robot, real: Robot) -> Scenario:
+    """Let another robot play the real one in the plant.
+
+    Args:
+        template: The experiment.
+        nominal: The nominal robot.
+        real: The robot that plays the real one; it may differ in parameters of the equations of motion.
+
+    Returns:
+        The experiment with the values of the plant; values that the template sets itself take precedence.
+
+    Raises:
+        InputError: The robots differ in more than parameters.
+    """
+    with argument_named("real"):
+        values = {**stand_in_values(nominal, real), **template.plant.values}
+        changed = {"plant": {**template.plant.model_dump(mode="json"), "values": values}}
+        return template.with_values(changed, f"robot {real.name}")
+
+
+@dataclass(frozen=True, eq=False)
+class DesignedExperiment:
+    """A designed identification experiment.
+
+    Attributes:
+        design: The positions, and what they were chosen from.
+        scenario: The experiment in these positions.
+        amplitude_factor: Factor by which the torque limits lowered the amplitudes of the template, 1 where they did not.
+        duration: Robot time [s].
+    """
+
+    design: ExperimentDesign
+    scenario: Scenario
+    amplitude_factor: float
+    duration: float
+
+
+def design_identification(
+    robot: Robot,
+    names: Sequence[str],
+    template: Scenario,
+    file: Path,
+    *,
+    settings: DesignSettings | None = None,
+    ranges: ArrayLike | None = None,
+    longest: float = LONGEST,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> DesignedExperiment:
+    """Choose the positions of an experiment and write its scenario.
+
+    Args:
+        robot: The nominal robot.
+        names: Unknown parameters.
+        template: Excitation and controller, see `template_scenario`.
+        file: File of the scenario; one that exists is replaced.
+        settings: How many positions, out of how many; default: `default_positions` with the seed of the template.
+        ranges: Smallest and largest coordinate of each gear [rad or m], shape (M, 2); see `candidate_positions`.
+        longest: Robot time up to which transient periods are added [s].
+        progress: Called with the current step, the amount done and the amount in all.
+
+    Returns:
+        The experiment, its scenario as read back from the file.
+
+    Raises:
+        InputError: Template, ranges or names are not possible, or the file cannot be written.
+    """
+    if template.identification is None:
+        raise InputError(f"scenario {template.name} has no key identification, so it is no experiment; add the key")
+    settings = settings or DesignSettings(default_positions(len(names)), seed=template.seed)
+    sample_time = robot.sample_time if template.sample_time is None else template.sample_time
+    design = design_experiment(
+        robot, names, template.identification, template.controller, sample_time, settings, ranges, progress
+    )
+    scenario, factor = designed_scenario(template, robot, design, longest)
+    with argument_named("out"):
+        write_result(file, scenario_yaml(scenario), "scenario")
+    scenario = load_scenario(file)
+    return DesignedExperiment(design, scenario, factor, plan_of_scenario(scenario).duration)
 
 
 def designed_scenario(

@@ -49,7 +49,7 @@ def test_a_fault_of_ours_has_a_traceback_and_a_code_of_its_own(
     printed = capsys.readouterr().err
     assert "Traceback" in printed
     assert f"{type(error).__name__}: odd" in printed
-    assert printed.endswith("flexros: this is a fault in FlexROS, please report it with the lines above\n")
+    assert printed.endswith("flexros: internal error, please report it with the lines above\n")
 
 
 def test_a_file_where_the_folder_of_logs_should_be(
@@ -75,8 +75,8 @@ def test_help_lists_the_exit_codes(flexros: Flexros) -> None:
         "0 done",
         "1 a gap was found",
         "2 bad input",
-        "3 a run broke off",
-        "70 a fault in FlexROS",
+        "3 run aborted",
+        "70 internal error",
         "130 Ctrl-C",
     ):
         assert code in text

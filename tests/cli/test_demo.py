@@ -8,9 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from flexros.cli import demo
-from flexros.cli.output import progress_bar
-
 Flexros = Callable[..., "object"]
 
 
@@ -71,15 +68,3 @@ def test_unknown_transport_is_refused_before_anything_is_made(flexros: Flexros, 
     assert ended.code == 2
     assert "unknown transport 'nonsense' in --transport: allowed are direct, ros" in ended.err
     assert not (tmp_path / "out").exists()
-
-
-def test_a_case_shows_no_bar_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    shown = []
-
-    def bar(wanted: bool = True) -> object:
-        shown.append(wanted)
-        return progress_bar(wanted)
-
-    monkeypatch.setattr("flexros.cli.transports.progress_bar", bar)
-    demo.run_case(demo.cases()[0], tmp_path, "direct")
-    assert shown == [False]

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from flexros.cli.run import default_folder, print_result
-from flexros.cli.transports import RunResult
 from flexros.errors import RunError
+from flexros.scenario.transports import RunResult
 
 Flexros = Callable[..., "object"]
 
@@ -223,7 +223,9 @@ def test_bad_input_is_refused_before_any_node_starts(
     flexros: Flexros, monkeypatch: pytest.MonkeyPatch, folder: str, model: str, message: str
 ) -> None:
     started = []
-    monkeypatch.setattr("flexros.cli.transports.ros_runner", lambda: (lambda *given, **more: started.append(given), ""))
+    monkeypatch.setattr(
+        "flexros.scenario.transports.ros_runner", lambda: (lambda *given, **more: started.append(given), "")
+    )
     ended = flexros("run", "circle_pd", "--transport", "ros", "--out", folder, "--model", model)
     assert (ended.code, started) == (2, [])
     assert message in ended.err
@@ -235,7 +237,7 @@ def test_bad_input_is_refused_before_any_node_starts(
         ((), ""),
         (
             ("--network",),
-            "flexros: --network: whoever is in reach of this machine can hear and command the nodes of this run\n",
+            "flexros: --network: any host that can reach this machine can subscribe to and command these nodes\n",
         ),
     ],
 )
@@ -248,7 +250,7 @@ def test_run_on_the_network_is_asked_for_and_said(
         given.update(more)
         raise RunError("no nodes here")
 
-    monkeypatch.setattr("flexros.cli.transports.ros_runner", lambda: (runner, ""))
+    monkeypatch.setattr("flexros.scenario.transports.ros_runner", lambda: (runner, ""))
     ended = flexros("run", "circle_pd", "--transport", "ros", "--out", str(tmp_path / "log"), *options)
     assert (given["network"], ended.err) == (bool(options), f"{warning}flexros: no nodes here\n")
 

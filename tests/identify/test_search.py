@@ -13,7 +13,7 @@ from flexros.identify.graybox.fit import GrayBoxFit
 from flexros.identify.graybox.multistart import multistart
 from flexros.identify.result import IdentificationResult
 from flexros.identify.search import SearchSettings, search
-from tests.identify.report.conftest import NAMES, ROBOT, TRUTH, make_result
+from tests.identify.conftest import NAMES, ROBOT, TRUTH, make_result
 
 
 @pytest.fixture(scope="module")

@@ -32,6 +32,7 @@ def frf(
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
     """Estimate the frequency responses in all positions of an experiment."""
+    from flexros.identify.frf.files.netcdf import save_responses
     from flexros.logs.reader import read_log
     from flexros.scenario.identification_plan import plan_of_log, plan_of_scenario
     from flexros.scenario.scenario import load_scenario
@@ -42,7 +43,8 @@ def frf(
         plan, reference = plan_of_scenario(chosen), chosen.robot
     else:
         plan, reference = plan_of_log(recorded), recorded.provenance["scenario"]["robot"]
-    responses = estimated(recorded, plan, linear_robot(reference), out, setting)
+    responses = _estimated(recorded, plan, linear_robot(reference), setting)
+    save_responses(responses, out)
     if as_json:
         print_json([response_record(response) for response in responses])
         return
@@ -50,41 +52,22 @@ def frf(
     say(f"Responses: {out}; fit them: flexros identify fit {out} --model {reference} --out identified")
 
 
-def estimated(
-    log: Log, plan: ExperimentPlan, robot: Robot | None, out: Path, settings: list[str] | None = None
-) -> tuple[FrequencyResponse, ...]:
-    """Estimate the responses of a log with a progress bar and write them.
-
-    Args:
-        log: The log.
-        plan: The plan of its experiment.
-        robot: The nominal robot, for checks of torque limits and of the order of joints.
-        out: File to write.
-        settings: Choices of the estimation as key=value.
-
-    Returns:
-        One response per position.
-
-    Raises:
-        InputError: The record would give a wrong response, or the file cannot be written.
-    """
+def _estimated(log: Log, plan: ExperimentPlan, robot: Robot, settings: list[str]) -> tuple[FrequencyResponse, ...]:
+    """Estimate the responses of a log with a progress bar; `settings` are key=value of `FrfSettings`."""
     from flexros.config.settings import validate
-    from flexros.identify.frf.files.netcdf import save_responses
     from flexros.identify.frf.positions import estimate_responses
     from flexros.identify.frf.settings import FrfSettings
 
-    chosen = validate(FrfSettings, dict(key_and_value(text, "--set") for text in settings or []), "--set")
+    chosen = validate(FrfSettings, dict(key_and_value(text, "--set") for text in settings), "--set")
     with progress_bar() as bar:
         task = bar.add_task("frequency responses", total=len(plan.positions))
-        responses = estimate_responses(
+        return estimate_responses(
             log, plan, chosen, robot, progress=lambda done, whole: bar.update(task, completed=done, total=whole)
         )
-    save_responses(responses, out)
-    return responses
 
 
 def response_record(response: FrequencyResponse) -> dict[str, Any]:
-    """Give what is known of a response for JSON; frequencies in Hz, deviations relative to the magnitude."""
+    """Return the figures of a response for JSON; frequencies in Hz, deviations relative to the magnitude."""
     from flexros.analysis.frequency_responses import position_record
 
     kinds = (("total", response.total_error), ("noise", response.noise_error))
@@ -101,12 +84,12 @@ def print_responses(responses: tuple[FrequencyResponse, ...]) -> None:
     records = [response_record(response) for response in responses]
     table = Table("no.", "gears", "blocks", "std [%]", "noise [%]")
     for number, record in enumerate(records, start=1):
-        told = record["relative_std"]
+        deviations = record["relative_std"]
         table.add_row(
             str(number),
             " ".join(f"{value:.2f}" for value in np.round(record["gears"], 2) + 0.0),
             str(record["blocks"]),
-            *(f"{100 * told[kind]:.3g}" if kind in told else "-" for kind in ("total", "noise")),
+            *(f"{100 * deviations[kind]:.3g}" if kind in deviations else "-" for kind in ("total", "noise")),
         )
     console.print(table)
     bands = dict.fromkeys(
@@ -114,7 +97,7 @@ def print_responses(responses: tuple[FrequencyResponse, ...]) -> None:
     )
     say(
         f"{len(records)} position{'s' * (len(records) > 1)}, {' or '.join(bands)}; std: standard deviation over "
-        "magnitude, median of lines and elements; noise: as the periods alone tell it"
+        "magnitude, median of lines and elements; noise: estimated from the periods alone"
     )
     for warning in dict.fromkeys(text for response in responses for text in response.warnings):
         console.print(f"warning: {warning}")

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from flexros.identify.experiment.specification import IdentificationSpecification
     from flexros.robot import Robot
 
+POSITIONS = 15
+"""Positions by default, as in Moberg (2007), Paper A; fewer for robots with fewer unknown parameters."""
 SETTLED = 9.0
 """Time constants of the loop's slowest motion after which its transient counts as gone, 1e-4 of it left (chosen)."""
 SLOW = "the loop settles too slowly"
@@ -53,11 +55,16 @@ class DesignSettings:
         seed: Seed of candidates, excitation and random sets to compare with.
     """
 
-    positions: int = 15
+    positions: int = POSITIONS
     candidates: int = 4000
     most: int | None = 1
     distortion: float = 0.0
     seed: int = 1
+
+
+def default_positions(n_unknown: int) -> int:
+    """Return the default number of positions for a number of unknown parameters."""
+    return min(POSITIONS, n_unknown)
 
 
 @dataclass(frozen=True, eq=False)

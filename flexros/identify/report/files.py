@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from flexros.errors import InputError
 from flexros.identify.graybox.identified_robot import identified_yaml
+from flexros.identify.report.record import identification_record
 from flexros.identify.report.write import identification_report
 from flexros.json_text import json_text
 from flexros.whole_file import write_result
@@ -37,7 +38,7 @@ def write_identification(result: IdentificationResult, folder: Path, origin: str
     make_folder(folder)
     contents = {
         ROBOT: identified_yaml(result.problem.robot, result.fit, result.covariance, origin, result.kept_nominal),
-        FIGURES: json_text(result.as_dict()),
+        FIGURES: json_text(identification_record(result)),
         REPORT: identification_report(result),
     }
     for name, text in contents.items():

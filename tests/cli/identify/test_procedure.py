@@ -170,21 +170,6 @@ def test_design_is_shown_to_people(flexros: Flexros, tmp_path: Path) -> None:
     assert "flexros run" in ended.out
 
 
-def test_robot_file_plays_the_real_robot(tmp_path: Path) -> None:
-    from ruamel.yaml import YAML
-
-    from flexros.cli.identify.design import template_with
-    from flexros.cli.identify.procedure import with_real_robot
-
-    nominal = load_robot("e12")
-    real = nominal.with_values({"body_1.ry.stiffness": 1.3e5, "motor_2.inertia": 90.0})
-    file = tmp_path / "real.yaml"
-    YAML().dump(real.spec.model_dump(mode="json", exclude_none=True), file)
-    template = template_with("e12", nominal, "", ["plant.values.motor_2.inertia=95"])
-    scenario = with_real_robot(template, nominal, str(file))
-    assert scenario.plant.values == {"body_1.ry.stiffness": 1.3e5, "motor_2.inertia": 95.0}
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -231,12 +216,12 @@ def test_log_that_is_there_is_not_written_over_and_the_way_on_is_named(
 @pytest.mark.parametrize(
     ("option", "message"),
     [
-        (("--estimator", "FOO"), "unknown estimator 'FOO' in --estimator"),
-        (("--weights", "foo"), "unknown kind of weights 'foo' in --weights"),
-        (("--starts", "0"), "--starts is 0"),
+        (("--estimator", "FOO"), "--estimator: unknown estimator 'FOO'"),
+        (("--weights", "foo"), "--weights: unknown kind of weights 'foo'"),
+        (("--starts", "0"), "--starts: 0 starts were asked for"),
         (("--layout", "threads"), "unknown layout 'threads' in --layout"),
         (("--bound", "body_1.ry.stiffness=2e5:1e5"), "body_1.ry.stiffness is to lie within 200000 and 100000"),
-        (("--bound", "motor_1.inertia=50:200"), "unknown parameter to identify 'motor_1.inertia'"),
+        (("--bound", "motor_1.inertia=50:200"), "--bound: unknown fitted parameter 'motor_1.inertia'"),
     ],
 )
 def test_choices_of_the_fit_are_checked_before_anything_moves(
@@ -254,11 +239,11 @@ def test_choices_of_the_fit_are_checked_before_anything_moves(
         (("--estimator", "LLT"), "unknown estimator 'LLT'"),
         (("--weights", "equal"), "unknown kind of weights 'equal'"),
         (("--starts", "0"), "0 starts were asked for, but at least one is needed"),
-        (("--seed", "-1"), "--seed is -1, but must be 0 or more"),
-        (("--bound", "spring=1:2"), "unknown parameter to identify 'spring'"),
+        (("--seed", "-1"), "--seed: the seed is -1, but must be 0 or more"),
+        (("--bound", "spring=1:2"), "--bound: unknown fitted parameter 'spring'"),
         (("--bound", "body_1.ry.stiffness=1e4"), "--bound is 'body_1.ry.stiffness=1e4', but must be NAME=LOW:HIGH"),
         (("--bound", "body_1.ry.stiffness=2e5:1e5"), "body_1.ry.stiffness is to lie within 200000 and 100000"),
-        (("--scheduler", "tcp://127.0.0.1:9"), "no Dask scheduler answers at 'tcp://127.0.0.1:9'"),
+        (("--scheduler", "tcp://127.0.0.1:9"), "--scheduler: no Dask scheduler answers at 'tcp://127.0.0.1:9'"),
     ],
 )
 def test_choices_of_a_fit_are_checked(

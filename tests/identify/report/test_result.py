@@ -10,12 +10,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.identify.report.record import identification_record
 from flexros.identify.report.verdict import kept_text, verdict
 from flexros.identify.result import ExperimentFacts, IdentificationResult
 
 
 def test_figures_hold_truth_within_their_intervals(clear: IdentificationResult) -> None:
-    content = clear.as_dict()
+    content = identification_record(clear)
     inside = [row["interval_95"][0] <= row["truth"] <= row["interval_95"][1] for row in content["parameters"]]
     assert len(inside) == 6
     assert sum(inside) >= 5
@@ -25,7 +26,7 @@ def test_figures_hold_truth_within_their_intervals(clear: IdentificationResult) 
 
 
 def test_dictionary_is_json_with_all_that_matters(clear: IdentificationResult) -> None:
-    content = json.loads(json.dumps(clear.as_dict()))
+    content = json.loads(json.dumps(identification_record(clear)))
     assert content["schema"] == 1
     assert content["robot"] == "e12"
     assert content["cost"]["identified"] < 0.1 * content["cost"]["nominal"]
@@ -41,7 +42,7 @@ def test_starts_that_failed_do_not_count(clear: IdentificationResult) -> None:
     failed = replace(clear.searched[0], cost=np.nan, converged=False)
     result = replace(clear, searched=(failed, *clear.searched, failed))
     assert result.same_minimum == clear.same_minimum
-    starts = result.as_dict()["starts"]
+    starts = identification_record(result)["starts"]
     assert (starts["number"], starts["failed"], len(starts["costs"])) == (6, 2, 4)
 
 

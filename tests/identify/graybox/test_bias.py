@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexros.identify.report.bias import bias_signs
-from flexros.identify.report.scatter import ScatterLimits
+from flexros.identify.graybox.bias import bias_signs
+from flexros.identify.graybox.scatter import ScatterLimits
+from flexros.identify.report.record import identification_record
 from flexros.identify.report.verdict import covariance_text, verdict
 from flexros.identify.result import IdentificationResult
 
@@ -25,13 +26,13 @@ def with_levels(result: IdentificationResult, **changed: np.ndarray) -> Identifi
 def test_linear_robot_shows_no_sign(clear: IdentificationResult) -> None:
     assert clear.bias_signs == ()
     assert "intervals" not in verdict(clear)
-    assert clear.as_dict()["bias_signs"] == []
+    assert identification_record(clear)["bias_signs"] == []
 
 
 def test_odd_distortions_are_a_sign(distorted: IdentificationResult) -> None:
     assert distorted.bias_signs == ("odd detection lines of motor_2 carry 50 times their noise",)
     assert "parameters shift, dampers most of all, and the intervals do not cover it." in verdict(distorted)
-    assert distorted.as_dict()["bias_signs"] == list(distorted.bias_signs)
+    assert identification_record(distorted)["bias_signs"] == list(distorted.bias_signs)
 
 
 def test_misfit_is_a_sign_once_it_is_beyond_scatter(clear: IdentificationResult) -> None:

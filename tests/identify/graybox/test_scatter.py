@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexros.identify.graybox.covariance import MISSES
-from flexros.identify.report.scatter import UNEXPLAINED, ScatterLimits, by_chance, power_ratio, scatter_limits
+from flexros.identify.graybox.scatter import UNEXPLAINED, ScatterLimits, by_chance, power_ratio, scatter_limits
 from flexros.identify.result import IdentificationResult
 
 

@@ -1,15 +1,15 @@
-"""How a scenario is run: in this process, or over ROS 2 topics by the installed nodes."""
+"""Transports of a run: in this process, or over ROS 2 topics by the installed nodes."""
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field
+from functools import partial
 from importlib import metadata
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from flexros.cli.output import progress_bar
-from flexros.errors import InputError, RunError
+from flexros.errors import INTERRUPTED, InputError, InterruptedRunError, RunError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -23,10 +23,10 @@ GROUP = "flexros.transports"
 
 @dataclass(frozen=True)
 class RunResult:
-    """What came of a run, whatever the transport.
+    """Outcome of a run, the same for every transport.
 
     Attributes:
-        exit_code: 0 done, 3 broken off, 130 interrupted.
+        exit_code: 0 done, 3 aborted, 130 interrupted.
         message: What happened, one sentence; empty when done.
         transport: "direct", or "ros" with its layout.
         log_folder: Folder of the log.
@@ -34,7 +34,7 @@ class RunResult:
         simulated_time: Number of samples times the sample time [s].
         wall_time: Time that the loop took [s]; in-process with feedforward and compilation.
         figures: Further figures by name: resends, messages dropped on purpose, missing samples, timing.
-        warnings: What the feedforward knows of but cannot make up for, a sentence each.
+        warnings: Known effects that the feedforward cannot compensate, a sentence each.
     """
 
     exit_code: int
@@ -61,6 +61,20 @@ class RunResult:
             **({"warnings": list(self.warnings)} if self.warnings else {}),
         }
 
+    def require_complete(self, name: str = "") -> None:
+        """Raise an error unless the run reached its end.
+
+        Args:
+            name: Name of the run, put before the message where it is given.
+
+        Raises:
+            InterruptedRunError: The run was interrupted.
+            RunError: The run aborted.
+        """
+        if self.exit_code:
+            error = InterruptedRunError if self.exit_code == INTERRUPTED else RunError
+            raise error(f"{name}: {self.message}" if name else self.message)
+
 
 def ros_runner() -> tuple[Callable[..., Any] | None, str]:
     """Find the runner of the nodes.
@@ -80,16 +94,16 @@ def ros_runner() -> tuple[Callable[..., Any] | None, str]:
     return runner, ""
 
 
-def run_direct(scenario: Scenario, out: Path, show_progress: bool = True) -> RunResult:
+def run_direct(scenario: Scenario, out: Path, progress: Callable[[int, int], None] | None = None) -> RunResult:
     """Run a scenario in this process and write its log.
 
     Args:
         scenario: The scenario.
-        out: Folder of the log, to be made.
-        show_progress: Whether a bar shows how far it is.
+        out: Folder of the log; it must not exist.
+        progress: Called with the number of samples simulated and the number of all.
 
     Returns:
-        What came of it; exit code 3 when the state became infinite, the log holds what came before.
+        The outcome; exit code 3 where the state diverged, the log is valid up to that point.
 
     Raises:
         InputError: Scenario or folder are not allowed.
@@ -101,20 +115,22 @@ def run_direct(scenario: Scenario, out: Path, show_progress: bool = True) -> Run
 
     _check_new(out)
     experiment = Experiment.prepare(scenario)
-    start = time.perf_counter()
-    with progress_bar(show_progress) as progress:
-        task = progress.add_task("simulating", total=experiment.n_samples)
-        message = ""
-        try:
-            log = closed_loop(experiment, progress=lambda samples: progress.update(task, completed=samples))
-        except DivergedRunError as error:
-            log, message = error.log, f"{error}; the log up to there is {out}"
+    report = None if progress is None else partial(_count, progress, experiment.n_samples)
+    start, message = time.perf_counter(), ""
+    try:
+        log = closed_loop(experiment, progress=report)
+    except DivergedRunError as error:
+        log, message = error.log, f"{error}; the log up to there is {out}"
     wall = time.perf_counter() - start
     write_log(log, out)
     samples = len(log.joint_states.stamp)
     code = RunError.exit_code if message else 0
     simulated = samples * experiment.sample_time
     return RunResult(code, message, "direct", out, samples, simulated, wall, warnings=experiment.warnings)
+
+
+def _count(progress: Callable[[int, int], None], total: int, done: int) -> None:
+    progress(done, total)
 
 
 def run_ros(
@@ -137,18 +153,18 @@ def run_ros(
         network: Let nodes on other machines take part.
 
     Returns:
-        What came of it.
+        The outcome.
 
     Raises:
-        InputError: There are no nodes here, or scenario, parameters or folder are not allowed.
+        InputError: The nodes are not installed, or scenario, parameters or folder are not allowed.
     """
     from flexros.scenario.experiment import Experiment
 
     runner, why = ros_runner()
     if runner is None:
-        raise InputError(f"--transport ros: {why}; give --transport direct")
+        raise InputError(f"transport 'ros' cannot be used: {why}; use 'direct'", "transport")
     _check_new(out)
-    warnings = Experiment.prepare(scenario).warnings  # what is not allowed is said once, and not by each node
+    warnings = Experiment.prepare(scenario).warnings  # an error is reported once here, and not by each node
     summary = runner(scenario, out, layout, real_time=real_time, network=network, parameters=parameters)
     return RunResult(
         exit_code=summary.exit_code,
@@ -174,4 +190,4 @@ def run_ros(
 def _check_new(folder: Path) -> None:
     """Refuse to write a log over something."""
     if folder.exists():
-        raise InputError(f"the log folder {folder} exists already; give another one with --out")
+        raise InputError(f"the log folder {folder} exists already; give another one", "out")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.identify.report.scatter import ScatterLimits, power_ratio
+from flexros.identify.graybox.scatter import ScatterLimits, power_ratio
 from flexros.report.number_text import number, percent
 
 if TYPE_CHECKING:
