@@ -162,10 +162,7 @@ def run_case(case: Case, folder: Path, transport: str) -> CaseResult:
 
     scenario = load_scenario(case.scenario).with_values(case.settings, f"demo, {case.label}")
     bag = folder / case.label
-    if transport == "direct":
-        run = transports.run_direct(scenario, bag)
-    else:
-        run = transports.run_ros(scenario, bag)
+    run = transports.run_direct(scenario, bag) if transport == "direct" else transports.run_ros(scenario, bag)
     run.require_complete(case.label)
     log = read_log(bag)
     equal = None if transport == "direct" else equal_to_direct(scenario, log)

@@ -136,7 +136,7 @@ class IdentificationResult:
 
     @property
     def much_missed(self) -> bool:
-        """Whether the misfit is many times the uncertainty of the responses, so that noise does not limit the result."""
+        """Whether the misfit is many times the uncertainty of the responses: noise does not limit the result."""
         if self.covariance.basis == "residuals":
             return False
         cost, lines = self.covariance.reduced_cost, self.residuals.chi_square

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.errors import InputError, argument_named, unknown_name
+from flexros.errors import InputError, argument_named
 from flexros.identify.graybox.estimators import estimator_named
 from flexros.identify.graybox.multistart import best, multistart, random_starts
 from flexros.identify.graybox.parameter_scale import parameter_scale
@@ -66,9 +66,6 @@ class SearchSettings:
         if self.seed < 0:
             raise InputError(f"the seed is {self.seed}, but must be 0 or more", "seed")
         with argument_named("bound"):
-            for name in self.bounds:
-                if name not in names:
-                    raise unknown_name("parameter to identify", name, names)
             parameter_scale(robot, names).bounds(self.bounds)
 
 

@@ -133,7 +133,7 @@ class DesignedExperiment:
     Attributes:
         design: The positions, and what they were chosen from.
         scenario: The experiment in these positions.
-        amplitude_factor: Factor by which the torque limits lowered the amplitudes of the template, 1 where they did not.
+        amplitude_factor: Factor on the amplitudes of the template, below 1 because of the torque limits.
         duration: Robot time [s].
     """
 
