@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.control.context import LoopContext
 from flexros.identify.design.closed_loop_input import input_spectrum, output_error
 from flexros.identify.design.experiment_design import DesignSettings, design_experiment
 from flexros.identify.design.position_information import experiment_conditions
@@ -55,7 +56,7 @@ def make_result(noise: float, levels: bool = True, known: bool = True) -> Identi
     motors = design.candidates.motor_positions[design.chosen]
     linear = linearise_positions(plant, NAMES, motors)
     exact = FrequencyModel(linear, conditions.frequency, T, ROBOT.delay).response(linear.values)
-    controller = controller_response(law, 2, T, conditions.frequency)
+    controller = controller_response(law, LoopContext(ROBOT, T), conditions.frequency)
     U = input_spectrum(exact, conditions, controller)
     variance = noise**2 * output_error(exact, U, conditions)
     generator, responses = np.random.default_rng(1), []
