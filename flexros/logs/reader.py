@@ -1,4 +1,4 @@
-"""Reading a log from any recorder: rosbag2 folders and .mcap files that hold the topics of the contract."""
+"""Reading of logs from any recorder: rosbag2 folders and .mcap files with topics of `topics.yaml`."""
 
 from __future__ import annotations
 
@@ -14,16 +14,12 @@ from flexros.errors import InputError
 from flexros.logs.left_out import LeftOut
 from flexros.logs.mcap.bag_files import find_bag_files
 from flexros.logs.mcap.scan import McapScan
-from flexros.logs.messages import diagnostic_array as diagnostic_array_message
-from flexros.logs.messages import joint_state as joint_state_message
-from flexros.logs.messages import pose_stamped as pose_stamped_message
 from flexros.logs.messages.bulk_decode import TopicDecoder, payloads_of
 from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.messages.codec import codec_of, series_codecs
 from flexros.logs.messages.foreign_definition import is_common, translator
-from flexros.logs.messages.joint_state import read_joint_state_layout
-from flexros.logs.messages.pose_stamped import read_pose_stamped_layout
-from flexros.logs.series_assembly import joint_series, pose_series
-from flexros.logs.time_series import Log
+from flexros.logs.messages.series_assembly import assemble_series
+from flexros.logs.time_series import OWN_SERIES, Log
 from flexros.one_line import one_line
 
 if TYPE_CHECKING:
@@ -33,27 +29,22 @@ if TYPE_CHECKING:
 
     from flexros.config.topics import Topic
 
-_LAYOUT_READERS = {
-    joint_state_message.TYPE: read_joint_state_layout,
-    pose_stamped_message.TYPE: read_pose_stamped_layout,
-}
-_DIAGNOSTICS = "/diagnostics"
+_DIAGNOSTICS = "diagnostics"
 _PLANT = "plant"
-"""Name of the node that tells how the loop ran, behind its namespace."""
-_ASSEMBLIES = {joint_state_message.TYPE: joint_series, pose_stamped_message.TYPE: pose_series}
+"""Name, without namespace, of the node that reports how the loop ran."""
 
 
 def _contract_topics() -> dict[str, Topic]:
-    """Topics that become time series of a Log, by name."""
-    return {name: topic for name, topic in load_topics().items() if name in Log.__dataclass_fields__}
+    """Return the recorded topics that become time series of a Log, by name."""
+    return {name: topic for name, topic in load_topics().items() if topic.recorded and topic.type in series_codecs()}
 
 
 def read_log(path: Path | str, namespace: str | None = None) -> Log:
     """Read a log.
 
-    Messages may come in any order, with other topics beside them, from several files and in any chunk compression; they
-    are decoded by the definitions in the file. A file that was cut off is read up to its last complete chunk.
-    Everything that was left out or repaired stands in the warnings of the log.
+    Messages may be in any order, mixed with other topics, in several files and in any chunk compression; they are
+    decoded by the definitions in the file. A truncated file is read up to its last complete chunk. The warnings of the
+    log list everything that was left out or repaired.
 
     Args:
         path: A rosbag2 folder or an .mcap file.
@@ -79,14 +70,15 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
         decoder = content.decoders.get(full_name)
         if decoder is not None:
             used.add(full_name)
-            series[name] = _ASSEMBLIES[topic.type](full_name, decoder, warnings)  # type: ignore[operator]
+            series[name] = assemble_series(series_codecs()[topic.type], full_name, decoder, warnings)
         elif full_name in content.refused:
             warnings.append(content.refused[full_name])
         if topic.required and series.get(name) is None:
-            raise content.lacking(path, full_name, topic, warnings)
+            raise content.missing_topic(path, full_name, topic, warnings)
     others = {name: count for name, count in sorted(content.counts.items()) if name not in used}
     return Log(
-        **series,
+        **{name: values for name, values in series.items() if name in OWN_SERIES},
+        other_series={name: v for name, v in series.items() if name not in OWN_SERIES and v is not None},
         provenance=bag.provenance,
         warnings=tuple(map(one_line, warnings)),
         other_topics=others,
@@ -99,13 +91,13 @@ class _BagContent:
     """Everything read from the files of a log.
 
     Attributes:
-        contract: Topics of the contract, by name.
-        decoders: Messages of topics that may belong to the contract, by absolute name.
+        contract: Topics that become time series, by relative name.
+        decoders: Decoded messages of the topics with such a name, by absolute name.
         counts: Number of messages of every topic, by absolute name.
         types: Message type of every topic.
-        refused: Why a topic with a name of the contract was not decoded.
+        refused: Why a topic with such a name was not decoded.
         warnings: Damage in the files.
-        figures: What each node that is called plant said on /diagnostics: name of the node, then key.
+        figures: Values that each node called plant reported on /diagnostics, by name of the node, then by key.
     """
 
     contract: dict[str, Topic]
@@ -117,7 +109,7 @@ class _BagContent:
     figures: dict[str, dict[str, float]] = field(default_factory=dict)
 
     def read(self, scan: McapScan) -> None:
-        """Take all messages of a file."""
+        """Decode all messages of a file."""
         translators: dict[int, Callable[[bytes], bytes] | None] = {}
         n_unknown = 0
         unusable = LeftOut()
@@ -130,7 +122,7 @@ class _BagContent:
                     continue
                 name = "/" + channel.topic.strip("/")
                 self.counts[name] += len(rows)
-                if name == _DIAGNOSTICS:
+                if name == f"/{_DIAGNOSTICS}":
                     self._take_figures(payloads_of(block, rows), channel, scan, unusable)
                 elif (schema := self._accept(name, channel, scan)) is not None:
                     if schema.id not in translators:
@@ -145,15 +137,16 @@ class _BagContent:
             )
         if unusable.number:
             self.warnings.append(
-                f"{_DIAGNOSTICS}: {unusable.number} messages were left out, so the pace of the loop may be unknown "
+                f"/{_DIAGNOSTICS}: {unusable.number} messages were left out, so the pace of the loop may be unknown "
                 f"(the first: {unusable.first})"
             )
 
     def _take_figures(self, payloads: list[bytes], channel: Channel, scan: McapScan, unusable: LeftOut) -> None:
-        """Note what nodes called plant say of the loop; a later message replaces the values of an earlier one."""
+        """Store what nodes called plant report; a later message replaces the values of an earlier one."""
+        codec = codec_of(load_topics()[_DIAGNOSTICS].type)
         schema = scan.schemas.get(channel.schema_id)
-        self.types[_DIAGNOSTICS] = name = schema.name if schema else "unknown type"
-        if schema is None or name != diagnostic_array_message.TYPE or channel.message_encoding != "cdr":
+        self.types[f"/{_DIAGNOSTICS}"] = name = schema.name if schema else "unknown type"
+        if schema is None or name != codec.type or channel.message_encoding != "cdr":
             unusable.add(f"it is a {name} in '{channel.message_encoding}'", len(payloads))
             return
         if schema.data.strip() and not is_common(schema):
@@ -161,7 +154,7 @@ class _BagContent:
             return
         for payload in payloads:
             try:
-                statuses = diagnostic_array_message.read_diagnostic_array(payload)
+                statuses = codec.read(payload)
             except MessageError as error:
                 unusable.add(str(error))
                 continue
@@ -176,10 +169,10 @@ class _BagContent:
                 f"{scan.path}: {schema.name} has no definition in the file, that of ROS 2 Jazzy is used"
             )
             return None
-        return None if is_common(schema) else translator(schema, str(scan.path))
+        return None if is_common(schema) else translator(series_codecs()[schema.name], schema, str(scan.path))
 
     def _accept(self, name: str, channel: Channel, scan: McapScan) -> Schema | None:
-        """Schema of a topic that belongs to the contract; None for others and for unusable ones."""
+        """Return the schema of a topic to be decoded; None for other topics and for unusable ones."""
         topic = self.contract.get(name.rsplit("/", 1)[1])
         schema = scan.schemas.get(channel.schema_id)
         self.types[name] = schema.name if schema else "unknown type"
@@ -192,11 +185,11 @@ class _BagContent:
             self.refused[name] = f"{name} is encoded as '{channel.message_encoding}', allowed is cdr; it was left out"
             return None
         if name not in self.decoders:
-            self.decoders[name] = TopicDecoder(_LAYOUT_READERS[topic.type])
+            self.decoders[name] = TopicDecoder(series_codecs()[topic.type].read)
         return schema
 
     def choose_namespace(self, path: Path | str, namespace: str | None) -> str:
-        """Prefix of the topic names: "" or "/robot1".
+        """Return the prefix of the topic names: "" or "/robot1".
 
         Raises:
             InputError: Several namespaces have the required topics.
@@ -212,8 +205,8 @@ class _BagContent:
             )
         return prefixes[0] if prefixes else ""
 
-    def lacking(self, path: Path | str, name: str, topic: Topic, warnings: list[str]) -> InputError:
-        """The error for a required topic that is missing."""
+    def missing_topic(self, path: Path | str, name: str, topic: Topic, warnings: list[str]) -> InputError:
+        """Return the error for a required topic that is missing."""
         if warnings and not any(self.counts.values()):
             return InputError(
                 f"{path} has no complete message of any topic; {'; '.join(warnings)}; give a whole copy of it, or "

@@ -1,9 +1,9 @@
-"""Stamps of samples and messages: the one place that maps sample k to simulated time and back."""
+"""Stamps of samples and messages: maps sample k to simulated time and back."""
 
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,7 +23,7 @@ START_NS = NANOSECONDS
 
 
 def stamp_ns(k: int, sample_time: float) -> int:
-    """Stamp of sample k: 1 s + round(k T).
+    """Return the stamp of sample k: 1 s + round(k T).
 
     Args:
         k: Sample number, from 0.
@@ -36,7 +36,7 @@ def stamp_ns(k: int, sample_time: float) -> int:
 
 
 def stamps_ns(n: int, sample_time: float) -> IntArray:
-    """Stamps of the samples 0 to n - 1, equal to `stamp_ns` for each.
+    """Return the stamps of the samples 0 to n - 1, equal to `stamp_ns` for each.
 
     Args:
         n: Number of samples.
@@ -50,7 +50,7 @@ def stamps_ns(n: int, sample_time: float) -> IntArray:
 
 
 def sample_number(stamp: int, sample_time: float) -> int:
-    """Number of the sample nearest to a stamp, the inverse of `stamp_ns`.
+    """Return the number of the sample nearest to a stamp, the inverse of `stamp_ns`.
 
     Args:
         stamp: Simulated time [ns].
@@ -80,3 +80,9 @@ def stamp_of(payload: bytes | memoryview) -> int:
         raise MessageError(f"a message of {len(payload)} bytes has no header.stamp") from error
     stamp: int = sec * NANOSECONDS + nanosec
     return stamp
+
+
+def stamp_of_message(message: Any) -> int:
+    """Return header.stamp of a message object [ns]."""
+    stamp = message.header.stamp
+    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -45,6 +45,18 @@ def _check_received(owner: str, received: IntArray | None, n: int) -> None:
         )
 
 
+class Series(Protocol):
+    """Time series of any topic."""
+
+    @property
+    def stamp(self) -> IntArray:
+        """Sampling instants [ns], increasing, shape (n,)."""
+
+    @property
+    def received(self) -> IntArray | None:
+        """Log time of each message [ns], shape (n,); None if it equals the stamp."""
+
+
 @dataclass(frozen=True, eq=False)
 class JointSeries:
     """Joint quantities over time; each is None where it was not recorded.
@@ -55,7 +67,7 @@ class JointSeries:
         position: Positions [rad or m], shape (n, n_joints).
         velocity: Velocities [rad/s or m/s], shape (n, n_joints).
         effort: Torques or forces [Nm or N], shape (n, n_joints).
-        received: When the recorder took each message, its log time [ns], shape (n,); None where that is the stamp.
+        received: When the recorder took each message, its log time [ns], shape (n,); None if it equals the stamp.
     """
 
     stamp: IntArray
@@ -83,7 +95,7 @@ class PoseSeries:
         frame_id: Frame in which the poses are given.
         position: Positions [m], shape (n, 3).
         orientation: Quaternions x, y, z, w [-], shape (n, 4).
-        received: When the recorder took each message, its log time [ns], shape (n,); None where that is the stamp.
+        received: When the recorder took each message, its log time [ns], shape (n,); None if it equals the stamp.
     """
 
     stamp: IntArray
@@ -101,18 +113,19 @@ class PoseSeries:
 
 @dataclass(frozen=True, eq=False)
 class Log:
-    """What a run left behind: the five topics of the contract, and where they came from.
+    """One recorded run: the time series of its topics and their provenance.
 
     Attributes:
         joint_states: Measurement of the motors.
-        joint_commands: Torque commands, None where not recorded; the same holds for all below.
+        joint_commands: Torque commands; None if not recorded, as all series below.
         joint_reference: Reference that the controller used.
         tool_pose: True or measured tool pose.
         tool_reference: Commanded tool pose.
-        provenance: Scenario, seed, versions and model hash, as written beside the log.
-        warnings: What the reader noticed, one sentence each.
-        other_topics: Number of messages of every further topic, by name.
-        plant_figures: What the plant node said of the loop on /diagnostics, by key; its last word on each.
+        provenance: Scenario, seed, versions and model hash, as written in the folder of the log.
+        warnings: What the reader left out or repaired, one sentence each.
+        other_topics: Number of messages of every topic that was not decoded, by name.
+        plant_figures: Values that the plant node reported on /diagnostics, by key; the last message counts.
+        other_series: Time series of further recorded topics of `topics.yaml`, by name.
     """
 
     joint_states: JointSeries
@@ -124,3 +137,13 @@ class Log:
     warnings: tuple[str, ...] = ()
     other_topics: Mapping[str, int] = field(default_factory=dict)
     plant_figures: Mapping[str, float] = field(default_factory=dict)
+    other_series: Mapping[str, Series] = field(default_factory=dict)
+
+    def series(self, topic: str) -> Series | None:
+        """Return the time series of a topic by its relative name, None if not recorded."""
+        series: Series | None = getattr(self, topic, None) if topic in OWN_SERIES else self.other_series.get(topic)
+        return series
+
+
+OWN_SERIES = ("joint_states", "joint_commands", "joint_reference", "tool_pose", "tool_reference")
+"""Topics that are fields of `Log`."""

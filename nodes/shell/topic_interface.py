@@ -11,6 +11,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from flexros.config.topics import QosProfile, Topic, load_topics
 from flexros.errors import InputError, unknown_name
+from flexros.logs.messages.codec import codec_of
 from flexros_nodes.shell.qos_overrides import override_problem
 
 
@@ -31,14 +32,10 @@ def period(name: str) -> float:
     return 1.0 / (topic(name).rate or 1.0)
 
 
-EVENT_TYPES = ("diagnostic_msgs/msg/DiagnosticArray",)
-"""Types of recorded topics that do not carry one message for each sampling instant."""
-
-
 @cache
 def sampled_topics() -> tuple[str, ...]:
-    """Name the recorded topics that carry one message for each sampling instant, in the order of `topics.yaml`."""
-    return tuple(name for name, row in load_topics().items() if row.recorded and row.type not in EVENT_TYPES)
+    """Return the recorded topics that carry one message per sampling instant, in the order of `topics.yaml`."""
+    return tuple(name for name, row in load_topics().items() if row.recorded and codec_of(row.type).sampled)
 
 
 @cache

@@ -29,7 +29,7 @@ from flexros.input_limits import LONGEST_SENTENCE
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
 from flexros.logs.foreign.message_numbers import message_numbers
-from flexros.logs.messages.diagnostic_array import read_diagnostic_array
+from flexros.logs.messages.diagnostic_array import DiagnosticArrayCodec
 from flexros.logs.messages.foreign_definition import decoder
 from flexros.logs.messages.joint_state import JointStateView, read_joint_state_layout
 from flexros.logs.messages.joint_trajectory import read_joint_trajectory
@@ -374,7 +374,7 @@ READERS: dict[str, Reader] = {
     "diagnostics": Reader(
         "DiagnosticArray message",
         damaged([samples.diagnostics()]),
-        lambda data: void([status.numbers() for status in read_diagnostic_array(data)]),
+        lambda data: void([status.numbers() for status in DiagnosticArrayCodec().read(data)]),
     ),
     "experiment_state": Reader(
         "state of an experiment in a String message",

@@ -13,7 +13,7 @@ import pytest
 from mcap.reader import make_reader
 
 from flexros.errors import InputError
-from flexros.logs.messages.diagnostic_array import read_diagnostic_array
+from flexros.logs.messages.diagnostic_array import DiagnosticArrayCodec
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
 from flexros.scenario.closed_loop import closed_loop
@@ -106,7 +106,9 @@ def test_progress_is_in_the_log(tmp_path: Path, identification_scenario: Path) -
     run_scenario(identification_scenario, tmp_path / "log")
     with (tmp_path / "log" / "log_0.mcap").open("rb") as file:
         messages = [entry.data for _, _, entry in make_reader(file).iter_messages(topics=["/diagnostics"])]
-    said = [status for data in messages for status in read_diagnostic_array(data) if status.name == "/identification"]
+    said = [
+        status for data in messages for status in DiagnosticArrayCodec().read(data) if status.name == "/identification"
+    ]
     completed = [status.numbers()["completed"] for status in said]
     assert set(completed) == {0.0, 1.0, 2.0, 3.0, 4.0}
     assert sorted(completed) == completed

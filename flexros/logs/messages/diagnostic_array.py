@@ -1,14 +1,13 @@
-"""diagnostic_msgs/msg/DiagnosticArray: what nodes say of themselves, read from bytes."""
+"""diagnostic_msgs/msg/DiagnosticArray: state of nodes, read from bytes."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple, final
 
 import numpy as np
 
 from flexros.logs.messages.cdr_cursor import CdrCursor, MessageError
-
-TYPE = "diagnostic_msgs/msg/DiagnosticArray"
+from flexros.logs.messages.codec import AbstractCodec
 
 
 class DiagnosticStatus(NamedTuple):
@@ -27,34 +26,31 @@ class DiagnosticStatus(NamedTuple):
     values: dict[str, str]
 
     def numbers(self) -> dict[str, float]:
-        """Give the values that are finite numbers, by key."""
-        found = {}
+        """Return the values that are finite numbers, by key."""
+        numbers = {}
         for key, text in self.values.items():
             try:
                 value = float(text)
             except ValueError:
                 continue  # a value may be any text
             if np.isfinite(value):
-                found[key] = value
-        return found
+                numbers[key] = value
+        return numbers
 
 
-def read_diagnostic_array(payload: bytes) -> tuple[DiagnosticStatus, ...]:
-    """Read a message from any sender.
+@final
+class DiagnosticArrayCodec(AbstractCodec[tuple[DiagnosticStatus, ...]]):
+    """diagnostic_msgs/msg/DiagnosticArray: state of nodes, in words and values."""
 
-    Args:
-        payload: Serialised message.
+    type: ClassVar[str] = "diagnostic_msgs/msg/DiagnosticArray"
+    sampled: ClassVar[bool] = False
 
-    Returns:
-        The states in it.
-
-    Raises:
-        MessageError: The bytes are not a DiagnosticArray.
-    """
-    cursor = CdrCursor(payload)
-    cursor.skip(8, "header.stamp")
-    cursor.string("header.frame_id")
-    return tuple(_status(cursor) for _ in range(_count(cursor, "status")))
+    def read(self, payload: bytes | memoryview) -> tuple[DiagnosticStatus, ...]:
+        """Return the states in a message."""
+        cursor = CdrCursor(payload)
+        cursor.skip(8, "header.stamp")
+        cursor.string("header.frame_id")
+        return tuple(_status(cursor) for _ in range(_count(cursor, "status")))
 
 
 def _status(cursor: CdrCursor) -> DiagnosticStatus:

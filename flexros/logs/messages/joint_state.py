@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, final
 
 import numpy as np
 
 from flexros.logs.messages.cdr_cursor import CdrBuilder, CdrCursor, MessageError
+from flexros.logs.messages.codec import AbstractSeriesCodec
 from flexros.logs.messages.layout import MessageLayout, Span
-from flexros.logs.stamps import NANOSECONDS
+from flexros.logs.messages.series_assembly import majority, sorted_rows, warn_of_not_finite
+from flexros.logs.stamps import NANOSECONDS, stamp_of_message
+from flexros.logs.time_series import JointSeries
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
-TYPE = "sensor_msgs/msg/JointState"
+    from flexros.arrays import FloatArray
+    from flexros.logs.messages.bulk_decode import Segment
+
 FIELDS = ("position", "velocity", "effort")
 
 
@@ -223,3 +228,59 @@ class JointStateView:
             self._pick(values, velocity),
             self._pick(values, effort),
         )
+
+
+@final
+class JointStateCodec(AbstractSeriesCodec[JointStateLayout]):
+    """sensor_msgs/msg/JointState: positions, velocities and efforts of named joints."""
+
+    type: ClassVar[str] = "sensor_msgs/msg/JointState"
+    sampled: ClassVar[bool] = True
+
+    def read(self, payload: bytes | memoryview) -> JointStateLayout:
+        """Return the layout of a message."""
+        return read_joint_state_layout(payload)
+
+    def assemble(self, topic: str, segments: Sequence[Segment[JointStateLayout]], warnings: list[str]) -> JointSeries:
+        """Make a time series with the joints in the order of the first message."""
+        segments = majority(topic, segments, lambda layout: frozenset(layout.names), "joint names", warnings)
+        names = min(segments, key=lambda segment: int(segment.order[0])).layout.names
+        rows = sorted_rows(topic, segments, [_in_order(segment, names) for segment in segments], warnings)
+        values: dict[str, FloatArray | None] = dict.fromkeys(FIELDS)
+        for i, (field, column) in enumerate(zip(FIELDS, rows.columns, strict=True)):
+            if any(segment.layout.message.spans[i].size for segment in segments):
+                values[field] = column
+                warn_of_not_finite(topic, field, column, warnings)
+        return JointSeries(rows.stamp, names, received=rows.received, **values)
+
+    def columns(self, series: JointSeries) -> tuple[MessageLayout, list[FloatArray]]:
+        """Return layout and columns; a field that was not recorded has no columns."""
+        values = [getattr(series, field) for field in FIELDS]
+        filled = [field for field, array in zip(FIELDS, values, strict=True) if array is not None]
+        empty = np.empty((len(series.stamp), 0))
+        return joint_state_layout(series.names, filled).message, [empty if v is None else v for v in values]
+
+    def serialiser(self) -> Callable[[Any], bytes]:
+        """Return a function that serialises a message object; it keeps one template per set of names and fields."""
+        templates: dict[tuple[object, ...], JointStateTemplate] = {}
+
+        def serialise(message: Any) -> bytes:
+            values = [[float(v) for v in getattr(message, field, ())] for field in FIELDS]
+            key = (message.header.frame_id, tuple(message.name), *(bool(v) for v in values))
+            if key not in templates:
+                position, velocity, effort = (bool(v) for v in values)
+                templates[key] = JointStateTemplate(
+                    message.name, position=position, velocity=velocity, effort=effort, frame_id=message.header.frame_id
+                )
+            return templates[key].fill(stamp_of_message(message), *values)
+
+        return serialise
+
+
+def _in_order(segment: Segment[JointStateLayout], names: Sequence[str]) -> list[FloatArray]:
+    """Return the columns in the order of `names`; NaN where the messages leave a field empty."""
+    columns = [segment.layout.names.index(name) for name in names]
+    empty = np.full((len(segment.stamp), len(names)), np.nan)
+    if columns == list(range(len(names))):
+        return [values if values.shape[1] else empty for values in segment.numbers]
+    return [values[:, columns] if values.shape[1] else empty for values in segment.numbers]

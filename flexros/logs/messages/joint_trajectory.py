@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, final
 
 import numpy as np
 
 from flexros.errors import InputError
 from flexros.logs.messages.cdr_cursor import CdrBuilder, CdrCursor, MessageError
+from flexros.logs.messages.codec import AbstractCodec
 from flexros.logs.messages.layout import STAMP_OFFSET
 from flexros.logs.stamps import NANOSECONDS
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
     from flexros.arrays import FloatArray, IntArray
 
-TYPE = "trajectory_msgs/msg/JointTrajectory"
 FIELDS = ("positions", "velocities", "accelerations", "effort")
 
 
@@ -210,3 +210,15 @@ def read_joint_trajectory(payload: bytes | memoryview) -> JointTrajectoryChunk:
         effort=values("effort"),
         frame_id=frame_id,
     )
+
+
+@final
+class JointTrajectoryCodec(AbstractCodec[JointTrajectoryChunk]):
+    """trajectory_msgs/msg/JointTrajectory: points of a reference, sent ahead of time."""
+
+    type: ClassVar[str] = "trajectory_msgs/msg/JointTrajectory"
+    sampled: ClassVar[bool] = False
+
+    def read(self, payload: bytes | memoryview) -> JointTrajectoryChunk:
+        """Return the points of a message."""
+        return read_joint_trajectory(payload)

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import struct
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, final
 
 import numpy as np
 
 from flexros.logs.messages.cdr_cursor import CdrBuilder, CdrCursor
+from flexros.logs.messages.codec import AbstractSeriesCodec
 from flexros.logs.messages.layout import MessageLayout, Span
-from flexros.logs.stamps import NANOSECONDS
+from flexros.logs.messages.series_assembly import majority, sorted_rows, warn_of_not_finite
+from flexros.logs.stamps import NANOSECONDS, stamp_of_message
+from flexros.logs.time_series import PoseSeries
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
-TYPE = "geometry_msgs/msg/PoseStamped"
+    from flexros.arrays import FloatArray
+    from flexros.logs.messages.bulk_decode import Segment
 
 _N_POSE = 7
 
@@ -105,3 +109,41 @@ class PoseStampedTemplate:
                 f"a PoseStamped cannot hold the stamp {stamp_ns}, position {position}, "
                 f"orientation {orientation}: {error}"
             ) from error
+
+
+@final
+class PoseStampedCodec(AbstractSeriesCodec[PoseStampedLayout]):
+    """geometry_msgs/msg/PoseStamped: position and orientation of one frame."""
+
+    type: ClassVar[str] = "geometry_msgs/msg/PoseStamped"
+    sampled: ClassVar[bool] = True
+
+    def read(self, payload: bytes | memoryview) -> PoseStampedLayout:
+        """Return the layout of a message."""
+        return read_pose_stamped_layout(payload)
+
+    def assemble(self, topic: str, segments: Sequence[Segment[PoseStampedLayout]], warnings: list[str]) -> PoseSeries:
+        """Make a time series of the poses in the most frequent frame."""
+        segments = majority(topic, segments, lambda layout: layout.frame_id, "frames", warnings)
+        rows = sorted_rows(topic, segments, [segment.numbers for segment in segments], warnings)
+        (pose,) = rows.columns
+        warn_of_not_finite(topic, "pose", pose, warnings)
+        frame_id = segments[0].layout.frame_id
+        return PoseSeries(rows.stamp, frame_id, pose[:, :3].copy(), pose[:, 3:].copy(), rows.received)
+
+    def columns(self, series: PoseSeries) -> tuple[MessageLayout, list[FloatArray]]:
+        """Return the layout and the poses as x, y, z, qx, qy, qz, qw."""
+        return pose_stamped_layout(series.frame_id).message, [np.hstack((series.position, series.orientation))]
+
+    def serialiser(self) -> Callable[[Any], bytes]:
+        """Return a function that serialises a message object; it keeps one template per frame."""
+        templates: dict[str, PoseStampedTemplate] = {}
+
+        def serialise(message: Any) -> bytes:
+            frame_id = message.header.frame_id
+            if frame_id not in templates:
+                templates[frame_id] = PoseStampedTemplate(frame_id)
+            p, o = message.pose.position, message.pose.orientation
+            return templates[frame_id].fill(stamp_of_message(message), (p.x, p.y, p.z), (o.x, o.y, o.z, o.w))
+
+        return serialise

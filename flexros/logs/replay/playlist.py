@@ -9,7 +9,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from flexros.errors import InputError
-from flexros.logs.messages import joint_trajectory as joint_trajectory_message
+from flexros.logs.messages.joint_trajectory import JointTrajectoryCodec
 from flexros.logs.replay.controller_feed import ControllerFeed, controller_feed
 from flexros.logs.replay.file_messages import ReplayMessage
 from flexros.logs.replay.recorded_topic import RecordedTopic, absolute_name
@@ -97,7 +97,7 @@ class Playlist:
         feed = controller_feed(path, prefix.strip("/"))
         played = self.source.topics[states].name.rsplit("/", 1)[0]
         largest = max(len(chunk.payload) for chunk in feed.chunks)
-        ahead = _made_topic(f"{played}/joint_reference_ahead", joint_trajectory_message.TYPE, largest)
+        ahead = _made_topic(f"{played}/joint_reference_ahead", JointTrajectoryCodec.type, largest)
         self.topics = (*self.source.topics, ahead)
         self.controller = FedController(feed, states, len(self.source.topics), f"{played}/joint_commands")
 

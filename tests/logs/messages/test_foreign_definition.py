@@ -8,8 +8,8 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from flexros.errors import InputError
 from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.messages.foreign_definition import is_common, translator
-from flexros.logs.messages.joint_state import JointStateView
-from flexros.logs.messages.pose_stamped import PoseStampedTemplate
+from flexros.logs.messages.joint_state import JointStateCodec, JointStateView
+from flexros.logs.messages.pose_stamped import PoseStampedCodec, PoseStampedTemplate
 from flexros.logs.messages.schemas import message_schema
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -49,7 +49,7 @@ def test_message_of_another_definition():
     types = store.types
     header = types["std_msgs/msg/Header"](types["builtin_interfaces/msg/Time"](3, 4), "base")
     message = types[JOINT_STATE](header, 7, ["b", "a"], np.array([2.0, 1.0]), np.array([0.5, 0.25], np.float32))
-    payload = translator(schema(FOREIGN), "x.mcap")(bytes(store.serialize_cdr(message, JOINT_STATE)))
+    payload = translator(JointStateCodec(), schema(FOREIGN), "x.mcap")(bytes(store.serialize_cdr(message, JOINT_STATE)))
     sample = JointStateView(["a", "b"]).unpack(payload)
     assert sample == (3_000_000_004, (1.0, 2.0), None, (0.25, 0.5))
 
@@ -57,7 +57,7 @@ def test_message_of_another_definition():
 def test_definition_in_idl(joint_state):
     _, payload = joint_state(5, ["a"], position=[1.5])
     without_velocity_and_effort = payload[:-8]
-    translated = translator(schema(IDL, encoding="ros2idl"), "x.mcap")(without_velocity_and_effort)
+    translated = translator(JointStateCodec(), schema(IDL, encoding="ros2idl"), "x.mcap")(without_velocity_and_effort)
     assert JointStateView(["a"]).unpack(translated) == (5, (1.5,), None, None)
 
 
@@ -71,13 +71,13 @@ def test_pose_of_another_definition(store):
         types["geometry_msgs/msg/Point"](1.0, 2.0, 3.0), types["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.6, 0.8)
     )
     payload = bytes(foreign.serialize_cdr(types[POSE](header, pose, 0.5), POSE))
-    translated = translator(schema(text, POSE), "x.mcap")(payload)
+    translated = translator(PoseStampedCodec(), schema(text, POSE), "x.mcap")(payload)
     assert translated == PoseStampedTemplate("base").fill(1_000_000_002, (1.0, 2.0, 3.0), (0.0, 0.0, 0.6, 0.8))
 
 
 def test_message_that_does_not_fit():
     with pytest.raises(MessageError, match="it does not fit its definition"):
-        translator(schema(FOREIGN), "x.mcap")(b"\0\1\0\0abc")
+        translator(JointStateCodec(), schema(FOREIGN), "x.mcap")(b"\0\1\0\0abc")
 
 
 @pytest.mark.parametrize(
@@ -90,4 +90,4 @@ def test_message_that_does_not_fit():
 )
 def test_unreadable_definition_is_named(text, encoding, message):
     with pytest.raises(InputError, match=message):
-        translator(schema(text, encoding=encoding), "x.mcap")
+        translator(JointStateCodec(), schema(text, encoding=encoding), "x.mcap")

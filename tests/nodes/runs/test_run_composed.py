@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from flexros.errors import InputError
-from flexros.logs.messages.diagnostic_array import read_diagnostic_array
+from flexros.logs.messages.diagnostic_array import DiagnosticArrayCodec
 from flexros.logs.reader import read_log
 from flexros.logs.time_series import Log
 from flexros.robot import load_robot
@@ -131,7 +131,7 @@ def test_plant_warns_of_a_motor_at_its_torque_limit(tmp_path: Path) -> None:
     run_scenario(scenario, tmp_path / "log")
     with (tmp_path / "log" / "log_0.mcap").open("rb") as file:
         messages = [entry.data for _, _, entry in make_reader(file).iter_messages(topics=["/diagnostics"])]
-    said = [status for data in messages for status in read_diagnostic_array(data) if status.name == "/plant"]
+    said = [status for data in messages for status in DiagnosticArrayCodec().read(data) if status.name == "/plant"]
     efforts = read_log(tmp_path / "log").joint_commands.effort
     limit = load_robot("four_mass").torque_limits
     assert said[-1].numbers()["motor_1.samples_at_torque_limit"] == np.sum(np.abs(efforts[:-1]) >= limit) > 0

@@ -6,16 +6,16 @@ import pytest
 from flexros.logs.mcap.chunk import MESSAGE_HEADER
 from flexros.logs.mcap.scan import MessageBlock
 from flexros.logs.messages.bulk_decode import TopicDecoder
-from flexros.logs.messages.joint_state import JointStateTemplate, read_joint_state_layout
-from flexros.logs.messages.pose_stamped import PoseStampedTemplate, read_pose_stamped_layout
-from flexros.logs.series_assembly import joint_series, pose_series
+from flexros.logs.messages.joint_state import JointStateCodec, JointStateTemplate
+from flexros.logs.messages.pose_stamped import PoseStampedCodec, PoseStampedTemplate
+from flexros.logs.messages.series_assembly import assemble_series
 
 
-def decoder_of(read_layout, payloads):
+def decoder_of(codec, payloads):
     headers = np.zeros(len(payloads), MESSAGE_HEADER)
     headers["length"] = [len(p) + 22 for p in payloads]
     headers["log_time"] = 5000 + np.arange(len(payloads))
-    decoder = TopicDecoder(read_layout)
+    decoder = TopicDecoder(codec.read)
     offsets = np.cumsum([0] + [len(p) for p in payloads])[:-1]
     decoder.add(MessageBlock(b"".join(payloads), headers, offsets), np.arange(len(payloads)))
     return decoder
@@ -29,7 +29,8 @@ def joints(*messages):
 
 def assemble(payloads):
     warnings = []
-    return joint_series("/joint_states", decoder_of(read_joint_state_layout, payloads), warnings), warnings
+    codec = JointStateCodec()
+    return assemble_series(codec, "/joint_states", decoder_of(codec, payloads), warnings), warnings
 
 
 def test_joints_take_the_order_of_the_first_message():
@@ -92,7 +93,7 @@ def test_without_stamps_the_log_time_is_used():
     assert warnings == ["/joint_states: no message has a header.stamp, the log time is used instead"]
 
 
-def test_log_times_are_kept_beside_the_stamps_and_sorted_with_them():
+def test_log_times_are_kept_in_addition_to_the_stamps_and_sorted_with_them():
     series, _ = joints((3, {"a": 3.0}), (1, {"a": 1.0}), (2, {"a": 2.0}), (2, {"a": 2.0}))
     assert series.stamp.tolist() == [1, 2, 3]
     assert series.received.tolist() == [5001, 5002, 5000]
@@ -118,7 +119,8 @@ def test_nothing_but_damage_gives_no_series():
 def poses(*frames):
     payloads = [PoseStampedTemplate(f).fill(k + 1, (k, 0.0, 1.0), (0.0, 0.0, 0.0, 1.0)) for k, f in enumerate(frames)]
     warnings = []
-    return pose_series("/tool_pose", decoder_of(read_pose_stamped_layout, payloads), warnings), warnings
+    codec = PoseStampedCodec()
+    return assemble_series(codec, "/tool_pose", decoder_of(codec, payloads), warnings), warnings
 
 
 def test_poses():
