@@ -91,7 +91,7 @@ def magnitude(robot: Robot, texts: Sequence[str], frequency: FloatArray, motor: 
     rate = model.derivative(x, u, np.zeros(6), ca.DM(0, 1))
     slopes = ca.Function("slopes", [x, u], [ca.jacobian(rate, x), ca.jacobian(rate, u)])
     A, B = (value.full() for value in slopes(model.start(placed.robot.equilibrium()), np.zeros(robot.n_motors)))
-    row = robot.n_coordinates + robot.chain.motor_places[motor]
+    row = robot.n_coordinates + robot.motor_rows[motor]
     responses = [
         A[row] @ np.linalg.solve(2j * np.pi * f * np.eye(len(A)) - A, B[:, motor]) + B[row, motor] for f in frequency
     ]

@@ -80,8 +80,8 @@ class ExtraMode(AbstractArmLaw):
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """Return the tool, and the base where the first direction has a spring."""
-        first, last = robot.chain.joints[0], robot.chain.joints[-1]
-        axes = {(joint.rotary, joint.axis) for joint in robot.chain.joints}
+        first, last = robot.joints[0], robot.joints[-1]
+        axes = {(joint.rotary, joint.axis) for joint in robot.joints}
         tool = ("tool",) if _load_mass(robot) > 0 or axes == {(last.rotary, last.axis)} else ()
         rigid = first.motor is not None and first.motor_coordinate is None
         return tool if rigid else (*tool, "base")
@@ -155,7 +155,7 @@ def _load_mass(robot: Robot) -> float:
 
 def _turning(robot: Robot) -> int | None:
     """Number of the axis of the last rotation; None where the last body has no inertia about it."""
-    axes = [joint.axis for joint in robot.chain.joints if joint.rotary]
+    axes = [joint.axis for joint in robot.joints if joint.rotary]
     tensor = robot.spec.bodies[-1].inertia.matrix()
     return axes[-1] if axes and tensor[axes[-1], axes[-1]] > 0 else None
 

@@ -58,15 +58,15 @@ class GravityError(AbstractArmLaw):
         """List the bodies that move, on robots under gravity."""
         if not any(robot.spec.gravity.value):
             return ()
-        return tuple(f"body_{body + 1}" for body in moved_bodies(robot.chain, len(robot.spec.bodies)))
+        return tuple(f"body_{body + 1}" for body in moved_bodies(robot))
 
     def force(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
         """Differentiate the work of the unmodelled weight."""
         q = ca.SX.sym("q", arm.robot.n_arm)
         body = int(arm.location.removeprefix("body_")) - 1
-        frame = body_frame(arm.robot.spec, arm.robot.chain, body, q, arm.number)
+        frame = body_frame(arm.robot, body, q, arm.number)
         gravity = ca.vertcat(*[ca.SX(arm.number(f"gravity.{axis}")) for axis in "xyz"])
         mass = arm.number(f"{arm.location}.mass")
-        along = frame.rotation @ ca.SX(ca.DM(long_axis(arm.robot.spec, body)))
+        along = frame.rotation @ ca.SX(ca.DM(long_axis(arm.robot, body)))
         work = values["relative"] * mass * ca.dot(gravity, frame.center) + values["moment"] * ca.dot(gravity, along)
         return ca.substitute(ca.densify(ca.gradient(work, q)), q, arm.position)

@@ -58,17 +58,17 @@ class KinematicError(AbstractToolError):
         """List the bodies that turn, on robots whose tool has a geometry."""
         if robot.spec.tool.linear:
             return ()
-        bodies = moved_bodies(robot.chain, len(robot.spec.bodies))
+        bodies = moved_bodies(robot)
         return tuple(f"body_{body + 1}" for body in bodies if _turning(robot, body))
 
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
         """Leave out the angle of the first body: to turn the whole arm is to turn the frame of the tracker."""
-        first = moved_bodies(robot.chain, len(robot.spec.bodies))[0]
+        first = moved_bodies(robot)[0]
         return {name: one for name, one in self.ranges.items() if name != "angle" or _number(location) != first}
 
     def geometry(self, robot: Robot, location: str, values: Mapping[str, Value]) -> dict[str, Value]:
         """Lengthen the body."""
-        direction = long_axis(robot.spec, _number(location))
+        direction = long_axis(robot, _number(location))
         return {
             f"{location}.length.{axis}": values["length"] * float(part)
             for axis, part in zip("xyz", direction)
@@ -86,5 +86,5 @@ def _number(location: str) -> int:
 
 def _turning(robot: Robot, body: int) -> tuple[str, ...]:
     """List the coordinates by which a body turns, the one with the motor first."""
-    joints = [joint for joint in robot.chain.joints if joint.body == body and joint.rotary]
+    joints = [joint for joint in robot.joints if joint.body == body and joint.rotary]
     return tuple(joint.name for joint in sorted(joints, key=lambda joint: joint.motor is None))

@@ -98,7 +98,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the springs that are linear or piecewise linear and not of stiffness zero."""
-        springs = {joint.name: joint.direction.spring for joint in robot.chain.joints}
+        springs = {joint.name: joint.direction.spring for joint in robot.joints}
         return tuple(
             name
             for name, spring in springs.items()
@@ -116,7 +116,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         here: Any = data
         for part in way:
             here = here[part]
-        spring = next(joint.direction.spring for joint in robot.chain.joints if joint.name == location)
+        spring = next(joint.direction.spring for joint in robot.joints if joint.name == location)
         assert isinstance(spring, Spring)
         here[last] = {"piecewise_linear": self._law(spring, location)}
         return Robot(validate(RobotSpecification, data, self.name), self.name)

@@ -48,15 +48,15 @@ def equivalent_compliance(robot: Robot, state: FloatArray, output: str | None = 
     slope = ca.jacobian(model.output(output)(q[:n], model.parameter_values), q)[:, :n]
     evaluate = ca.Function("springs", [q], [ca.densify(stiffness), ca.densify(slope)])
     K, slopes = (np.array(part) for part in evaluate(state[: robot.n_coordinates]))
-    joints = robot.chain.joints
-    elastic = robot.chain.sprung
+    joints = robot.joints
+    elastic = robot.spring_rows
     soft = [joints[i].name for i in elastic if not K[i, i] > 0.0]
     if soft:
         raise InputError(
             f"direction {soft[0]} of robot {robot.name} has no stiffness at the start, so there is no equivalent gear "
             "stiffness; give feedforward.stiffness for every motor, or choose another method"
         )
-    geared = list(robot.chain.geared)
+    geared = list(robot.gear_rows)
     own = np.array([1.0 / K[i, i] if i in elastic else 0.0 for i in geared])
     others = [i for i in elastic if i not in geared]
     reflected = np.linalg.pinv(slopes[:, geared]) @ slopes[:, others]
@@ -86,6 +86,6 @@ def gear_compliance(robot: Robot, state: FloatArray, output: str, given: Mapping
     for number, name in enumerate(robot.joint_names):
         if name in given:
             compliance[number] = 1.0 / given[name]
-        if number in robot.chain.stiff_motors:
+        if number in robot.stiff_motors:
             compliance[number] = 0.0
     return compliance

@@ -38,7 +38,7 @@ def require_minimum_phase(problem: FeedforwardProblem) -> None:
 
 
 def _sentence(problem: FeedforwardProblem, verdict: ZeroDynamics, pose: FloatArray, time: float) -> str:
-    gears = np.round(pose[list(problem.robot.chain.geared)], 4).tolist()
+    gears = np.round(pose[list(problem.robot.gear_rows)], 4).tolist()
     where = f"robot {problem.robot.name} with output '{verdict.output}' at t = {time:.4g} s, gears at {gears}"
     advice = "choose another output of the robot, another pose, or method flexible_joint or rigid"
     if not verdict.solvable:

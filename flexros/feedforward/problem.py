@@ -105,13 +105,13 @@ class FeedforwardProblem:
                 )
             return motion
         self.require_square(self.trajectory.output)
-        near = (self.robot.home if self.near is None else self.near)[list(self.robot.chain.geared)]
+        near = (self.robot.home if self.near is None else self.near)[list(self.robot.gear_rows)]
         kinematics = self._rigid_kinematics(self.trajectory.output)
         return np.asarray(joint_derivatives(self.trajectory, kinematics, near, time, derivatives))
 
     def arm_position(self, gears: FloatArray) -> FloatArray:
         """Arm coordinates [rad or m], shape (n, N), from gear coordinates, shape (n, M); elastic directions at zero."""
-        return self.robot.chain.arm_from_gears(gears)
+        return self.robot.arm_from_gears(gears)
 
     @cached_property
     def commanded_pose(self) -> FloatArray:
@@ -143,4 +143,4 @@ class FeedforwardProblem:
     def _rigid_kinematics(self, output: str) -> ca.Function:
         """Output as a function of the gear coordinates theta (M,), elastic directions at zero."""
         theta = ca.SX.sym("theta", self.robot.n_motors)
-        return ca.Function("gamma", [theta], [self.tool.output(output, self.robot.chain.arm_from_gears(theta))])
+        return ca.Function("gamma", [theta], [self.tool.output(output, self.robot.arm_from_gears(theta))])

@@ -41,8 +41,8 @@ class RigidArm:
 
     def _coordinates(self, theta: ca.SX, motor: ca.SX) -> ca.SX:
         """All coordinates [q_a, q_m] from gear coordinates and motor coordinates."""
-        chain = self._robot.chain
-        return ca.vertcat(chain.arm_from_gears(theta), *[motor[number] for number in chain.flexible_motors])
+        robot = self._robot
+        return ca.vertcat(robot.arm_from_gears(theta), *[motor[number] for number in robot.flexible_motors])
 
     def inverse_dynamics(self, motion: FloatArray, compliance: FloatArray | None = None) -> Motion:
         """Motor motion and torque for a motion of the gears, rigid or through a compliance.
@@ -64,7 +64,7 @@ class RigidArm:
         robot, model, theta = self._robot, self._robot.model, self._theta
         rest = [self._coordinates(part, part) for part in theta[:3]]
         tau = arm_residual(model, rest[0], rest[1], rest[2], ca.SX.zeros(robot.n_motors), self._forces)
-        tau = tau[list(robot.chain.geared)]
+        tau = tau[list(robot.gear_rows)]
         motor = list(theta[:3])
         if compliance is not None:
             rates = [tau]
@@ -76,12 +76,12 @@ class RigidArm:
         )
         inertia = model.motor_inertia(model.parameter_values)
         torque, load, momentum = ca.SX(tau), ca.SX(tau), ca.SX.zeros(robot.n_motors)
-        for place, number in enumerate(robot.chain.flexible_motors):
+        for place, number in enumerate(robot.flexible_motors):
             torque[number] += drive[place]
             load[number] = torque[number] - inertia[place] * motor[2][number]
             momentum[number] = inertia[place] * motor[1][number]
         encoders = [model.encoder(self._coordinates(gear, part)) for gear, part in zip(theta, motor[:2])]
-        results = [robot.chain.arm_from_gears(theta[0]), *encoders, torque, load, momentum]
+        results = [robot.arm_from_gears(theta[0]), *encoders, torque, load, momentum]
         evaluate = ca.Function(
             "inverse_dynamics", theta[: len(motion)], [ca.densify(part) for part in results], {"cse": True}
         )

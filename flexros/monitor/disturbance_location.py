@@ -85,8 +85,8 @@ def places_of(robot: Robot, found: Design) -> tuple[DisturbanceLocation, ...]:
     places: list[DisturbanceLocation] = []
     for motor, name in enumerate(robot.joint_names):
         places.append(DisturbanceLocation("motor", name, pose.motor[:, [motor]]))
-        coordinate = robot.chain.motor_places[motor]
-        arm = robot.chain.geared[motor]
+        coordinate = robot.motor_rows[motor]
+        arm = robot.gear_rows[motor]
         spring = pose.stiffness[:, [coordinate]]
         if coordinate != arm and spring[coordinate, 0] > 0:
             places.append(DisturbanceLocation("gear", name, spring / spring[coordinate, 0]))

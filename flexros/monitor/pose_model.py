@@ -95,10 +95,10 @@ class PoseModel:
         """Linearise the robot in its home pose with loaded gears, where that changes their stiffness."""
         found: list[LinearPose] = []
         limits = self.robot.torque_limits
-        for motor, place in enumerate(self.robot.chain.motor_places):
+        for motor, place in enumerate(self.robot.motor_rows):
             state = self._rest_at_home.copy()
             stiffness = self._linear(state).stiffness[place, place]
-            if not np.isfinite(limits[motor]) or not stiffness > 0 or place == self.robot.chain.geared[motor]:
+            if not np.isfinite(limits[motor]) or not stiffness > 0 or place == self.robot.gear_rows[motor]:
                 continue
             for torque in np.outer((1.0, -1.0), LOADS).ravel() * limits[motor]:
                 state[place] = self._rest_at_home[place] + torque / stiffness

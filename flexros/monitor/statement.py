@@ -74,7 +74,7 @@ def motor_sentence(motor: MotorReading, unit: str) -> str:
 
 def torque_units(robot: Robot) -> tuple[str, ...]:
     """Give the unit of every motor's torque, "Nm" or "N"."""
-    return tuple("Nm" if robot.chain.joints[arm].rotary else "N" for arm in robot.chain.geared)
+    return tuple(motor.torque_unit for motor in robot.motors)
 
 
 def robot_values(reading: MonitorReading) -> dict[str, float | str]:

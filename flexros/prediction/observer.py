@@ -116,7 +116,7 @@ def observer_gain(
     R = np.diag((np.asarray(noise, dtype=float) / unit) ** 2)
     allowed = np.zeros(len(model.mass))
     if tolerated is not None:
-        allowed[list(robot.chain.motor_places)] = tolerated / unit
+        allowed[list(robot.motor_rows)] = tolerated / unit
     level_of = level * _noise_of_kind(robot, noise) / unit
     torque = np.maximum(_torque_noise(model.mass, robot.n_arm, sample_time, level_of), allowed)
     G, taken = (_onto_states(model.mass, sample_time, size) for size in (torque, allowed))
@@ -140,11 +140,10 @@ def observer_gain(
 
 def _noise_of_kind(robot: Robot, noise: FloatArray) -> FloatArray:
     """Return the mean noise of encoders that turn, or slide, as each coordinate does [rad or m], shape (n,)."""
-    joints = robot.chain.joints
     turns = np.zeros(robot.n_coordinates, dtype=bool)
-    turns[: robot.n_arm] = [joint.rotary for joint in joints]
-    of_motors = np.array([joints[number].rotary for number in robot.chain.geared])
-    turns[list(robot.chain.motor_places)] = of_motors
+    turns[: robot.n_arm] = [joint.rotary for joint in robot.joints]
+    of_motors = np.array([motor.rotary for motor in robot.motors])
+    turns[list(robot.motor_rows)] = of_motors
     means = {kind: float(np.mean(noise[of_motors == kind])) for kind in set(of_motors.tolist())}
     other = float(np.mean(noise))
     return np.array([means.get(kind, other) for kind in turns.tolist()])

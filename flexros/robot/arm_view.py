@@ -60,7 +60,7 @@ class ArmView:
             The bars; the deflection is the difference of the arm coordinates to those that the motors alone would give.
         """
         true = state[: len(self._chain.joints)]
-        stiff = self._chain.arm_from_gears(state[list(self._chain.motor_places)])
+        stiff = self._chain.arm_from_gears(state[list(self._chain.motor_rows)])
         poses = np.stack([true, stiff + magnification * (true - stiff), stiff], axis=1)
         ends = np.asarray(self._ends(poses)).T.reshape(3, len(self.radii), 2, 3)
         return ArmBars(*ends)

@@ -26,11 +26,11 @@ def body_placement(robot: Robot, body: int, q: ca.SX) -> tuple[ca.SX, ca.SX]:
         Origin in the base frame [m], SX (3, 1), and rotation from the body to the base, SX (3, 3).
     """
     bodies = robot.spec.bodies
-    if body < robot.chain.joints[0].body:  # it stands on the ground
+    if body < robot.joints[0].body:  # it stands on the ground
         below = (np.array(entry.length.value, dtype=float) for entry in bodies[:body])
         return ca.SX(ca.DM(sum(below, start=np.zeros(3)))), ca.SX.eye(3)
     values = {name: parameter.value for name, parameter in robot.parameters.items()}
-    frame = body_frame(robot.spec, robot.chain, body, q, values.__getitem__)
+    frame = body_frame(robot, body, q, values.__getitem__)
     return frame.center - frame.rotation @ ca.DM(bodies[body].center_of_mass.value), frame.rotation
 
 

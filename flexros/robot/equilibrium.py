@@ -50,7 +50,7 @@ def at_motor_position(robot: Robot, motor_position: FloatArray, near: FloatArray
             f"numbers ({', '.join(robot.joint_names)}); correct them"
         )
     q_a = near.copy()
-    q_a[list(robot.chain.geared)] = motor_position
+    q_a[list(robot.gear_rows)] = motor_position
     place = f"at motor positions {np.round(motor_position, 6).tolist()}"
     return robot.rest_with_motors_held.find(_unloaded(robot, q_a), robot.model.parameter_values, place).state
 
@@ -70,5 +70,5 @@ def holding_torque(robot: Robot, state: FloatArray) -> FloatArray:
 
 def _unloaded(robot: Robot, q_a: FloatArray) -> FloatArray:
     """Coordinates [q_a, q_m] with the gears' springs unloaded."""
-    flexible = [robot.chain.geared[number] for number in robot.chain.flexible_motors]
+    flexible = [robot.gear_rows[number] for number in robot.flexible_motors]
     return np.concatenate([q_a, q_a[flexible]])

@@ -69,20 +69,20 @@ def _closed_form(
             f"configuration is {configuration}, but robot {robot.name} has the configurations 1 and -1 (elbow up or "
             "down); give one of them"
         )
-    here = near[list(robot.chain.geared)]
+    here = near[list(robot.gear_rows)]
     found = []
     for sign in (1, -1) if configuration is None else (configuration,):
         angles = two_link_elbow(*lengths, target, sign)
         found.append(angles + 2 * np.pi * np.round((here - angles) / (2 * np.pi)))
     nearest = min(found, key=lambda angles: float(np.linalg.norm(angles - here)))
-    return robot.chain.arm_from_gears(nearest)
+    return robot.arm_from_gears(nearest)
 
 
 def _numerical(robot: Robot, target: FloatArray, near: FloatArray, output: str) -> FloatArray:
     """Search by damped Newton steps from a pose."""
     evaluate = robot.model.output_with_slope(output)
-    geared = list(robot.chain.geared)
-    q = robot.chain.arm_from_gears(near[geared])
+    geared = list(robot.gear_rows)
+    q = robot.arm_from_gears(near[geared])
     pose = robot.spec.outputs[output].pose
     angles = [index for index, component in enumerate(pose) if component.startswith("r")]
     error = np.inf
@@ -125,13 +125,13 @@ def link_lengths(specification: RobotSpecification, chain: Chain, source: str) -
     Raises:
         InputError: The chain is no two-link elbow.
     """
-    axes = [(chain.joints[arm].rotary, chain.joints[arm].axis) for arm in chain.geared]
+    axes = [(chain.joints[arm].rotary, chain.joints[arm].axis) for arm in chain.gear_rows]
     outputs = [output.pose for output in specification.outputs.values()]
     if axes == [(True, 1), (True, 1)] and specification.tool.linear is None and ELBOW_OUTPUT in outputs:
         values = {name: parameter.value for name, parameter in list_parameters(specification).items()}
         geometry = build_geometry(specification, chain, values.__getitem__)
         steps = np.array([ca.DM(step).full().ravel() for step in (*(f.offset for f in geometry.frames), geometry.tool)])
-        first, second = (arm + 1 for arm in chain.geared)  # all frames are parallel at zero
+        first, second = (arm + 1 for arm in chain.gear_rows)  # all frames are parallel at zero
         base, upper, fore = (part.sum(axis=0) for part in (steps[:first], steps[first:second], steps[second:]))
         if not base.any() and not upper[:2].any() and not fore[1:].any() and upper[2] > 0 and fore[0] > 0:
             return float(upper[2]), float(fore[0])

@@ -48,8 +48,8 @@ class RestFinder:
     def __init__(self, model: SymbolicModel, held: Literal["motors", "gears"] = "motors") -> None:
         chain, nq = model.chain, model.n_coordinates
         self._name, self._parameter_names = model.specification.name, model.parameter_names
-        self._balanced, self._motors = list(chain.sprung), list(chain.motor_places)
-        still = self._motors if held == "motors" else chain.geared
+        self._balanced, self._motors = list(chain.spring_rows), list(chain.motor_rows)
+        still = self._motors if held == "motors" else chain.gear_rows
         self._free = [place for place in range(nq) if place not in still]
         q, p = ca.SX.sym("q", nq), ca.SX.sym("p", len(model.parameter_names))
         force = model.force(q, np.zeros(nq), np.zeros(model.n_motors), np.zeros(6), p)

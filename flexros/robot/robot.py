@@ -14,11 +14,12 @@ from flexros.config.settings import validate
 from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError, unknown_name
 from flexros.robot import equilibrium, inverse_kinematics
+from flexros.robot.motors import RobotMotor, list_motors
 from flexros.robot.parameters import Parameter, list_parameters, with_values
 from flexros.robot.physical import check_physical
 from flexros.robot.rest import RestFinder
 from flexros.robot.specification import RobotSpecification, arm_names
-from flexros.robot.symbolic.chain import Chain, build_chain
+from flexros.robot.symbolic.chain import Chain, Coordinates, build_chain
 from flexros.robot.symbolic.model import SymbolicModel
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from flexros.arrays import FloatArray
+    from flexros.robot.symbolic.chain import Joint
 
 LIBRARY = Path(__file__).parent / "library"
 
@@ -68,10 +70,49 @@ class Robot:
         """Number of coordinates q = [q_a, q_m]; a motor behind a rigid gear has none of its own."""
         return self.n_arm + self.chain.n_motor_coordinates
 
+    @cached_property
+    def motors(self) -> tuple[RobotMotor, ...]:
+        """The motors, in order."""
+        return list_motors(self.chain)
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """Joints from base to tool, one per arm coordinate."""
+        return self.chain.joints
+
+    @property
+    def gear_rows(self) -> tuple[int, ...]:
+        """Row of each motor's gear coordinate among the coordinates q, shape (M,); also its arm coordinate."""
+        return self.chain.gear_rows
+
+    @property
+    def motor_rows(self) -> tuple[int, ...]:
+        """Row of each motor's position among the coordinates q, shape (M,)."""
+        return self.chain.motor_rows
+
+    @property
+    def spring_rows(self) -> tuple[int, ...]:
+        """Rows of the coordinates with a spring: all of the arm but those behind a rigid gear."""
+        return self.chain.spring_rows
+
+    @property
+    def flexible_motors(self) -> tuple[int, ...]:
+        """Indices of the motors behind flexible gears, in the order of their own coordinates."""
+        return self.chain.flexible_motors
+
+    @property
+    def stiff_motors(self) -> tuple[int, ...]:
+        """Indices of the motors behind rigid gears, which move with their arm coordinates."""
+        return self.chain.stiff_motors
+
+    def arm_from_gears(self, gears: Coordinates) -> Coordinates:
+        """Embed gear coordinates or rates (..., M) in arm coordinates (..., N); see `Chain.arm_from_gears`."""
+        return self.chain.arm_from_gears(gears)
+
     @property
     def joint_names(self) -> tuple[str, ...]:
         """Names of the motors in messages: motor_1, motor_2, ..."""
-        return tuple(f"motor_{number + 1}" for number in range(self.n_motors))
+        return tuple(motor.name for motor in self.motors)
 
     @property
     def arm_names(self) -> tuple[str, ...]:
@@ -101,20 +142,19 @@ class Robot:
     @cached_property
     def torque_limits(self) -> FloatArray:
         """Largest motor torque either way [Nm or N], shape (M,); infinite where there is no limit."""
-        limits = [self.chain.motor(number).torque_limit for number in range(self.n_motors)]
-        return np.array([np.inf if limit is None else limit.value for limit in limits])
+        return np.array([motor.torque_limit for motor in self.motors])
 
     @cached_property
     def encoder_noise(self) -> FloatArray:
         """Noise of the encoders, rms [rad or m], shape (M,)."""
         common = self.spec.sensors.encoder_noise
-        own = [self.chain.motor(number).encoder_noise for number in range(self.n_motors)]
+        own = [motor.specification.encoder_noise for motor in self.motors]
         return np.array([(common if noise is None else noise).value for noise in own])
 
     @cached_property
     def rotor_turns(self) -> FloatArray:
         """Rotor angle per motor coordinate: gear ratios where the file states the arm's side, else 1, shape (M,)."""
-        ratios = [self.chain.motor(number).gear_ratio.value for number in range(self.n_motors)]
+        ratios = [motor.gear_ratio for motor in self.motors]
         return np.array(ratios) if self.spec.coordinates == "arm" else np.ones(self.n_motors)
 
     @cached_property

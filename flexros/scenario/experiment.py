@@ -275,7 +275,7 @@ def _trajectory(scenario: Scenario, robot: Robot, source: str, sample_time: floa
             return diagnosis_course(
                 scenario.diagnosis, robot, scenario.controller, sample_time, scenario.seed, near
             ).trajectory
-    gears = near[list(robot.chain.geared)]
+    gears = near[list(robot.gear_rows)]
     if scenario.trajectory is None:
         return Trajectory.at_rest(gears)
     if scenario.trajectory.joints:
@@ -298,8 +298,8 @@ def _check_reachable(trajectory: Trajectory, robot: Robot, near: FloatArray) -> 
     """Refuse a tool path that leaves the reach of the rigid arm or passes a singularity; names the place."""
     if trajectory.joints or not robot.spec.outputs[trajectory.output].pose:
         return
-    gears = list(robot.chain.geared)
-    slope, arm = robot.model.output_with_slope(trajectory.output), robot.chain.arm_from_gears
+    gears = list(robot.gear_rows)
+    slope, arm = robot.model.output_with_slope(trajectory.output), robot.arm_from_gears
     check_reachable(
         trajectory,
         lambda target, close: robot.inverse_kinematics(target, arm(close), trajectory.output)[gears],

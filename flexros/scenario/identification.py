@@ -94,12 +94,12 @@ def template_scenario(robot: Robot, reference: str, given: str = "") -> Scenario
         if scenario.identification is None:
             raise InputError(f"scenario {scenario.name} has no key identification, so it is no experiment; add the key")
         return scenario.with_values({"robot": reference})
-    flexible = bool(robot.chain.flexible_motors)
+    flexible = bool(robot.flexible_motors)
     settings = {
         "name": built_in,
         "description": "Identification experiment with a controller chosen by FlexROS.",
         "robot": reference,
-        "identification": {"positions": [robot.home[list(robot.chain.geared)].tolist()]},
+        "identification": {"positions": [robot.home[list(robot.gear_rows)].tolist()]},
         "feedforward": {"method": "flexible_joint" if flexible else "rigid"},
         "controller": {"kind": "pid", **default_controller(robot, robot.sample_time).model_dump(mode="json")},
     }
@@ -229,7 +229,7 @@ def _move_changes(template: Scenario, robot: Robot, design: ExperimentDesign) ->
     assert specification is not None
     allowed = specification.limits.torque_share * template.controller.command_limits(robot)
     start = robot.home if template.start is None else np.array(template.start)
-    factor = move_factor(robot, start[list(robot.chain.geared)], design.positions, specification.move, allowed)
+    factor = move_factor(robot, start[list(robot.gear_rows)], design.positions, specification.move, allowed)
     if factor == 1.0:
         return {}
     return {

@@ -34,7 +34,7 @@ def plan_of_scenario(scenario: Scenario) -> ExperimentPlan:
     with source_named(source):
         start = robot.home if scenario.start is None else robot.check_arm(scenario.start)
         sample_time = robot.sample_time if scenario.sample_time is None else scenario.sample_time
-        gears = start[list(robot.chain.geared)]
+        gears = start[list(robot.gear_rows)]
         return ExperimentPlan.build(scenario.identification, robot, sample_time, scenario.seed, gears)
 
 

@@ -112,7 +112,7 @@ class PlantSymbols:
     def motor(self, law: PlacedLaw, torque: ca.SX) -> MotorState:
         """Return what a law at a motor sees; `torque` is that of all motors."""
         number = law.motor
-        place = self.robot.chain.motor_places[number]
+        place = self.robot.motor_rows[number]
         position, speed = self.q[place], self.v[place]
         angle = float(self.robot.rotor_turns[number]) * position
         friction = self.robot_value(f"{law.location}.viscous_friction")
@@ -120,10 +120,10 @@ class PlantSymbols:
 
     def joint(self, law: PlacedLaw) -> tuple[int, Joint]:
         """Return the arm coordinate at which a law of a spring sits, by its motor's or by its own name."""
-        joints = self.robot.chain.joints
+        joints = self.robot.joints
         names = self.robot.joint_names
         index = (
-            self.robot.chain.geared[names.index(law.location)]
+            self.robot.gear_rows[names.index(law.location)]
             if law.location in names
             else [joint.name for joint in joints].index(law.location)
         )
@@ -141,7 +141,7 @@ class PlantSymbols:
         return replace(gear, own=self.own(law))
 
     def _nominal_gear(self, index: int) -> GearState:
-        joint = self.robot.chain.joints[index]
+        joint = self.robot.joints[index]
         spring, scale = joint.direction.spring, self.robot_value(f"{joint.name}.stiffness")
         assert isinstance(spring, Spring)
         damping = self.robot_value(f"{joint.name}.damping")

@@ -119,7 +119,7 @@ def _rub(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
     friction = ca.vertcat(plant.friction, *[plant.x[place] for place in held])
     free, slope, mobility = _accelerations(plant, x, motors, step)
     middle = 0.5 * step
-    places = [plant.robot.chain.motor_places[motor] for motor in motors]
+    places = [plant.robot.motor_rows[motor] for motor in motors]
     speeds = [
         _within_direction(plant.v[place], plant.v[place] + middle * (free[k] - mobility[k, :] @ friction))
         for k, place in enumerate(places)
@@ -150,7 +150,7 @@ def _rub(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
 def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Return accelerations without friction, what springs and own states add to them per time, and mobilities."""
     torque = ca.SX.sym("torque", plant.robot.n_motors)
-    places = [plant.robot.chain.motor_places[motor] for motor in motors]
+    places = [plant.robot.motor_rows[motor] for motor in motors]
     free = motor_accelerations(plant, torque)[places]
     mobility = ca.jacobian(free, torque)[:, motors]
     passed = plant.torques(plant.u)

@@ -74,7 +74,7 @@ class Case:
     @classmethod
     def six_axis(cls) -> Case:
         robot = load_robot("six_axis")
-        start = robot.home[list(robot.chain.geared)]
+        start = robot.home[list(robot.gear_rows)]
         return cls(
             "six_axis", robot, build_trajectory(validate(TrajectorySpecification, JOINTS, "bench"), start), "joints"
         )

@@ -15,7 +15,7 @@ def test_error_is_a_wave_over_the_angle_of_the_rotor(robot_name: str, turns: flo
     robot = load_robot(robot_name)
     text = "encoder_eccentricity@motor_1:amplitude=2e-4,order=3,phase=0.7"
     placed = place_effects(robot, [parse_effect(text, "test")])
-    place = robot.chain.motor_places[0]
+    place = robot.motor_rows[0]
     for position in (0.0, 0.31, -0.02):
         state = np.zeros(2 * robot.n_coordinates)
         state[place] = position

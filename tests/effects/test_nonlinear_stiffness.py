@@ -21,7 +21,7 @@ def robot_with(robot: Robot, *texts: str) -> Robot:
 
 
 def spring_torque(robot: Robot, name: str, deflection: float) -> float:
-    spring = next(joint.direction.spring for joint in robot.chain.joints if joint.name == name)
+    spring = next(joint.direction.spring for joint in robot.joints if joint.name == name)
     assert isinstance(spring, Spring)
     return float(ca.DM(spring.force(ca.SX(deflection), robot.parameters[f"{name}.stiffness"].value)))
 
@@ -80,11 +80,11 @@ def test_rest_under_gravity_includes_the_knees_of_gear_and_arm_springs() -> None
         "nonlinear_stiffness@body_2.ry:relative=-0.4,knee=1e-5",
     )
     bent = robot_with(robot, *texts)
-    state = bent.equilibrium(robot.home, motor_position=robot.equilibrium(robot.home)[list(robot.chain.motor_places)])
+    state = bent.equilibrium(robot.home, motor_position=robot.equilibrium(robot.home)[list(robot.motor_rows)])
     rate = bent.model.derivative(state, bent.holding_torque(state), np.zeros(6), ca.DM(0, 1))
     np.testing.assert_allclose(rate.full(), 0.0, atol=1e-7)
-    places = {joint.name: index for index, joint in enumerate(robot.chain.joints)}
-    lower_arm = state[robot.chain.motor_places[1]] - state[places["body_3.ry"]]
+    places = {joint.name: index for index, joint in enumerate(robot.joints)}
+    lower_arm = state[robot.motor_rows[1]] - state[places["body_3.ry"]]
     assert abs(lower_arm) > 1e-4
     assert abs(state[places["body_2.ry"]]) > 1e-5
     assert bent.holding_torque(state)[1] == pytest.approx(spring_torque(bent, "body_3.ry", lower_arm), rel=1e-6)

@@ -20,7 +20,7 @@ def motor_torque(robot_name: str, effect: str, positions: FloatArray, command: f
     robot = load_robot(robot_name)
     placed = place_effects(robot, [parse_effect(effect, "test")])
     with_effect, without = PlantModel(placed.robot, placed.laws).derivative, robot.model.derivative
-    place = robot.chain.motor_places[0]
+    place = robot.motor_rows[0]
     inertia = robot.parameters["motor_1.inertia"].value
     u = np.zeros(robot.n_motors)
     u[0] = command

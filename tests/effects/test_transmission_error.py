@@ -26,14 +26,14 @@ def test_order_counts_turns_of_the_rotor() -> None:
     six_axis = load_robot("six_axis")
     model = PlantModel(six_axis, laws_of(six_axis, "transmission_error@motor_1:amplitude=1e-4,order=2"))
     state = six_axis.equilibrium(six_axis.home)
-    ratio = six_axis.chain.motor(0).gear_ratio.value
-    place = six_axis.chain.motor_places[0]
+    ratio = six_axis.motors[0].gear_ratio
+    place = six_axis.motor_rows[0]
     moved = []
     for turn in (0.0, 0.125, 1.0):
         start = state.copy()
         start[place] = turn * 2 * np.pi / ratio
-        start[six_axis.chain.geared[0]] = start[place]
-        moved.append(model.rest(start).state[six_axis.chain.geared[0]] - start[place])
+        start[six_axis.gear_rows[0]] = start[place]
+        moved.append(model.rest(start).state[six_axis.gear_rows[0]] - start[place])
     assert moved[1] - moved[0] == pytest.approx(1e-4, rel=1e-3)
     assert moved[2] - moved[0] == pytest.approx(0.0, abs=1e-8)
 

@@ -35,7 +35,7 @@ def joint_trajectory(robot: Robot, change: list[float], duration: float) -> Traj
         "path": {"type": "joint_moves", "points_from_start": [change]},
         "time_law": {"type": "ninth_degree", "duration": duration},
     }
-    return build_trajectory(validate(TrajectorySpecification, data, "test"), robot.home[list(robot.chain.geared)])
+    return build_trajectory(validate(TrajectorySpecification, data, "test"), robot.home[list(robot.gear_rows)])
 
 
 def edited_robot(name: str, change: Callable[[dict[str, Any]], None]) -> Robot:

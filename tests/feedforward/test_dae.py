@@ -103,7 +103,7 @@ def test_nonlinear_gear_springs(spring: dict[str, object], smooth: Trajectory) -
     k = int(np.argmax(np.abs(motion.load[:, 0])))
     deflection = motion.motor_position[k] - motion.arm_position[k, :2]
     rate = np.gradient(motion.motor_position[:, 0] - motion.arm_position[:, 0], 5e-4)[k]
-    law = robot.chain.joints[0].direction.spring
+    law = robot.joints[0].direction.spring
     assert motion.load[k, 0] == pytest.approx(float(law.force(deflection[0], 1.0)) + 50 * rate, rel=1e-3)
 
 

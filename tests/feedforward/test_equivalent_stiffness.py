@@ -41,7 +41,7 @@ def test_tool_yields_statically_as_the_flexible_joint_model_says(e12: Robot) -> 
 def test_gears_alone_keep_their_stiffness() -> None:
     elbow = load_robot("elbow")
     compliance = equivalent_compliance(elbow, elbow.equilibrium())
-    springs = [elbow.chain.joints[place].direction.spring.stiffness.value for place in elbow.chain.geared]
+    springs = [elbow.joints[place].direction.spring.stiffness.value for place in elbow.gear_rows]
     np.testing.assert_allclose(1.0 / compliance, springs, rtol=1e-12)
 
 

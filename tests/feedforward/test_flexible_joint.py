@@ -21,8 +21,8 @@ def test_equation_5_5_for_one_axis() -> None:
     q = path.evaluate(reference.time, 4)[:, :, 0]
     arm = float(robot.model.arm_inertia([0.0], []))
     motor = float(robot.model.motor_inertia([]))
-    k = robot.chain.joints[0].direction.spring.stiffness.value
-    friction = robot.chain.motor(0).viscous_friction.value
+    k = robot.joints[0].direction.spring.stiffness.value
+    friction = robot.motors[0].specification.viscous_friction.value
     np.testing.assert_allclose(reference.motor_position[:, 0], q[0] + arm / k * q[2], atol=1e-13)
     np.testing.assert_allclose(reference.motor_velocity[:, 0], q[1] + arm / k * q[3], atol=1e-11)
     expected = (arm + motor) * q[2] + arm * motor / k * q[4] + friction * (q[1] + arm / k * q[3])

@@ -61,13 +61,13 @@ def linear_log(
     model = linear_model(robot)
     A, B, _, _ = model.matrices()
     n_x, n = len(A), len(A) // 2
-    arm, motor = robot.chain.geared[0], robot.chain.motor_places[0]
+    arm, motor = robot.gear_rows[0], robot.motor_rows[0]
     between = (np.eye(n)[arm] - np.eye(n)[motor])[:, None]
     B = np.hstack([B, np.vstack([np.zeros((n, 1)), np.linalg.solve(model.mass, between)])])
     both = expm(np.block([[A, B], [np.zeros((m + 1, n_x + m + 1))]]) * T)
     F, G, inside = both[:n_x, :n_x], both[:n_x, n_x:-1], both[:n_x, -1]
     observer = observer_gain(robot, T, level, robot.encoder_noise)
-    places = np.array(robot.chain.motor_places)
+    places = np.array(robot.motor_rows)
     noise = np.random.default_rng(seed).standard_normal(reference.shape) * robot.encoder_noise
     x, guess = np.zeros(n_x), np.zeros(n_x)
     position, torque, errors, lacking = (np.zeros_like(reference) for _ in range(4))

@@ -12,6 +12,7 @@ from scipy.linalg import expm
 from flexros.prediction.observer import ARM_SHARE, ObserverGain, _noise_of_kind, observer_gain
 from flexros.robot import Robot, load_robot
 from flexros.robot.linear.linearise import linear_model
+from flexros.robot.motors import list_motors
 
 STEP = 5e-4
 ROBOT = load_robot("four_mass_linear")
@@ -117,13 +118,15 @@ def test_motors_that_turn_and_that_slide_have_noise_of_their_own_kind() -> None:
     robot = load_robot("e12")
     noise = np.array([1e-6, 3e-6])
     np.testing.assert_allclose(_noise_of_kind(robot, noise), 2e-6)
-    joints = tuple(
-        replace(joint, rotary=number != robot.chain.geared[0]) for number, joint in enumerate(robot.chain.joints)
-    )
+    joints = tuple(replace(joint, rotary=number != robot.gear_rows[0]) for number, joint in enumerate(robot.joints))
     mixed = SimpleNamespace(
-        chain=replace(robot.chain, joints=joints), n_arm=robot.n_arm, n_coordinates=robot.n_coordinates
+        joints=joints,
+        motors=list_motors(replace(robot.chain, joints=joints)),
+        motor_rows=robot.motor_rows,
+        n_arm=robot.n_arm,
+        n_coordinates=robot.n_coordinates,
     )
     found = _noise_of_kind(mixed, noise)
-    places = robot.chain.motor_places
+    places = robot.motor_rows
     assert found[places[0]] == 1e-6
     assert found[places[1]] == 3e-6

@@ -22,7 +22,7 @@ def test_nothing_moves_at_rest(name: str) -> None:
 def test_actuated_coordinates_are_held_and_the_others_sag() -> None:
     robot = load_robot("six_axis")
     state = robot.equilibrium(robot.home)
-    geared = list(robot.chain.geared)
+    geared = list(robot.gear_rows)
     np.testing.assert_array_equal(state[geared], robot.home[geared])
     others = np.setdiff1d(np.arange(robot.n_arm), geared)
     assert np.abs(state[others]).max() > 1e-4

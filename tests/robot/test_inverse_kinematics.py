@@ -16,7 +16,7 @@ def six_axis() -> Robot:
 
 def _arm(robot: Robot, gears: list[float] | np.ndarray) -> np.ndarray:
     q = np.zeros(robot.n_arm)
-    q[list(robot.chain.geared)] = gears
+    q[list(robot.gear_rows)] = gears
     return q
 
 
@@ -30,10 +30,10 @@ def test_roll_beyond_half_a_turn_stays_near(six_axis: Robot, roll: float) -> Non
 
 def test_poses_in_reach_are_found(six_axis: Robot) -> None:
     rng = np.random.default_rng(0)
-    home = six_axis.home[list(six_axis.chain.geared)]
+    home = six_axis.home[list(six_axis.gear_rows)]
     for _ in range(40):
         q = _arm(six_axis, home + rng.uniform(-0.6, 0.6, 6))
-        near = _arm(six_axis, q[list(six_axis.chain.geared)] + rng.uniform(-0.3, 0.3, 6))
+        near = _arm(six_axis, q[list(six_axis.gear_rows)] + rng.uniform(-0.3, 0.3, 6))
         target = six_axis.forward_kinematics(q, "tool")
         found = six_axis.inverse_kinematics(target, near, "tool")
         np.testing.assert_allclose(six_axis.tool_pose(found)[:3], six_axis.tool_pose(q)[:3], atol=1e-9)

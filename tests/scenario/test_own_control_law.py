@@ -87,13 +87,13 @@ class ComputedTorque(AbstractControlLaw):
         return np.array([self.bandwidth])
 
     def function(self, context: LoopContext) -> casadi.Function:
-        model, arm, references = context.robot.model, context.robot.chain.arm_from_gears, context.references
+        model, arm, references = context.robot.model, context.robot.arm_from_gears, context.references
         c, r = casadi.SX.sym("c", self.state_size(context)), casadi.SX.sym("r", references.size)
         y, g = casadi.SX.sym("y", context.measurements.size), casadi.SX.sym("g")
         error, speed = references.part(r, "motor_position") - y, references.part(r, "motor_velocity")
         rate = casadi.if_else(c[-1] > 0.5, (error - c[:-1]) / context.sample_time, 0.0 * error)
         a, p = g**2 * error + 2 * g * rate, model.parameter_values
-        torque = model.arm_inverse_dynamics(arm(y), arm(speed), arm(a), p)[list(context.robot.chain.geared)]
+        torque = model.arm_inverse_dynamics(arm(y), arm(speed), arm(a), p)[list(context.robot.gear_rows)]
         command = torque + model.motor_inertia(p) * a
         return casadi.Function(self.kind, [c, r, y, g], [command, casadi.vertcat(error, 1.0)])
 

@@ -60,7 +60,7 @@ def axis(
     robot = linear_robot(model)
     if joint not in robot.joint_names:
         raise unknown_name("joint", joint, robot.joint_names, f"--joint, robot {robot.name}")
-    rotary = robot.chain.joints[robot.chain.geared[robot.joint_names.index(joint)]].rotary
+    rotary = robot.motors[robot.joint_names.index(joint)].rotary
     settings = {"masses": masses, "gear": gear, "stribeck": stribeck, "offset": offset, "output": output}
     structure = validate(AxisStructure, {**settings, "rotary": rotary}, "command line")
     starts, bounds = _values(start), _bounds(bound)

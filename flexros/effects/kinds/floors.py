@@ -61,7 +61,7 @@ def floor_of(robot: Robot, effect: type[AbstractEffect], parameter: str, locatio
         InputError: There is no motor at the place, or its encoder has no noise.
     """
     source = f"{effect.name}@{location}: parameter '{parameter}'"
-    springs = {robot.chain.joints[arm].name: motor for motor, arm in enumerate(robot.chain.geared)}
+    springs = {robot.joints[arm].name: motor for motor, arm in enumerate(robot.gear_rows)}
     motors = {name: motor for motor, name in enumerate(robot.joint_names)}
     motor = (springs | motors).get(location)
     if motor is None:
@@ -91,5 +91,5 @@ def rigid_inertia(robot: Robot) -> FloatArray:
     """
     arm = np.diag(np.array(robot.model.arm_inertia(robot.home, robot.model.parameter_values)))
     motors = [robot.parameters[f"{name}.inertia"].value for name in robot.joint_names]
-    inertia: FloatArray = arm[list(robot.chain.geared)] + np.array(motors)
+    inertia: FloatArray = arm[list(robot.gear_rows)] + np.array(motors)
     return inertia

@@ -49,7 +49,7 @@ def with_gear_laws(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], samp
     Returns:
         The motion of the motors with the torques that it takes.
     """
-    for number in () if robot.spec.inertial_coupling else robot.chain.flexible_motors:
+    for number in () if robot.spec.inertial_coupling else robot.flexible_motors:
         own = [law.effect for law in laws if law.location in (robot.joint_names[number], _spring_name(robot, number))]
         effects = sorted((one for one in own if isinstance(one, AbstractGearLaw)), key=lambda effect: effect.rank)
         if effects and len(motion) > 1:
@@ -58,17 +58,17 @@ def with_gear_laws(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], samp
 
 
 def _spring_name(robot: Robot, number: int) -> str:
-    return robot.arm_names[robot.chain.geared[number]]
+    return robot.arm_names[robot.gear_rows[number]]
 
 
 class _Gear:
     """A gear with laws, along a planned motion."""
 
     def __init__(self, robot: Robot, number: int, effects: Sequence[AbstractGearLaw], sample_time: float) -> None:
-        joint = robot.chain.joints[robot.chain.geared[number]]
+        joint = robot.motors[number].joint
         spring, numbers = joint.direction.spring, robot.parameters
         assert isinstance(spring, Spring)
-        self._number, self._arm, self._effects, self._step = number, robot.chain.geared[number], effects, sample_time
+        self._number, self._arm, self._effects, self._step = number, robot.gear_rows[number], effects, sample_time
         self._friction = numbers[f"motor_{number + 1}.viscous_friction"].value
         self._inertia = numbers[f"motor_{number + 1}.inertia"].value
         self._damping = numbers[f"{joint.name}.damping"].value

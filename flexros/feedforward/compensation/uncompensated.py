@@ -62,8 +62,8 @@ def _reason(robot: Robot, law: PlacedLaw, hold: bool) -> str:
     if isinstance(effect, AbstractSensor) and effect.rank != PERIODIC:
         return "what the encoder loses is not known ahead of time"
     if isinstance(effect, AbstractGearLaw):
-        motors = [robot.joint_names[number] for number in robot.chain.flexible_motors]
-        gears = [robot.arm_names[robot.chain.geared[number]] for number in robot.chain.flexible_motors]
+        motors = [robot.joint_names[number] for number in robot.flexible_motors]
+        gears = [robot.arm_names[robot.gear_rows[number]] for number in robot.flexible_motors]
         if law.location not in (*motors, *gears):
             return "it lies in a spring without motor"
         return "the motors act on the arm beside their gears" if robot.spec.inertial_coupling else ""

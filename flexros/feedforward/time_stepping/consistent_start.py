@@ -39,7 +39,7 @@ def consistent_start(robot: Robot, equations: DaeEquations, output: FloatArray, 
     rest, zero = np.zeros(equations.n_coordinates), np.zeros(equations.n_unknowns)
     z = zero.copy()
     z[: robot.n_arm] = rigid
-    z[list(robot.chain.motor_places)] = rigid[list(robot.chain.geared)]
+    z[list(robot.motor_rows)] = rigid[list(robot.gear_rows)]
     weight = 1.0 / _stiffness_scale(equations, z)
     for _ in range(MAX_ITERATIONS):
         matrix = np.array(equations.newton_matrix(zero, z, rest, rest, 0.0, weight))

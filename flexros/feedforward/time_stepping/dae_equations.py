@@ -73,7 +73,7 @@ def arm_residual(
         return (model.mass_matrix(q, p) @ a - model.force(q, v, u, ca.SX.zeros(6), p))[:n] - beside
     need = model.arm_inverse_dynamics(q[:n], v[:n], a[:n], p) - model.transmission_force(q[:n], v[:n], q[n:], v[n:], p)
     for number in model.chain.stiff_motors:
-        arm = model.chain.geared[number]
+        arm = model.chain.gear_rows[number]
         need[arm] += model.chain.motor(number).inertia.value * a[arm] - u[number]
     return need - beside
 
@@ -174,7 +174,7 @@ def _mass_based_matrix(model: SymbolicModel, x: ca.SX, q: ca.SX, gamma: ca.SX, w
     M = model.mass_matrix(q, p)[:n, :]
     rows = ca.horzcat(M * gamma**2 + D * gamma + K, ca.SX.zeros(n, x.shape[0] - nq))
     for column, number in enumerate(model.chain.stiff_motors):
-        rows[model.chain.geared[number], nq + column] = -1
+        rows[model.chain.gear_rows[number], nq + column] = -1
     return ca.vertcat(weight * rows, ca.jacobian(output, x))
 
 

@@ -127,12 +127,15 @@ def _causes(found: Findings) -> tuple[Cause, ...]:
 def _rounding(found: Findings, one: Quantization) -> Cause:
     """State the rounding of an encoder, which is read off the log."""
     robot = found.model.robot
-    unit = "rad" if robot.chain.joints[robot.chain.geared[one.motor]].rotary else "m"
     return Cause(
         effect=EncoderQuantization.name,
         location=robot.joint_names[one.motor],
         probability=1.0,
-        parameters={"step": CauseParameter(value=one.step, std=STEP_ERROR * one.step, unit=unit)},
+        parameters={
+            "step": CauseParameter(
+                value=one.step, std=STEP_ERROR * one.step, unit=robot.motors[one.motor].position_unit
+            )
+        },
         closed_fraction=found.closed(found.explanations.evidence.nothing),
     )
 

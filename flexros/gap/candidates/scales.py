@@ -50,20 +50,20 @@ def scales_of(robot: Robot, states: FloatArray, torque: FloatArray) -> Scales:
         states: Predicted states [q, v], shape (n, n_states).
         torque: Torques of the motors [Nm or N], shape (n, M).
     """
-    n, places = robot.n_coordinates, robot.chain.motor_places
+    n, places = robot.n_coordinates, robot.motor_rows
     names = robot.joint_names
     position, speed = states[:, :n], states[:, n : 2 * n]
     torques = {name: max(float(np.abs(torque[:, motor]).max()), 1e-9) for motor, name in enumerate(names)}
     speeds = {name: _largest(speed[:, place]) for name, place in zip(names, places)}
     angles = {name: max(float(np.ptp(position[:, place])), 1e-9) for name, place in zip(names, places)}
     deflections: dict[str, float] = {}
-    for index, joint in enumerate(robot.chain.joints):
+    for index, joint in enumerate(robot.joints):
         value = position[:, index]
         if joint.motor_coordinate is not None:
             value = position[:, robot.n_arm + joint.motor_coordinate] - value
         deflections[joint.name] = _largest(value)
     for motor, name in enumerate(names):
-        deflections[name] = deflections[robot.chain.joints[robot.chain.geared[motor]].name]
+        deflections[name] = deflections[robot.motors[motor].joint.name]
     return Scales({"torque": torques, "speed": speeds, "angle": angles, "deflection": deflections})
 
 

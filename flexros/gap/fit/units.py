@@ -29,7 +29,5 @@ def unit_of_parameter(candidate: Candidate, name: str, robot: Robot) -> str:
 
 
 def _rotary(location: str, robot: Robot) -> bool:
-    joints = robot.chain.joints
-    if location in robot.joint_names:
-        return joints[robot.chain.geared[robot.joint_names.index(location)]].rotary
-    return next((joint.rotary for joint in joints if joint.name == location), True)
+    rotary = {motor.name: motor.rotary for motor in robot.motors} | {joint.name: joint.rotary for joint in robot.joints}
+    return rotary.get(location, True)

@@ -88,7 +88,7 @@ def _gaps(
             None if one is None else _rms((moved[counted] - one[rows[counted], motor])[:, None]) for one in simulated
         ]
         assert away[0] is not None
-        unit = "mrad" if robot.chain.joints[robot.chain.geared[motor]].rotary else "mm"
+        unit = f"m{robot.motors[motor].position_unit}"
         floor = float(robot.encoder_noise[motor]) / _MILLI
         gaps.append(SignalGap(f"{name} position in closed loop", unit, away[0], away[1], floor))
     return tuple(gaps)

@@ -35,11 +35,10 @@ def signal_gaps(
     for motor, name in enumerate(robot.joint_names):
         first = _rms(before, motor)
         scale, prefix = (_MICRO, "µ") if first < _SMALL else (_MILLI, "m")
-        rotary = robot.chain.joints[robot.chain.geared[motor]].rotary
         gaps.append(
             SignalGap(
                 signal=f"{name} position, 0.1 s ahead",
-                unit=f"{prefix}{'rad' if rotary else 'm'}",
+                unit=f"{prefix}{robot.motors[motor].position_unit}",
                 before=first / scale,
                 after=None if after is None else _rms(after, motor) / scale,
                 floor=float(before.floor[motor]) / scale,

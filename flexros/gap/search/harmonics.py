@@ -121,7 +121,7 @@ class OrderSearch:
         return PeriodicFit(order, float(np.hypot(*solution)), float(np.arctan2(solution[1], solution[0])), gain)
 
     def _angle(self, motor: int) -> FloatArray:
-        angle: FloatArray = self.robot.rotor_turns[motor] * self._states[:, self.robot.chain.motor_places[motor]]
+        angle: FloatArray = self.robot.rotor_turns[motor] * self._states[:, self.robot.motor_rows[motor]]
         return angle
 
     def _highest(self, angle: FloatArray) -> float:
@@ -138,8 +138,7 @@ class OrderSearch:
     def _stiffening(self, motor: int) -> FloatArray | float:
         """Return the local stiffness of a gear along the motion over that of the linear model, shape (n,)."""
         if motor not in self._stiffenings:
-            chain = self.robot.chain
-            index, place = chain.geared[motor], chain.motor_places[motor]
+            index, place = self.robot.gear_rows[motor], self.robot.motor_rows[motor]
             linear = -float(self._linear.stiffness[index, place])
             hard = index == place or not linear > 0
             self._stiffenings[motor] = 1.0 if hard else _local_stiffness(self.robot, index, self._states) / linear
@@ -153,7 +152,7 @@ class OrderSearch:
         if entry == "encoder":
             through[motor] = 1.0
             return -self._step(T) @ self.data.gain.gain[:, motor], through
-        place = self.robot.chain.motor_places[motor]
+        place = self.robot.motor_rows[motor]
         force = -model.stiffness[:, place] if entry == "gear" else model.input[:, motor]
         column = np.concatenate([np.zeros(n), np.linalg.solve(model.mass, force)])
         half = self._step(T / 2)
@@ -209,7 +208,7 @@ class OrderSearch:
 def _with_mean_stiffness(robot: Robot, states: FloatArray) -> Robot:
     """Scale the springs that are not linear so that they have, at rest, their mean stiffness along a motion."""
     values = {}
-    for index, joint in enumerate(robot.chain.joints):
+    for index, joint in enumerate(robot.joints):
         spring = joint.direction.spring
         if isinstance(spring, Spring) and (spring.piecewise_linear is not None or spring.cubic is not None):
             along, name = _local_stiffness(robot, index, states), f"{joint.name}.stiffness"
@@ -221,7 +220,7 @@ def _with_mean_stiffness(robot: Robot, states: FloatArray) -> Robot:
 
 def _local_stiffness(robot: Robot, index: int, states: FloatArray) -> FloatArray:
     """Evaluate the slope of a spring at the deflections of states [q, v], shape (n,)."""
-    joint = robot.chain.joints[index]
+    joint = robot.joints[index]
     spring, deflection = joint.direction.spring, ca.SX.sym("deflection")
     assert isinstance(spring, Spring)
     torque = spring.force(deflection, robot.parameters[f"{joint.name}.stiffness"].value)

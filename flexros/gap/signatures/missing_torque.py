@@ -91,8 +91,8 @@ def _torque_response(
     model = linear_model(robot, q_a)
     A, _, _, _ = model.matrices()
     force = model.input.copy()
-    for motor in robot.chain.flexible_motors if entry == "gear" else ():
-        force[robot.chain.geared[motor], motor] -= 1.0
+    for motor in robot.flexible_motors if entry == "gear" else ():
+        force[robot.gear_rows[motor], motor] -= 1.0
     n, m = len(A), force.shape[1]
     held = np.zeros((n + m, n + m))
     held[:n, :n], held[n // 2 : n, n:] = A, np.linalg.solve(model.mass, force)

@@ -10,7 +10,6 @@ import numpy as np
 
 from flexros.gap.signatures.missing_torque import missing_torque
 from flexros.gap.where.motion import MotorMotion, motion_of
-from flexros.robot.quantity import unit_of
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
@@ -91,8 +90,7 @@ class SignatureData:
         Returns:
             "Nm" and "rad", or "N" and "m".
         """
-        rotary = self.robot.chain.joints[self.robot.chain.geared[motor]].rotary
-        return unit_of("torque", rotary), unit_of("position", rotary)
+        return self.robot.motors[motor].torque_unit, self.robot.motors[motor].position_unit
 
     def lacking(self, motor: int) -> dict[str, FloatArray]:
         """Return the torque that the models lack at a motor, sample by sample of `rows`.
@@ -122,7 +120,7 @@ class SignatureData:
             return names.index(location)
         if location in self.robot.arm_names:
             arm = self.robot.arm_names.index(location)
-            before = [number for number, place in enumerate(self.robot.chain.geared) if place <= arm]
+            before = [number for number, place in enumerate(self.robot.gear_rows) if place <= arm]
             return before[-1] if before else 0
         excess = (self.before.innovations / self.before.sd)[self.record.valid]
         return int((excess**2).mean(axis=0).argmax())

@@ -55,7 +55,7 @@ def motion_of(record: Record, robot: Robot, states: FloatArray | None = None) ->
     Returns:
         The motion.
     """
-    places, nq = list(robot.chain.motor_places), robot.n_coordinates
+    places, nq = list(robot.motor_rows), robot.n_coordinates
     if states is None:
         speed = _smoothed(record.position, record.sample_time, 1)
     else:
@@ -83,12 +83,12 @@ def _smoothed(values: FloatArray, sample_time: float, order: int) -> FloatArray:
 def _gears(robot: Robot, states: FloatArray | None, shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
     """Return torsions and transmitted torques of the gears."""
     torsion, torque = np.full(shape, np.nan), np.full(shape, np.nan)
-    flexible = list(robot.chain.flexible_motors)
+    flexible = list(robot.flexible_motors)
     if states is None or not flexible:
         return torsion, torque
     n, nq = robot.n_arm, robot.n_coordinates
     q, v = states[:, :nq], states[:, nq : 2 * nq]
-    arms = [robot.chain.geared[number] for number in flexible]
+    arms = [robot.gear_rows[number] for number in flexible]
     torsion[:, flexible] = q[:, n:] - q[:, arms]
     force = robot.model.transmission_force
     values = robot.model.parameter_values

@@ -90,8 +90,8 @@ def extremes_of_robot(robot: Robot, joint: str, count: int) -> Extremes | None:
         The extremes; None where the robot has fewer pairs.
     """
     linear = linear_model(robot)
-    own = robot.chain.motor_places[robot.joint_names.index(joint)]
-    others = set(robot.chain.motor_places) - {own}
+    own = robot.motor_rows[robot.joint_names.index(joint)]
+    others = set(robot.motor_rows) - {own}
     free = [place for place in range(len(linear.mass)) if place not in others]
     held = [place for place in free if place != own]
     peaks = _frequencies(linear.mass, linear.stiffness, free)[1:]  # the first is the motion of the axis as a whole

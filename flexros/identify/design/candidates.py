@@ -57,9 +57,9 @@ class CandidatePositions:
 
 def default_ranges(robot: Robot) -> FloatArray:
     """Return a range of each gear about the home pose [rad or m], shape (M, 2); chosen, as robots state none."""
-    places = list(robot.chain.geared)
-    reach = np.array([ROTARY_REACH if robot.chain.joints[k].rotary else LINEAR_REACH for k in places])
-    return np.stack([robot.home[places] - reach, robot.home[places] + reach], axis=1)
+    home = robot.home[list(robot.gear_rows)]
+    reach = np.array([ROTARY_REACH if motor.rotary else LINEAR_REACH for motor in robot.motors])
+    return np.stack([home - reach, home + reach], axis=1)
 
 
 def candidate_positions(
@@ -120,7 +120,7 @@ class _Judge:
         model, n = robot.model, robot.n_coordinates
         q, p = ca.SX.sym("q", n), model.parameter_values
         force = model.force(q, np.zeros(n), np.zeros(robot.n_motors), np.zeros(6), p)
-        free = [place for place in range(n) if place not in robot.chain.motor_places]
+        free = [place for place in range(n) if place not in robot.motor_rows]
         stiffness = -ca.jacobian(force[free], q)[:, free] if free else ca.SX(0, 0)
         self._stiffness = ca.Function("stiffness", [q], [ca.densify(stiffness)])
         self._encoder = model.encoder
@@ -129,7 +129,7 @@ class _Judge:
         """Return the motor positions that hold gear coordinates, or None and why there are none."""
         robot = self._robot
         try:
-            state = robot.equilibrium(robot.chain.arm_from_gears(gears))
+            state = robot.equilibrium(robot.arm_from_gears(gears))
         except InputError:
             return None, "the springs do not balance gravity"
         q = state[: robot.n_coordinates]

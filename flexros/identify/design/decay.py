@@ -72,7 +72,7 @@ def decays_at(
         at = linearise_positions(robot, (), motor_positions[first : first + _CHUNK])
         n = robot.n_coordinates
         pick = np.zeros((robot.n_motors, 2 * n))
-        pick[np.arange(robot.n_motors), at.motor_places] = 1.0
+        pick[np.arange(robot.n_motors), at.motor_rows] = 1.0
         A = np.zeros((len(at.mass), 2 * n, 2 * n))
         A[:, :n, n:] = np.eye(n)
         A[:, n:] = -np.linalg.solve(at.mass, np.concatenate([at.stiffness, at.damping], axis=2))

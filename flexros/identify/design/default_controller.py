@@ -68,7 +68,7 @@ def default_controller(robot: Robot, sample_time: float) -> Pid:
 def _rigid_inertia(robot: Robot, linear: LinearModel) -> FloatArray:
     """Inertia that each motor moves while the others stand and nothing bends, shape (M,)."""
     shape = np.zeros((robot.n_coordinates, robot.n_motors))
-    for motor, (gear, own) in enumerate(zip(robot.chain.geared, robot.chain.motor_places, strict=True)):
+    for motor, (gear, own) in enumerate(zip(robot.gear_rows, robot.motor_rows, strict=True)):
         shape[[gear, own], motor] = 1.0
     inertia: FloatArray = np.diag(shape.T @ linear.mass @ shape).copy()
     return inertia
@@ -76,7 +76,7 @@ def _rigid_inertia(robot: Robot, linear: LinearModel) -> FloatArray:
 
 def _bandwidth(robot: Robot, linear: LinearModel) -> float:
     """Bandwidth in Hz: that of the lowest mode with the motors held."""
-    free = [place for place in range(robot.n_coordinates) if place not in robot.chain.motor_places]
+    free = [place for place in range(robot.n_coordinates) if place not in robot.motor_rows]
     if not free:
         return RIGID_BANDWIDTH
     squares = eigh(linear.stiffness[np.ix_(free, free)], linear.mass[np.ix_(free, free)], eigvals_only=True)

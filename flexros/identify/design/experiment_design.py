@@ -170,7 +170,7 @@ def design_experiment(
     design = d_optimal(information, prior)
     counts = round_design(design, settings.positions, settings.most)
     chosen = np.flatnonzero(counts)
-    chosen = chosen[short_tour(robot.home[list(robot.chain.geared)], found.gears[chosen])]
+    chosen = chosen[short_tour(robot.home[list(robot.gear_rows)], found.gears[chosen])]
     return ExperimentDesign(
         names=tuple(names),
         candidates=found,

@@ -70,10 +70,10 @@ def _states(
 
 def _torque(robot: Robot, gears: FloatArray, speed: FloatArray, acceleration: FloatArray) -> FloatArray:
     """Torque of the motors of the rigid robot, shape (M,)."""
-    arm, model = robot.chain.arm_from_gears, robot.model
+    arm, model = robot.arm_from_gears, robot.model
     values = model.parameter_values
     need = model.arm_inverse_dynamics(arm(gears), arm(speed), arm(acceleration), values).full().ravel()
-    parameters, places = robot.parameters, list(robot.chain.geared)
+    parameters, places = robot.parameters, list(robot.gear_rows)
     motors = [f"motor_{number + 1}" for number in range(robot.n_motors)]
     inertia = np.array([parameters[f"{motor}.inertia"].value for motor in motors])
     friction = np.array([parameters[f"{motor}.viscous_friction"].value for motor in motors])

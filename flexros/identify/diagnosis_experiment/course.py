@@ -92,7 +92,7 @@ def diagnosis_course(
     random = generator(own, Stream.EXCITATION, PARTS_STREAM)
     scales = scales_of(specification, robot, arm)
     vibrations = Vibrations(robot, arm, law, sample_time, scales)
-    sequence = Sequence(specification, vibrations, random, arm[list(robot.chain.geared)])
+    sequence = Sequence(specification, vibrations, random, arm[list(robot.gear_rows)])
     order = [specification.parts[index] for index in random.permutation(len(specification.parts))]
     unit = specification.length - FIRST_REST - LAST_REST - WAY_BACK
     unit /= sum(WEIGHTS[name] for name in order)

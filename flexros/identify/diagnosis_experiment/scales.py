@@ -75,9 +75,8 @@ def scales_of(specification: DiagnosisSpecification, robot: Robot, arm: FloatArr
     Raises:
         InputError: A setting has not one value per motor, or the torque limits do not hold the robot at its start.
     """
-    joints = [robot.chain.joints[geared] for geared in robot.chain.geared]
-    rotary = [joint.rotary for joint in joints]
-    ratio = np.array([robot.chain.motor(number).gear_ratio.value for number in range(robot.n_motors)])
+    rotary = [motor.rotary for motor in robot.motors]
+    ratio = np.array([motor.gear_ratio for motor in robot.motors])
     on_motor_side = robot.spec.coordinates == "motor"
     side = ratio if on_motor_side else np.ones_like(ratio)
     usual = {
@@ -131,7 +130,7 @@ def _rigid_inertia(robot: Robot, arm: FloatArray) -> FloatArray:
     """Inertia of arm and motors in the gears, all springs rigid, shape (M, M)."""
     linear = linear_model(robot, arm)
     shape = np.zeros((robot.n_coordinates, robot.n_motors))
-    for motor, (gear, own) in enumerate(zip(robot.chain.geared, robot.chain.motor_places, strict=True)):
+    for motor, (gear, own) in enumerate(zip(robot.gear_rows, robot.motor_rows, strict=True)):
         shape[[gear, own], motor] = 1.0
     inertia: FloatArray = shape.T @ linear.mass @ shape
     return inertia

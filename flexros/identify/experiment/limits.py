@@ -137,5 +137,5 @@ def _place(plan: ExperimentPlan, visit: Visit) -> str:
 
 
 def _unit(robot: Robot, motor: int, quantity: str) -> str:
-    rotary = robot.chain.joints[robot.chain.geared[motor]].rotary
+    rotary = robot.motors[motor].rotary
     return (ROTARY if rotary else LINEAR)[quantity]

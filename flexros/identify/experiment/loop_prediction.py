@@ -136,7 +136,7 @@ class LoopPrediction:
     def _moved(self, state: FloatArray, way: FloatArray) -> FloatArray:
         """Give the torque that holds the robot with the gears moved [Nm or N], shape (M,)."""
         arm = state[: self.robot.n_arm].copy()
-        arm[list(self.robot.chain.geared)] += way
+        arm[list(self.robot.gear_rows)] += way
         return self.robot.holding_torque(self.robot.equilibrium(arm))
 
     def _at_speed(self, state: FloatArray, speed: FloatArray) -> FloatArray:
@@ -144,14 +144,14 @@ class LoopPrediction:
         robot, model = self.robot, self.robot.model
         n = robot.n_coordinates
         velocity = np.zeros(n)
-        velocity[list(robot.chain.geared)] = speed
-        velocity[robot.n_arm :] = speed[list(robot.chain.flexible_motors)]
+        velocity[list(robot.gear_rows)] = speed
+        velocity[robot.n_arm :] = speed[list(robot.flexible_motors)]
         holding = robot.holding_torque(state)
         force = np.asarray(model.force(state[:n], velocity, holding, np.zeros(6), model.parameter_values)).ravel()
         friction = np.zeros(robot.n_motors)
-        friction[list(robot.chain.flexible_motors)] = -force[robot.n_arm :]
-        stiff = list(robot.chain.stiff_motors)
-        friction[stiff] = -force[[robot.chain.geared[motor] for motor in stiff]]
+        friction[list(robot.flexible_motors)] = -force[robot.n_arm :]
+        stiff = list(robot.stiff_motors)
+        friction[stiff] = -force[[robot.gear_rows[motor] for motor in stiff]]
         return holding + friction
 
 

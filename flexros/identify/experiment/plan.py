@@ -76,7 +76,7 @@ class ExperimentPlan:
             InputError: Positions, times or frequencies are not possible; the sentence names the key.
         """
         n_motors = robot.n_motors
-        begin = robot.home[list(robot.chain.geared)] if start is None else start
+        begin = robot.home[list(robot.gear_rows)] if start is None else start
         seed = seed if specification.seed is None else specification.seed
         specification.check_motors(n_motors)
         positions = specification.gears(n_motors)

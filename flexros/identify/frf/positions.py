@@ -88,9 +88,7 @@ def experiments_of(
     """
     rows = [aligned.rows(segment.first, segment.stop, _name(segment)) for segment in segments]
     n_motors, position = plan.n_motors, segments[0].position
-    rotary = [True] * n_motors
-    if robot is not None:
-        rotary = [robot.chain.joints[place].rotary for place in robot.chain.geared]
+    rotary = [True] * n_motors if robot is None else [motor.rotary for motor in robot.motors]
     return Experiments(
         inputs=np.array([aligned.torque[part] for part in rows]),
         outputs=np.array([aligned.position[part] for part in rows]),

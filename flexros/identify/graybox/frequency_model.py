@@ -69,7 +69,7 @@ class FrequencyModel:
     def expansion(self) -> FloatArray:
         """Matrices of the expansion of G(s) in 1/s that the aliases are made of, shape (Q, 5, M, M)."""
         positions = self.positions
-        return expansion(positions.mass, positions.damping, positions.stiffness, positions.motor_places)
+        return expansion(positions.mass, positions.damping, positions.stiffness, positions.motor_rows)
 
     def response(self, theta: FloatArray) -> ComplexArray:
         """Evaluate the frequency responses.
@@ -105,7 +105,7 @@ class FrequencyModel:
 
     def _solutions(self, theta: FloatArray) -> Iterator[ComplexArray]:
         """Yield Z = A^-1 B of position after position, shape (F, n, M)."""
-        places = self.positions.motor_places
+        places = self.positions.motor_rows
         drive = np.eye(self.positions.mass.shape[1])[:, places]
         for omega, M, D, K in zip(self.hold.omega, *self.positions.matrices(theta), strict=True):
             w = omega[:, None, None]
@@ -113,7 +113,7 @@ class FrequencyModel:
 
     def _sampled(self, place: int, Z: ComplexArray) -> ComplexArray:
         """Sampled response of acceleration at one position, shape (F, M, M)."""
-        direct = self.hold.gain[place][:, None, None] * Z[:, self.positions.motor_places]
+        direct = self.hold.gain[place][:, None, None] * Z[:, self.positions.motor_rows]
         sampled: ComplexArray = direct + np.tensordot(self.hold.aliases[place], self.expansion[place], 1)
         return sampled
 

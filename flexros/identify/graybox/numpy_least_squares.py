@@ -45,7 +45,7 @@ class ResponseTarget:
             InputError: Unknown estimator, wrong shapes, weights that are negative, or numbers that are not finite.
         """
         estimator_named(self.estimator)
-        n_motors = len(model.positions.motor_places)
+        n_motors = len(model.positions.motor_rows)
         shape = (len(model.positions.mass), model.frequency.shape[-1], n_motors, n_motors)
         for what, array in (("measured responses", self.response), ("weights", self.weights)):
             if array.shape != shape:

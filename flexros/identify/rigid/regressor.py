@@ -84,7 +84,7 @@ class RigidRegressor:
         column = {parameter.name: place for place, parameter in enumerate(self.parameters)}
         H = ca.SX(robot.n_motors, len(self.parameters))
         H[:, [column[_linear_name(name)] for name in _body_names(robot)]] = _body_columns(robot, *self._motion)
-        coupled = robot.chain.flexible_motors if robot.spec.inertial_coupling else ()
+        coupled = robot.flexible_motors if robot.spec.inertial_coupling else ()
         if coupled:
             H[:, [column[f"motor_{k + 1}.inertia"] for k in coupled]] = _rotor_columns(robot, *self._motion)
         _, v, a = self._motion
@@ -130,21 +130,21 @@ def _body_columns(robot: Robot, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
     names = _body_names(robot)
     model = robot.symbolic(names)
     p = ca.SX.sym("p", len(names))
-    arm = robot.chain.arm_from_gears
-    tau = model.arm_inverse_dynamics(arm(q), arm(v), arm(a), p)[list(robot.chain.geared)]
+    arm = robot.arm_from_gears
+    tau = model.arm_inverse_dynamics(arm(q), arm(v), arm(a), p)[list(robot.gear_rows)]
     unit = ca.DM([1.0 if name.endswith(".mass") else 0.0 for name in names])
     return ca.substitute(ca.jacobian(tau, p), p, unit)
 
 
 def _rotor_columns(robot: Robot, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
     """Columns of the rotors behind flexible gears, with their coupling to the arm."""
-    flexible = robot.chain.flexible_motors
+    flexible = robot.flexible_motors
     model = robot.symbolic([f"motor_{number + 1}.inertia" for number in flexible])
     p = ca.SX.sym("p", len(flexible))
-    whole = [ca.vertcat(robot.chain.arm_from_gears(x), *[x[number] for number in flexible]) for x in (q, v, a)]
+    whole = [ca.vertcat(robot.arm_from_gears(x), *[x[number] for number in flexible]) for x in (q, v, a)]
     force = model.force(whole[0], whole[1], ca.SX.zeros(robot.n_motors), ca.SX.zeros(6), p)
     need = model.mass_matrix(whole[0], p) @ whole[2] - force
-    tau = need[list(robot.chain.geared)]
+    tau = need[list(robot.gear_rows)]
     for place, number in enumerate(flexible):
         tau[number] += need[robot.n_arm + place]
     return ca.jacobian(tau, p)

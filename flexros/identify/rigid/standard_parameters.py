@@ -114,9 +114,9 @@ def _body_friction(robot: Robot) -> list[StandardParameter]:
 
 
 def _friction(robot: Robot, number: int, asymmetric: bool) -> list[StandardParameter]:
-    name = f"motor_{number + 1}"
-    rotary = robot.chain.joints[robot.chain.geared[number]].rotary
-    units = {"viscous": unit_of("damping", rotary), "coulomb": unit_of("torque", rotary)}
+    motor = robot.motors[number]
+    name = motor.name
+    units = {"viscous": motor.unit("damping"), "coulomb": motor.torque_unit}
     viscous = robot.parameters[f"{name}.viscous_friction"].value
     found = []
     for kind in ASYMMETRIC_FRICTION if asymmetric else FRICTION:

@@ -48,7 +48,7 @@ class ElasticNeed:
         """Lowest resonance with locked motors over the positions [Hz]; infinite without one."""
         linear = self.linear
         n = linear.mass.shape[1]
-        free = np.setdiff1d(np.arange(n), linear.motor_places)
+        free = np.setdiff1d(np.arange(n), linear.motor_rows)
         if not free.size:
             return float("inf")
         square = np.linalg.eigvals(
@@ -70,7 +70,7 @@ class ElasticNeed:
         k = int(np.argmin(np.sum((linear.motor_positions - motor_position) ** 2, axis=1)))
         s = 1j * w[:, None, None]
         Z = linear.stiffness[k] + s * linear.damping[k] + s**2 * linear.mass[k]
-        places = linear.motor_places
+        places = linear.motor_rows
         free = np.setdiff1d(np.arange(Z.shape[1]), places)
         need = Z[:, places][:, :, places]
         if free.size:

@@ -95,14 +95,12 @@ def cause(factor: float, robot: Robot, motor: int) -> list[str]:
     Returns:
         Mistakes with about that factor, the likeliest first.
     """
-    size = float(robot.chain.motor(motor).gear_ratio.value)
-    rotary = robot.chain.joints[robot.chain.geared[motor]].rotary
-    limit = float(robot.torque_limits[motor])
+    size, limit = robot.motors[motor].gear_ratio, robot.motors[motor].torque_limit
     known = [
         (1e-3, "a unit with milli (positions) or kilo (torques)"),
         (1e3, "a unit with milli (torques) or kilo (positions)"),
     ]
-    if rotary:
+    if robot.motors[motor].rotary:
         known += [
             (1 / np.degrees(1.0), "positions in degrees instead of radians"),
             (np.degrees(1.0), "positions converted from degrees to radians twice"),

@@ -51,7 +51,7 @@ def urdf_text(robot: Robot, flexible: Flexible = "fixed") -> str:
     shapes = {shape.body: shape for shape in link_shapes(robot.spec)}
     parent, offset = BASE_LINK, np.zeros(3)
     for index, body in enumerate(robot.spec.bodies):
-        joints = [joint for joint in robot.chain.joints if joint.body == index]
+        joints = [joint for joint in robot.joints if joint.body == index]
         for joint in joints:
             child = f"body_{index + 1}" if joint.last else f"body_{index + 1}_{joint.name.split('.')[1]}"
             parent = _add_joint(root, joint, flexible, parent, child, offset)

@@ -113,9 +113,10 @@ def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None 
         output=slope,
         input_names=robot.joint_names,
         output_names=_component_names(robot, output),
-        input_units=tuple(unit_of("torque", rotary) for rotary in _rotary_motors(robot)),
-        measurement_units=tuple(
-            unit_of("position", rotary) for rotary in (*_rotary_motors(robot), *_rotary_components(robot, output))
+        input_units=tuple(motor.torque_unit for motor in robot.motors),
+        measurement_units=(
+            *(motor.position_unit for motor in robot.motors),
+            *(unit_of("position", rotary) for rotary in _rotary_components(robot, output)),
         ),
         state=state,
     )
@@ -124,10 +125,6 @@ def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None 
 def _component_names(robot: Robot, output: str | None) -> tuple[str, ...]:
     entry = robot.spec.outputs[output or robot.controlled]
     return entry.coordinates or tuple(entry.pose)
-
-
-def _rotary_motors(robot: Robot) -> tuple[bool, ...]:
-    return tuple(robot.chain.joints[arm].rotary for arm in robot.chain.geared)
 
 
 def _rotary_components(robot: Robot, output: str | None) -> tuple[bool, ...]:

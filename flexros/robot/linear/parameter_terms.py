@@ -91,8 +91,8 @@ def _rank_one(robot: Robot) -> dict[str, tuple[FloatArray, int, Joint]]:
     """Vector, power and joint of all parameters of the robot that are rank-one terms."""
     unit = np.eye(robot.n_coordinates)
     found: dict[str, tuple[FloatArray, int, Joint]] = {}
-    for index, joint in enumerate(robot.chain.joints):
-        motor = None if joint.motor is None else robot.chain.motor_places[joint.motor]
+    for index, joint in enumerate(robot.joints):
+        motor = None if joint.motor is None else robot.motor_rows[joint.motor]
         if isinstance(joint.direction.spring, Spring):
             stretch = unit[index] if motor is None else unit[motor] - unit[index]
             found[f"{joint.name}.stiffness"] = (stretch, _STIFFNESS, joint)

@@ -40,7 +40,7 @@ class LinearisedPositions:
         mass: M at `values`, shape (Q, n, n).
         damping: D, shape (Q, n, n).
         stiffness: K, gravity load included, shape (Q, n, n).
-        motor_places: Place of each motor position among the coordinates: B and B^T pick them, shape (M,).
+        motor_rows: Place of each motor position among the coordinates: B and B^T pick them, shape (M,).
         vectors: b_p, zero for parameters that are not rank-one terms, shape (P, n).
         powers: 0 stiffness, 1 damping, 2 inertia, MATRIX (-1) for parameters with slopes, shape (P,).
         factors: Slope of the law of a nonlinear spring at its load (its parameter is a factor), else 1, shape (Q, P).
@@ -57,7 +57,7 @@ class LinearisedPositions:
     mass: FloatArray
     damping: FloatArray
     stiffness: FloatArray
-    motor_places: IntArray
+    motor_rows: IntArray
     vectors: FloatArray
     powers: IntArray
     factors: FloatArray
@@ -132,7 +132,7 @@ def linearise_positions(
         mass=mass,
         damping=damping,
         stiffness=stiffness,
-        motor_places=np.array(robot.chain.motor_places, dtype=np.int64),
+        motor_rows=np.array(robot.motor_rows, dtype=np.int64),
         vectors=functions.terms.vectors,
         powers=functions.terms.powers,
         factors=factors[:, :, 0],
@@ -180,8 +180,8 @@ def _rest(robot: Robot, functions: _Functions, motors: FloatArray, numbers: Floa
     """Coordinates at rest with the motors held; the search starts at the home pose with unloaded gears."""
     chain = robot.chain
     q_a = robot.home.copy()
-    q_a[list(chain.geared)] = motors
-    flexible = [chain.geared[number] for number in chain.flexible_motors]
+    q_a[list(chain.gear_rows)] = motors
+    flexible = [chain.gear_rows[number] for number in chain.flexible_motors]
     pairs = ", ".join(f"{name} = {number:g}" for name, number in zip(functions.names, numbers, strict=True))
     place = f"at motor positions {np.round(motors, 6).tolist()} with {pairs}"
     rest = functions.finder.find(np.concatenate([q_a, q_a[flexible]]), numbers, place)

@@ -111,7 +111,7 @@ def zero_dynamics(robot: Robot, q_a: ArrayLike | None = None, output: str | None
 def _arm_alone(robot: Robot, linear: LinearModel) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """First-order form of the arm from gear torques to the output, the motors taken away."""
     N = robot.n_arm
-    gear_torque = np.eye(N)[:, list(robot.chain.geared)]
+    gear_torque = np.eye(N)[:, list(robot.gear_rows)]
     inverse = np.linalg.inv(linear.mass[:N, :N])
     A = np.block(
         [[np.zeros((N, N)), np.eye(N)], [-inverse @ linear.stiffness[:N, :N], -inverse @ linear.damping[:N, :N]]]

@@ -1,4 +1,4 @@
-"""Where a body is: rotation of its frame and position of its centre of mass."""
+"""Frames of bodies: rotation and position of the centre of mass."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flexros.arrays import FloatArray
-    from flexros.robot.specification import RobotSpecification
-    from flexros.robot.symbolic.chain import Chain
+    from flexros.robot.robot import Robot
     from flexros.robot.symbolic.kinematics import Value
 
 
@@ -32,22 +31,17 @@ class BodyFrame:
     center: ca.SX
 
 
-def body_frame(
-    specification: RobotSpecification, chain: Chain, body: int, q: ca.SX, value: Callable[[str], Value]
-) -> BodyFrame:
-    """Find the frame of a body.
+def body_frame(robot: Robot, body: int, q: ca.SX, value: Callable[[str], Value]) -> BodyFrame:
+    """Compute the frame of a body; one without free direction has that of the joint before it.
 
     Args:
-        specification: The robot file.
-        chain: Its joints.
-        body: Number of the body (0-based), one of `moved_bodies`.
-        q: Arm coordinates, SX (N, 1).
-        value: Gives number or symbol of a named parameter.
-
-    Returns:
-        The frame; a body without free direction has that of the joint before it.
+        robot: The robot.
+        body: Index of the body, one of `moved_bodies`.
+        q: Arm coordinates [rad or m], SX (N, 1).
+        value: Maps a parameter name to its number or symbol.
     """
-    geometry = build_geometry(specification, chain, value)
+    chain = robot.chain
+    geometry = build_geometry(robot.spec, chain, value)
     last = max(index for index, joint in enumerate(chain.joints) if joint.body <= body)
     position, rotation = ca.SX.zeros(3), ca.SX.eye(3)
     for index in range(last + 1):
@@ -57,26 +51,13 @@ def body_frame(
     return BodyFrame(rotation, position + rotation @ mass.center)
 
 
-def moved_bodies(chain: Chain, n_bodies: int) -> tuple[int, ...]:
-    """List the bodies (0-based) that some joint moves.
-
-    Args:
-        chain: The chain.
-        n_bodies: Number of bodies of the robot.
-    """
-    return tuple(range(chain.joints[0].body, n_bodies))
+def moved_bodies(robot: Robot) -> tuple[int, ...]:
+    """Return the indices of the bodies that some joint moves."""
+    return tuple(range(robot.joints[0].body, len(robot.spec.bodies)))
 
 
-def long_axis(specification: RobotSpecification, body: int) -> FloatArray:
-    """Return the unit vector along the length of a body, in its frame, or along its x axis where it has no length.
-
-    Args:
-        specification: The robot file.
-        body: Number of the body (0-based).
-
-    Returns:
-        Direction [1], shape (3,).
-    """
-    length = np.array(specification.bodies[body].length.value, dtype=float)
+def long_axis(robot: Robot, body: int) -> FloatArray:
+    """Return the unit vector along the length of a body in its frame, the x axis for a body without length."""
+    length = np.array(robot.spec.bodies[body].length.value, dtype=float)
     size = float(np.linalg.norm(length))
     return length / size if size > 0 else np.array([1.0, 0.0, 0.0])

@@ -60,31 +60,31 @@ class Chain:
     n_motor_coordinates: int
 
     @property
-    def geared(self) -> tuple[int, ...]:
-        """Arm coordinate of each motor, shape (M,)."""
+    def gear_rows(self) -> tuple[int, ...]:
+        """Row of each motor's gear coordinate among the coordinates q = [q_a, q_m], shape (M,)."""
         return tuple(index for index, joint in enumerate(self.joints) if joint.motor is not None)
 
     @property
     def flexible_motors(self) -> tuple[int, ...]:
-        """Numbers of the motors behind flexible gears, in the order of their own coordinates."""
-        return tuple(k for k, arm in enumerate(self.geared) if self.joints[arm].motor_coordinate is not None)
+        """Indices of the motors behind flexible gears, in the order of their own coordinates."""
+        return tuple(k for k, arm in enumerate(self.gear_rows) if self.joints[arm].motor_coordinate is not None)
 
     @property
     def stiff_motors(self) -> tuple[int, ...]:
-        """Numbers of the motors behind rigid gears, which move with their arm coordinates."""
-        return tuple(k for k, arm in enumerate(self.geared) if self.joints[arm].motor_coordinate is None)
+        """Indices of the motors behind rigid gears, which move with their arm coordinates."""
+        return tuple(k for k, arm in enumerate(self.gear_rows) if self.joints[arm].motor_coordinate is None)
 
     @property
-    def sprung(self) -> tuple[int, ...]:
-        """Arm coordinates that hang on a spring: all but those behind a rigid gear."""
-        stiff = {self.geared[number] for number in self.stiff_motors}
+    def spring_rows(self) -> tuple[int, ...]:
+        """Rows of the coordinates with a spring: all but those behind a rigid gear."""
+        stiff = {self.gear_rows[number] for number in self.stiff_motors}
         return tuple(index for index in range(len(self.joints)) if index not in stiff)
 
     @property
-    def motor_places(self) -> tuple[int, ...]:
-        """Place of each motor's position among the coordinates q = [q_a, q_m], shape (M,)."""
-        own = {number: len(self.joints) + place for place, number in enumerate(self.flexible_motors)}
-        return tuple(own.get(number, arm) for number, arm in enumerate(self.geared))
+    def motor_rows(self) -> tuple[int, ...]:
+        """Row of each motor's position among the coordinates q = [q_a, q_m], shape (M,)."""
+        own = {motor: len(self.joints) + index for index, motor in enumerate(self.flexible_motors)}
+        return tuple(own.get(motor, row) for motor, row in enumerate(self.gear_rows))
 
     def arm_from_gears(self, gears: Coordinates) -> Coordinates:
         """Put gear coordinates (or their rates) into arm coordinates, elastic directions at zero.
@@ -97,16 +97,16 @@ class Chain:
         """
         if isinstance(gears, ca.SX):
             symbolic: Coordinates = ca.SX.zeros(len(self.joints))
-            for number, place in enumerate(self.geared):
-                symbolic[place] = gears[number]
+            for motor, row in enumerate(self.gear_rows):
+                symbolic[row] = gears[motor]
             return symbolic
         arm: Coordinates = np.zeros((*gears.shape[:-1], len(self.joints)))
-        arm[..., list(self.geared)] = gears
+        arm[..., list(self.gear_rows)] = gears
         return arm
 
     def motor(self, number: int) -> Motor:
         """Return the entry of a motor in the robot file."""
-        motor = self.joints[self.geared[number]].direction.motor
+        motor = self.joints[self.gear_rows[number]].direction.motor
         assert motor is not None
         return motor
 

@@ -265,7 +265,7 @@ class SymbolicModel:
         if name not in self._outputs_with_slope:
             qa = ca.SX.sym("q_a", self.n_arm)
             value = self.output(name)(qa, self.parameter_values)
-            slope = ca.jacobian(value, qa)[:, list(self.chain.geared)]
+            slope = ca.jacobian(value, qa)[:, list(self.chain.gear_rows)]
             self._outputs_with_slope[name] = ca.Function(f"slope_{name}", [qa], [value, ca.densify(slope)])
         return self._outputs_with_slope[name]
 

@@ -22,7 +22,7 @@ def test_residual_is_the_equation_of_motion(robot: Robot) -> None:
     z, v, u = RNG.normal(0, 0.2, nq), RNG.normal(0, 0.5, nq), RNG.normal(0, 10, robot.n_motors)
     p = model.parameter_values
     a = np.array(model.acceleration(z, v, u, np.zeros(6), p)).ravel()
-    stiff = list(robot.chain.stiff_motors)
+    stiff = list(robot.stiff_motors)
     unknowns = np.concatenate([z, u[stiff]])
     Z = np.array(model.output()(z[:n], p)).ravel()
     zero = np.zeros(len(unknowns))

@@ -36,7 +36,7 @@ def test_relative_numbers_have_the_yardstick_one() -> None:
 
 def test_sizes_are_taken_from_states_and_torques() -> None:
     robot = load_robot("elbow")
-    n, places = robot.n_coordinates, list(robot.chain.motor_places)
+    n, places = robot.n_coordinates, list(robot.motor_rows)
     time = np.linspace(0, 1, 1001)
     states = np.zeros((1001, 2 * n))
     states[:, places[1]] = 0.5 * np.cos(2 * np.pi * time)

@@ -35,7 +35,7 @@ def test_states_are_corrected_ones() -> None:
     """The motor position is nearer to the measured one than noise."""
     found, data = explanation(None).fit, data_of(SOFT)
     assert found.states is not None
-    motor = found.states[:, list(ROBOT.chain.motor_places)]
+    motor = found.states[:, list(ROBOT.motor_rows)]
     assert np.std(motor - data.record.position) < 3 * np.std(found.innovations)
 
 

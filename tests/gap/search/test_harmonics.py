@@ -89,9 +89,9 @@ def test_springs_that_stiffen_count_with_their_stiffness_along_the_motion() -> N
     robot = load_robot("four_mass")
     n = robot.n_coordinates
     states = np.zeros((200, 2 * n))
-    states[100:, robot.chain.motor_places[0]] = 1.0  # far beyond the knee of the first spring
+    states[100:, robot.motor_rows[0]] = 1.0  # far beyond the knee of the first spring
     soft, stiff = (_local_stiffness(robot, 0, states[part]) for part in (slice(100), slice(100, None)))
-    law = robot.chain.joints[0].direction.spring.piecewise_linear
+    law = robot.joints[0].direction.spring.piecewise_linear
     np.testing.assert_allclose(soft, law.slopes[0])
     np.testing.assert_allclose(stiff, law.slopes[-1])
     mean = _with_mean_stiffness(robot, states)

@@ -90,7 +90,7 @@ def recorded_axis(
     start = placed.robot.equilibrium()
     plant = Plant(placed.robot, T, start, seed=seed, noise=True, laws=placed.laws, disturbances=[noise], substeps=4)
     position, speed, command = np.zeros(samples), np.zeros(samples), np.zeros(samples)
-    place = robot.chain.motor_places[0]
+    place = robot.motor_rows[0]
     for k in range(samples):
         position[k] = plant.measure()[0]
         speed[k] = plant.state[robot.n_coordinates + place]

@@ -16,7 +16,7 @@ from tests.identify.axis.recorded_axis import three_mass
 def response_of(robot: Robot, highest: float = 60.0) -> FrequencyResponse:
     """The exact response of a robot at home on lines 0.1 Hz apart."""
     frequency = np.arange(0.1, highest, 0.1)
-    positions = linearise_positions(robot, (), robot.equilibrium(robot.home)[None, list(robot.chain.motor_places)])
+    positions = linearise_positions(robot, (), robot.equilibrium(robot.home)[None, list(robot.motor_rows)])
     response = FrequencyModel(positions, frequency, robot.sample_time, robot.delay).response(positions.values)[0]
     motors = robot.n_motors
     return FrequencyResponse(

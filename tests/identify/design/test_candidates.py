@@ -26,8 +26,8 @@ def test_motor_positions_hold_the_gears_under_gravity() -> None:
     robot = load_robot("six_axis")
     found = candidate_positions(robot, 5)
     for gears, motors in zip(found.gears, found.motor_positions, strict=True):
-        state = robot.equilibrium(robot.chain.arm_from_gears(gears), motor_position=motors)
-        assert state[list(robot.chain.geared)] == pytest.approx(gears, abs=1e-9)
+        state = robot.equilibrium(robot.arm_from_gears(gears), motor_position=motors)
+        assert state[list(robot.gear_rows)] == pytest.approx(gears, abs=1e-9)
         assert np.all(np.abs(robot.holding_torque(state)) <= TORQUE_SHARE * robot.torque_limits)
 
 
@@ -49,7 +49,7 @@ def test_positions_of_a_falling_arm_are_refused() -> None:
 def test_default_ranges_lie_about_home() -> None:
     robot = load_robot("six_axis")
     middle = default_ranges(robot).mean(axis=1)
-    assert middle == pytest.approx(robot.home[list(robot.chain.geared)])
+    assert middle == pytest.approx(robot.home[list(robot.gear_rows)])
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from flexros.robot.linear.linearise import linear_model
 def test_decays_at_positions_are_those_of_their_linear_models(name: str) -> None:
     robot = load_robot(name)
     law = control_law({"kind": "pid", "kp": 2e3, "kd": 200.0})
-    motors = robot.equilibrium()[list(robot.chain.motor_places)][None]
+    motors = robot.equilibrium()[list(robot.motor_rows)][None]
     expected = slowest_decay(linear_model(robot), law, LoopContext(robot, robot.sample_time), robot.delay)
     assert decays_at(robot, motors, law, robot.sample_time) == pytest.approx([expected], rel=1e-6)
 

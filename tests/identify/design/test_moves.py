@@ -39,7 +39,7 @@ def test_lowered_moves_pass_the_check_that_refuses_the_fast_ones() -> None:
     )  # fmt: skip
     specification = scenario.identification
     assert specification is not None
-    start = SIX_AXIS.home[list(SIX_AXIS.chain.geared)]
+    start = SIX_AXIS.home[list(SIX_AXIS.gear_rows)]
     allowed = specification.limits.torque_share * scenario.controller.command_limits(SIX_AXIS)
     factor = move_factor(SIX_AXIS, start, np.array(FAR[:1]), specification.move, allowed)
     assert factor < 1

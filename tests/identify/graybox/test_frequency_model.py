@@ -17,7 +17,7 @@ FREQUENCY = np.array([0.7, 4.0, 11.0, 17.5, 30.0, 60.0, 90.0])
 def model_of(name: str, parameters: list[str], number: int = 2, delay: float | None = None) -> FrequencyModel:
     robot: Robot = load_robot(name)
     rng = np.random.default_rng(1)
-    motors = robot.home[list(robot.chain.geared)] + 0.3 * rng.normal(size=(number, robot.n_motors))
+    motors = robot.home[list(robot.gear_rows)] + 0.3 * rng.normal(size=(number, robot.n_motors))
     positions = linearise_positions(robot, parameters, motors)
     return FrequencyModel(positions, FREQUENCY, robot.sample_time, robot.delay if delay is None else delay)
 

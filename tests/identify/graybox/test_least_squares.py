@@ -30,7 +30,7 @@ ESTIMATORS = ("LLS", "LLSM", "NLS")
 
 def model_of(name: str, parameters: tuple[str, ...] = ()) -> FrequencyModel:
     robot = load_robot(name)
-    motors = robot.home[list(robot.chain.geared)] + 0.3 * np.random.default_rng(0).normal(size=(3, robot.n_motors))
+    motors = robot.home[list(robot.gear_rows)] + 0.3 * np.random.default_rng(0).normal(size=(3, robot.n_motors))
     positions = linearise_positions(robot, parameters or CASES[name] or robot.spec.unknown_parameters, motors)
     return FrequencyModel(positions, FREQUENCY, robot.sample_time, robot.delay)
 

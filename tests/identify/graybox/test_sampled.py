@@ -20,7 +20,7 @@ def first_order(positions: LinearisedPositions) -> tuple[np.ndarray, np.ndarray,
     """State space form of the first position, from torques to motor positions."""
     M, D, K = (matrix[0] for matrix in (positions.mass, positions.damping, positions.stiffness))
     n = len(M)
-    E = np.eye(n)[positions.motor_places]
+    E = np.eye(n)[positions.motor_rows]
     A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), -np.linalg.solve(M, D)]])
     return A, np.vstack([np.zeros((n, len(E))), np.linalg.solve(M, E.T)]), np.hstack([E, np.zeros_like(E)])
 
@@ -58,7 +58,7 @@ def test_oracle_is_the_zero_order_hold_of_scipy() -> None:
 @pytest.mark.parametrize("name", ["two_mass", "elbow", "e12", "four_mass_linear", "six_axis", "emps"])
 def test_response_is_that_of_the_exact_discretisation(name: str, delay: float) -> None:
     robot = load_robot(name)
-    motors = [robot.home[list(robot.chain.geared)]]
+    motors = [robot.home[list(robot.gear_rows)]]
     positions = linearise_positions(robot, ["motor_1.inertia"], motors)
     model = FrequencyModel(positions, FREQUENCY, 5e-4, delay)
     expected = discrete_response(positions, 5e-4, delay)

@@ -62,7 +62,7 @@ def joints(robot: Robot, flexible: Flexible, seed: int) -> tuple[dict[str, float
     rng = np.random.default_rng(seed)
     values: dict[str, float] = {}
     slope = []
-    for index, joint in enumerate(robot.chain.joints):
+    for index, joint in enumerate(robot.joints):
         parts = [f"motor_{joint.motor + 1}"] if joint.motor is not None else []
         if flexible == "continuous" and (joint.motor is None or joint.motor_coordinate is not None):
             parts.append(joint.name)

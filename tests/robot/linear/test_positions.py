@@ -15,7 +15,7 @@ SPRINGS = ("body_2.rz.stiffness", "body_2.rz.damping", "body_3.rx.stiffness", "b
 
 def positions_of(robot: Robot, number: int = 2, seed: int = 0) -> np.ndarray:
     rng = np.random.default_rng(seed)
-    home = robot.home[list(robot.chain.geared)]
+    home = robot.home[list(robot.gear_rows)]
     return home + 0.3 * rng.normal(size=(number, robot.n_motors))
 
 
@@ -41,7 +41,7 @@ def test_matrices_are_those_of_the_linear_model(six_axis: Robot) -> None:
         for name in ("mass", "damping", "stiffness"):
             matrix = getattr(expected, name)
             np.testing.assert_allclose(getattr(found, name)[place], matrix, atol=1e-9 * np.max(np.abs(matrix)))
-        np.testing.assert_array_equal(np.eye(six_axis.n_coordinates)[found.motor_places], expected.encoder)
+        np.testing.assert_array_equal(np.eye(six_axis.n_coordinates)[found.motor_rows], expected.encoder)
         np.testing.assert_array_equal(expected.input, expected.encoder.T)
 
 

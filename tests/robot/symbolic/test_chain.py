@@ -20,21 +20,21 @@ def mixed() -> Robot:
 
 
 def test_rigid_and_flexible_gears_are_told_apart(mixed: Robot) -> None:
-    assert mixed.chain.geared == (0, 1)
-    assert mixed.chain.stiff_motors == (0,)
-    assert mixed.chain.flexible_motors == (1,)
-    assert mixed.chain.sprung == (1, 2)
+    assert mixed.gear_rows == (0, 1)
+    assert mixed.stiff_motors == (0,)
+    assert mixed.flexible_motors == (1,)
+    assert mixed.spring_rows == (1, 2)
 
 
-def test_motor_behind_a_rigid_gear_stands_at_its_arm_coordinate(mixed: Robot) -> None:
-    assert mixed.chain.motor_places == (0, 3)
+def test_motor_behind_a_rigid_gear_has_the_row_of_its_arm_coordinate(mixed: Robot) -> None:
+    assert mixed.motor_rows == (0, 3)
 
 
 @pytest.mark.parametrize("name", robot_names())
-def test_motor_places_are_where_the_encoders_measure(name: str) -> None:
+def test_motor_rows_are_what_the_encoders_measure(name: str) -> None:
     robot = load_robot(name)
     q = np.arange(1.0, robot.n_coordinates + 1.0)
-    np.testing.assert_array_equal(robot.model.encoder(q).full().ravel(), q[list(robot.chain.motor_places)])
+    np.testing.assert_array_equal(robot.model.encoder(q).full().ravel(), q[list(robot.motor_rows)])
 
 
 def test_arm_from_gears_leaves_elastic_directions_at_zero() -> None:

@@ -29,7 +29,7 @@ def test_planar_coupling_is_rotor_inertia_over_gear_ratio() -> None:
 
 def test_coupling_is_strictly_upper_triangular_over_the_gears(robot: Robot) -> None:
     q = 0.4 * np.random.default_rng(0).normal(size=robot.n_coordinates)
-    S = _coupling(robot, q)[list(robot.chain.geared)]
+    S = _coupling(robot, q)[list(robot.gear_rows)]
     np.testing.assert_allclose(np.tril(S), 0, atol=1e-12)
     assert np.abs(S).max() > 0
 

@@ -57,7 +57,7 @@ def nominal_diagonal(response: FrequencyResponse, robot: Robot) -> NominalDiagon
 
     linear = linearise_positions(robot, (), response.motor_position[None])
     hold = sampled_hold(response.frequency, response.sample_time, robot.delay)
-    places = linear.motor_places
+    places = linear.motor_rows
     mass, damping, stiffness = linear.mass[0], linear.damping[0], linear.stiffness[0]
     w = hold.omega[:, None, None]
     drive = np.broadcast_to(np.eye(len(mass))[:, places], (len(hold.omega), len(mass), len(places)))

@@ -56,7 +56,7 @@ def check_positions(
     if not np.any(wrong):
         return
     place, motor = (int(number) for number in np.argwhere(wrong)[0])
-    unit = "rad" if robot is None or robot.chain.joints[robot.chain.geared[motor]].rotary else "m"
+    unit = "rad" if robot is None else robot.motors[motor].position_unit
     cause = _swapped(measured, planned, aligned.names, motor) or _cause(measured[:, motor], planned[:, motor], unit)
     raise InputError(
         f"position {places[place] + 1}: {aligned.names[motor]} stands at {measured[place, motor]:.4g} {unit}, the plan "

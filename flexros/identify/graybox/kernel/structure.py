@@ -104,7 +104,7 @@ def kernel_structure(positions: LinearisedPositions) -> KernelStructure:
     vectors, parameters = _vectors(positions)
     return KernelStructure(
         n=len(filled),
-        places=tuple(int(place) for place in positions.motor_places),
+        places=tuple(int(place) for place in positions.motor_rows),
         entries=tuple(place for place in lower if filled[place] or place[0] == place[1]),
         damped=tuple(place for place in lower if damped[place]),
         vectors=vectors,

@@ -66,9 +66,9 @@ def feedforward(robot: Robot, position: FloatArray, sample_time: float, full: bo
     speed = np.gradient(position, sample_time, axis=0)
     acceleration = np.gradient(speed, sample_time, axis=0)
     q, v, a = (ca.SX.sym(name, robot.n_motors) for name in "qva")
-    arm = [robot.chain.arm_from_gears(value) for value in (q, v, a)]
-    need = robot.model.arm_inverse_dynamics(*arm, robot.model.parameter_values)[list(robot.chain.geared)]
-    motors = [robot.chain.motor(number) for number in range(robot.n_motors)]
+    arm = [robot.arm_from_gears(value) for value in (q, v, a)]
+    need = robot.model.arm_inverse_dynamics(*arm, robot.model.parameter_values)[list(robot.gear_rows)]
+    motors = [motor.specification for motor in robot.motors]
     inertia, friction = ([getattr(m, key).value for m in motors] for key in ("inertia", "viscous_friction"))
     torque = need + ca.DM(inertia) * a + ca.DM(friction) * v
     function = ca.Function("feedforward", [q, v, a], [ca.densify(torque)])

@@ -81,7 +81,7 @@ class Site:
     def order(self, random: np.random.Generator) -> float:
         """Draw an order that has several periods on the way of the motor [1]."""
         robot = self.scales.robot
-        turns = robot.chain.motor(self.motor).gear_ratio.value if robot.spec.coordinates == "arm" else 1.0
+        turns = robot.motors[self.motor].gear_ratio if robot.spec.coordinates == "arm" else 1.0
         order = float(random.choice([1, 2, 3, 4, 6, 8, 12, 24]))
         return order if turns > 1 or robot.spec.coordinates == "motor" else 100.0 * order
 
@@ -101,10 +101,10 @@ def site(scales: Scales, location: str) -> Site:
     robot = scales.robot
     if location in robot.joint_names:
         motor = robot.joint_names.index(location)
-        return Site(scales, location, motor, robot.chain.geared[motor])
+        return Site(scales, location, motor, robot.gear_rows[motor])
     if location in robot.arm_names:
         joint = robot.arm_names.index(location)
-        return Site(scales, location, robot.chain.joints[joint].motor or 0, joint)
+        return Site(scales, location, robot.joints[joint].motor or 0, joint)
     joint = robot.n_arm - 1 if location == "tool" else 0
     return Site(scales, location, 0, joint)
 

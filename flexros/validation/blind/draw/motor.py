@@ -35,7 +35,7 @@ def _presliding(at: Site, random: np.random.Generator) -> Drawn:
     unit, extra = 1e-3 * at.torque, float(random.uniform(0.2, 0.6))
     velocity = at.speed * log_uniform(random, 3e-3, 3e-2)
     bend, damping = at.noise * log_uniform(random, 10, 200), float(random.uniform(0.3, 1.0))
-    inertia = at.scales.robot.chain.motor(at.motor).inertia.value
+    inertia = at.scales.robot.motors[at.motor].inertia
 
     def shape(s: float) -> Numbers:
         stiffness = s * unit / bend

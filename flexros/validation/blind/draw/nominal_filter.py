@@ -151,7 +151,7 @@ def _gain(robot: Robot, sample_time: float) -> tuple[FloatArray, FloatArray]:
     A = expm(A * sample_time)
     C = np.hstack([linear.encoder, np.zeros_like(linear.encoder)])
     size = np.full(n, ELSEWHERE * float(np.mean(noise)))
-    size[list(robot.chain.motor_places)] = DRIVE * noise
+    size[list(robot.motor_rows)] = DRIVE * noise
     G = np.vstack([np.eye(n) / 2, np.eye(n) / sample_time])
     Q = G @ np.diag(size**2) @ G.T + 1e-12 * np.diag(np.concatenate([size, size / sample_time]) ** 2)
     P = solve_discrete_are(A.T, C.T, Q, np.diag(noise**2))

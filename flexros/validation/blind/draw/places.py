@@ -27,10 +27,10 @@ def places_of(effect: str, robot: Robot) -> tuple[str, ...]:
         Names of motors, springs or bodies, or "tool", "base", "all"; none where it makes no sense on this robot.
     """
     if effect in _GEARS:
-        motors = zip(robot.joint_names, robot.chain.geared, strict=True)
-        return tuple(name for name, arm in motors if robot.chain.joints[arm].motor_coordinate is not None)
+        motors = zip(robot.joint_names, robot.gear_rows, strict=True)
+        return tuple(name for name, arm in motors if robot.joints[arm].motor_coordinate is not None)
     if effect in _SPRINGS:
-        return tuple(robot.chain.joints[index].name for index in robot.chain.sprung)
+        return tuple(robot.joints[index].name for index in robot.spring_rows)
     if effect in _TOOL:
         return ("tool",)
     if effect == "extra_mode":

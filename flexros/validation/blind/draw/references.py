@@ -51,7 +51,7 @@ def room_of(robot: Robot) -> Room:
     acceleration = TORQUE_SHARE * robot.torque_limits / rigid_inertia(robot)
     acceleration = np.where(np.isfinite(acceleration), acceleration, ACCELERATION)
     reach = REACH_MOTOR if robot.spec.coordinates == "motor" else REACH_ARM
-    return Room(rest[list(robot.chain.motor_places)], reach, acceleration)
+    return Room(rest[list(robot.motor_rows)], reach, acceleration)
 
 
 def rigid_inertia(robot: Robot) -> FloatArray:
@@ -59,7 +59,7 @@ def rigid_inertia(robot: Robot) -> FloatArray:
     q = robot.equilibrium(robot.home)[: robot.n_coordinates]
     mass = np.asarray(robot.model.mass_matrix(q, robot.model.parameter_values))
     shape = np.zeros((robot.n_coordinates, robot.n_motors))
-    for motor, (gear, own) in enumerate(zip(robot.chain.geared, robot.chain.motor_places, strict=True)):
+    for motor, (gear, own) in enumerate(zip(robot.gear_rows, robot.motor_rows, strict=True)):
         shape[[gear, own], motor] = 1.0
     return np.asarray(np.diag(shape.T @ mass @ shape))
 

@@ -49,10 +49,10 @@ def scales_of(robot: Robot, run: BlindRun, sample_time: float) -> Scales:
     Returns:
         The scales.
     """
-    places, n = list(robot.chain.motor_places), robot.n_coordinates
+    places, n = list(robot.motor_rows), robot.n_coordinates
     q, v = run.states[:, :n], run.states[:, n:]
     deflection = []
-    for index, joint in enumerate(robot.chain.joints):
+    for index, joint in enumerate(robot.joints):
         own = None if joint.motor_coordinate is None else robot.n_arm + joint.motor_coordinate
         bent = q[:, index] if own is None else q[:, own] - q[:, index]
         deflection.append(float(np.max(np.abs(bent - np.mean(bent)))))

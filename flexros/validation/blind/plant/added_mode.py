@@ -30,7 +30,7 @@ def with_mode(robot: Robot, location: str, parameters: Mapping[str, float]) -> R
         The robot with the body behind its last one, or before its first one.
     """
     data = robot.spec.model_dump()
-    joint = robot.chain.joints[-1 if location == "tool" else 0]
+    joint = robot.joints[-1 if location == "tool" else 0]
     axis = joint.name[-1]
     if parameters.get("point"):
         size = parameters["ratio"] * robot.spec.bodies[-1].mass.value
@@ -59,7 +59,7 @@ def reference_inertia(robot: Robot, location: str) -> float:
         arm = np.asarray(robot.model.arm_inertia(robot.home, robot.model.parameter_values))
         return float(arm[0, 0])
     body = robot.spec.bodies[-1]
-    axis = robot.chain.joints[-1].name[-1]
+    axis = robot.joints[-1].name[-1]
     return float(getattr(body.inertia, axis * 2).value)
 
 

@@ -107,18 +107,18 @@ class Equations:
 
     def place(self, motor: int) -> int:
         """Give the place of a motor's position among the coordinates."""
-        return self.robot.chain.motor_places[motor]
+        return self.robot.motor_rows[motor]
 
     def angle(self, motor: int) -> ca.SX:
         """Give the angle of a rotor [rad]: gear ratio times coordinate on a robot stated on the arm side."""
-        turns = self.robot.chain.motor(motor).gear_ratio.value if self.robot.spec.coordinates == "arm" else 1.0
+        turns = self.robot.motors[motor].gear_ratio if self.robot.spec.coordinates == "arm" else 1.0
         return turns * self.q[self.place(motor)]
 
     def joint(self, name: str) -> int:
         """Find an arm coordinate by the name it has in the robot file."""
         body, _, axis = name.partition(".")
         number = int(body.removeprefix("body_")) + self.first_body
-        return [joint.name for joint in self.robot.chain.joints].index(f"body_{number}.{axis}")
+        return [joint.name for joint in self.robot.joints].index(f"body_{number}.{axis}")
 
     def scale(self, name: str, factor: ca.SX) -> None:
         """Multiply a number of the robot, named as in the robot file."""
@@ -129,7 +129,7 @@ class Equations:
 
     def deflection(self, joint: int) -> Twist:
         """Give the deflection of a joint's spring and its rate: of a gear from arm to motor, else of the arm."""
-        found = self.robot.chain.joints[joint]
+        found = self.robot.joints[joint]
         if found.motor_coordinate is None:
             return Twist(self.q[joint], self.v[joint])
         own = self.robot.n_arm + found.motor_coordinate
@@ -137,7 +137,7 @@ class Equations:
 
     def twist(self, motor: int) -> Twist:
         """Give the deflection of a gear with what deviations have made of it so far."""
-        return self.twists.get(motor) or self.deflection(self.robot.chain.geared[motor])
+        return self.twists.get(motor) or self.deflection(self.robot.gear_rows[motor])
 
     def gear_torque(self, joint: int, twist: Twist) -> ca.SX:
         """Evaluate spring and damper of a joint [Nm or N] at a deflection."""
@@ -145,18 +145,18 @@ class Equations:
 
     def spring_torque(self, joint: int, angle: ca.SX) -> ca.SX:
         """Evaluate the spring of a joint [Nm or N] at a deflection."""
-        spring = self.robot.chain.joints[joint].direction.spring
+        spring = self.robot.joints[joint].direction.spring
         assert isinstance(spring, Spring)
         return spring.force(angle, self.number(joint, "stiffness"))
 
     def number(self, joint: int, kind: str) -> ca.SX:
         """Give stiffness or damping of a joint with its factor."""
-        name = f"{self.robot.chain.joints[joint].name}.{kind}"
+        name = f"{self.robot.joints[joint].name}.{kind}"
         return self.robot.parameters[name].value * self.factors.get(name, ca.SX(1))
 
     def add_spring_torque(self, joint: int, torque: ca.SX) -> None:
         """Add a torque that acts against the deflection of a joint, on arm and motor."""
-        found: Joint = self.robot.chain.joints[joint]
+        found: Joint = self.robot.joints[joint]
         if found.motor_coordinate is None:
             self.added[joint] -= torque
             return
@@ -176,7 +176,7 @@ class Equations:
     def acceleration(self) -> ca.SX:
         """Solve the equations of motion for the accelerations, SX (n_coordinates, 1)."""
         for motor, twist in self.twists.items():
-            joint = self.robot.chain.geared[motor]
+            joint = self.robot.gear_rows[motor]
             torque = self.gear_torque(joint, twist)
             self.add_spring_torque(joint, torque - self.gear_torque(joint, self.deflection(joint)))
             self.add_torque(motor, (1 - twist.lever) * torque)

@@ -41,7 +41,7 @@ def dry(plant: Equations, motor: int, level: ca.SX, asymmetry: ca.SX | float = 0
     bend = BEND * float(plant.robot.encoder_noise[motor])
     share = ca.SX.sym("bristle")
     plant.states.append(InnerState(share, update=ca.fmin(ca.fmax(share + speed * plant.step / bend, -1), 1)))
-    inertia = plant.robot.chain.motor(motor).inertia.value
+    inertia = plant.robot.motors[motor].inertia
     damping = 2 * BRISTLE_DAMPING * ca.sqrt(ca.fabs(level) * inertia / bend) * (1 - share**2)
     plant.add_torque(motor, -level * (share + asymmetry / 2 * ca.fabs(share)) - damping * speed)
 

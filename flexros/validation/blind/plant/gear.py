@@ -19,7 +19,7 @@ CORNER = 0.1
 def backlash(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
     """Dead zone with a damped shaft: the exact model of Nordin, Galic and Gutman (1997)."""
     for motor in plant.motors(place):
-        joint, twist, half = plant.robot.chain.geared[motor], plant.twist(motor), p["gap"] / 2
+        joint, twist, half = plant.robot.gear_rows[motor], plant.twist(motor), p["gap"] / 2
         free = ca.SX.sym("free")
         damping = plant.number(joint, "damping")
         slide = twist.rate + plant.spring_torque(joint, twist.angle - free) / damping
@@ -31,7 +31,7 @@ def backlash(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
 def hysteresis(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
     """Bouc-Wen torque over the deflection (Wen 1976, n = 1, beta = gamma)."""
     for motor in plant.motors(place):
-        joint, twist = plant.robot.chain.geared[motor], plant.twist(motor)
+        joint, twist = plant.robot.gear_rows[motor], plant.twist(motor)
         share = ca.SX.sym("hysteresis")
         rate = (twist.rate - (ca.fabs(twist.rate) * share + twist.rate * ca.fabs(share)) / 2) / p["angle"]
         plant.states.append(InnerState(share, rate=rate))
@@ -76,7 +76,7 @@ def damping_error(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
 def motor_inertia_error(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
     """Inertia of a rotor off by a factor."""
     for motor in plant.motors(place):
-        plant.armature[plant.place(motor)] += p["relative"] * plant.robot.chain.motor(motor).inertia.value
+        plant.armature[plant.place(motor)] += p["relative"] * plant.robot.motors[motor].inertia
 
 
 def payload_error(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:

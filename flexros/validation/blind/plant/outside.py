@@ -25,7 +25,7 @@ def position_dependent_friction(plant: Equations, place: str, p: Mapping[str, ca
 def load_dependent_friction(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
     """Dry friction in proportion to the torque that the gear transmits."""
     for motor in plant.motors(place):
-        joint = plant.robot.chain.geared[motor]
+        joint = plant.robot.gear_rows[motor]
         load = plant.gear_torque(joint, plant.deflection(joint))
         dry(plant, motor, p["share"] * ca.sqrt(load**2 + p["least"] ** 2))
 
@@ -54,7 +54,7 @@ def cable(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
 def varying_stiffness(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
     """Stiffness of a gear that swings slowly in time."""
     for motor in plant.motors(place):
-        joint = plant.robot.chain.geared[motor]
+        joint = plant.robot.gear_rows[motor]
         swing = p["relative"] * ca.sin(2 * np.pi * p["frequency"] * plant.time + p["phase"])
         plant.add_spring_torque(joint, swing * plant.spring_torque(joint, plant.deflection(joint).angle))
 

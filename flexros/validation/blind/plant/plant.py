@@ -115,7 +115,7 @@ class BlindPlant:
         delays = [robot.delay + extra for extra in plant.delays]
         slow = any(one.effect == "delay" for one in self.deviations)
         longest = robot.delay + (LONGEST_DELAY if slow else 0.0)
-        m, places = robot.n_motors, self.robot.chain.motor_places
+        m, places = robot.n_motors, self.robot.motor_rows
         self._loop = MultirateLoop(
             law.function(self._context), m, sample_time, self.ticks, math.ceil(longest / sample_time - 1e-9),
             delays, plant.readings, self._numbers, plant.q, places,
@@ -133,7 +133,7 @@ class BlindPlant:
         after = ca.vertcat(plant.q, plant.v, *updates, plant.time)
         arguments = [x, u, plant.wrench, self._numbers]
         dummy = ca.SX.sym("p", self._numbers.numel())
-        places = list(self.robot.chain.motor_places)
+        places = list(self.robot.motor_rows)
         seen = ca.vertcat(plant.q[places], plant.v[places], ca.SX.zeros(m + 1))
         return LoopFunctions(
             derivative=ca.Function("derivative", arguments, [ca.densify(derivative)], {"cse": True}),

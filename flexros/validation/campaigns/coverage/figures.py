@@ -157,7 +157,7 @@ def way_coverage(
 
 
 def _of_gears(robot: Robot, names: Sequence[str]) -> BoolArray:
-    geared = {robot.arm_names[place] for place in robot.chain.geared}
+    geared = {robot.arm_names[place] for place in robot.gear_rows}
     return np.array([name.rsplit(".", 1)[0] in geared for name in names])
 
 

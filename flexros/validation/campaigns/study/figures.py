@@ -95,7 +95,7 @@ def springs(study: Study) -> IntArray:
 def of_gears(study: Study) -> BoolArray:
     """Tell which parameters belong to gears rather than to the structure of the arm, shape (P,)."""
     robot = study.problem.robot
-    geared = {robot.arm_names[place] for place in robot.chain.geared}
+    geared = {robot.arm_names[place] for place in robot.gear_rows}
     return np.array([name.rsplit(".", 1)[0] in geared for name in study.problem.names])
 
 

@@ -47,7 +47,7 @@ def unmodelled_effects(robot: Robot) -> tuple[str, ...]:
     """
     effects = []
     for motor, limit in enumerate(robot.torque_limits):
-        gear = robot.arm_names[robot.chain.geared[motor]]
+        gear = robot.arm_names[robot.gear_rows[motor]]
         name = robot.joint_names[motor]
         if np.isfinite(limit):
             effects.append(f"nonlinear_stiffness@{gear}:relative={HARDENING:g},knee_torque={KNEE * limit:g}")

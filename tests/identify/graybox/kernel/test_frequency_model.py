@@ -28,7 +28,7 @@ CASES = {
 
 def model_of(name: str, number: int = 3) -> FrequencyModel:
     robot = load_robot(name.split()[0])
-    motors = robot.home[list(robot.chain.geared)] + 0.3 * np.random.default_rng(2).normal(size=(number, robot.n_motors))
+    motors = robot.home[list(robot.gear_rows)] + 0.3 * np.random.default_rng(2).normal(size=(number, robot.n_motors))
     positions = linearise_positions(robot, CASES[name] or robot.spec.unknown_parameters, motors)
     return FrequencyModel(positions, FREQUENCY, robot.sample_time, robot.delay)
 

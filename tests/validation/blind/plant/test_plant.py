@@ -24,7 +24,7 @@ STEP = 5e-4
 def swing(robot: Robot, duration: float = 1.5) -> BlindInputs:
     """Swing all motors about home, starting at rest."""
     time = np.arange(round(duration / STEP)) * STEP
-    rest = robot.equilibrium(robot.home)[list(robot.chain.motor_places)]
+    rest = robot.equilibrium(robot.home)[list(robot.motor_rows)]
     size = 5.0 if robot.spec.coordinates == "motor" else 0.2
     position = rest + size * (1 - np.cos(2 * np.pi * time))[:, None] ** 2 * np.ones(robot.n_motors)
     speed = np.gradient(position, STEP, axis=0)
@@ -94,7 +94,7 @@ def test_backlash_lets_the_gear_move_within_its_gap() -> None:
     robot = load_robot("four_mass_linear")
     gap = 0.05
     loose, firm = simulated(robot, hidden("backlash", "motor_1", gap=gap)), simulated(robot)
-    twist = [run.states[:, robot.chain.motor_places[0]] - run.states[:, 0] for run in (loose, firm)]
+    twist = [run.states[:, robot.motor_rows[0]] - run.states[:, 0] for run in (loose, firm)]
     assert gap * 0.8 < np.ptp(twist[0]) - np.ptp(twist[1]) < gap * 1.6
 
 
