@@ -10,7 +10,7 @@ import pytest
 from flexros import input_limits
 from flexros.input_limits import EXPANSION, EXPANSION_ALLOWANCE, room_of
 
-PAGE = (Path(__file__).parents[1] / "docs" / "guide" / "limits.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[1] / "docs" / "reference" / "limits.md").read_text(encoding="utf-8")
 LIMITS = {name: value for name, value in vars(input_limits).items() if name.isupper()}
 
 

@@ -8,10 +8,13 @@ from pathlib import Path
 
 import pytest
 
-GUIDE = Path(__file__).parents[2] / "docs" / "guide"
+DOCS = Path(__file__).parents[2] / "docs"
+FOLDERS = ("tutorials", "how-to", "reference", "explanation")
 MARKER = "run by tests/contracts/test_guide.py"
 MARKER_WITH_ROS = f"{MARKER} with ROS 2"
-PAGES = {path.name: path.read_text(encoding="utf-8") for path in sorted(GUIDE.rglob("*.md"))}
+PAGES = {
+    path.name: path.read_text(encoding="utf-8") for folder in FOLDERS for path in sorted((DOCS / folder).glob("*.md"))
+}
 
 Run = Callable[[str, str], int]
 

@@ -12,27 +12,29 @@ import pytest
 
 from flexros.effects import effects
 
-GUIDE = Path(__file__).parents[2] / "docs" / "guide"
-PAGE = (GUIDE / "effects.md").read_text(encoding="utf-8")
+REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
+PAGE = (REFERENCE / "effects.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Write page and pictures anew into a folder."""
     folder = tmp_path_factory.mktemp("guide")
-    here = {**os.environ, "PYTHONPATH": str(GUIDE.parents[1])}
-    subprocess.run([sys.executable, str(GUIDE / "effects_page.py"), str(folder)], check=True, env=here)
+    here = {**os.environ, "PYTHONPATH": str(REFERENCE.parents[1])}
+    subprocess.run(
+        [sys.executable, str(REFERENCE.parent / "generate" / "effects_page.py"), str(folder)], check=True, env=here
+    )
     return folder
 
 
 def test_page_is_what_the_classes_say(written: Path) -> None:
-    assert (written / "effects.md").read_text(encoding="utf-8") == PAGE, "run python docs/guide/effects_page.py"
+    assert (written / "effects.md").read_text(encoding="utf-8") == PAGE, "run python docs/generate/effects_page.py"
 
 
 def test_every_effect_has_a_section_and_a_picture(written: Path) -> None:
     assert sorted(re.findall(r"^### (\w+)$", PAGE, re.MULTILINE)) == sorted(effects())
     assert sorted(re.findall(r"\]\(pictures/effects/(\w+)\.svg\)", PAGE)) == sorted(effects())
-    committed = {path.name for path in (GUIDE / "pictures" / "effects").iterdir()}
+    committed = {path.name for path in (REFERENCE / "pictures" / "effects").iterdir()}
     assert committed == {path.name for path in (written / "pictures" / "effects").iterdir()}
     assert committed == {f"{name}.svg" for name in effects()}
 
@@ -40,7 +42,7 @@ def test_every_effect_has_a_section_and_a_picture(written: Path) -> None:
 @pytest.mark.parametrize("name", sorted(effects()))
 def test_picture_is_drawn_by_the_script(name: str, written: Path) -> None:
     here, anew = (
-        (folder / "pictures" / "effects" / f"{name}.svg").read_text(encoding="utf-8") for folder in (GUIDE, written)
+        (folder / "pictures" / "effects" / f"{name}.svg").read_text(encoding="utf-8") for folder in (REFERENCE, written)
     )
     lines = re.findall(r'<polyline points="([^"]*)"', anew)
     assert here.count("<polyline") == len(lines) >= 1

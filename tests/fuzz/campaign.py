@@ -37,7 +37,7 @@ Written by `make fuzz`, {minutes:g} minutes of processor time. Everything that r
 inputs (bits, bytes, claimed lengths, pieces cut off, removed, put in, repeated, records in any order with the right
 checksums) and made-up ones, by Hypothesis with a new seed for every {batch}. An input must give a valid result, or
 be refused in one sentence that can be printed. Everything else is a fault: another exception, a hang of {longest} s,
-{room} MB more memory than at the start. [Limits](../guide/limits.md) lists what is refused for its size.
+{room} MB more memory than at the start. [Limits](../reference/limits.md) lists what is refused for its size.
 """
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from flexros_nodes.shell.node_base import FlexrosNode
 
 CHECKOUT = Path(__file__).parents[2]
-EXAMPLES = CHECKOUT / "docs" / "guide" / "examples"
+EXAMPLES = CHECKOUT / "docs" / "examples"
 PATIENCE = 60.0
 
 StartProcess = Callable[..., subprocess.Popen[str]]

@@ -44,7 +44,7 @@ class AbstractEffect(Settings, ABC):
        `AbstractToolError` a tool that is elsewhere.
 
     Any number of effects combine at any places. The guide shows each with a picture: a row in
-    `docs/guide/effects_pictures.py`, then `python docs/guide/effects_page.py`.
+    `docs/generate/effects_pictures.py`, then `python docs/generate/effects_page.py`.
     """
 
     name: ClassVar[str]

@@ -10,8 +10,8 @@ from pathlib import Path
 from flexros.gap.next_experiment.catalogue import CATALOGUE
 from flexros.identify.diagnosis_experiment.specification import WEIGHTS, DiagnosisSpecification
 
-GUIDE = Path(__file__).parents[3] / "docs" / "guide"
-PAGE = (GUIDE / "diagnosis_experiment.md").read_text(encoding="utf-8")
+EXPLANATION = Path(__file__).parents[3] / "docs" / "explanation"
+PAGE = (EXPLANATION / "diagnosis_experiment.md").read_text(encoding="utf-8")
 
 
 def test_every_part_has_a_row_with_its_time() -> None:
@@ -28,9 +28,11 @@ def test_every_experiment_of_the_catalogue_is_listed() -> None:
 
 
 def test_picture_of_the_page_is_drawn_by_its_script(tmp_path: Path) -> None:
-    script = GUIDE / "diagnosis_experiment_pictures.py"
-    here = {**os.environ, "PYTHONPATH": str(GUIDE.parents[1])}
+    script = EXPLANATION.parent / "generate" / "diagnosis_experiment_pictures.py"
+    here = {**os.environ, "PYTHONPATH": str(EXPLANATION.parents[1])}
     subprocess.run([sys.executable, str(script), str(tmp_path)], check=True, env=here)
     assert "](diagnosis_course.svg)" in PAGE
-    drawn, committed = ((folder / "diagnosis_course.svg").read_text(encoding="utf-8") for folder in (tmp_path, GUIDE))
+    drawn, committed = (
+        (folder / "diagnosis_course.svg").read_text(encoding="utf-8") for folder in (tmp_path, EXPLANATION)
+    )
     assert drawn.count("<polyline") == committed.count("<polyline") > 10

@@ -8,8 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-GUIDE = Path(__file__).parents[3] / "docs" / "guide"
-PAGE = (GUIDE / "frequency_response.md").read_text(encoding="utf-8")
+EXPLANATION = Path(__file__).parents[3] / "docs" / "explanation"
+PAGE = (EXPLANATION / "frequency_response.md").read_text(encoding="utf-8")
 
 
 def test_program_of_the_page_runs() -> None:
@@ -21,11 +21,11 @@ def test_program_of_the_page_runs() -> None:
 
 
 def test_pictures_of_the_page_are_drawn_by_its_script(tmp_path: Path) -> None:
-    script = GUIDE / "frequency_response_pictures.py"
-    here = {**os.environ, "PYTHONPATH": str(GUIDE.parents[1])}
+    script = EXPLANATION.parent / "generate" / "frequency_response_pictures.py"
+    here = {**os.environ, "PYTHONPATH": str(EXPLANATION.parents[1])}
     subprocess.run([sys.executable, str(script), str(tmp_path)], check=True, env=here)
     drawn = {path.name for path in tmp_path.iterdir()}
     assert drawn == set(re.findall(r"\]\((frf_\w+\.svg)\)", PAGE))
     for name in drawn:
-        committed = (GUIDE / name).read_text(encoding="utf-8")
+        committed = (EXPLANATION / name).read_text(encoding="utf-8")
         assert (tmp_path / name).read_text(encoding="utf-8").count("<polyline") == committed.count("<polyline")

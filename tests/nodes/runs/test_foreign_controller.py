@@ -62,7 +62,7 @@ def signals(log: Log) -> tuple[FloatArray, FloatArray]:
 
 
 def test_example_is_short_and_imports_nothing_of_flexros() -> None:
-    text = (Path(__file__).parents[3] / "docs" / "guide" / "examples" / EXAMPLE).read_text(encoding="utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "examples" / EXAMPLE).read_text(encoding="utf-8")
     imports = {node.module for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)}
     assert imports == {"rclpy.node", "rclpy.signals", "sensor_msgs.msg"}
     assert len([line for line in text.splitlines() if line.strip()]) <= 40

@@ -18,7 +18,7 @@ from flexros.scenario.scenario import load_scenario
 pytest.importorskip("rclpy", reason="needs ROS 2")
 pytest.importorskip("mujoco", reason="the other plant")
 
-EXAMPLES = Path(__file__).parents[3] / "docs" / "guide" / "examples"
+EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
 SCENARIO = EXAMPLES / "two_mass_move.yaml"
 MODEL = EXAMPLES / "two_mass.xml"
 

@@ -18,7 +18,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2")
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-EXAMPLES = Path(__file__).parents[3] / "docs" / "guide" / "examples"
+EXAMPLES = Path(__file__).parents[3] / "docs" / "examples"
 TORQUE = 5.0
 SAMPLES = 201
 TIMEOUT = 60.0

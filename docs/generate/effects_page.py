@@ -1,4 +1,4 @@
-"""Write effects.md from the effects themselves, with its pictures: python docs/guide/effects_page.py [FOLDER]."""
+"""Write effects.md from the effects themselves, with its pictures: python docs/generate/effects_page.py [FOLDER]."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ Laws of one spring act one on what the other has made of it, from the motor to t
 spring, backlash, hysteresis. So a gap counts from the shifted deflection, and hysteresis turns with the shaft and not
 with the gap. Errors of numbers change the robot, and with it what the laws beside it see.
 
-This page is written from the classes by `docs/guide/effects_page.py`, and the pictures are runs and linearisations of
+This page is written from the classes by `docs/generate/effects_page.py`, and the pictures are runs and linearisations of
 shipped robots with the numbers given below each.
 """
 
@@ -124,7 +124,7 @@ def _number(value: object) -> str:
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "reference"
     (folder / "pictures" / "effects").mkdir(parents=True, exist_ok=True)
     (folder / "effects.md").write_text(page(), encoding="utf-8")
     for name, text in pictures().items():

@@ -1,4 +1,4 @@
-"""Draw one picture per effect for effects.md: python docs/guide/effects_pictures.py [FOLDER]."""
+"""Draw one picture per effect for effects.md: python docs/generate/effects_pictures.py [FOLDER]."""
 
 from __future__ import annotations
 
@@ -261,7 +261,9 @@ def pictures() -> dict[str, str]:
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "pictures" / "effects"
+    folder = (
+        Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "reference" / "pictures" / "effects"
+    )
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in pictures().items():
         (folder / f"{name}.svg").write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Draw the picture of diagnosis_experiment.md: python docs/guide/diagnosis_experiment_pictures.py [FOLDER]."""
+"""Draw the picture of diagnosis_experiment.md: python docs/generate/diagnosis_experiment_pictures.py [FOLDER]."""
 
 from __future__ import annotations
 
@@ -80,4 +80,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent)
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "explanation")

@@ -1,4 +1,4 @@
-"""Draw the pictures of frequency_response.md: python docs/guide/frequency_response_pictures.py [FOLDER]."""
+"""Draw the pictures of frequency_response.md: python docs/generate/frequency_response_pictures.py [FOLDER]."""
 
 from __future__ import annotations
 
@@ -122,6 +122,6 @@ def polynomial(axis: TwoMassAxis, u: FloatArray, y: FloatArray) -> tuple[FloatAr
 
 
 if __name__ == "__main__":
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "explanation"
     for name, text in pictures().items():
         (folder / name).write_text(text, encoding="utf-8")

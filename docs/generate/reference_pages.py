@@ -1,0 +1,179 @@
+"""Write the pages of the reference that follow from the models: files, commands, topics. Run from the checkout."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args, get_origin
+
+import typer
+from pydantic import BaseModel
+from pydantic_core import PydanticUndefined
+
+from flexros.cli.app import EXIT_CODES, app
+from flexros.config.topics import load_topics
+from flexros.control.base import control_laws
+from flexros.gap.schema import Diagnosis
+from flexros.gap.settings import DiagnosisSettings
+from flexros.logs.foreign.mapping import LogMapping
+from flexros.robot.specification import RobotSpecification
+from flexros.scenario.scenario import Scenario
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    import click
+    from pydantic.fields import FieldInfo
+
+WRITTEN = "<!-- written by docs/generate/reference_pages.py -->"
+
+
+def cell(text: object) -> str:
+    """Set a text for a cell of a table."""
+    return " ".join(str(text).split()).replace("|", "\\|")
+
+
+def type_name(annotation: Any) -> str:
+    """Name the type of a key as a user would: `number`, `text`, `list of ...`, or the section that describes it."""
+    simple = {
+        float: "number",
+        int: "whole number",
+        str: "text",
+        bool: "true or false",
+        type(None): "nothing",
+        Any: "any",
+    }
+    if annotation in simple:
+        return simple[annotation]
+    if isinstance(annotation, type):
+        return (
+            f"[{annotation.__name__}](#{annotation.__name__.lower()})" if issubclass(annotation, BaseModel) else "text"
+        )
+    origin, arguments = get_origin(annotation), [one for one in get_args(annotation) if one is not Ellipsis]
+    if origin is None:
+        return cell(str(annotation).replace("typing.", ""))
+    if getattr(origin, "__name__", "") == "Annotated" or hasattr(annotation, "__metadata__"):
+        return type_name(arguments[0])
+    if getattr(origin, "__name__", "") == "Literal" or str(annotation).startswith("typing.Literal"):
+        return " or ".join(f"`{one}`" for one in arguments)
+    if origin in (tuple, list) or getattr(origin, "__name__", "") == "Sequence":
+        return "list of " + " and ".join(dict.fromkeys(type_name(one) for one in arguments))
+    if origin is dict or getattr(origin, "__name__", "") == "Mapping":
+        return f"mapping of {type_name(arguments[0])} to {type_name(arguments[1])}"
+    return " or ".join(dict.fromkeys(type_name(one) for one in arguments))
+
+
+def models_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    """List the models that a type speaks of."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for part in get_args(annotation):
+        yield from models_in(part)
+
+
+def default_of(field: FieldInfo) -> str:
+    """Write the default of a key; "required" where it has none."""
+    if field.is_required():
+        return "required"
+    if field.default_factory_takes_validated_data:
+        return "from other keys"
+    value = field.get_default(call_default_factory=True) if field.default is PydanticUndefined else field.default
+    if isinstance(value, BaseModel):
+        return "its defaults"
+    return "" if value is None else f"`{cell(value)}`"
+
+
+def section(model: type[BaseModel]) -> str:
+    """Write the section of one model: what it is, and a row for each key."""
+    rows = [
+        f"| `{field.alias or name}` | {type_name(field.annotation)} | {default_of(field)} | {cell(field.description or '')} |"
+        for name, field in model.model_fields.items()
+    ]
+    summary = (model.__doc__ or "").strip().split("\n\n")[0]
+    table = ["| key | value | default | meaning |", "|---|---|---|---|", *rows] if rows else []
+    return "\n".join([f"## {model.__name__}", "", cell(summary), "", *table, ""])
+
+
+def file_page(title: str, introduction: str, model: type[BaseModel], more: Sequence[type[BaseModel]] = ()) -> str:
+    """Write the page of a file: its keys, then those of every section it consists of."""
+    known: list[type[BaseModel]] = [model, *more]
+    for one in known:  # grows while it is gone through
+        for field in one.model_fields.values():
+            known += [part for part in dict.fromkeys(models_in(field.annotation)) if part not in known]
+    return "\n".join([WRITTEN, "", f"# {title}", "", introduction, "", *(section(one) for one in known)])
+
+
+def commands(command: click.Command, path: str) -> Iterator[str]:
+    """Write the section of a command and of those below it."""
+    subcommands = getattr(command, "commands", None)
+    yield f"{'##' if path.count(' ') < 2 else '###'} {path}\n\n{cell((command.help or '').split('Args:')[0])}\n"
+    if subcommands:
+        for name in subcommands:
+            yield from commands(subcommands[name], f"{path} {name}")
+        return
+    rows = []
+    for parameter in command.params:
+        if parameter.name == "help":
+            continue
+        names = ", ".join(f"`{one}`" for one in (*parameter.opts, *parameter.secondary_opts)) or f"`{parameter.name}`"
+        default = (
+            "required" if parameter.required else cell(parameter.default) if parameter.default not in (None, "") else ""
+        )
+        rows.append(f"| {names} | {cell(getattr(parameter, 'help', '') or '')} | {default} |")
+    if rows:
+        yield "\n".join(["| option or argument | meaning | default |", "|---|---|---|", *rows, ""])
+
+
+def commands_page() -> str:
+    """Write the page of the command line."""
+    root = typer.main.get_command(app)
+    parts = [part for name in root.commands for part in commands(root.commands[name], f"flexros {name}")]  # type: ignore[attr-defined]
+    return "\n".join([WRITTEN, "", "# Commands", "", EXIT_CODES, "", *parts])
+
+
+def topics_page() -> str:
+    """Write the page of the topics."""
+    rows = []
+    for name, topic in load_topics().items():
+        rate = "on demand" if topic.rate is None else f"{topic.rate:g} Hz"
+        rows += [f"## {name}", "", topic.description, "", f"`{topic.type}`, {rate}, from {topic.producer}", ""]
+        if topic.fields:
+            rows += ["| field | unit | meaning |", "|---|---|---|"]
+            rows += [f"| {field} | {cell(one.unit)} | {cell(one.meaning)} |" for field, one in topic.fields.items()]
+            rows.append("")
+    lead = (
+        "Names are relative: a namespace can be put before them. `msgs_config/topics.yaml` is where they are defined."
+    )
+    return "\n".join([WRITTEN, "", "# Topics", "", lead, "", *rows])
+
+
+def pages() -> dict[str, str]:
+    """Write all pages, by file name."""
+    laws = tuple(control_laws().values())
+    scenario = "A scenario determines one run. Built-in scenarios are listed by `flexros scenarios`; `--set key=value` changes one key."
+    robot = (
+        "A robot is one YAML file; `flexros/robot/library` holds the built-in ones. A quantity is a number with unit, or a mapping of "
+        "value, unit, source and tolerance (one standard deviation)."
+    )
+    mapping = "A mapping file says which column of a foreign log is which quantity of which joint: `flexros import MAPPING FILE... --out BAG`."
+    answer = "The answer of `flexros diagnose`, as DIR/diagnosis.json."
+    settings = "Settings of the diagnosis, with their reasons; the values used are in the provenance of diagnosis.json."
+    return {
+        "scenario.md": file_page("Scenario files", scenario, Scenario, laws),
+        "robot.md": file_page("Robot files", robot, RobotSpecification),
+        "mapping.md": file_page("Mapping files", mapping, LogMapping),
+        "diagnosis.md": file_page("diagnosis.json", answer, Diagnosis),
+        "diagnosis_settings.md": file_page("Settings of the diagnosis", settings, DiagnosisSettings),
+        "commands.md": commands_page(),
+        "topics.md": topics_page(),
+    }
+
+
+def main(folder: Path) -> None:
+    """Write the pages into a folder."""
+    for name, text in pages().items():
+        (folder / name).write_text(text.rstrip() + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[1] / "reference")

@@ -1,0 +1,34 @@
+"""The reference is what the models say: files, commands and topics."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).parents[2] / "docs"
+WRITTEN = "<!-- written by docs/generate/reference_pages.py -->"
+PAGES = [path.name for path in sorted((DOCS / "reference").glob("*.md")) if path.read_text().startswith(WRITTEN)]
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Write the pages anew into a folder."""
+    folder = tmp_path_factory.mktemp("reference")
+    environment = {**os.environ, "PYTHONPATH": str(DOCS.parent)}
+    script = str(DOCS / "generate" / "reference_pages.py")
+    subprocess.run([sys.executable, script, str(folder)], check=True, env=environment)
+    return folder
+
+
+def test_all_pages_are_committed(written: Path) -> None:
+    assert sorted(path.name for path in written.iterdir()) == PAGES
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_page_is_what_the_models_say(page: str, written: Path) -> None:
+    committed = (DOCS / "reference" / page).read_text(encoding="utf-8")
+    assert (written / page).read_text(encoding="utf-8") == committed, "run python docs/generate/reference_pages.py"
