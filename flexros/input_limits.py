@@ -1,6 +1,6 @@
 """Limits on what others wrote, so that no file or message takes memory or time hostage.
 
-Each is far above what was seen in use and was chosen; `docs/reference/limits.md` lists them. What is beyond a limit is left
+Each is far above what was seen in use and was chosen; `docs/reference/limits.md` lists them. What is beyond one is left
 out with a warning where the rest can be read, and refused with one sentence where not.
 """
 

@@ -46,8 +46,8 @@ Laws of one spring act one on what the other has made of it, from the motor to t
 spring, backlash, hysteresis. So a gap counts from the shifted deflection, and hysteresis turns with the shaft and not
 with the gap. Errors of numbers change the robot, and with it what the laws beside it see.
 
-This page is written from the classes by `docs/generate/effects_page.py`, and the pictures are runs and linearisations of
-shipped robots with the numbers given below each.
+This page is written from the classes by `docs/generate/effects_page.py`. The pictures are runs and linearisations of
+built-in robots with the parameters given below each.
 """
 
 

@@ -85,10 +85,10 @@ def default_of(field: FieldInfo) -> str:
 
 def section(model: type[BaseModel]) -> str:
     """Write the section of one model: what it is, and a row for each key."""
-    rows = [
-        f"| `{field.alias or name}` | {type_name(field.annotation)} | {default_of(field)} | {cell(field.description or '')} |"
-        for name, field in model.model_fields.items()
-    ]
+    rows = []
+    for name, field in model.model_fields.items():
+        key, value, meaning = field.alias or name, type_name(field.annotation), cell(field.description or "")
+        rows.append(f"| `{key}` | {value} | {default_of(field)} | {meaning} |")
     summary = (model.__doc__ or "").strip().split("\n\n")[0]
     table = ["| key | value | default | meaning |", "|---|---|---|---|", *rows] if rows else []
     return "\n".join([f"## {model.__name__}", "", cell(summary), "", *table, ""])
@@ -150,12 +150,18 @@ def topics_page() -> str:
 def pages() -> dict[str, str]:
     """Write all pages, by file name."""
     laws = tuple(control_laws().values())
-    scenario = "A scenario determines one run. Built-in scenarios are listed by `flexros scenarios`; `--set key=value` changes one key."
-    robot = (
-        "A robot is one YAML file; `flexros/robot/library` holds the built-in ones. A quantity is a number with unit, or a mapping of "
-        "value, unit, source and tolerance (one standard deviation)."
+    scenario = (
+        "A scenario determines one run. Built-in scenarios are listed by `flexros scenarios`; `--set key=value` "
+        "changes one key."
     )
-    mapping = "A mapping file says which column of a foreign log is which quantity of which joint: `flexros import MAPPING FILE... --out BAG`."
+    robot = (
+        "A robot is one YAML file; `flexros/robot/library` holds the built-in ones. A quantity is a number with unit, "
+        "or a mapping of value, unit, source and tolerance (one standard deviation)."
+    )
+    mapping = (
+        "A mapping file says which column of a foreign log is which quantity of which joint: "
+        "`flexros import MAPPING FILE... --out BAG`."
+    )
     answer = "The answer of `flexros diagnose`, as DIR/diagnosis.json."
     settings = "Settings of the diagnosis, with their reasons; the values used are in the provenance of diagnosis.json."
     return {
