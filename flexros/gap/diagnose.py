@@ -13,6 +13,7 @@ from flexros.gap.answer.decision import Findings
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
 from flexros.gap.held_out.predictions import tool_errors
+from flexros.gap.noise.autoregression import autoregressive_spectrum
 from flexros.gap.noise.weights import measurement_in
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import fit_data
@@ -20,7 +21,6 @@ from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.forward_selection import explain
 from flexros.gap.settings import DiagnosisSettings
 from flexros.gap.where.find import where
-from flexros.gap.where.floor import autoregressive
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -104,7 +104,7 @@ def _places(found: Findings, before: Explanation, seed: int) -> Where:
         found.model.robot,
         seed,
         tool_error=error,
-        spectrum=autoregressive(-whitening[:, 1:].T) if whitening.shape[1] > 1 else None,
+        spectrum=autoregressive_spectrum(-whitening[:, 1:].T) if whitening.shape[1] > 1 else None,
     )
 
 

@@ -29,6 +29,16 @@ class LinearLog:
     observer: ObserverGain
     missing: FloatArray
 
+    @property
+    def error_spectrum(self) -> FloatArray:
+        """Spectrum of the prediction errors that come from encoder noise alone, of mean one, shape (512, M)."""
+        F, C = self.observer.motion, self.observer.readout
+        K = F @ self.observer.gain
+        angles = np.pi * (np.arange(512) + 0.5) / 512
+        H = [np.eye(len(C)) - C @ np.linalg.solve(np.exp(1j * a) * np.eye(len(F)) - F + K @ C, K) for a in angles]
+        power = np.abs(np.array(H)) ** 2 @ np.asarray(self.observer.noise) ** 2
+        return np.asarray(power / power.mean(axis=0))
+
 
 def nothing(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
     """Give no missing torque."""

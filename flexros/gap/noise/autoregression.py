@@ -15,6 +15,8 @@ WHITE = 3.5
 """Autocorrelation at lag one to four, in standard deviations, from which noise is coloured (chosen)."""
 TREND = 3
 """Polynomial coefficients that are taken off each stretch of a standstill (chosen)."""
+GRID = 512
+"""Frequencies from zero to the Nyquist frequency at which a spectrum is stored (chosen)."""
 PASSES = 8
 """Passes of the autoregression, each with what the trend took off by the one before (chosen)."""
 
@@ -69,3 +71,23 @@ def _autoregression(lags: FloatArray, n_samples: int) -> tuple[float, FloatArray
         if cost < best:
             best, found, driving = cost, np.asarray(values, dtype=np.float64), float(variance)
     return float(best), found, driving
+
+
+def white_spectrum(n_motors: int) -> FloatArray:
+    """Return the spectrum of white noise from zero to the Nyquist frequency, shape (`GRID`, M)."""
+    return np.ones((GRID, n_motors))
+
+
+def autoregressive_spectrum(coefficients: FloatArray) -> FloatArray:
+    """Compute the spectrum of e_k = a_1 e_k-1 + ... + a_p e_k-p + white noise.
+
+    Args:
+        coefficients: a_1 ... a_p of each motor, shape (p, M).
+
+    Returns:
+        Power density from zero to the Nyquist frequency, of mean one, shape (`GRID`, M).
+    """
+    angle = np.pi * (np.arange(GRID) + 0.5) / GRID
+    delays = np.exp(-1j * angle[:, None] * (1 + np.arange(len(coefficients))))
+    power = 1 / np.abs(1 - delays @ coefficients) ** 2
+    return np.asarray(power / power.mean(axis=0))

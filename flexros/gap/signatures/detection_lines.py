@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, thinned
-from flexros.gap.where.periodic import KINDS, line_levels
+from flexros.gap.where.views.detection_lines import KINDS, line_levels
 
 if TYPE_CHECKING:
     from flexros.gap.signatures.signature_data import SignatureData

@@ -14,12 +14,12 @@ what a Kalman smoother with a disturbance state would give, computed by Fourier 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from scipy.linalg import expm
 
-from flexros.gap.where.floor import ErrorDynamics, error_dynamics
 from flexros.robot.linear.linearise import linear_model
 
 if TYPE_CHECKING:
@@ -37,6 +37,42 @@ LEAST_NOISE = 0.01
 """Power of noise that is assumed also where the predictor lets none through, as at zero frequency [1] (chosen)."""
 FADE = 0.3
 """Time within which prediction errors are faded in and out at the ends of a log [s] (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class _ErrorDynamics:
+    """Dynamics from noise and missing torques to the prediction errors of a predictor with a fixed gain.
+
+    Attributes:
+        transition: F (I - K C), shape (n_x, n_x).
+        injection: F K, shape (n_x, M).
+        measurement: C, shape (M, n_x).
+    """
+
+    transition: FloatArray
+    injection: FloatArray
+    measurement: FloatArray
+
+    @classmethod
+    def of(cls, observer: ObserverGain) -> _ErrorDynamics:
+        """Build the error dynamics of a predictor."""
+        return cls(observer.transition, observer.motion @ observer.gain, observer.readout)
+
+    def response(self, z: ComplexArray, entry: FloatArray) -> ComplexArray:
+        """Evaluate C (zI - F(I - KC))^-1 B.
+
+        Args:
+            z: Points on the unit circle, shape (F,).
+            entry: B, how the input enters the state, shape (n_x, k).
+
+        Returns:
+            Response, shape (F, M, k).
+        """
+        values, vectors = np.linalg.eig(self.transition)
+        left = self.measurement @ vectors
+        right = np.linalg.solve(vectors, entry.astype(complex))
+        modal = 1 / (z[:, None] - values)
+        return np.asarray(np.einsum("ai,fi,ib->fab", left, modal, right, optimize=True))
 
 
 def missing_torque(
@@ -64,7 +100,7 @@ def missing_torque(
         Torques that have to be added at the motors [Nm or N], shape (n, M).
     """
     n = len(innovations)
-    dynamics = error_dynamics(observer)
+    dynamics = _ErrorDynamics.of(observer)
     frequency: FloatArray = np.asarray(np.fft.rfftfreq(n, record.sample_time), dtype=float)
     # behind four times the bandwidth the estimate is zero but for a few per cent
     within = np.flatnonzero(frequency <= min(4 * bandwidth, 0.45 / record.sample_time))
@@ -81,7 +117,7 @@ def missing_torque(
 
 def _torque_response(
     robot: Robot,
-    dynamics: ErrorDynamics,
+    dynamics: _ErrorDynamics,
     sample_time: float,
     z: ComplexArray,
     q_a: FloatArray | None,
@@ -99,7 +135,7 @@ def _torque_response(
     return dynamics.response(z, expm(held * sample_time)[:n, n:])
 
 
-def _noise(dynamics: ErrorDynamics, sd: FloatArray, z: ComplexArray) -> ComplexArray:
+def _noise(dynamics: _ErrorDynamics, sd: FloatArray, z: ComplexArray) -> ComplexArray:
     """Return H R H^H and a little more, shape (F, M, M)."""
     H = np.eye(len(sd)) - dynamics.response(z, dynamics.injection)
     variance = np.maximum(sd, 1e-12) ** 2

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.gap.signatures.base import AbstractSignature, Curve, Picture, thinned
-from flexros.gap.where.order_spectrum import OrderGrid
+from flexros.gap.where.views.order_spectrum import OrderGrid
 
 if TYPE_CHECKING:
     from flexros.gap.signatures.signature_data import SignatureData

@@ -1,63 +1,85 @@
-"""Parts of a motion in which effects show: standstill, reversal, low and high speed, high torque, early and late."""
+"""Regimes: parts of a motion in which effects show, e.g. standstill, reversal, high speed, high torque."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.where.motion import MotorMotion
 
-FAMILIES = {
-    "all": "all",
-    "standstill": "speed",
-    "reversal": "speed",
-    "low speed": "speed",
-    "high speed": "speed",
-    "vibration": "speed",
-    "high torque": "torque",
-    "gear torque reversal": "gear torque",
-    "high acceleration": "acceleration",
-    "first third": "time",
-    "last third": "time",
-}
-"""Regimes and what they are regimes of, in the order in which they are listed."""
+
+@dataclass(frozen=True)
+class Regime:
+    """A regime of a motor.
+
+    Attributes:
+        kind: Quantity that it is a part of.
+        phrase: How it reads in a sentence.
+    """
+
+    kind: str
+    phrase: str
+
+
+REGIMES: Mapping[str, Regime] = MappingProxyType(
+    {
+        "all": Regime("all", ""),
+        "standstill": Regime("speed", "at standstill"),
+        "reversal": Regime("speed", "at reversals"),
+        "low speed": Regime("speed", "at low speed"),
+        "high speed": Regime("speed", "at high speed"),
+        "vibration": Regime("speed", "in vibration"),
+        "high torque": Regime("torque", "under high torque"),
+        "gear torque reversal": Regime("gear torque", "where the gear torque changes its sign"),
+        "high acceleration": Regime("acceleration", "under high acceleration"),
+        "first third": Regime("time", "in the first third of the log"),
+        "last third": Regime("time", "in the last third of the log"),
+    }
+)
+"""All regimes in the order in which they are listed."""
 
 STILL = 0.01
-"""Share of the largest speed below which a motor counts as standing (chosen)."""
+"""Share of the largest speed below which a motor counts as standing still (chosen)."""
 LOW = 0.15
 """Share of the largest speed below which it counts as slow (chosen)."""
 HIGH = 0.6
 """Share of the largest speed, torque or acceleration above which it counts as high (chosen)."""
 LASTING = 0.08
-"""Time between two turnings [s] below which they are a vibration and no reversals (chosen)."""
+"""Time between two changes of direction [s] below which they are a vibration, not reversals (chosen)."""
 BEFORE, AFTER = 0.02, 0.06
-"""Time before and after a change of sign that belongs to a reversal [s] (chosen; prediction errors come after it)."""
+"""Time before and after a change of sign that belongs to a reversal [s] (chosen; prediction errors follow it)."""
 
 
-def regimes(motion: MotorMotion, number: int, sample_time: float) -> dict[str, BoolArray]:
-    """Tell which samples belong to each regime of a motor.
+def regimes(motion: MotorMotion, motor: int, sample_time: float) -> dict[str, BoolArray]:
+    """Determine the samples of each regime of a motor.
 
     Args:
         motion: Motion of the motors.
-        number: Number of the motor (0-based).
+        motor: Index of the motor.
         sample_time: Time between two samples [s].
 
     Returns:
-        Samples of each regime by its name, shape (n,); all of `FAMILIES`, some of them empty.
+        Samples of each of the `REGIMES` by name, some of them empty, shape (n,).
     """
-    speed, n = motion.speed[:, number], len(motion.speed)
+    speed, n = motion.speed[:, motor], len(motion.speed)
     top = _largest(speed)
-    turnings = _turnings(speed, STILL * top)
-    lasting = _apart(turnings, round(LASTING / sample_time))
-    reversal = around(lasting, sample_time)
+    turnings = _sign_changes(speed, STILL * top)
+    reversals = _isolated(turnings, round(LASTING / sample_time))
+    reversal = around(reversals, sample_time)
     slow = np.abs(speed) < LOW * top
     still = _lasting(np.abs(speed) < STILL * top, round((BEFORE + AFTER) / sample_time)) & ~reversal
-    vibration = around(turnings & ~lasting, sample_time) & ~still & ~reversal
-    gear = motion.gear_torque[:, number]
-    turns = _turnings(np.nan_to_num(gear), STILL * _largest(gear)) if np.isfinite(gear).any() else np.zeros(n, bool)
+    vibration = around(turnings & ~reversals, sample_time) & ~still & ~reversal
+    gear = motion.gear_torque[:, motor]
+    changes = (
+        _sign_changes(np.nan_to_num(gear), STILL * _largest(gear)) if np.isfinite(gear).any() else np.zeros(n, bool)
+    )
     time = np.arange(n)
     return {
         "all": np.ones(n, dtype=bool),
@@ -66,19 +88,19 @@ def regimes(motion: MotorMotion, number: int, sample_time: float) -> dict[str, B
         "low speed": slow & ~still & ~reversal & ~vibration,
         "high speed": _high(speed) & ~reversal & ~vibration,
         "vibration": vibration,
-        "high torque": _high(motion.torque[:, number]),
-        "gear torque reversal": around(turns, sample_time),
-        "high acceleration": _high(motion.acceleration[:, number]),
+        "high torque": _high(motion.torque[:, motor]),
+        "gear torque reversal": around(changes, sample_time),
+        "high acceleration": _high(motion.acceleration[:, motor]),
         "first third": time < n / 3,
         "last third": time >= 2 * n / 3,
     }
 
 
 def around(events: BoolArray, sample_time: float) -> BoolArray:
-    """Widen single samples to the time around them that belongs to an event.
+    """Widen events to the time around them.
 
     Args:
-        events: Samples at which something happens, shape (n,).
+        events: Samples of the events, shape (n,).
         sample_time: Time between two samples [s].
 
     Returns:
@@ -91,20 +113,20 @@ def around(events: BoolArray, sample_time: float) -> BoolArray:
     return np.asarray(np.cumsum(steps)[:-1] > 0)
 
 
-def _turnings(values: FloatArray, least: float) -> BoolArray:
-    """Find changes of sign between values of at least a size; the sample at which the value passes zero."""
+def _sign_changes(values: FloatArray, least: float) -> BoolArray:
+    """Find the zero crossings between values of at least a given size."""
     sign = np.where(values > least, 1, np.where(values < -least, -1, 0))
     rows = np.flatnonzero(sign)
-    found = np.zeros(len(values), dtype=bool)
+    crossings = np.zeros(len(values), dtype=bool)
     changes = np.flatnonzero(np.diff(sign[rows]))
     for change in changes:
         first, last = rows[change], rows[change + 1]
-        found[first + int(np.abs(values[first : last + 1]).argmin())] = True
-    return found
+        crossings[first + int(np.abs(values[first : last + 1]).argmin())] = True
+    return crossings
 
 
-def _apart(events: BoolArray, samples: int) -> BoolArray:
-    """Keep the events that are at least so many samples from the ones before and behind."""
+def _isolated(events: BoolArray, samples: int) -> BoolArray:
+    """Keep the events that are at least `samples` from the previous and the next one."""
     rows = np.flatnonzero(events)
     distance = np.diff(np.concatenate([[-samples], rows, [len(events) + samples]]))
     kept = np.zeros(len(events), dtype=bool)
@@ -113,7 +135,7 @@ def _apart(events: BoolArray, samples: int) -> BoolArray:
 
 
 def _high(values: FloatArray) -> BoolArray:
-    """Find the samples of a size near the largest one; that of rest (gravity, friction) does not count."""
+    """Find the samples near the largest deviation from the median, which removes gravity."""
     size = np.abs(values - np.median(values))
     return np.asarray(size > HIGH * max(_largest(size), 1e-300))
 
@@ -124,7 +146,7 @@ def _largest(values: FloatArray) -> float:
 
 
 def _lasting(held: BoolArray, samples: int) -> BoolArray:
-    """Keep only stretches of at least so many samples."""
+    """Keep only stretches of at least `samples` samples."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], held.astype(int), [0]])))
     kept = np.zeros(len(held), dtype=bool)
     for first, end in zip(edges[::2], edges[1::2]):

@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from flexros.arrays import FloatArray
-from flexros.gap.noise.autoregression import TREND, colour_of, without_trend
+from flexros.gap.noise.autoregression import TREND, autoregressive_spectrum, colour_of, white_spectrum, without_trend
 
 LENGTH, COUNT = 500, 40
 
@@ -47,3 +47,12 @@ def test_the_simpler_noise_has_the_lower_criterion() -> None:
     noise = stretches(0.8)
     more = noise + 0.5 * np.stack([without_trend(np.sin(0.3 * np.arange(LENGTH) + k)) for k in range(COUNT)])
     assert colour_of(noise)[0] < colour_of(more)[0]
+
+
+def test_autoregressive_noise_without_coefficients_is_white() -> None:
+    assert autoregressive_spectrum(np.zeros((2, 3))) == pytest.approx(white_spectrum(3))
+
+
+def test_positive_coefficient_is_low_frequency_noise() -> None:
+    power = autoregressive_spectrum(np.array([[0.8]]))[:, 0]
+    assert power[0] / power[-1] == pytest.approx((1.8 / 0.2) ** 2, rel=1e-3)

@@ -1,4 +1,4 @@
-"""Where a gap shows."""
+"""Locations of a gap."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import pytest
 
 from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.where.find import where
-from flexros.gap.where.floor import of_predictor
 from flexros.gap.where.settings import WhereSettings
 from flexros.record.record import ToolRecord
 from tests.oracles.linear_gap import LinearLog
@@ -20,44 +19,44 @@ FEW = WhereSettings(realisations=60)
 
 def test_friction_shows_at_the_right_joint(elbow_with_friction: LinearLog) -> None:
     log = elbow_with_friction
-    found = where(log.prediction, log.record, log.robot, 1, spectrum=of_predictor(log.observer), settings=FEW)
+    found = where(log.prediction, log.record, log.robot, 1, spectrum=log.error_spectrum, settings=FEW)
     assert found.p_value <= 1 / 61
-    assert found.places[0].joint == "motor_2"
-    assert found.places[0].p_value <= 1 / 61
+    assert found.locations[0].joint == "motor_2"
+    assert found.locations[0].p_value <= 1 / 61
     assert found.excess[1] > 50 * found.excess[0]
 
 
 def test_friction_sets_in_at_reversals(elbow_with_friction: LinearLog) -> None:
     log = elbow_with_friction
-    found = where(log.prediction, log.record, log.robot, 1, spectrum=of_predictor(log.observer), settings=FEW)
-    sudden = [place for place in found.places if place.signal == "sudden position change"]
-    assert sudden[0].regime == "reversal"
-    assert sudden[0].joint == "motor_2"
-    assert sudden[0].share > 0.5
+    found = where(log.prediction, log.record, log.robot, 1, spectrum=log.error_spectrum, settings=FEW)
+    innovations = [location for location in found.locations if location.signal == "sudden position change"]
+    assert innovations[0].regime == "reversal"
+    assert innovations[0].joint == "motor_2"
+    assert innovations[0].share > 0.5
 
 
 def test_ripple_shows_at_its_order(axis_with_ripple: LinearLog) -> None:
     log = axis_with_ripple
-    found = where(log.prediction, log.record, log.robot, 1, spectrum=of_predictor(log.observer), settings=FEW)
-    told = [place for place in found.places if place.regime.startswith("motor angle order")]
-    assert float(told[0].regime.split()[-1]) == pytest.approx(6.0, abs=0.1)
-    assert told[0].p_value <= 1 / 61
+    found = where(log.prediction, log.record, log.robot, 1, spectrum=log.error_spectrum, settings=FEW)
+    orders = [location for location in found.locations if location.regime.startswith("motor angle order")]
+    assert float(orders[0].regime.split()[-1]) == pytest.approx(6.0, abs=0.1)
+    assert orders[0].p_value <= 1 / 61
 
 
-def test_nothing_is_told_without_a_gap(elbow_without_gap: LinearLog) -> None:
+def test_nothing_is_reported_without_a_gap(elbow_without_gap: LinearLog) -> None:
     log = elbow_without_gap
-    found = where(log.prediction, log.record, log.robot, 1, spectrum=of_predictor(log.observer), settings=FEW)
+    found = where(log.prediction, log.record, log.robot, 1, spectrum=log.error_spectrum, settings=FEW)
     assert found.p_value > 0.05
-    assert found.places == ()
+    assert found.locations == ()
     assert np.all(np.abs(found.excess) < 0.1)
 
 
 def test_level_of_the_noise_makes_no_gap(elbow_without_gap: LinearLog) -> None:
     log = elbow_without_gap
     louder = PredictedLog(3 * log.prediction.innovations, log.prediction.sd, log.prediction.states)
-    assert where(louder, log.record, log.robot, 1, spectrum=of_predictor(log.observer), settings=FEW).places == ()
+    assert where(louder, log.record, log.robot, 1, spectrum=log.error_spectrum, settings=FEW).locations == ()
     known = WhereSettings(realisations=60, floor="predicted")
-    assert where(louder, log.record, log.robot, 1, spectrum=of_predictor(log.observer), settings=known).places != ()
+    assert where(louder, log.record, log.robot, 1, spectrum=log.error_spectrum, settings=known).locations != ()
 
 
 def test_false_alarms_stay_within_their_size(elbow_without_gap: LinearLog) -> None:
@@ -82,15 +81,7 @@ def test_missing_samples_make_no_gap(elbow_without_gap: LinearLog) -> None:
     errors = np.where(valid[:, None], log.prediction.innovations, 0.0)
     prediction = PredictedLog(errors, log.prediction.sd, log.prediction.states)
     found = where(prediction, replace(log.record, valid=valid), log.robot, 1, settings=FEW)
-    assert found.places == ()
-
-
-def test_projected_errors_are_looked_at_instead(elbow_with_friction: LinearLog, elbow_without_gap: LinearLog) -> None:
-    log = elbow_with_friction
-    free = elbow_without_gap.prediction.innovations
-    spectrum = of_predictor(log.observer)
-    found = where(log.prediction, log.record, log.robot, 1, projected=free, spectrum=spectrum, settings=FEW)
-    assert found.places == ()
+    assert found.locations == ()
 
 
 def test_tool_errors_are_a_signal_of_their_own(elbow_without_gap: LinearLog) -> None:
@@ -99,36 +90,36 @@ def test_tool_errors_are_a_signal_of_their_own(elbow_without_gap: LinearLog) -> 
     random = np.random.default_rng(1)
     error = 2e-5 * random.standard_normal((2800, 3))
     record = replace(log.record, tool=ToolRecord(time, np.zeros((2800, 3))))
-    spectrum = of_predictor(log.observer)
+    spectrum = log.error_spectrum
     still = where(log.prediction, record, log.robot, 1, tool_error=error, spectrum=spectrum, settings=FEW)
-    assert still.places == ()
-    assert any(place.signal == "tool" for place in still.looked)
+    assert still.locations == ()
+    assert any(location.signal == "tool" for location in still.mapped)
     error[:, 2] += 4e-5 * np.sin(2 * np.pi * 12 * time)
     moving = where(log.prediction, record, log.robot, 1, tool_error=error, spectrum=spectrum, settings=FEW)
-    assert moving.places[0].signal == "tool"
-    assert moving.places[0].band_hz[0] < 12 < moving.places[0].band_hz[1]
+    assert moving.locations[0].signal == "tool"
+    assert moving.locations[0].band_hz[0] < 12 < moving.locations[0].band_hz[1]
 
 
-def test_places_looked_at_cover_bands_and_regimes(elbow_without_gap: LinearLog) -> None:
+def test_maps_cover_bands_and_regimes(elbow_without_gap: LinearLog) -> None:
     log = elbow_without_gap
-    looked = where(log.prediction, log.record, log.robot, 1, settings=FEW).looked
+    mapped = where(log.prediction, log.record, log.robot, 1, settings=FEW).mapped
     for joint in log.robot.joint_names:
-        mine = [place for place in looked if place.joint == joint and place.signal == "position"]
-        bands = sorted(place.band_hz for place in mine if place.regime == "all")
+        of_joint = [location for location in mapped if location.joint == joint and location.signal == "position"]
+        bands = sorted(location.band_hz for location in of_joint if location.regime == "all")
         assert bands[0][0] == 0
         assert bands[-1][1] == 0.5 / log.record.sample_time
         assert all(low[1] == high[0] for low, high in itertools.pairwise(bands))
-        assert {"reversal", "low speed", "high speed"} <= {place.regime for place in mine}
+        assert {"reversal", "low speed", "high speed"} <= {location.regime for location in of_joint}
 
 
 @pytest.mark.parametrize("samples", [150, 700])
-def test_short_slow_logs_are_looked_at_without_states(samples: int, elbow_without_gap: LinearLog) -> None:
+def test_gaps_of_short_slow_logs_are_located_without_states(samples: int, elbow_without_gap: LinearLog) -> None:
     log = elbow_without_gap
     record = replace(log.record.part(0, samples), sample_time=0.01)
     noise = np.random.default_rng(4).standard_normal((samples, 2))
-    assert where(PredictedLog(noise, np.ones(2)), record, log.robot, 1, settings=FEW).places == ()
+    assert where(PredictedLog(noise, np.ones(2)), record, log.robot, 1, settings=FEW).locations == ()
     noise[samples // 2 :, 1] += 5.0
-    assert where(PredictedLog(noise, np.ones(2)), record, log.robot, 1, settings=FEW).places[0].joint == "motor_2"
+    assert where(PredictedLog(noise, np.ones(2)), record, log.robot, 1, settings=FEW).locations[0].joint == "motor_2"
 
 
 def test_diverged_predictions_are_left_out(elbow_without_gap: LinearLog) -> None:
@@ -138,4 +129,4 @@ def test_diverged_predictions_are_left_out(elbow_without_gap: LinearLog) -> None
     found = where(PredictedLog(errors, log.prediction.sd), log.record, log.robot, 1, settings=FEW)
     assert np.all(np.isfinite(found.excess))
     errors[:] = np.nan
-    assert where(PredictedLog(errors, log.prediction.sd), log.record, log.robot, 1, settings=FEW).looked == ()
+    assert where(PredictedLog(errors, log.prediction.sd), log.record, log.robot, 1, settings=FEW).mapped == ()

@@ -49,17 +49,17 @@ def evidence(robot: Robot, *effects: str) -> SignatureData:
     )
 
 
-def test_no_place_of_a_nominal_robot_is_told(elbow: Robot) -> None:
+def test_no_location_of_a_nominal_robot_is_reported(elbow: Robot) -> None:
     log = evidence(elbow)
-    assert where(log.before, log.record, elbow, 1, settings=FEW).places == ()
+    assert where(log.before, log.record, elbow, 1, settings=FEW).locations == ()
 
 
 def test_friction_shows_at_its_motor_and_over_speed(elbow: Robot) -> None:
     log = evidence(elbow, "coulomb_friction@motor_2:level=10")
     found = where(log.before, log.record, elbow, 1, settings=FEW)
-    assert found.places[0].joint == "motor_2"
-    assert found.places[0].p_value < 0.02
-    assert "reversal" in {place.regime for place in found.places if place.joint == "motor_2"}
+    assert found.locations[0].joint == "motor_2"
+    assert found.locations[0].p_value < 0.02
+    assert "reversal" in {location.regime for location in found.locations if location.joint == "motor_2"}
     picture = TorqueOverSpeed().picture(log, "motor_2")
     assert picture is not None
     curve = picture.series["before"]
@@ -70,9 +70,9 @@ def test_friction_shows_at_its_motor_and_over_speed(elbow: Robot) -> None:
 def test_backlash_shows_at_changes_of_the_gear_torque_and_as_a_step() -> None:
     robot = load_robot("four_mass_linear")
     log = evidence(robot, "backlash@motor_1:gap=0.01")
-    places = where(log.before, log.record, robot, 1, settings=FEW).places
-    told = {place.regime: place.share for place in places}
-    assert told["gear torque reversal"] > 0.5
+    locations = where(log.before, log.record, robot, 1, settings=FEW).locations
+    shares = {location.regime: location.share for location in locations}
+    assert shares["gear torque reversal"] > 0.5
     picture = TorsionOverTorque().picture(log, "motor_1")
     assert picture is not None
     curve = picture.series["rising torque"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexros.gap.where.motion import MotorMotion
-from flexros.gap.where.regimes import FAMILIES, around, regimes
+from flexros.gap.where.regimes import REGIMES, around, regimes
 
 T = 1e-3
 
@@ -42,12 +42,12 @@ def test_a_rest_between_moves_is_standstill_and_no_reversal() -> None:
 def test_regimes_of_speed_do_not_overlap() -> None:
     time = T * np.arange(6000)
     found = regimes(moved(np.sin(2 * np.pi * time) * (time < 4)), 0, T)
-    total = sum(found[name].astype(int) for name, family in FAMILIES.items() if family == "speed")
+    total = sum(found[name].astype(int) for name, regime in REGIMES.items() if regime.kind == "speed")
     assert total.max() == 1
 
 
-def test_all_families_are_there() -> None:
-    assert set(regimes(moved(np.ones(100)), 0, T)) == set(FAMILIES)
+def test_all_regimes_are_computed() -> None:
+    assert set(regimes(moved(np.ones(100)), 0, T)) == set(REGIMES)
 
 
 def test_events_are_widened() -> None:

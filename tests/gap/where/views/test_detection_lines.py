@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from flexros.arrays import FloatArray
-from flexros.gap.signatures.detection_lines import DetectionLines
+from flexros.gap.noise.autoregression import white_spectrum
+from flexros.gap.signatures.detection_lines import DetectionLines as DetectionLinePicture
 from flexros.gap.signatures.signature_data import SignatureData
+from flexros.gap.where.base import Location
+from flexros.gap.where.errors import PredictionErrors
 from flexros.gap.where.find import where
-from flexros.gap.where.periodic import line_levels, periodic_places
 from flexros.gap.where.settings import WhereSettings
+from flexros.gap.where.views.detection_lines import DetectionLines, line_levels
 from flexros.record.periodic_parts import PeriodicPart, periodic_parts
 from flexros.robot import load_robot
 from flexros.scenario.experiment import Experiment
@@ -32,9 +36,15 @@ def shaken(missing: Torque) -> LinearLog:
     return linear_log(robot, reference, (10.0, 0.8), missing)
 
 
+def locations(log: LinearLog) -> Sequence[Location]:
+    record = replace(log.record, parts=(PART,))
+    return DetectionLines.of_log(
+        PredictionErrors(log.prediction, record, log.robot, white_spectrum(1), None, WhereSettings())
+    )
+
+
 def significant(log: LinearLog) -> set[str]:
-    places = periodic_places(log.prediction.innovations, log.record.valid, [PART], 5e-4, ["motor_1"])
-    return {place.signal for place in places if place.p_value < 0.01}
+    return {location.signal for location in locations(log) if location.p_value < 0.01}
 
 
 def linear(time: float, position: FloatArray, speed: FloatArray, command: FloatArray) -> FloatArray:
@@ -61,7 +71,7 @@ def square(time: float, position: FloatArray, speed: FloatArray, command: FloatA
         (square, {"even detection lines"}),
     ],
 )
-def test_lines_tell_linear_from_nonlinear(missing: Torque, lines: set[str]) -> None:
+def test_lines_separate_linear_from_nonlinear(missing: Torque, lines: set[str]) -> None:
     assert significant(shaken(missing)) == lines
 
 
@@ -76,13 +86,13 @@ def test_parts_with_missing_samples_are_left_out() -> None:
     valid = np.ones(4 * PERIOD, dtype=bool)
     valid[2 * PERIOD] = False
     assert line_levels(np.zeros((4 * PERIOD, 1)), valid, PART, 5e-4) is None
-    assert periodic_places(np.zeros((4 * PERIOD, 1)), valid, [PART], 5e-4, ["motor_1"]) == ()
+    log = shaken(nothing)
+    assert locations(replace(log, record=replace(log.record, valid=valid))) == []
 
 
 def test_shares_add_up() -> None:
     log = shaken(cubic)
-    places = periodic_places(log.prediction.innovations, log.record.valid, [PART], 5e-4, ["motor_1"])
-    assert sum(place.share for place in places) == pytest.approx(1.0)
+    assert sum(location.share for location in locations(log)) == pytest.approx(1.0)
 
 
 def test_multisines_of_a_diagnosis_experiment_are_found_where_they_repeat() -> None:
@@ -97,22 +107,21 @@ def test_multisines_of_a_diagnosis_experiment_are_found_where_they_repeat() -> N
 
 def test_picture_shows_the_lines() -> None:
     log = shaken(cubic)
-    assert (
-        DetectionLines().picture(SignatureData(log.robot, log.record, log.observer, log.prediction), "motor_1") is None
-    )
+    data = SignatureData(log.robot, log.record, log.observer, log.prediction)
+    assert DetectionLinePicture().picture(data, "motor_1") is None
     record = replace(log.record, parts=(PART,))
-    found = DetectionLines().picture(SignatureData(log.robot, record, log.observer, log.prediction), "motor_1")
+    found = DetectionLinePicture().picture(SignatureData(log.robot, record, log.observer, log.prediction), "motor_1")
     assert found is not None
     assert found.series["odd detection lines"].y.max() > 5
     assert found.series["even detection lines"].y.max() < 5
 
 
-def test_lines_are_told_with_the_other_places() -> None:
+def test_lines_are_reported_with_the_other_locations() -> None:
     log = shaken(square)
     few = WhereSettings(realisations=30)
     found = where(log.prediction, replace(log.record, parts=(PART,)), log.robot, 1, settings=few)
-    assert "even detection lines" in {place.signal for place in found.places}
-    assert "odd detection lines" not in {place.signal for place in found.places}
+    assert "even detection lines" in {location.signal for location in found.locations}
+    assert "odd detection lines" not in {location.signal for location in found.locations}
 
 
 @pytest.mark.parametrize(
