@@ -37,7 +37,7 @@ def test_work_runs_on_a_scheduler_that_is_named() -> None:
 @pytest.mark.parametrize("address", ["nonsense://1", "tcp://127.0.0.1:1"])
 def test_no_scheduler_at_the_address_is_told(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("flexros.scheduler.ANSWER", 0.5)
-    message = f"--scheduler: no Dask scheduler answers at '{address}'"
+    message = f"no Dask scheduler answers at '{address}'"
     with pytest.raises(InputError, match=message), connected(address):
         pytest.fail("nobody answers there")
 

@@ -11,6 +11,7 @@ from importlib import metadata
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 import typer
+from typer.models import OptionInfo
 
 from flexros.cli import analyze, demo, diagnose, gap, import_log, monitor, replay, robots, run
 from flexros.cli.identify import procedure as identify
@@ -84,10 +85,16 @@ def _with_option(error: FlexrosError, command: Callable[..., Any]) -> str:
     if not isinstance(error, InputError) or not error.argument:
         return str(error)
     parameter = inspect.signature(command).parameters.get(error.argument)
+    if parameter is None:
+        return str(error)
     hint = get_type_hints(command, include_extras=True).get(error.argument)
-    declared = (() if parameter is None else (parameter.default,)) + getattr(hint, "__metadata__", ())
-    options = [option for each in declared for option in getattr(each, "param_decls", None) or ()]
-    return f"{options[0]}: {error}" if options else str(error)
+    declared = (parameter.default, *getattr(hint, "__metadata__", ()))
+    # typer keeps the first name of an annotated option as its default
+    names = [
+        name for each in declared if isinstance(each, OptionInfo) for name in (*(each.param_decls or ()), each.default)
+    ]
+    option = next((name for name in names if str(name).startswith("--")), None)
+    return f"{option}: {error}" if option else str(error)
 
 
 COMMANDS: dict[str, Callable[..., Any]] = {

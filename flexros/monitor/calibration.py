@@ -171,11 +171,12 @@ def read_calibration(path: Path, model: str, names: tuple[str, ...]) -> Calibrat
         content = read_json(path)
     except InputError as error:
         raise InputError(
-            f"the calibration {path} cannot be read ({error}); make one with flexros monitor BAG --model ROBOT "
-            f"--calibrate {path}"
+            f"the calibration {path} cannot be read ({error}); calibrate the monitor by an accepted log", "thresholds"
         ) from error
     if not isinstance(content, dict):
-        raise InputError(f"the calibration {path} is no JSON object; make it with flexros monitor --calibrate")
+        raise InputError(
+            f"the calibration {path} is no JSON object; calibrate the monitor by an accepted log", "thresholds"
+        )
     found = validate(Calibration, content, str(path))
     wanted = {f"{name}.{signal}" for name in names for signal in ("sudden", "torque")}
     whole = set(found.tails) == wanted and all(len(one) == len(LENGTHS) for one in found.tails.values())
@@ -183,6 +184,7 @@ def read_calibration(path: Path, model: str, names: tuple[str, ...]) -> Calibrat
     if found.model != model or not whole:
         raise InputError(
             f"the calibration {path} was made for robot {found.robot} with fingerprint {found.model}, but the model "
-            f"has {model}; calibrate anew with flexros monitor BAG --model ROBOT --calibrate FILE"
+            f"has {model}; calibrate the monitor again",
+            "thresholds",
         )
     return found

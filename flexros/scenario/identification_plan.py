@@ -55,6 +55,6 @@ def plan_of_log(log: Log) -> ExperimentPlan:
         what = "holds no scenario" if not isinstance(settings, dict) else "is of a scenario without identification"
         raise InputError(
             f"the provenance of the log {what}, so positions and periods of the experiment are not known; give the "
-            "scenario of the experiment (--scenario FILE), or the log of one with the key identification"
+            "scenario of the experiment, or the log of one with the key identification"
         )
     return plan_of_scenario(validate(Scenario, settings, "provenance of the log, key scenario"))

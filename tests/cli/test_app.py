@@ -6,8 +6,10 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Annotated
 
 import pytest
+import typer
 
 from flexros.cli.app import reported
 from flexros.errors import InputError, RunError
@@ -28,7 +30,7 @@ def end_of(error: BaseException) -> int:
     ("error", "code", "text"),
     [
         (InputError("no robot"), 2, "flexros: no robot\n"),
-        (RunError("broke off"), 3, "flexros: broke off\n"),
+        (RunError("aborted"), 3, "flexros: aborted\n"),
         (KeyboardInterrupt(), 130, "flexros: interrupted by Ctrl-C\n"),
         (FileExistsError(17, "File exists", "bags"), 2, "flexros: 'bags': File exists; give a path that can be used\n"),
         (OSError(28, "No space left on device"), 2, "flexros: No space left on device\n"),
@@ -39,6 +41,24 @@ def test_an_expected_error_is_one_sentence(
 ) -> None:
     assert end_of(error) == code
     assert capsys.readouterr().err == text
+
+
+@pytest.mark.parametrize(
+    ("argument", "prefix"), [("out", "--out: "), ("model", "--model: "), ("name", ""), ("elsewhere", ""), ("", "")]
+)
+def test_an_error_that_names_an_argument_shows_its_option(
+    capsys: pytest.CaptureFixture[str], argument: str, prefix: str
+) -> None:
+    def command(
+        model: Annotated[str, typer.Option("--model")],
+        name: str = typer.Argument(""),
+        out: str = typer.Option("", "--out", help="Folder."),
+    ) -> None:
+        raise InputError("cannot be used", argument)
+
+    with pytest.raises(SystemExit):
+        reported(command)("", "", "")
+    assert capsys.readouterr().err == f"flexros: {prefix}cannot be used\n"
 
 
 @pytest.mark.parametrize("error", [ValueError("odd"), AssertionError("odd"), RuntimeError("odd")])

@@ -57,9 +57,9 @@ def test_a_file_gives_the_calibration_again(tmp_path: Path) -> None:
     [
         (
             None,
-            r"the calibration .*f.json cannot be read .*; make one with flexros monitor BAG --model",
+            r"the calibration .*f.json cannot be read .*; calibrate",
         ),
-        ("[1]", "is no JSON object; make it with flexros monitor --calibrate"),
+        ("[1]", "is no JSON object; calibrate"),
         ("{", "cannot be read"),
         ('{"model": 1}', "f.json"),
     ],

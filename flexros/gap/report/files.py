@@ -31,15 +31,18 @@ def check_folder(folder: Path) -> None:
         InputError: It is a file, holds anything else, or its parent cannot be made or written to.
     """
     if not folder.name:
-        raise InputError(f"--out is '{folder}', which cannot be replaced as a whole; give a folder of its own")
+        raise InputError(
+            f"the folder of a diagnosis is '{folder}', which cannot be replaced as a whole; give a new one", "out"
+        )
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"--out is '{folder}', which is a file; give a folder")
+        raise InputError(f"the folder of a diagnosis is '{folder}', which is a file; give a folder", "out")
     held = {entry.name for entry in folder.iterdir()} if folder.is_dir() else set()
     foreign = sorted(held - set(_KINDS))
     if foreign or (held and DIAGNOSIS not in held):
         raise InputError(
-            f"--out is '{folder}', which holds {', '.join(foreign[:3]) or 'no diagnosis.json'}: only an empty folder "
-            "or one of an earlier diagnosis is replaced; give another one"
+            f"the folder '{folder}' holds {', '.join(foreign[:3]) or 'no diagnosis.json'}: only an empty folder or one "
+            "of an earlier diagnosis is replaced; give another one",
+            "out",
         )
     try:
         folder.absolute().parent.mkdir(parents=True, exist_ok=True)
@@ -90,5 +93,5 @@ def write_diagnosis(result: DiagnosisResult, model: str | Path, folder: Path) ->
 
 def _cannot_write(folder: Path, error: OSError) -> InputError:
     return InputError(
-        f"the diagnosis cannot be written to '{folder}' ({error.strerror or error}); give another folder with --out"
+        f"the diagnosis cannot be written to '{folder}' ({error.strerror or error}); give another folder", "out"
     )

@@ -103,7 +103,7 @@ def _doubts(found: OneAxisIdentification) -> list[str]:
     if abs(fit.whiteness) > CORRELATED:
         doubts.append(
             f"neighbouring prediction errors are correlated by {fit.whiteness:.2f}, so the model leaves something of "
-            "the log unexplained; another gear law, --stribeck or more masses may explain it"
+            "the log unexplained; another gear law, Stribeck friction or more masses may explain it"
         )
     for name, deviation in fit.deviation.items():
         low, high = fit.interval(name)

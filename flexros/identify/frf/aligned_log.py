@@ -80,7 +80,7 @@ class AlignedLog:
             raise InputError(
                 f"the commands of the log end at {self.last_command * self.sample_time:.4f} s, {what} lasts until "
                 f"{(stop - 1) * self.sample_time:.4f} s, so the torque that acted is not known; record joint_commands "
-                "to the end, or use what is complete (--set partial=true)"
+                "to the end, or use the complete blocks (setting partial=true)"
             )
         self._check_no_hole(first, stop, what)
         begin = int(np.searchsorted(self.numbers, first))

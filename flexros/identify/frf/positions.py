@@ -152,8 +152,8 @@ def _check_not_stopped(plan: ExperimentPlan, stopped_at: int | None) -> None:
         return
     raise InputError(
         f"the experiment of the log was stopped at {stopped_at * plan.sample_time:.3f} s, when {complete} of "
-        f"{len(plan.segments)} experiments were complete, and what follows is not as planned; use the blocks that "
-        "are complete (--set partial=true), or run the experiment to its end"
+        f"{len(plan.segments)} experiments were complete, and what follows is not as planned; use the complete "
+        "blocks (setting partial=true), or run the experiment to its end"
     )
 
 

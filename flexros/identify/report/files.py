@@ -58,6 +58,6 @@ def make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
-            f"the folder '{folder}' of the identification cannot be made ({error.strerror or error}); give another one "
-            "with --out"
+            f"the folder '{folder}' of the identification cannot be made ({error.strerror or error}); give another one",
+            "out",
         ) from error

@@ -80,7 +80,7 @@ def _shifted(result: IdentificationResult) -> str:
     if result.much_missed and len(result.start_costs) > 0 and result.same_minimum < _SURE:
         return (
             f" Of {counted(len(result.start_costs), 'start')} {result.same_minimum} ended here, so either the search "
-            "missed the best values, and more starts (--starts) find them, or the robot does something that the model "
+            "missed the best values, and more initial values find them, or the robot does something that the model "
             "lacks."
         )
     return (
@@ -111,7 +111,7 @@ def advice(result: IdentificationResult) -> str:
     return (
         f"{number(100 * whole / all_high, 2)} % of the misfit from {number(float(middle), 3)} Hz on is in responses of "
         "motors to their own torque, where inertias rule: identify them, or masses of the arm, as well by adding "
-        f"{' '.join(f'--unknown {name}' for name in free)} to all names that are to be identified."
+        f"{', '.join(free)} to the unknown parameters."
     )
 
 
@@ -131,6 +131,6 @@ def kept_text(result: IdentificationResult) -> str:
     values, fitted, ones = ("value", "its fitted value", "one") if len(kept) == 1 else _SEVERAL
     return (
         f"The identified robot keeps the nominal {values} of {', '.join(kept)}: not determined, or on a bound of the "
-        f"search. The others were fitted beside {fitted}; to fit them beside the nominal {ones}, name only them with "
-        "--unknown."
+        f"search. The others were fitted beside {fitted}; to fit them beside the nominal {ones}, name only them as "
+        "unknown parameters."
     )

@@ -25,7 +25,7 @@ class FrictionOutsideFile:
 
     Attributes:
         values: Coulomb friction and offset by parameter name [Nm or N], as far as the log shows them.
-        effects: Effects that stand for them, in the form of the option --effect.
+        effects: Effects that represent them, as NAME@LOCATION:parameter=value.
         means: Viscous friction of the file that is the mean of two directions, one sentence each.
     """
 

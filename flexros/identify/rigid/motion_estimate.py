@@ -72,13 +72,14 @@ def estimate_motion(position: FloatArray, sample_time: float, cutoff: float) -> 
     if not 0 < cutoff <= rate / 4:
         raise InputError(
             f"the cut-off is {cutoff:.6g} Hz, but must be above 0 and at most a quarter of the sampling rate of "
-            f"{rate:.6g} Hz; give another --cutoff"
+            f"{rate:.6g} Hz",
+            "cutoff",
         )
     least = 2 * decimation(sample_time, cutoff) * _LENGTH
     if len(position) < least:
         raise InputError(
             f"the log has {len(position)} samples, but a cut-off of {cutoff:.6g} Hz needs at least {least} at "
-            f"{_in_words(rate)}; give a longer log or a higher --cutoff{_ODD_RATE if rate > _FASTEST else ''}"
+            f"{_in_words(rate)}; give a longer log or a higher cut-off{_ODD_RATE if rate > _FASTEST else ''}"
         )
     sections = butter(_ORDER, 2 * cutoff * sample_time, output="sos")
     filtered: FloatArray = sosfiltfilt(sections, position, axis=0)
@@ -143,5 +144,5 @@ def check_rows(rows: int, parameters: int) -> None:
     if rows < least:
         raise InputError(
             f"{rows} samples are left after filtering and decimation, but {parameters} parameters need at least {least}"
-            "; give a longer log or a higher --cutoff"
+            "; give a longer log or a higher cut-off"
         )

@@ -73,7 +73,10 @@ def judge_fit(fit: RigidFit) -> Verdict:
 def _reason(fit: RigidFit) -> str:
     """Say what most likely is amiss and what to do."""
     if fit.error_with_hold is not None and fit.error_with_hold < min(LARGEST_ERROR, fit.error.total):
-        return f"with delay and hold of the command it would be {fit.error_with_hold:.3g} %; give --hold"
+        return (
+            f"with delay and hold of the command it would be {fit.error_with_hold:.3g} %; pair positions with the "
+            "command as it acts (setting hold)"
+        )
     if fit.robot.n_coordinates > fit.robot.n_motors:
         return "the motion excites the flexibilities or shows too little; record slow moves"
     return "the model lacks something that acts in the log; check robot and units, and record moves without contact"

@@ -118,7 +118,7 @@ def _drawn_with_logs(case: Case, settings: MakeSettings) -> tuple[Drawn, list[Ta
             continue
     raise RunError(
         f"{case.name} ({', '.join(case.effects) or 'nothing'} on {case.robot}) was drawn {ATTEMPTS} times and its loop "
-        "was never stable; give another --seed"
+        "was never stable; give another seed"
     )
 
 

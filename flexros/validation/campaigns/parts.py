@@ -47,7 +47,8 @@ def claim_folder(folder: Path, settings: Mapping[str, Any]) -> None:
         key = differing[0]
         raise InputError(
             f"the folder '{folder}' holds parts with {key} {_short(before.get(key))}, but now it is "
-            f"{_short(now.get(key))}; give another folder with --work, or remove this one"
+            f"{_short(now.get(key))}; give another folder, or remove this one",
+            "work",
         )
 
 

@@ -70,5 +70,5 @@ def test_a_file_is_refused_as_folder(tmp_path: Path) -> None:
     (tmp_path / "out").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match="is a file; give a folder"):
         check_folder(tmp_path / "out")
-    with pytest.raises(InputError, match=r"cannot be written to .* give another folder with --out"):
+    with pytest.raises(InputError, match=r"cannot be written to "):
         check_folder(tmp_path / "out" / "below" / "it")

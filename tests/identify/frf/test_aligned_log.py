@@ -90,9 +90,7 @@ def test_what_acted_before_the_first_and_after_the_last_command_is_not_known(rec
         InputError, match=r"the commands of the log begin at 0\.2500 s, experiment 1 at 0\.2495 s, so the torque that"
     ):
         found.rows(499, n - 800, "experiment 1")
-    with pytest.raises(
-        InputError, match=r"the commands of the log end at .*, experiment 1 lasts until .*--set partial=true"
-    ):
+    with pytest.raises(InputError, match=r"the commands of the log end at .*, experiment 1 lasts until .*partial=true"):
         found.rows(500, n - 799, "experiment 1")
 
 

@@ -120,7 +120,7 @@ def test_block_that_ended_before_the_stop_counts_as_planned(recorded: Recorded) 
 def test_stopped_experiment_is_refused_unless_a_part_suffices(recorded: Recorded) -> None:
     log = stopped(recorded, recorded.plan.segments[2].stop)
     with pytest.raises(
-        InputError, match=r"was stopped at \d+\.\d+ s, when 3 of 8 experiments were complete, .*--set partial=true"
+        InputError, match=r"was stopped at \d+\.\d+ s, when 3 of 8 experiments were complete, .*partial=true"
     ):
         estimate_responses(log, recorded.plan)
 

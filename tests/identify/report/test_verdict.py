@@ -38,7 +38,9 @@ def test_large_misfit_comes_first(clear: IdentificationResult) -> None:
 def test_misfit_of_a_minimum_found_once_may_be_that_of_the_search(clear: IdentificationResult) -> None:
     best, other = clear.fit, replace(clear.fit, cost=2 * clear.fit.cost)
     once, twice = (replace(missed(clear, 400.0), searched=each) for each in ((best, other, other), (best, best)))
-    assert "Of 3 starts 1 ended here, so either the search missed the best values, and more starts" in verdict(once)
+    assert "Of 3 starts 1 ended here, so either the search missed the best values, and more initial values" in verdict(
+        once
+    )
     assert "parameters shift" in verdict(twice)
 
 
@@ -60,7 +62,7 @@ def test_single_position_and_parameter_are_told_as_such(clear: IdentificationRes
 def test_inertia_is_named_where_the_misfit_is_in_its_line(clear: IdentificationResult) -> None:
     told = advice(with_misfit(clear, diagonal=0.9, low=0.4))
     assert told.startswith("90 % of the misfit from ")
-    assert told.endswith("adding --unknown motor_1.inertia to all names that are to be identified.")
+    assert told.endswith("adding motor_1.inertia to the unknown parameters.")
 
 
 @pytest.mark.parametrize(("diagonal", "low"), [(0.5, 0.4), (0.9, 0.95)])

@@ -69,7 +69,7 @@ def test_record_shorter_than_its_filter() -> None:
 
 def test_rate_of_a_wrong_time_unit_is_doubted() -> None:
     message = (
-        "needs at least 400000 at 1 MHz; give a longer log or a higher --cutoff, or correct the time unit in the map"
+        "needs at least 400000 at 1 MHz; give a longer log or a higher cut-off, or correct the time unit in the map"
     )
     with pytest.raises(InputError, match=message):
         estimate_motion(np.zeros((24841, 1)), 1e-6, 100.0)

@@ -44,7 +44,9 @@ def test_torque_that_the_model_does_not_explain(request, fourier_motion, rigid_l
 def test_hold_is_advised_where_it_helps(elbow, fourier_motion, rigid_log) -> None:
     fit = fit_rigid(rigid_log(elbow, fourier_motion(8000, 1e-3, 2)), elbow, SLOW)
     poor = replace(fit, error=replace(fit.error, total=30.0), error_with_hold=5.0)
-    assert judge_fit(poor).sentence.endswith("with delay and hold of the command it would be 5 %; give --hold")
+    assert judge_fit(poor).sentence.endswith(
+        "with delay and hold of the command it would be 5 %; pair positions with the command as it acts (setting hold)"
+    )
 
 
 def test_values_that_no_robot_can_have(emps, fourier_motion, rigid_log) -> None:

@@ -94,5 +94,5 @@ def test_what_parts_share_is_not_sent_with_every_part(client: Client, tmp_path: 
 def test_folder_of_other_settings_is_refused(tmp_path: Path) -> None:
     claim_folder(tmp_path, {"positions": 15, "scenario": "one"})
     claim_folder(tmp_path, {"positions": 15, "scenario": "one"})
-    with pytest.raises(InputError, match="holds parts with positions 15, but now it is 3; give another folder with"):
+    with pytest.raises(InputError, match="holds parts with positions 15, but now it is 3; give another folder"):
         claim_folder(tmp_path, {"positions": 3, "scenario": "one"})

@@ -126,11 +126,11 @@ def _cause(measured: FloatArray, planned: FloatArray, unit: str) -> str:
     if np.ptp(offset) <= FARTHEST:
         return (
             f"offset: the encoder is off by {np.mean(offset):.4g} {unit}, which is not what the plan counts from; "
-            "correct its offset in the mapping file, or give the plan of this log (--scenario FILE)"
+            "correct its offset in the mapping file, or give the scenario of this log"
         )
     return (
-        "its distance differs from position to position; give the scenario this log was recorded with (--scenario "
-        "FILE), and its start stamp where the log does not begin with the experiment"
+        "its distance differs from position to position; give the scenario this log was recorded with, and "
+        "its start stamp where the log does not begin with the experiment"
     )
 
 

@@ -118,8 +118,8 @@ def check_no_gap(numbers: IntArray, first: int, stop: int, sample_time: float, w
     if numbers[-1] < stop - 1:
         raise InputError(
             f"too short a log: it ends at {numbers[-1] * sample_time:.3f} s, {what} lasts until "
-            f"{(stop - 1) * sample_time:.3f} s, so periods are missing; record to the end, or use what is "
-            "complete (--set partial=true)"
+            f"{(stop - 1) * sample_time:.3f} s, so periods are missing; record to the end, or use the "
+            "complete blocks (setting partial=true)"
         )
     if numbers[0] > first:
         raise InputError(

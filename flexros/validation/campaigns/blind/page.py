@@ -129,6 +129,7 @@ def blind_summary(answers: Sequence[Answer], planned: int) -> tuple[str, ...]:
     if rest and np.isfinite(found.seconds):
         hours = rest * found.seconds / 3600
         sentences.append(
-            f"The other {rest} cases take about {hours:.1f} h on one worker of this speed; go on with --repetitions."
+            f"The other {rest} cases take about {hours:.1f} h on one worker of this speed; continue with more "
+            "repetitions."
         )
     return tuple(sentences)
