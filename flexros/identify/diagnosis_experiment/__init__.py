@@ -1,1 +1,1 @@
-"""The diagnosis experiment: one reference sequence, made for any robot, that shows its deviations from the model."""
+"""The diagnosis experiment: a reference sequence for any robot that reveals its deviations from the model."""

@@ -1,4 +1,4 @@
-"""The controller of a diagnosis experiment whose scenario names none."""
+"""Default controller of a diagnosis experiment."""
 
 from __future__ import annotations
 
@@ -14,18 +14,15 @@ if TYPE_CHECKING:
 
 
 def designed_controller(robot: str, values: Mapping[str, float], sample_time: float | None) -> Pid:
-    """Design a PID for the robot of a scenario.
+    """Design a PID for the robot of a scenario, at its home pose.
 
     Args:
-        robot: Name or file of the robot, or of a patch, whose base robot is taken for the design.
-        values: Numbers of the robot that the scenario replaces.
+        robot: Name or file of the robot, or of a patch, whose base robot is used for the design.
+        values: Parameter values that the scenario replaces.
         sample_time: Time between two samples [s]; None for the robot's.
 
-    Returns:
-        The controller, made for the home pose.
-
     Raises:
-        InputError: Robot or values are not possible, or no PID holds the robot.
+        InputError: Robot or values are invalid, or no PID stabilises the robot.
     """
     loaded = load_patched(robot).with_values(values, "model.values").base
     return default_controller(loaded, loaded.sample_time if sample_time is None else sample_time)

@@ -1,4 +1,4 @@
-"""The course of a diagnosis experiment: its parts in the order of time, as one trajectory of the gears."""
+"""Course of a diagnosis experiment: its parts in order of time, as one trajectory of the gears."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 PARTS_STREAM = 2
-"""Number of the random stream of the experiment among those of excitations."""
+"""Index of the random stream of the experiment among those of excitations."""
 FIRST_REST = 1.2
-"""Rest at the start [s] (chosen)."""
+"""Rest at the beginning [s] (chosen)."""
 LAST_REST = 0.5
 """Rest at the end [s] (chosen)."""
 WAY_BACK = 1.0
-"""Time set aside for the way back to the start [s] (chosen)."""
+"""Time reserved for the return to the initial pose [s] (chosen)."""
 SHORTEST_PART = 0.3
 """Shortest time of a part [s] (chosen)."""
 
@@ -36,9 +36,9 @@ class Part:
     """A part of the experiment.
 
     Attributes:
-        name: What it is, e.g. "creep", or "standstill".
-        begin: Time of its begin [s].
-        end: Time of its end [s].
+        name: Name, e.g. "creep", or "standstill".
+        begin: Initial time [s].
+        end: Final time [s].
     """
 
     name: str
@@ -48,11 +48,11 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """What happens when.
+    """Schedule and motion of the experiment.
 
     Attributes:
         trajectory: Gear motion; every move takes whole samples.
-        parts: Its parts in the order of time; between them lie the fast moves from pose to pose.
+        parts: Its parts in order of time; the fast moves from pose to pose are between them.
         scales: Sizes of the motion.
     """
 
@@ -69,27 +69,24 @@ def diagnosis_course(
     seed: int,
     arm: FloatArray,
 ) -> Course:
-    """Make the diagnosis experiment of a robot; it depends on these arguments alone.
+    """Compute the diagnosis experiment of a robot; it depends on these arguments alone.
 
-    It rests, carries out the parts in random order, pose after pose, moves fast from one pose to the next, returns to
-    the start and rests. The time of a part is its share of the length, the way to its pose included.
+    It rests, carries out the parts in random order, pose after pose, with fast moves between the poses, returns to the
+    initial pose and rests. The time of a part is its share of the length, including the move to its pose.
 
     Args:
-        specification: What was asked for.
+        specification: Length, parts and sizes.
         robot: The nominal robot.
         law: The feedback controller.
         sample_time: Time between two samples [s].
-        seed: Seed where the specification has none of its own.
-        arm: Arm coordinates at the start [rad or m], shape (N,).
-
-    Returns:
-        The course.
+        seed: Seed if the specification has none.
+        arm: Initial arm coordinates [rad or m], shape (N,).
 
     Raises:
-        InputError: Settings and robot do not go together.
+        InputError: Settings and robot are incompatible.
     """
-    own = seed if specification.seed is None else specification.seed
-    random = generator(own, Stream.EXCITATION, PARTS_STREAM)
+    chosen_seed = seed if specification.seed is None else specification.seed
+    random = generator(chosen_seed, Stream.EXCITATION, PARTS_STREAM)
     scales = scales_of(specification, robot, arm)
     vibrations = Vibrations(robot, arm, law, sample_time, scales)
     sequence = Sequence(specification, vibrations, random, arm[list(robot.gear_rows)])
@@ -98,9 +95,9 @@ def diagnosis_course(
     unit /= sum(WEIGHTS[name] for name in order)
     sequence.stay(FIRST_REST)
     parts = [Part("standstill", 0.0, sequence.time)]
-    for number, name in enumerate(order):
+    for index, name in enumerate(order):
         due = sequence.time + unit * WEIGHTS[name]
-        sequence.go(sequence.poses[number % len(sequence.poses)])
+        sequence.go(sequence.poses[index % len(sequence.poses)])
         begin = sequence.time
         PARTS[name](sequence, max(due - begin, SHORTEST_PART))
         parts.append(Part(name, begin, sequence.time))

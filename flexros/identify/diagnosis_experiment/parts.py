@@ -17,17 +17,17 @@ if TYPE_CHECKING:
     from flexros.trajectory.time_law import TimeLaw
 
 SLOWER = 1.0 / 3.0
-"""Time of a creep slower than the first one, relative to it; it goes a shorter way [1] (chosen)."""
+"""Time of a slower creep relative to the first one; its stroke is shorter [1] (chosen)."""
 RAMP = 0.15
-"""Time in which a creep gets up to speed as a share of its time one way [1] (chosen)."""
+"""Acceleration time of a creep as a share of its time in one direction [1] (chosen)."""
 RAMP_SHARE = 0.5
 """Largest acceleration of a creep as a share of that of a move [1] (chosen)."""
 SIZES = 3
 """Number of sizes of the small slow reversals [1] (chosen)."""
 LARGEST = 0.1
-"""The largest of them as a share of the way of the creep [1] (chosen)."""
+"""The largest of them as a share of the stroke of the creep [1] (chosen)."""
 SHORTEST_DWELL = 0.2
-"""Shortest rest between the moves of a row as a share of the usual one [1] (chosen)."""
+"""Shortest rest between consecutive moves as a share of the usual one [1] (chosen)."""
 STEP_TIMES = (0.03, 0.06, 0.12)
 """Times of the steps [s] (chosen)."""
 STEP_SHARE = 0.5
@@ -35,21 +35,21 @@ STEP_SHARE = 0.5
 STEP_REST = 0.15
 """Rest after a step [s] (chosen)."""
 PEAK = 10.0
-"""Largest acceleration of a step over its way and the square of its time [1], a little more than that of its law."""
+"""Peak acceleration of a step times squared duration over stroke [1], slightly above that of its law."""
 
 
 def creep(sequence: Sequence, time: float) -> None:
-    """Creep there and back at several speeds: Coulomb and Stribeck friction, orders of the rotor's turning.
+    """Creep in both directions at several speeds: Coulomb and Stribeck friction, orders of the rotor angle.
 
     Args:
-        sequence: Where it is put.
-        time: Its time [s].
+        sequence: Sequence to extend.
+        time: Duration [s].
     """
     scales = sequence.vibrations.scales
     speeds = np.array(sequence.specification.creep_speeds) / sequence.specification.creep_speeds[0]
     legs = np.where(speeds < 1.0, SLOWER, 1.0 / np.maximum(speeds, 1.0))
     legs = 0.5 * time * legs / np.sum(legs)
-    centre = sequence.here
+    centre = sequence.current
     for speed, leg in zip(speeds, legs, strict=True):
         law = _steady(leg)
         room = RAMP_SHARE * scales.acceleration / np.max(np.abs(law.evaluate(law.knots, 2)[2]))
@@ -60,39 +60,39 @@ def creep(sequence: Sequence, time: float) -> None:
 
 
 def presliding(sequence: Sequence, time: float) -> None:
-    """Reverse slowly with small amplitudes: presliding friction, hysteresis and gaps.
+    """Reverse slowly with small amplitudes: presliding friction, hysteresis and backlash.
 
     Args:
-        sequence: Where it is put.
-        time: Its time [s].
+        sequence: Sequence to extend.
+        time: Duration [s].
     """
     scales = sequence.vibrations.scales
     sizes = np.geomspace(scales.smallest, np.maximum(LARGEST * scales.creep, scales.smallest), SIZES)
     for size in sequence.specification.reversal * sizes:
         duration = sequence.whole(time / SIZES)
-        sequence.vibrate(sequence.vibrations.slow(sequence.here, duration, size, sequence.random))
+        sequence.vibrate(sequence.vibrations.slow(sequence.current, duration, size, sequence.random))
 
 
 def multisine(sequence: Sequence, time: float) -> None:
-    """Vibrate with multisines of rising size, the last one in another pose: resonances and how they move with both.
+    """Vibrate with multisines of rising size, the last one in another pose: how resonances vary with both.
 
     Args:
-        sequence: Where it is put.
-        time: Its time [s].
+        sequence: Sequence to extend.
+        time: Duration [s].
     """
     levels = sequence.specification.levels
-    for number, level in enumerate(levels):
-        if 0 < number == len(levels) - 1:
+    for index, level in enumerate(levels):
+        if 0 < index == len(levels) - 1:
             sequence.go(sequence.poses[-1])
         _excite(sequence, time / len(levels), level)
 
 
 def biased(sequence: Sequence, time: float) -> None:
-    """Vibrate with a multisine of middle size on a slow swing: backlash goes away under the load, friction does not.
+    """Vibrate with a multisine of medium size on a slow swing: backlash vanishes under the load, friction does not.
 
     Args:
-        sequence: Where it is put.
-        time: Its time [s].
+        sequence: Sequence to extend.
+        time: Duration [s].
     """
     specification = sequence.specification
     middle = sorted(specification.levels)[len(specification.levels) // 2]
@@ -103,8 +103,8 @@ def moves(sequence: Sequence, time: float) -> None:
     """Move fast from pose to pose: inertia, torque gain, saturation, delay.
 
     Args:
-        sequence: Where it is put.
-        time: Its time [s].
+        sequence: Sequence to extend.
+        time: Duration [s].
     """
     end = sequence.time + time
     while sequence.time < end:
@@ -112,20 +112,20 @@ def moves(sequence: Sequence, time: float) -> None:
 
 
 def steps(sequence: Sequence, time: float) -> None:
-    """Step there and back within little time: delay, lag, ringing.
+    """Step back and forth within short times: delay, lag, ringing.
 
     Args:
-        sequence: Where it is put.
-        time: Its time [s].
+        sequence: Sequence to extend.
+        time: Duration [s].
     """
-    end, number, centre = sequence.time + time, 0, sequence.here
+    end, count, centre = sequence.time + time, 0, sequence.current
     largest = STEP_SHARE * sequence.specification.intensity * sequence.vibrations.scales.acceleration
     while sequence.time < end:
-        duration = sequence.whole(STEP_TIMES[number % len(STEP_TIMES)])
+        duration = sequence.whole(STEP_TIMES[count % len(STEP_TIMES)])
         signs = sequence.random.choice([-1.0, 1.0], len(centre))
         for goal in (centre + signs * largest * duration**2 / PEAK, centre):
             sequence.move(goal, ninth_degree(1.0, duration), STEP_REST)
-        number += 1
+        count += 1
 
 
 PARTS: Mapping[PartName, Callable[[Sequence, float], None]] = {
@@ -136,22 +136,22 @@ PARTS: Mapping[PartName, Callable[[Sequence, float], None]] = {
     "moves": moves,
     "steps": steps,
 }
-"""What makes every part."""
+"""Function of every part."""
 
 
 def _steady(time: float) -> TimeLaw:
-    """Make a law from 0 to 1 of constant speed but for its ramps, about as long as a time [s]."""
+    """Return a law from 0 to 1 of constant speed apart from its ramps, about as long as a time [s]."""
     ramp = RAMP * time
     rate = 1.0 / (time - ramp)
     return bang_bang_snap(1.0, Limits(rate, 1.5 * rate / ramp, 6.0 * rate / ramp**2, 60.0 * rate / ramp**3))
 
 
 def _excite(sequence: Sequence, time: float, level: float, bias: float = 0.0) -> None:
-    """Vibrate with a multisine, at least for the time that its fades need."""
+    """Vibrate with a multisine, at least for the duration of its fades."""
     specification = sequence.specification
     sequence.vibrate(
         sequence.vibrations.multisine(
-            sequence.here,
+            sequence.current,
             max(time, 8.0 * FADE if bias else 4.0 * FADE),
             specification.intensity * level,
             sequence.random,

@@ -10,7 +10,7 @@ from flexros.config.per_motor import PositivePerMotor
 from flexros.config.settings import Settings
 
 PartName: TypeAlias = Literal["creep", "presliding", "multisine", "biased", "moves", "steps"]
-"""Parts of the experiment between the times at rest."""
+"""Parts of the experiment between the rests."""
 
 WEIGHTS: dict[PartName, float] = {
     "creep": 10.0,
@@ -30,7 +30,7 @@ class DiagnosisSpecification(Settings):
 
         diagnosis: {length: 40, intensity: 0.8, parts: [creep, multisine, moves]}
 
-    Sizes that are left out follow from the robot's own numbers, see `flexros.identify.diagnosis_experiment.scales`.
+    Omitted sizes follow from the parameters of the robot, see `flexros.identify.diagnosis_experiment.scales`.
     """
 
     length: float = Field(default=40.0, ge=10.0, le=3600.0, description="length of the experiment, about [s]")
@@ -38,7 +38,7 @@ class DiagnosisSpecification(Settings):
         default=tuple(WEIGHTS),
         min_length=1,
         max_length=100,
-        description="parts, each as often as it stands here: creep both ways, presliding (small slow reversals), "
+        description="parts, each as often as it is listed: creep both ways, presliding (small slow reversals), "
         "multisine, biased (multisine on a slow swing), moves (fast), steps",
     )
     poses: int = Field(

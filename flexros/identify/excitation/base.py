@@ -1,4 +1,4 @@
-"""What an excitation is: one record per experiment of a block, as a speed and its exact integral."""
+"""Base class of excitations: a speed reference and its exact integral."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ class BlockSignals:
 class AbstractExcitation(Settings, ABC):
     """A speed reference per motor and experiment; its fields are the keys of `identification.excitation`.
 
-    How to add one: write a final subclass with `kind`, its fields and the methods below, and put it into `Excitation`.
-    Every number follows from settings, sample time and seed alone, and the position is the exact integral of the speed.
+    How to add one: write a final subclass with `kind`, its fields and the methods below, and add it to `Excitation`.
+    All samples follow from settings, sample time and seed alone, and the position is the exact integral of the speed.
     """
 
     periodic: ClassVar[bool]
@@ -49,28 +49,28 @@ class AbstractExcitation(Settings, ABC):
     )
     orthogonal: bool = Field(
         default=True,
-        description="whether the experiments of a block differ by the phases exp(2 pi j (i-1)(l-1)/n) alone; false: "
-        "by random phases of their own [true/false]",
+        description="whether the experiments of a block differ only by the phases exp(2 pi j (i-1)(l-1)/n); false: "
+        "by independent random phases [true/false]",
     )
 
     def sizes(self, n_motors: int) -> FloatArray:
-        """Give the amplitude of every motor [rad/s or m/s], shape (M,)."""
+        """Return the amplitude of every motor [rad/s or m/s], shape (M,)."""
         return per_motor("identification.excitation.amplitude", self.amplitude, n_motors)
 
     @abstractmethod
     def record_samples(self, sample_time: float) -> int:
-        """Give the length of a record, the period of a periodic excitation [samples].
+        """Return the length of a record, the period of a periodic excitation [samples].
 
         Args:
             sample_time: Time between two samples [s].
 
         Raises:
-            InputError: The length is no whole number of samples, or a frequency is above half the sampling rate.
+            InputError: The length is not a whole number of samples, or a frequency is above half the sampling rate.
         """
 
     @abstractmethod
     def lines(self, sample_time: float, seed: int) -> Lines:
-        """Give the lines, multiples of one over the record's length, that are excited and left out.
+        """Return the excited and the detection lines, multiples of one over the record length.
 
         Args:
             sample_time: Time between two samples [s].
@@ -79,29 +79,29 @@ class AbstractExcitation(Settings, ABC):
 
     @abstractmethod
     def block(self, n_motors: int, sample_time: float, seed: int, position: int, block: int) -> BlockSignals:
-        """Make the signals of one block; new random phases for every position and block.
+        """Compute the signals of one block, with new random phases for every position and block.
 
         Args:
             n_motors: Number of motors M, also that of experiments in a block.
             sample_time: Time between two samples [s].
             seed: Seed of the phases.
-            position: Number of the position.
-            block: Number of the block in that position.
+            position: Index of the position.
+            block: Index of the block in that position.
         """
 
 
-def phase_generator(seed: int, *place: int) -> np.random.Generator:
-    """Make the random generator of phases, independent of those of sensor noise and disturbances.
+def phase_generator(seed: int, *path: int) -> np.random.Generator:
+    """Return the random generator of phases, independent of those of sensor noise and disturbances.
 
     Args:
         seed: Seed of the excitation.
-        place: Numbers that tell positions and blocks apart.
+        path: Indices of position and block.
     """
-    return generator(seed, Stream.EXCITATION, *place)
+    return generator(seed, Stream.EXCITATION, *path)
 
 
 def shifts(n_motors: int) -> FloatArray:
-    """Give the phases of the orthogonal matrix T (Moberg 2007, Paper A, section 4), T T^H = n I.
+    """Return the phases of the orthogonal matrix T (Moberg 2007, Paper A, section 4), T T^H = n I.
 
     Args:
         n_motors: Number of motors and experiments n.
@@ -114,16 +114,16 @@ def shifts(n_motors: int) -> FloatArray:
 
 
 def whole_samples(name: str, time: float, sample_time: float, least: int = 1) -> int:
-    """Turn a time into samples.
+    """Convert a time to samples.
 
     Args:
         name: Key of the time, for the message.
         time: The time [s].
         sample_time: Time between two samples [s].
-        least: Smallest number of samples that is allowed.
+        least: Smallest allowed number of samples.
 
     Raises:
-        InputError: No whole number of samples, or fewer.
+        InputError: The time is not a whole number of samples, or too short.
     """
     number = round(time / sample_time)
     if number < least or abs(time / sample_time - number) > 1e-6 * number:
@@ -136,15 +136,12 @@ def whole_samples(name: str, time: float, sample_time: float, least: int = 1) ->
 
 
 def require_below_nyquist(name: str, frequency: float, sample_time: float) -> None:
-    """Refuse a frequency that the sampling cannot carry.
+    """Reject a frequency of half the sampling rate or more.
 
     Args:
         name: Key of the frequency, for the message.
         frequency: The frequency [Hz].
         sample_time: Time between two samples [s].
-
-    Raises:
-        InputError: Half the sampling rate or more.
     """
     if frequency * sample_time >= 0.5:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Burst: noise or a multisine for a while, at rest before and after (Moberg 2007, section 4.1.2)."""
+"""Burst: noise or a multisine of limited duration, at rest before and after (Moberg 2007, section 4.1.2)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class Burst(AbstractExcitation):
-    """Band-limited random signal under a window; recorded until the robot is at rest it leaks nothing.
+    """Band-limited random signal under a window; no leakage if recorded until the robot is at rest.
 
     With the window h(t) and a sum of cosines with integral p(t), the position is h p and the speed its exact derivative
     h p' + h' p. Phases are new in every block; the motors differ by the phases of the orthogonal matrix T.
@@ -57,17 +57,17 @@ class Burst(AbstractExcitation):
         return self
 
     def record_samples(self, sample_time: float) -> int:
-        """Give the samples from rest to rest; see `AbstractExcitation.record_samples`."""
+        """Return the samples from rest to rest; see `AbstractExcitation.record_samples`."""
         require_below_nyquist("highest", self.highest, sample_time)
         return self._parts(sample_time).total
 
     def lines(self, sample_time: float, seed: int) -> Lines:
-        """Give all lines of the record within the band; none is left out."""
+        """Return all lines of the record within the band; there are no detection lines."""
         del seed
         return Lines.of(self._band(self.record_samples(sample_time) * sample_time))
 
     def block(self, n_motors: int, sample_time: float, seed: int, position: int, block: int) -> BlockSignals:
-        """Make the records of one block; see `AbstractExcitation.block`."""
+        """Compute the records of one block; see `AbstractExcitation.block`."""
         parts = self._parts(sample_time)
         length = parts.length
         lines = self._band(length * sample_time)

@@ -23,15 +23,15 @@ if TYPE_CHECKING:
 
 
 class Chirp(AbstractExcitation):
-    """Sine whose frequency moves from one end of the band to the other, at rest before and after.
+    """Sine whose frequency sweeps from one end of the band to the other, at rest before and after.
 
     With the angle phi(t), its rate w(t) and the window h(t), the position is p = -h A cos(phi) / w and the speed its
     exact derivative,
 
         v = h A sin(phi) + h A (w' / w^2) cos(phi) - h' A cos(phi) / w,
 
-    which is the swept sine but for two small terms: so the robot ends where it began (chosen; the thesis gives the two
-    frequencies and the speed reference only). The motors of a robot with several differ by the phases of the orthogonal
+    which is the swept sine apart from two small terms, so that the robot ends where it began (chosen; the thesis gives
+    only the two frequencies and the speed reference). The motors of a robot differ by the phases of the orthogonal
     matrix T.
     """
 
@@ -55,13 +55,13 @@ class Chirp(AbstractExcitation):
         return self
 
     def record_samples(self, sample_time: float) -> int:
-        """Give the samples from rest to rest; see `AbstractExcitation.record_samples`."""
+        """Return the samples from rest to rest; see `AbstractExcitation.record_samples`."""
         require_below_nyquist("from_hz", self.from_hz, sample_time)
         require_below_nyquist("to_hz", self.to_hz, sample_time)
         return self._parts(sample_time).total
 
     def lines(self, sample_time: float, seed: int) -> Lines:
-        """Give all lines that the sweep passes; none is left out."""
+        """Return all lines that the sweep passes; there are no detection lines."""
         del seed
         record = self.record_samples(sample_time) * sample_time
         low, high = sorted((self.from_hz, self.to_hz))
@@ -69,7 +69,7 @@ class Chirp(AbstractExcitation):
         return Lines.of(candidate_lines(low * record, high * record, odd=False, source=band))
 
     def block(self, n_motors: int, sample_time: float, seed: int, position: int, block: int) -> BlockSignals:
-        """Make the records of one block, the same in all blocks unless `orthogonal` is false."""
+        """Compute the records of one block, the same in all blocks unless `orthogonal` is false."""
         size = self.sizes(n_motors)
         start = shifts(n_motors).T
         if not self.orthogonal:
@@ -90,7 +90,7 @@ class Chirp(AbstractExcitation):
         return RecordParts.of(self.rest_before, self.duration, self.rest_after, self.taper, sample_time)
 
     def _sweep(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Give angle [rad], its rate [rad/s] and the change of the rate [rad/s^2] at times in the sweep, each (n,)."""
+        """Return angle [rad], its rate [rad/s] and its derivative [rad/s^2] at times in the sweep, each (n,)."""
         first, last = 2.0 * np.pi * self.from_hz, 2.0 * np.pi * self.to_hz
         if self.sweep == "linear" or first == last:
             change = (last - first) / self.duration

@@ -1,4 +1,4 @@
-"""Phases with which a sum of cosines has low peaks."""
+"""Phases of low crest factor for a sum of cosines."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 POINTS_PER_CYCLE = 8
-"""Points per cycle of the highest line at which peaks are looked for, at least [1] (chosen)."""
+"""Smallest number of points per cycle of the highest line at which peaks are searched [1] (chosen)."""
 
 CLIP = (0.7, 0.95)
 """Height at which the signal is clipped, as a share of its peak, in the first and in the last iteration (chosen)."""
@@ -21,17 +21,18 @@ def low_crest_phases(
 ) -> FloatArray:
     """Lower the crest factor by clipping in time and restoring the amplitudes in frequency.
 
-    The swapping of time and frequency domain of Van der Ouderaa, Schoukens and Renneboog (1988): clip the peaks, take
-    the phases of the clipped signal, put them to the wanted amplitudes, and so on; the best phases are kept. The
-    experiments of an orthogonal set differ by a phase that is the same on all lines. What bounds the peaks of all of
-    them is the envelope, the size of the analytic signal, so that is clipped instead where there are several (chosen).
+    Swapping between time and frequency domain (Van der Ouderaa, Schoukens and Renneboog 1988): clip the peaks, take the
+    phases of the clipped signal, combine them with the desired amplitudes, repeat; the best phases are returned. The
+    experiments of an orthogonal set differ by a phase that is the same on all lines. The peaks of all of them are
+    bounded by the envelope, the magnitude of the analytic signal, so that the envelope is clipped instead where there
+    are several experiments (chosen).
 
     Args:
         lines: Multiples of one over the period, shape (F,).
         size: Amplitudes, shape (M, F).
-        phases: Phases to start from [rad], shape (M, F).
+        phases: Initial phases [rad], shape (M, F).
         iterations: Number of iterations.
-        envelope: For which rows the peak of the envelope is lowered instead of that of the signal, shape (M,).
+        envelope: Rows whose envelope is clipped instead of the signal, shape (M,).
 
     Returns:
         Phases [rad], shape (M, F).
@@ -54,7 +55,7 @@ def low_crest_phases(
 
 
 def crest_factor(signal: FloatArray) -> FloatArray:
-    """Give the ratio of peak to root mean square.
+    """Return the ratio of peak to root mean square.
 
     Args:
         signal: One or more periods along the first axis, shape (n, ...).

@@ -1,4 +1,4 @@
-"""Which lines a multisine excites, and which it leaves out to detect nonlinear distortions."""
+"""Excited lines of a multisine, and lines left empty to detect nonlinear distortions."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class Lines:
 
     @classmethod
     def of(cls, excited: IntArray) -> Lines:
-        """Sort all lines between the lowest and the highest excited one."""
+        """Classify all lines between the lowest and the highest excited one."""
         excited = np.unique(excited).astype(np.int64)
         rest = np.setdiff1d(np.arange(excited[0], excited[-1] + 1), excited)
         return cls(excited, rest[rest % 2 == 1], rest[rest % 2 == 0])
 
     def without(self, line: int) -> Lines:
-        """Give the lines with one taken from the detection lines."""
+        """Return the lines with one removed from the detection lines."""
         odd, even = (lines[lines != line] for lines in (self.odd_detection, self.even_detection))
         return Lines(self.excited, odd, even)
 
@@ -47,22 +47,22 @@ def candidate_lines(lowest: float, highest: float, odd: bool, source: str) -> In
         lowest: Lower end [lines].
         highest: Upper end [lines].
         odd: Odd lines only.
-        source: What the band is, for the message.
+        source: Name of the band, for the message.
 
     Returns:
         Lines, shape (n,).
 
     Raises:
-        InputError: The band holds no line.
+        InputError: The band contains no line.
     """
     first, last = max(int(np.ceil(lowest - 1e-6)), 1), int(np.floor(highest + 1e-6))
-    found = np.arange(first, last + 1, dtype=np.int64)
-    found = found[found % 2 == 1] if odd else found
-    if found.size == 0:
+    lines = np.arange(first, last + 1, dtype=np.int64)
+    lines = lines[lines % 2 == 1] if odd else lines
+    if lines.size == 0:
         raise InputError(
-            f"{source} holds no {'odd ' if odd else ''}line of the period; widen the band or lengthen the period"
+            f"{source} contains no {'odd ' if odd else ''}line of the period; widen the band or lengthen the period"
         )
-    return found
+    return lines
 
 
 def spread(candidates: IntArray, number: int | None, logarithmic: bool) -> IntArray:
@@ -70,11 +70,11 @@ def spread(candidates: IntArray, number: int | None, logarithmic: bool) -> IntAr
 
     Args:
         candidates: Lines to choose from, shape (n,).
-        number: How many are wanted; None takes all, or on a logarithmic grid as many goals as there are candidates.
-        logarithmic: Even over the logarithm of frequency; the nearest candidates, none twice.
+        number: Number of lines; None takes all, or on a logarithmic grid as many goals as there are candidates.
+        logarithmic: Even over the logarithm of frequency; the nearest candidates, without duplicates.
 
     Returns:
-        At most `number` lines, both ends among them, shape (F,).
+        At most `number` lines, including both ends, shape (F,).
     """
     if number is None and not logarithmic:
         return candidates
@@ -86,16 +86,16 @@ def spread(candidates: IntArray, number: int | None, logarithmic: bool) -> IntAr
 
 
 def with_detection(chosen: IntArray, group: int, random: np.random.Generator) -> IntArray:
-    """Leave out one line at random in every group of neighbours (Schoukens et al. 2005).
+    """Remove one line at random from every group of neighbours (Schoukens et al. 2005).
 
     Args:
         chosen: Lines, shape (F,).
-        group: Size of a group; the last one may be smaller and then stays whole, as do both ends of the band and a
-            group that is nothing but these.
-        random: Source of the choice.
+        group: Size of a group. The last one may be smaller and then is kept whole, as are both ends of the band and a
+            group that consists only of these.
+        random: Random generator of the choice.
 
     Returns:
-        The lines that stay, at least F - F / group, in order.
+        The remaining lines, at least F - F / group, in order.
     """
     keep = np.ones(len(chosen), dtype=bool)
     for first in range(0, len(chosen) - group + 1, group):

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
 
 LINES_STREAM = 0
-"""Number of the random stream of the detection lines."""
+"""Index of the random stream of the detection lines."""
 
 PHASES_STREAM = 1
-"""Number of the random streams of the phases, followed by position and block."""
+"""Index of the random streams of the phases, followed by position and block."""
 
 
 class Multisine(AbstractExcitation):
@@ -37,7 +37,7 @@ class Multisine(AbstractExcitation):
         r_il(t) = sum_k A_ik cos(w_k t + phi_ik + 2 pi (i-1)(l-1) / n),
 
     so that the spectra of the n experiments are R = R_diag T with the orthogonal matrix T: U U^H is diagonal at every
-    line, the best that n experiments of this size can do (Paper A, section 4).
+    line, which is optimal for n experiments of this size (Paper A, section 4).
     """
 
     periodic: ClassVar[bool] = True
@@ -47,7 +47,7 @@ class Multisine(AbstractExcitation):
     lowest: float = Field(default=1.0, gt=0.0, description="lower end of the band [Hz]")
     highest: float = Field(default=60.0, gt=0.0, description="upper end of the band [Hz]")
     grid: Literal["linear", "logarithmic"] = Field(
-        default="linear", description="how the excited lines lie in the band [name]"
+        default="linear", description="spacing of the excited lines in the band [name]"
     )
     number: int | None = Field(
         default=None, ge=2, description="number of lines before detection lines are left out; all when left out [1]"
@@ -75,7 +75,7 @@ class Multisine(AbstractExcitation):
         return self
 
     def record_samples(self, sample_time: float) -> int:
-        """Give the period [samples]; see `AbstractExcitation.record_samples`."""
+        """Return the period [samples]; see `AbstractExcitation.record_samples`."""
         require_below_nyquist("highest", self.highest, sample_time)
         return whole_samples("period", self.period, sample_time)
 
@@ -83,14 +83,14 @@ class Multisine(AbstractExcitation):
         """Choose the lines; see `AbstractExcitation.lines`."""
         period = self.record_samples(sample_time) * sample_time
         band = f"excitation: the band from {self.lowest:g} to {self.highest:g} Hz"
-        found = candidate_lines(self.lowest * period, self.highest * period, self.lines_of == "odd", band)
-        found = spread(found, self.number, self.grid == "logarithmic")
+        lines = candidate_lines(self.lowest * period, self.highest * period, self.lines_of == "odd", band)
+        lines = spread(lines, self.number, self.grid == "logarithmic")
         if self.detection_group is not None:
-            found = with_detection(found, self.detection_group, phase_generator(seed, LINES_STREAM))
-        return Lines.of(found)
+            lines = with_detection(lines, self.detection_group, phase_generator(seed, LINES_STREAM))
+        return Lines.of(lines)
 
     def block(self, n_motors: int, sample_time: float, seed: int, position: int, block: int) -> BlockSignals:
-        """Make the periods of one block; see `AbstractExcitation.block`."""
+        """Compute the periods of one block; see `AbstractExcitation.block`."""
         n_samples, lines = self.record_samples(sample_time), self.lines(sample_time, seed).excited
         size = amplitudes(self.spectrum, lines / (n_samples * sample_time), self.sizes(n_motors))
         random = phase_generator(seed, PHASES_STREAM, position, block)

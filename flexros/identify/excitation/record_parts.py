@@ -1,4 +1,4 @@
-"""The parts of a record from rest to rest in samples: rest, excitation that fades in and out, rest."""
+"""Parts of a record in samples: rest, excitation with fades, rest."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from flexros.identify.excitation.base import whole_samples
 
 @dataclass(frozen=True)
 class RecordParts:
-    """Lengths that add up to the record.
+    """Lengths of the parts of a record.
 
     Attributes:
         before: Rest before the excitation [samples].
@@ -27,7 +27,7 @@ class RecordParts:
     def of(
         cls, rest_before: float, duration: float, rest_after: float, taper: float, sample_time: float
     ) -> RecordParts:
-        """Turn times into samples.
+        """Convert times to samples.
 
         Args:
             rest_before: Rest before the excitation [s].
@@ -37,7 +37,7 @@ class RecordParts:
             sample_time: Time between two samples [s].
 
         Raises:
-            InputError: A rest or the duration is no whole number of samples, or the duration is shorter than two.
+            InputError: A rest or the duration is not a whole number of samples, or the duration is below two samples.
         """
         before = whole_samples("rest_before", rest_before, sample_time, least=0)
         length = whole_samples("duration", duration, sample_time, least=2)

@@ -1,4 +1,4 @@
-"""The key `identification.excitation`: every kind of excitation, told apart by `kind`."""
+"""The key `identification.excitation`: all kinds of excitation, distinguished by `kind`."""
 
 from __future__ import annotations
 
@@ -11,4 +11,4 @@ from flexros.identify.excitation.chirp import Chirp
 from flexros.identify.excitation.multisine import Multisine
 
 Excitation: TypeAlias = Annotated[Multisine | Chirp | Burst, Field(discriminator="kind")]
-"""Any excitation, told apart by its key `kind`."""
+"""Any excitation, distinguished by its key `kind`."""

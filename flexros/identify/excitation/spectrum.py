@@ -27,9 +27,9 @@ Spectrum: TypeAlias = Literal["flat"] | Annotated[tuple[Point, ...], Field(min_l
 
 
 def amplitudes(spectrum: Spectrum, frequency: FloatArray, rms: FloatArray) -> FloatArray:
-    """Give the amplitude of every line.
+    """Return the amplitude of every line.
 
-    Between points the amplitude is a straight line over double logarithmic axes, beyond them it is that of the end.
+    The amplitude is interpolated linearly on double logarithmic axes and constant beyond the end points.
 
     Args:
         spectrum: Shape of the spectrum.

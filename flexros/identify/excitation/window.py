@@ -1,4 +1,4 @@
-"""Smooth switching on and off, with derivative and integral in closed form."""
+"""Smooth fade in and fade out, with derivative and integral in closed form."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 STEP = np.polynomial.Polynomial(NINTH_DEGREE)
-"""From 0 at 0 to 1 at 1 with four derivatives that are zero at both ends; its integral over the way is 1/2."""
+"""From 0 at 0 to 1 at 1 with four derivatives that are zero at both ends; its integral from 0 to 1 is 1/2."""
 
 _SLOPE, _AREA = STEP.deriv(), STEP.integ()
 
 
 def window(n_samples: int, ramp: int, sample_time: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Give a window that rises from 0 to 1, stays, and falls in the same way.
+    """Return a window that rises from 0 to 1, stays at 1, and falls symmetrically.
 
     Args:
         n_samples: Length N of the window; it is 0 at sample 0 and would be 0 again at sample N.

@@ -24,32 +24,35 @@ NORMAL_95 = 1.959964
 """Half width of a 95 % interval in standard deviations."""
 
 NOTHING_KNOWN = 1e3
-"""Standard deviation of a scaled parameter that no response depends on (stands for infinite)."""
+"""Standard deviation of a scaled parameter on which no response depends (represents infinity)."""
 
 MISSES = 1.3
-"""Reduced cost from which the model is said to miss something; below it, scatter explains the difference (chosen)."""
+"""Reduced cost from which a model-form error is reported; below it, scatter explains the difference (chosen)."""
+
+FORM_ERROR = "because of a model-form error"
+"""Cause of a large reduced cost in `ParameterCovariance.explanation`."""
 
 NULL = 1e-13
 """Eigenvalues of the normalised information below this share of the largest are rounding errors (chosen)."""
 
 LOST = 1.0
-"""Relative variance from which a logarithm has no first-order variance worth the name (chosen)."""
+"""Relative variance from which the first-order variance of a logarithm is meaningless (chosen)."""
 
 _TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)
 class ParameterCovariance:
-    """How far fitted values can be trusted, to first order.
+    """First-order covariance of fitted parameters.
 
     Attributes:
         scale: The scaled parameters x: logarithms, or multiples of a typical size.
         values: Fitted values [SI], shape (P,).
         matrix: Covariance of x, after the corrections, shape (P, P).
-        basis: Where the covariance of the responses came from: "total" (blocks), "noise" (periods), or "residuals".
-        reduced_cost: Cost over the value to expect from that covariance; 1 where the model explains all but noise.
-        factor: What (5) was multiplied with, in the mean of all parameters: `reduced_cost` if larger than 1, and the
-            inflation by weights that were themselves estimated from few degrees of freedom.
+        basis: Source of the covariance of the responses: "total" (blocks), "noise" (periods), or "residuals".
+        reduced_cost: Cost over its value expected from that covariance; 1 where the model explains all but noise.
+        factor: Factor applied to (5), mean over all parameters: `reduced_cost` if larger than 1, times the inflation
+            due to weights that were themselves estimated from few degrees of freedom.
         explanation: One sentence on basis and factor.
     """
 
@@ -90,19 +93,19 @@ class ParameterCovariance:
 def parameter_covariance(problem: GrayBoxProblem, fit: GrayBoxFit, correct: bool = True) -> ParameterCovariance:
     """Evaluate (5) with the full covariance of the responses.
 
-    Logarithms of what is lost in noise have no first-order variance: lines in a notch of the model make (5) far too
-    large. Weights from the measured magnitudes let some of them pass, those of `GrayBoxProblem.reweighted`, as
-    `refine` uses them, none.
+    Logarithms of elements below the noise have no first-order variance: lines in a notch of the model make (5) far too
+    large. Weights from the measured magnitudes admit some of them; the weights of `GrayBoxProblem.reweighted`, which
+    `refine` uses, admit none.
 
     Args:
-        problem: What was fitted.
-        fit: Where the fit ended.
-        correct: Whether to correct (5), see `ParameterCovariance.factor`; by itself it is for known covariances and a
-            model that can describe the truth.
+        problem: Measured responses, estimator and weights.
+        fit: Result of the fit.
+        correct: Whether to correct (5), see `ParameterCovariance.factor`; (5) itself holds for known covariances and a
+            model without model-form error.
 
     Returns:
-        The covariance. Where no covariance of the responses is known, the weights are taken for its inverse up to a
-        factor that the residuals tell.
+        The covariance. Where no covariance of the responses is known, it is the inverse of the weights up to a factor
+        that is estimated from the residuals.
     """
     noises = [noise for noise in map(response_noise, problem.responses) if noise is not None]
     model = problem.model_at(fit.values)
@@ -129,8 +132,8 @@ class _Sums:
     Attributes:
         information: sum Re(J^H W J), shape (P, P).
         spread: sum Re(J^H W L W J), shape (P, P).
-        grown_spread: The same with what uncertain weights add.
-        expected_cost: Expected cost at the true parameters, with what uncertain weights add.
+        grown_spread: The same, increased for uncertain weights.
+        expected_cost: Expected cost at the true parameters, increased for uncertain weights.
         count: Number of elements with a weight.
     """
 
@@ -146,16 +149,16 @@ def _sums(
 ) -> _Sums:
     n, estimator = jacobian.shape[-1], problem.estimator
     information, spread, grown, expected = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), 0.0
-    for place, (given, slopes, weights) in enumerate(zip(response, jacobian, problem.weights, strict=True)):
-        stacked, w = _stack(given), _stack(weights)
+    for position, (modelled, slopes, weights) in enumerate(zip(response, jacobian, problem.weights, strict=True)):
+        stacked, w = _stack(modelled), _stack(weights)
         J = np.where((w > 0)[..., None], estimator.slope(stacked, _stack(slopes)), 0.0)
         weighted = w[..., None] * J
         information += np.real(np.tensordot(J.conj(), weighted, ((0, 1), (0, 1))))
         if noises:
-            L = estimator.error_covariance(noises[place].covariance(), stacked)
+            L = estimator.error_covariance(noises[position].covariance(), stacked)
             variance = np.einsum("fmm->fm", L).real
             share = problem.setting.share_of_noise(w, variance)
-            growth, excess = _of_estimated_weights(share, noises[place].degrees_of_freedom)
+            growth, excess = _of_estimated_weights(share, noises[position].degrees_of_freedom)
             wider = weighted * np.sqrt(growth)[..., None]
             spread += np.real(np.tensordot(weighted.conj(), L @ weighted, ((0, 1), (0, 1))))
             grown += np.real(np.tensordot(wider.conj(), L @ wider, ((0, 1), (0, 1))))
@@ -164,7 +167,7 @@ def _sums(
 
 
 def _lost(problem: GrayBoxProblem, response: ComplexArray, noises: list[ResponseNoise]) -> str:
-    """Say how many elements count whose modelled magnitude lies below its standard deviation."""
+    """Report how many weighted elements have a modelled magnitude below its standard deviation."""
     if problem.estimator.name == "NLS":  # errors are linear in the responses
         return ""
     variance = np.stack([noise.variance for noise in noises])
@@ -173,17 +176,17 @@ def _lost(problem: GrayBoxProblem, response: ComplexArray, noises: list[Response
     if not lost:
         return ""
     return (
-        f" {lost} of {np.count_nonzero(counted)} elements are lost in noise where the model is, so that this is too "
-        "large: weights were made from the measured responses."
+        f" {lost} of {np.count_nonzero(counted)} elements are modelled below their noise, so that this is too large: "
+        "weights were computed from the measured responses."
     )
 
 
 def _from_residuals(problem: GrayBoxProblem, fit: GrayBoxFit, sums: _Sums) -> ParameterCovariance:
-    """Take the weights for the inverse of the covariance up to a factor that the residuals tell."""
+    """Scale the inverse of the weights by the residuals."""
     inverse, unknown = _inverse(sums.information)
     degrees = max(problem.estimator.noise_share * sums.count - 0.5 * len(fit.names), 1.0)
     matrix = 0.5 * fit.cost / degrees * inverse + unknown
-    text = "The responses have no covariance: the residuals stand for it."
+    text = "The responses have no covariance; it was estimated from the residuals."
     return ParameterCovariance(problem.scale, fit.values, matrix, "residuals", 1.0, 1.0, text)
 
 
@@ -194,7 +197,7 @@ def _stack(elements: NDArray[Number]) -> NDArray[Number]:
 
 
 def _inverse(information: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Invert, apart from directions that nothing is known about; return the inverse and their covariance."""
+    """Invert without the null directions; return the inverse and the covariance of the null directions."""
     size = np.sqrt(np.diag(information))
     size = np.where(size > 0, size, np.max(size, initial=0.0) or 1.0)
     eigenvalues, vectors = np.linalg.eigh(information / np.outer(size, size))
@@ -208,10 +211,10 @@ def _inverse(information: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _of_estimated_weights(share: FloatArray, degrees: float) -> tuple[FloatArray, FloatArray]:
     """Growth of covariance and of expected cost with weights from variances of few degrees of freedom.
 
-    With v = s chi^2 / (2 nu) for the estimate of a variance s, E[1/v] = nu / (nu - 1) / s and
-    E[1/v^2] = nu^2 / ((nu - 1)(nu - 2)) / s^2, so that (5), in which both are taken for exact, is too small by
-    nu / (nu - 2), and the cost too small by nu / (nu - 1) where the weight is 1 / v. Where v is the share r of 1 / w,
-    both exceed 1 by r times as much, to first order in 1 / nu (derived).
+    With v = s chi^2 / (2 nu) as the estimate of a variance s, E[1/v] = nu / (nu - 1) / s and
+    E[1/v^2] = nu^2 / ((nu - 1)(nu - 2)) / s^2. Then (5), which treats both as exact, is too small by nu / (nu - 2), and
+    the cost is too small by nu / (nu - 1) where the weight is 1 / v. Where v is the share r of 1 / w, both exceed 1 by
+    r times as much, to first order in 1 / nu (derived).
 
     Args:
         share: r, any shape.
@@ -227,7 +230,7 @@ def _explanation(reduced: float, inflation: float, factor: float, correct: bool)
         return f"{text}; nothing was corrected."
     causes = []
     if reduced >= MISSES:
-        causes.append("by this, because the model misses something")
+        causes.append(f"by this, {FORM_ERROR}")
     elif reduced > 1:
         causes.append("by this, which is within what scatter explains")
     if inflation > 1:

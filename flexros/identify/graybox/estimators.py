@@ -1,4 +1,4 @@
-"""What a fit of frequency responses minimises: NLS, LLS and LLS of magnitudes (Moberg 2007, Paper A, section 5.1)."""
+"""Errors that a fit of frequency responses minimises: NLS, LLS, LLS of magnitudes (Moberg 2007, Paper A, 5.1)."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 class AbstractEstimator(ABC):
     """An error between measured and modelled responses; the cost is the sum of weight times squared magnitude.
 
-    An estimator provides its `name`, `error`, `slope`, `error_covariance` and `noise_share`. With the errors e of
-    one frequency stacked, W the weights, J = -de/dx and L = `error_covariance`, the parameters x have the covariance
+    How to add an estimator: provide `name`, `error`, `slope`, `error_covariance` and `noise_share`. With the errors e
+    of one frequency stacked, W the weights, J = -de/dx and L = `error_covariance`, the parameters x have the covariance
     (Moberg 2007, Paper A, equation 5, there written with Xi and Sigma, per N_f)
 
         P = 1/2 [sum Re(J^H W J)]^-1 [sum Re(J^H W L W J)] [sum Re(J^H W J)]^-1.
@@ -54,7 +54,7 @@ class AbstractEstimator(ABC):
 
     @abstractmethod
     def error_covariance(self, covariance: ComplexArray, response: ComplexArray) -> ComplexArray | FloatArray:
-        """Carry the covariance of the measured responses over to the errors, to first order.
+        """Propagate the covariance of the measured responses to the errors, to first order.
 
         Args:
             covariance: Lambda_0, shape (..., m, m), with m stacked elements of the response.
@@ -80,7 +80,7 @@ class AbstractEstimator(ABC):
 
     @abstractmethod
     def element_variance(self, variance: FloatArray, response: ComplexArray) -> FloatArray:
-        """Carry variances of single elements over to the errors: the diagonal of `error_covariance`.
+        """Propagate variances of single elements to the errors: the diagonal of `error_covariance`.
 
         Args:
             variance: Variance of each element of the measured responses, any shape.
@@ -187,10 +187,7 @@ def estimator_named(name: str, source: str = "") -> AbstractEstimator:
 
     Args:
         name: "LLS", "LLSM" or "NLS".
-        source: Where the name came from; part of the error text.
-
-    Returns:
-        The estimator.
+        source: Origin of the name, for the error message.
 
     Raises:
         InputError: There is no estimator of this name.

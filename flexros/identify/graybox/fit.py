@@ -1,4 +1,4 @@
-"""Fit of the unknown parameters of a robot to measured frequency responses (Moberg 2007, Paper A, section 5.3)."""
+"""Fit the unknown parameters of a robot to measured frequency responses (Moberg 2007, Paper A, section 5.3)."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.problem import GrayBoxProblem
 
 LARGEST_STEP = 1.0
-"""Largest change of a logarithm in one step; without it a fit runs away where the cost is flat."""
+"""Largest change of a logarithm in one step; without this limit a fit diverges where the cost is flat."""
 
-FAILED = "the model cannot be evaluated where the search began"
-"""Why a fit ended whose cost is not finite."""
+FAILED = "the model cannot be evaluated at the initial values"
+"""Message of a fit whose cost is not finite."""
 
 
 @dataclass(frozen=True)
 class FitSettings:
-    """How a fit searches and when it ends.
+    """Search settings and stop rules of a fit.
 
     Attributes:
-        stop: When the search for fixed equilibria ends.
-        relinearisations: Largest number of times that the robot is linearised anew at the rests that belong to the
-            values found; 0 keeps the rests of the robot's own values.
+        stop: Stop rule of the search for fixed equilibria.
+        relinearisations: Largest number of times that the robot is linearised again, at the equilibria of the fitted
+            values; 0 keeps the equilibria of the nominal values.
         settled: Relative change of every value below which the robot is not linearised again.
     """
 
@@ -43,21 +43,21 @@ class FitSettings:
 
 @dataclass(frozen=True, eq=False)
 class GrayBoxFit:
-    """Where a fit ended.
+    """Result of one fit.
 
     Attributes:
         names: Names of the parameters, length P.
-        values: Their values [SI], shape (P,).
-        start: Values from which the search began [SI], shape (P,).
-        cost: Weighted sum of squared errors (Moberg 2007, Paper A, equations 4b and 7b); not finite where it failed.
-        start_cost: The same at the start, at the rests of the robot's own values; NaN where the model fails there.
-        at_bound: Whether a parameter lies on one of its bounds, shape (P,).
+        values: Fitted values [SI], shape (P,).
+        start: Initial values [SI], shape (P,).
+        cost: Weighted sum of squared errors (Moberg 2007, Paper A, equations 4b and 7b); not finite if the fit failed.
+        start_cost: Cost at the initial values and the nominal equilibria; NaN where the model fails there.
+        at_bound: Whether a parameter is on one of its bounds, shape (P,).
         lower: Lower bounds [SI], shape (P,).
         upper: Upper bounds [SI], shape (P,).
         iterations: Accepted steps, over all linearisations.
         evaluations: Evaluations of the cost.
-        relinearisations: How often the robot was linearised anew.
-        converged: Whether neither steps nor linearisations ran out.
+        relinearisations: Number of relinearisations.
+        converged: False if the limit of steps or of relinearisations was reached.
         message: Why the fit ended.
         estimator: Name of the estimator.
         weights: Kind of the weights.
@@ -80,10 +80,7 @@ class GrayBoxFit:
     weights: str
 
     def value(self, name: str) -> float:
-        """Return the value of a parameter [SI].
-
-        Args:
-            name: Its name, e.g. "body_1.ry.stiffness".
+        """Return the value of a parameter [SI], e.g. of "body_1.ry.stiffness".
 
         Raises:
             InputError: The parameter was not fitted.
@@ -99,22 +96,22 @@ def fit(
     bounds: Mapping[str, tuple[float, float]] | None = None,
     settings: FitSettings | None = None,
 ) -> GrayBoxFit:
-    """Minimise the cost from one start.
+    """Minimise the cost from one set of initial values.
 
-    The robot is linearised at the rests of its nominal values, fitted, linearised at the rests of the values found,
-    fitted again, until nothing changes (Moberg 2007, Paper A, remark A.1).
+    The robot is linearised at the equilibria of its nominal values and fitted, then linearised at the equilibria of the
+    fitted values and fitted again until nothing changes (Moberg 2007, Paper A, remark A.1).
 
     Args:
-        problem: What to fit.
-        start: Values from which to start [SI], shape (P,); default: those of the robot.
+        problem: Measured responses, unknown parameters, estimator and weights.
+        start: Initial values [SI], shape (P,); default: the nominal values of the robot.
         bounds: Lower and upper bound of values [SI] by name; see `ParameterScale.bounds` for the default.
-        settings: How to search; default: to the end.
+        settings: Search settings.
 
     Returns:
-        The local minimum that was found.
+        The local minimum.
 
     Raises:
-        InputError: The start is not one number per parameter within the bounds, or bounds are wrong.
+        InputError: `start` is not one finite number per parameter within the bounds, or the bounds are wrong.
     """
     settings = settings or FitSettings()
     scale = problem.scale
@@ -148,7 +145,7 @@ def cost_at(problem: GrayBoxProblem, model: FrequencyModel, values: FloatArray) 
 
     Args:
         problem: Measured responses, estimator and weights.
-        model: Model to compare with; `problem.model_at(values)` for the rests that belong to the values.
+        model: Frequency model; `problem.model_at(values)` uses the equilibria of these values.
         values: Values [SI], shape (P,).
 
     Returns:
@@ -156,12 +153,12 @@ def cost_at(problem: GrayBoxProblem, model: FrequencyModel, values: FloatArray) 
     """
     try:
         return least_squares(model, problem.target).cost(values)
-    except np.linalg.LinAlgError:  # a mass matrix that is singular
+    except np.linalg.LinAlgError:  # singular mass matrix
         return np.nan
 
 
 class _Search:
-    """The outer loop over linearisations and the inner one over steps."""
+    """Outer loop over linearisations, inner loop over steps."""
 
     def __init__(self, problem: GrayBoxProblem, lower: FloatArray, upper: FloatArray, settings: FitSettings) -> None:
         self._problem, self._settings = problem, settings
@@ -169,25 +166,25 @@ class _Search:
         self._largest = np.where(problem.scale.logarithmic, LARGEST_STEP, np.inf)
 
     def run(self, x: FloatArray) -> tuple[Minimum, str, int]:
-        """Search from scaled parameters; return where, why it ended and the number of linearisations."""
+        """Search from scaled parameters; return the minimum, the message and the number of relinearisations."""
         minimum = self._minimise(self._problem.model, x, DAMPING)
         if not np.isfinite(minimum.cost):
             return minimum, FAILED, 0
-        for number in range(self._settings.relinearisations):
+        for count in range(self._settings.relinearisations):
             try:
                 model = self._problem.model_at(self._problem.scale.values(minimum.x))
             except InputError as error:
-                return replace(minimum, converged=False), f"the robot could not be linearised anew: {error}", number
+                return replace(minimum, converged=False), f"the robot could not be linearised again: {error}", count
             before = minimum
             minimum = _continued(self._minimise(model, before.x, before.damping), before)
             if self._settled(before, minimum):
-                return minimum, _reason(minimum), number + 1
+                return minimum, _reason(minimum), count + 1
         if self._settings.relinearisations:
-            return replace(minimum, converged=False), "the rests did not settle", self._settings.relinearisations
+            return replace(minimum, converged=False), "the equilibria did not settle", self._settings.relinearisations
         return minimum, _reason(minimum), 0
 
     def _settled(self, before: Minimum, after: Minimum) -> bool:
-        """Whether another linearisation moved neither the parameters nor the cost."""
+        """Whether the last linearisation changed neither the parameters nor the cost."""
         moved = float(np.max(np.abs(after.x - before.x), initial=0.0))
         changed = abs(after.cost - before.cost)
         return moved < self._settings.settled or changed < self._settings.stop.decrease * before.cost
@@ -199,7 +196,7 @@ class _Search:
             values = scale.values(point)
             try:
                 return squares.normal_equations(values, scale.per_value(values))
-            except np.linalg.LinAlgError:  # a mass matrix that is singular
+            except np.linalg.LinAlgError:  # singular mass matrix
                 return NormalEquations(np.nan, np.full_like(point, np.nan), np.full((len(point),) * 2, np.nan))
 
         def cost(point: FloatArray) -> float:
@@ -212,7 +209,7 @@ class _Search:
 
 
 def _continued(minimum: Minimum, before: Minimum) -> Minimum:
-    """Count the steps of the searches before as well."""
+    """Add the steps and evaluations of the previous searches."""
     return replace(
         minimum,
         iterations=minimum.iterations + before.iterations,
@@ -223,11 +220,11 @@ def _continued(minimum: Minimum, before: Minimum) -> Minimum:
 def _reason(minimum: Minimum) -> str:
     if not np.isfinite(minimum.cost):
         return FAILED
-    return "converged" if minimum.converged else "the number of steps ran out"
+    return "converged" if minimum.converged else "the limit of steps was reached"
 
 
 def _checked_start(problem: GrayBoxProblem, values: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
-    """Return the scaled start; refuse one that is not one number per parameter within the bounds."""
+    """Return the scaled initial values; reject values of wrong shape, not finite or outside the bounds."""
     scale = problem.scale
     if values.shape != (len(scale.names),) or not np.all(np.isfinite(values)):
         raise InputError(

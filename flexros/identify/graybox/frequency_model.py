@@ -1,11 +1,11 @@
 """Frequency responses of a linearised robot and their exact Jacobian (Moberg 2007, Paper A, sections 3 and 5).
 
-With A(jw) = -w^2 M + jw D + K, symmetric, and Z = A^-1 B the motor positions answer with G = B^T Z. A rank-one term
+With A(jw) = -w^2 M + jw D + K, symmetric, and Z = A^-1 B the motor positions respond with G = B^T Z. A rank-one term
 theta_p s_p (jw)^k b b^T of A gives
 
     dG/dtheta_p = -s_p (jw)^k v v^T,    v = Z^T b,
 
-so the Jacobian needs no further solution; any other parameter gives -Z^T (dA/dtheta_p) Z.
+so the Jacobian needs no further solution. Any other parameter gives -Z^T (dA/dtheta_p) Z.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 class FrequencyModel:
     """Sampled response of motor accelerations to torque commands at Q positions, in plain NumPy.
 
-    Hold, delay and aliasing are those of the sampled loop (see `sampled`); the aliases are those of the parameters at
-    which the positions were linearised, so that the Jacobian is exact and the aliases follow with each linearisation.
+    Hold, delay and aliasing are those of the sampled loop (see `sampled`). The aliases are those of the parameters at
+    which the positions were linearised: the Jacobian is exact, and the aliases are updated with each linearisation.
 
     Attributes:
         positions: Linear models of the positions.
@@ -67,7 +67,7 @@ class FrequencyModel:
 
     @cached_property
     def expansion(self) -> FloatArray:
-        """Matrices of the expansion of G(s) in 1/s that the aliases are made of, shape (Q, 5, M, M)."""
+        """Matrices of the expansion of G(s) in 1/s that the aliases consist of, shape (Q, 5, M, M)."""
         positions = self.positions
         return expansion(positions.mass, positions.damping, positions.stiffness, positions.motor_rows)
 
@@ -80,7 +80,7 @@ class FrequencyModel:
         Returns:
             Torque command -> acceleration of the motors [1/(kg m2) or 1/kg], shape (Q, F, M, M).
         """
-        return np.array([self._sampled(place, Z) for place, Z in enumerate(self._solutions(theta))])
+        return np.array([self._sampled(position, Z) for position, Z in enumerate(self._solutions(theta))])
 
     def jacobian(self, theta: FloatArray, scale: FloatArray | None = None) -> ComplexArray:
         """Evaluate the derivatives of the responses with respect to scaled parameters x.
@@ -99,34 +99,34 @@ class FrequencyModel:
     ) -> tuple[ComplexArray, ComplexArray]:
         """Evaluate both with one solution; see `response` and `jacobian`."""
         solutions = list(enumerate(self._solutions(theta)))
-        responses = np.array([self._sampled(place, Z) for place, Z in solutions])
+        responses = np.array([self._sampled(position, Z) for position, Z in solutions])
         per_step = theta if scale is None else scale
-        return responses, np.array([self._slopes(place, Z, per_step) for place, Z in solutions])
+        return responses, np.array([self._slopes(position, Z, per_step) for position, Z in solutions])
 
     def _solutions(self, theta: FloatArray) -> Iterator[ComplexArray]:
-        """Yield Z = A^-1 B of position after position, shape (F, n, M)."""
-        places = self.positions.motor_rows
-        drive = np.eye(self.positions.mass.shape[1])[:, places]
+        """Yield Z = A^-1 B of each position, shape (F, n, M)."""
+        motors = self.positions.motor_rows
+        drive = np.eye(self.positions.mass.shape[1])[:, motors]
         for omega, M, D, K in zip(self.hold.omega, *self.positions.matrices(theta), strict=True):
             w = omega[:, None, None]
             yield np.linalg.solve(K - w**2 * M + 1j * w * D, np.broadcast_to(drive, (len(omega), *drive.shape)))
 
-    def _sampled(self, place: int, Z: ComplexArray) -> ComplexArray:
+    def _sampled(self, position: int, Z: ComplexArray) -> ComplexArray:
         """Sampled response of acceleration at one position, shape (F, M, M)."""
-        direct = self.hold.gain[place][:, None, None] * Z[:, self.positions.motor_rows]
-        sampled: ComplexArray = direct + np.tensordot(self.hold.aliases[place], self.expansion[place], 1)
+        direct = self.hold.gain[position][:, None, None] * Z[:, self.positions.motor_rows]
+        sampled: ComplexArray = direct + np.tensordot(self.hold.aliases[position], self.expansion[position], 1)
         return sampled
 
-    def _slopes(self, place: int, Z: ComplexArray, per_step: FloatArray) -> ComplexArray:
+    def _slopes(self, position: int, Z: ComplexArray, per_step: FloatArray) -> ComplexArray:
         """Derivatives of the response of one position, shape (F, M, M, P)."""
-        positions, omega, gain = self.positions, self.hold.omega[place], self.hold.gain[place]
+        positions, omega, gain = self.positions, self.hold.omega[position], self.hold.gain[position]
         powers = np.maximum(positions.powers, 0)
         v = np.einsum("pn,fnm->fmp", positions.vectors, Z)
-        scale = -gain[:, None] * (1j * omega[:, None]) ** powers * (per_step * positions.factors[place])
+        scale = -gain[:, None] * (1j * omega[:, None]) ** powers * (per_step * positions.factors[position])
         slopes: ComplexArray = v[:, :, None, :] * v[:, None, :, :] * scale[:, None, None, :]
-        for number, p in enumerate(positions.sloped):
+        for slope, p in enumerate(positions.sloped):
             M, D, K = (
-                part[place, number]
+                part[position, slope]
                 for part in (positions.mass_slopes, positions.damping_slopes, positions.stiffness_slopes)
             )
             w = omega[:, None, None]

@@ -1,4 +1,4 @@
-"""Which parameters the responses determine, and along which combination of parameters they say nothing."""
+"""Identifiability: parameters that the responses determine, and combinations that they do not."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ UNKNOWN = float(np.log(2.0)) / NORMAL_95
 """Standard deviation of a logarithm whose 95 % interval reaches a factor of 2 either way, 0.354."""
 
 MEMBER = 0.2
-"""Least part in a direction, relative to the largest, of a parameter that is named (chosen)."""
+"""Smallest component of a direction, relative to the largest, of a parameter that is named (chosen)."""
 
 
 @dataclass(frozen=True)
 class ParameterVerdict:
-    """What the responses say of one parameter.
+    """Identifiability of one parameter.
 
     Attributes:
         name: Name of the parameter.
@@ -37,7 +37,7 @@ class ParameterVerdict:
         relative: Standard deviation relative to the value; relative to its typical size if it is not logarithmic.
         interval: 95 % interval [unit].
         verdict: determined, weak or not_determined.
-        reason: Why, in words.
+        reason: Reason of the verdict.
     """
 
     name: str
@@ -54,9 +54,9 @@ class Direction:
     """A combination of parameters along which the responses hardly change.
 
     Attributes:
-        exponents: Parameters and their exponents; the direction multiplies each by a number to this power.
-        standard_deviation: Of the logarithm of that number.
-        determined: The combination of the same parameters that is determined best; empty if it is only one.
+        exponents: Parameters and their exponents; the direction multiplies each by a common factor to this power.
+        standard_deviation: Of the logarithm of that factor.
+        determined: The best determined combination of the same parameters; empty if there is only one.
         determined_deviation: Standard deviation of the logarithm of that combination.
     """
 
@@ -67,20 +67,20 @@ class Direction:
 
     @property
     def sentence(self) -> str:
-        """The direction in words."""
+        """The direction as a sentence."""
         spread = f"(standard deviation {_percent(self.standard_deviation)})"
         if not self.determined:
             return f"{self.exponents[0][0]} is not determined {spread}: the responses hardly depend on it."
         return (
             f"{_product(self.determined)} is determined to {_percent(self.determined_deviation)}, but not "
-            f"{_product(self.exponents)} {spread}: changing these parameters together along that direction leaves the "
-            "responses as they are."
+            f"{_product(self.exponents)} {spread}: a joint change of these parameters along that direction leaves the "
+            "responses unchanged."
         )
 
 
 @dataclass(frozen=True)
 class Identifiability:
-    """Verdict on all parameters.
+    """Identifiability of all parameters.
 
     Attributes:
         parameters: One verdict per parameter, in their order.
@@ -92,7 +92,7 @@ class Identifiability:
 
     def names(self, verdict: Verdict) -> tuple[str, ...]:
         """Return the names of the parameters with a verdict."""
-        return tuple(each.name for each in self.parameters if each.verdict == verdict)
+        return tuple(parameter.name for parameter in self.parameters if parameter.verdict == verdict)
 
 
 def identifiability(
@@ -101,28 +101,28 @@ def identifiability(
     """Judge which parameters are determined.
 
     Args:
-        problem: What was fitted.
-        fit: Where the fit ended.
+        problem: Measured responses, estimator and weights.
+        fit: Result of the fit.
         covariance: Covariance of the parameters; default: `parameter_covariance`.
 
     Returns:
         determined: standard deviation up to 10 %. not_determined: the 95 % interval reaches a factor of 2 or more, or
-        the value lies on a bound. weak: between.
+        the value is on a bound. weak: otherwise.
     """
     covariance = covariance or parameter_covariance(problem, fit)
     directions = _directions(fit.names, covariance.matrix)
     deviations, intervals = covariance.standard_deviation, covariance.intervals()
     verdicts = []
-    for place, name in enumerate(fit.names):
-        deviation = float(deviations[place])
-        verdict, reason = _verdict(deviation, bool(fit.at_bound[place]))
+    for row, name in enumerate(fit.names):
+        deviation = float(deviations[row])
+        verdict, reason = _verdict(deviation, bool(fit.at_bound[row]))
         verdicts.append(
             ParameterVerdict(
                 name=name,
-                value=float(fit.values[place]),
+                value=float(fit.values[row]),
                 unit=problem.robot.parameters[name].unit,
                 relative=deviation,
-                interval=(float(intervals[place, 0]), float(intervals[place, 1])),
+                interval=(float(intervals[row, 0]), float(intervals[row, 1])),
                 verdict=verdict,
                 reason=reason,
             )
@@ -135,7 +135,7 @@ def _verdict(deviation: float, at_bound: bool) -> tuple[Verdict, str]:
     if at_bound:
         return "not_determined", f"the fit ended on a bound; {spread}"
     if deviation >= UNKNOWN:
-        return "not_determined", f"{spread}: the 95 % interval reaches a factor of 2 or more either way"
+        return "not_determined", f"{spread}: the 95 % interval reaches a factor of 2 or more in both directions"
     return ("determined" if deviation <= DETERMINED else "weak"), spread
 
 
@@ -143,27 +143,27 @@ def _directions(names: tuple[str, ...], matrix: FloatArray) -> tuple[Direction, 
     """Find the directions with a standard deviation of `UNKNOWN` or more, each with as few parameters as possible."""
     variances, vectors = np.linalg.eigh(matrix)
     loose = vectors[:, variances >= UNKNOWN**2]
-    found = []
+    directions = []
     for vector in _sparse_basis(loose):
         members = np.flatnonzero(np.abs(vector) >= MEMBER)
         deviation = float(np.sqrt(max(float(vector @ matrix @ vector), 0.0)) / (vector @ vector))
         determined, spread = _best_of(names, matrix, members)
-        exponents = tuple((names[place], float(vector[place])) for place in members)
-        found.append(Direction(exponents, deviation, determined, spread))
-    return tuple(found)
+        exponents = tuple((names[member], float(vector[member])) for member in members)
+        directions.append(Direction(exponents, deviation, determined, spread))
+    return tuple(directions)
 
 
 def _sparse_basis(loose: FloatArray) -> list[FloatArray]:
-    """Bring a basis, shape (P, k), into a form in which every vector has one parameter for itself, of size 1."""
+    """Transform a basis, shape (P, k), so that every vector has one parameter of its own, with component 1."""
     rows = loose.T.copy()
-    for number in range(len(rows)):
-        rest = np.abs(rows[number:])
+    for k in range(len(rows)):
+        rest = np.abs(rows[k:])
         row, column = divmod(int(np.argmax(rest)), rest.shape[1])
-        rows[[number, number + row]] = rows[[number + row, number]]
-        rows[number] /= rows[number, column]
+        rows[[k, k + row]] = rows[[k + row, k]]
+        rows[k] /= rows[k, column]
         for other in range(len(rows)):
-            if other != number:
-                rows[other] -= rows[other, column] * rows[number]
+            if other != k:
+                rows[other] -= rows[other, column] * rows[k]
     return [row / row[np.argmax(np.abs(row))] for row in rows]
 
 
@@ -177,13 +177,13 @@ def _best_of(
     exponents = vectors[:, 0] / vectors[np.argmax(np.abs(vectors[:, 0])), 0]
     variance = float(exponents @ matrix[np.ix_(members, members)] @ exponents)
     named = tuple(
-        (names[place], float(exponent)) for place, exponent in zip(members, exponents) if abs(exponent) >= MEMBER / 4
+        (names[member], float(exponent)) for member, exponent in zip(members, exponents) if abs(exponent) >= MEMBER / 4
     )
     return named, float(np.sqrt(max(variance, 0.0)))
 
 
 def _product(exponents: tuple[tuple[str, float], ...]) -> str:
-    ordered = sorted(exponents, key=lambda each: -abs(each[1]))
+    ordered = sorted(exponents, key=lambda factor: -abs(factor[1]))
     return " x ".join(name if abs(power - 1.0) < 5e-3 else f"{name}^{power:.2g}" for name, power in ordered)
 
 

@@ -1,7 +1,6 @@
-"""The identified robot as a robot file: the same robot with new values, their source and their tolerance.
+"""The identified robot as a robot file: new values with their source and tolerance.
 
-What the responses do not determine, or what ended on a bound of the search, is no knowledge about the robot: it may
-keep the value that the robot had before.
+Parameters that the responses do not determine, or that ended on a bound of the search, may keep their nominal value.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ def identified_robot(
         robot: The robot that was identified.
         fit: Fitted values.
         covariance: Their covariance, from which the tolerances come.
-        origin: What else the source of the values says, e.g. the name of the log.
+        origin: Addition to the source of the values, e.g. the name of the log.
         kept: Names of fitted parameters that keep value, source and tolerance of the robot.
 
     Raises:
@@ -62,7 +61,7 @@ def write_identified_robot(
         robot: The robot that was identified.
         fit: Fitted values.
         covariance: Their covariance.
-        origin: What else the source of the values says.
+        origin: Addition to the source of the values.
         kept: Names of fitted parameters that keep value, source and tolerance of the robot.
 
     Raises:

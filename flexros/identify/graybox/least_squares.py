@@ -1,4 +1,4 @@
-"""Least squares of a model and measured frequency responses, in the fastest form there is."""
+"""Least squares of a model and measured frequency responses: compiled where possible, else NumPy."""
 
 from __future__ import annotations
 
@@ -15,18 +15,15 @@ __all__ = ["AbstractLeastSquares", "ResponseTarget", "least_squares"]
 
 
 def least_squares(model: FrequencyModel, target: ResponseTarget, threads: int = 1) -> AbstractLeastSquares:
-    """Set up the least squares of a model and measured responses.
+    """Set up the least squares of a model and measured responses, in machine code where it can be compiled.
 
     Args:
         model: Frequency model.
         target: Measured responses, weights and estimator.
-        threads: Threads that share the positions, where there is compiled code.
-
-    Returns:
-        The fastest form there is.
+        threads: Threads that share the positions, for compiled code.
 
     Raises:
-        InputError: The target does not fit the model.
+        InputError: The target does not match the model.
     """
     target.check(model)
     compiled = compiled_model(model, threads)

@@ -1,4 +1,4 @@
-"""The same fit from many starts, on threads of one machine or on a Dask cluster (Moberg 2007, Paper A, section 5.3)."""
+"""Fits from many initial values, on threads or on a Dask cluster (Moberg 2007, Paper A, section 5.3)."""
 
 from __future__ import annotations
 
@@ -28,26 +28,26 @@ def random_starts(
     decades: float = 1.0,
     bounds: Mapping[str, tuple[float, float]] | None = None,
 ) -> FloatArray:
-    """Draw starts around the robot's values: theta = theta_robot 10^phi with phi uniform in [-decades, decades].
+    """Draw initial values around the nominal ones: theta = theta_robot 10^phi with phi uniform in [-decades, decades].
 
     Parameters that are not logarithmic start at their value plus phi times their typical size. Where bounds cut that
-    range, phi is uniform in what is left of it; a value outside its bounds is replaced by the nearer one.
+    range, phi is uniform in the remaining range; a nominal value outside its bounds is replaced by the nearer bound.
 
     Args:
-        problem: The unknown parameters.
-        number: Number of starts; the first ones do not depend on it.
+        problem: Problem with the unknown parameters.
+        number: Number of draws; the first ones do not depend on it.
         seed: Seed of the random numbers.
         decades: Largest |phi|.
-        bounds: Bounds of the fits that are to start there; see `ParameterScale.bounds` for the default.
+        bounds: Bounds of the fits; see `ParameterScale.bounds` for the default.
 
     Returns:
-        Starts [SI], shape (number, P).
+        Initial values [SI], shape (number, P).
 
     Raises:
-        InputError: The number is not positive, or bounds are wrong.
+        InputError: `number` is not positive, or the bounds are wrong.
     """
     if number < 1:
-        raise InputError(f"{number} random starts were asked for, allowed is 1 or more; give a positive number")
+        raise InputError(f"{number} random starts were requested, allowed is 1 or more; give a positive number")
     scale = problem.scale
     lower, upper = scale.bounds(bounds)
     centre = np.clip(scale.scaled(scale.nominal), lower, upper)
@@ -68,56 +68,53 @@ def multistart(
     client: Client | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> tuple[GrayBoxFit, ...]:
-    """Fit from many starts. Results do not depend on threads or scheduler.
+    """Fit from many initial values. Results do not depend on threads or scheduler.
 
     Args:
-        problem: What to fit.
-        starts: Starts [SI], shape (S, P), or the number of random starts; see `random_starts`.
-        seed: Seed of random starts.
-        bounds: Bounds of all fits, and of random starts; see `fit`.
-        settings: How each fit searches.
+        problem: Measured responses, unknown parameters, estimator and weights.
+        starts: Initial values [SI], shape (S, P), or the number of random ones; see `random_starts`.
+        seed: Seed of random initial values.
+        bounds: Bounds of all fits, and of random initial values; see `fit`.
+        settings: Search settings of each fit.
         threads: Threads of this process; default: one per processor.
         client: Dask client whose workers fit instead.
-        progress: Called with the number of fits done.
+        progress: Called with the number of completed fits.
 
     Returns:
-        Fits in the order of their starts.
+        Fits in the order of their initial values.
 
     Raises:
-        InputError: Wrong starts or bounds.
+        InputError: Wrong initial values or bounds.
     """
     if isinstance(starts, int):
         starts = random_starts(problem, starts, seed, bounds=bounds)
-    chosen = np.asarray(starts, dtype=float)
+    initial = np.asarray(starts, dtype=float)
     if client is not None:
-        return _on_cluster(problem, chosen, bounds, settings, client, progress)
+        return _on_cluster(problem, initial, bounds, settings, client, progress)
     with one_blas_thread(), ThreadPoolExecutor(threads or os.cpu_count()) as pool:
         try:
-            return _collected(pool.map(lambda start: fit(problem, start, bounds, settings), chosen), progress)
+            return _collected(pool.map(lambda start: fit(problem, start, bounds, settings), initial), progress)
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
 
 
 def best(fits: Sequence[GrayBoxFit]) -> GrayBoxFit:
-    """Return the fit of lowest cost; among equal ones the first. Fits that failed, without a finite cost, do not count.
-
-    Args:
-        fits: Fits of one problem.
+    """Return the fit of lowest cost, the first among equal ones; failed fits, without a finite cost, are skipped.
 
     Raises:
         InputError: No fit was given.
         RunError: All of them failed.
     """
     if not fits:
-        raise InputError("no fit was given to choose the best from; fit from one start at least")
-    done = [each for each in fits if np.isfinite(each.cost)]
+        raise InputError("no fit was given to choose the best from; fit from at least one start")
+    done = [fit for fit in fits if np.isfinite(fit.cost)]
     if not done:
         raise RunError(
             f"all {len(fits)} fits failed, because the model cannot be evaluated at their starts: {fits[0].message}; "
             "give other starts, narrower bounds, or correct the robot"
         )
-    return min(done, key=lambda each: each.cost)
+    return min(done, key=lambda fit: fit.cost)
 
 
 def _on_cluster(

@@ -11,7 +11,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.identify.graybox.estimators import estimator_named
-from flexros.identify.graybox.kernel.packed_target import packed_target
+from flexros.identify.graybox.kernel.structure import packed_target
 from flexros.prediction.damped_least_squares import NormalEquations
 
 if TYPE_CHECKING:
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ResponseTarget:
-    """Measured responses that a model is fitted to.
+    """Measured responses of a fit with their weights.
 
     Attributes:
-        response: Torque command -> motor acceleration, shape (Q, F, M, M); anything where the weight is zero.
-        weights: Weights of the squared errors, 0 for elements that do not count, shape (Q, F, M, M).
+        response: Torque command -> motor acceleration, shape (Q, F, M, M); arbitrary where the weight is zero.
+        weights: Weights of the squared errors, 0 for excluded elements, shape (Q, F, M, M).
         estimator: "LLS", "LLSM" or "NLS".
     """
 
@@ -39,10 +39,10 @@ class ResponseTarget:
         return packed_target(self.response, self.weights, logarithmic=self.estimator != "NLS")
 
     def check(self, model: FrequencyModel) -> None:
-        """Compare the target with the model it is for.
+        """Check the target against its model.
 
         Raises:
-            InputError: Unknown estimator, wrong shapes, weights that are negative, or numbers that are not finite.
+            InputError: Unknown estimator, wrong shapes, negative weights, or values that are not finite.
         """
         estimator_named(self.estimator)
         n_motors = len(model.positions.motor_rows)
@@ -65,9 +65,9 @@ class ResponseTarget:
 
 
 class AbstractLeastSquares(ABC):
-    """The sum of weight times squared magnitude of the errors of one estimator, as function of the parameters.
+    """Sum of weight times squared magnitude of the errors of one estimator, as function of the parameters.
 
-    A form provides `cost` and `normal_equations`.
+    How to add an implementation: provide `cost` and `normal_equations`.
     """
 
     @abstractmethod
@@ -93,7 +93,7 @@ class NumpyLeastSquares(AbstractLeastSquares):
 
     Attributes:
         model: Frequency model.
-        target: What it is compared with.
+        target: Measured responses and weights.
     """
 
     model: FrequencyModel

@@ -1,4 +1,4 @@
-"""Parameters as a fit moves them: logarithms of positive ones, multiples of a typical size of the others."""
+"""Scaling of fitted parameters: logarithms of positive ones, multiples of a typical size of the others."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ if TYPE_CHECKING:
     from flexros.robot.robot import Robot
 
 POSITIVE = ("stiffness", "damping", "mass", "viscous_friction", "xx", "yy", "zz")
-"""Last words of the names of parameters that cannot be negative; a motor's inertia is one more."""
+"""Last words of the names of parameters that cannot be negative; in addition to the inertia of a motor."""
 
 TYPICAL = {"x": 0.1, "y": 0.1, "z": 0.1, "viscous_friction": 10.0, "damping": 10.0, "stiffness": 1e4, "mass": 1.0}
-"""Sizes in SI units of what is moved linearly, by the last word of its name (chosen); 1 for the others."""
+"""Typical sizes [SI] of parameters that are not logarithmic, by the last word of the name (chosen); 1 for others."""
 
 DECADES = 1.0
-"""Default bounds of a logarithmic parameter: this many decades either way from the robot's value."""
+"""Default bounds of a logarithmic parameter: this many decades above and below the nominal value."""
 
 
 @dataclass(frozen=True, eq=False)
 class ParameterScale:
-    """Map between values theta and the scaled parameters x that a fit moves.
+    """Map between values theta and the scaled parameters x of a fit.
 
     Attributes:
         names: Names of the parameters, length P.
-        nominal: Values of the robot [SI], shape (P,).
+        nominal: Nominal values [SI], shape (P,).
         logarithmic: Whether x = log(theta), else x = theta / size, shape (P,).
         size: Typical size [SI], shape (P,); 1 for logarithmic ones.
-        lowest: Lowest value that is possible [SI]: 0, or -inf for parameters of either sign, shape (P,).
+        lowest: Lowest possible value [SI]: 0, or -inf for parameters of either sign, shape (P,).
     """
 
     names: tuple[str, ...]
@@ -62,14 +62,14 @@ class ParameterScale:
         """Return the bounds of x.
 
         Args:
-            given: Lower and upper bound of values [SI] by name; default: a factor of 10 either way of the robot's
-                value for logarithmic parameters, 0 or nothing for the others.
+            given: Lower and upper bound of values [SI] by name; default: a factor of 10 above and below the nominal
+                value for logarithmic parameters, the lowest possible value for the others.
 
         Returns:
             Lower and upper bounds, each of shape (P,).
 
         Raises:
-            InputError: A name is not an unknown, or its bounds leave no room.
+            InputError: A name is not an unknown parameter, or its lower bound is not below its upper bound.
         """
         reach = np.log(10.0) * DECADES
         centre = self.scaled(self.nominal)
@@ -78,29 +78,29 @@ class ParameterScale:
         for name, (low, high) in (given or {}).items():
             if name not in self.names:
                 raise unknown_name("fitted parameter", name, self.names, "bounds")
-            place = self.names.index(name)
-            if not low < high or (self.logarithmic[place] and low <= 0):
+            index = self.names.index(name)
+            if not low < high or (self.logarithmic[index] and low <= 0):
                 raise InputError(
-                    f"bounds: {name} is to lie within {low:g} and {high:g}, allowed is a lower bound "
-                    f"{'above 0 and ' if self.logarithmic[place] else ''}below the upper one; correct them"
+                    f"bounds: {name} has the bounds {low:g} and {high:g}, allowed is a lower bound "
+                    f"{'above 0 and ' if self.logarithmic[index] else ''}below the upper one; correct them"
                 )
             pair = np.array([low, high])
-            lower[place], upper[place] = np.log(pair) if self.logarithmic[place] else pair / self.size[place]
+            lower[index], upper[index] = np.log(pair) if self.logarithmic[index] else pair / self.size[index]
         return lower, upper
 
 
 def parameter_scale(robot: Robot, names: Sequence[str]) -> ParameterScale:
-    """Choose how each unknown is moved.
+    """Choose the scaling of each unknown parameter.
 
     Args:
-        robot: The robot, whose values are the nominal ones.
-        names: Names of the unknowns, length P.
+        robot: The robot with its nominal values.
+        names: Names of the unknown parameters, length P.
 
     Returns:
         Logarithms for values above zero that cannot be negative, multiples of a typical size for the others.
 
     Raises:
-        InputError: No name, a name twice, or one that is not a parameter of the robot.
+        InputError: No name, a duplicate name, or one that is not a parameter of the robot.
     """
     if not names:
         raise InputError(

@@ -27,16 +27,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class GrayBoxProblem:
-    """What a fit needs; made by `graybox_problem`. It can be sent to other processes.
+    """Data of a fit, created by `graybox_problem`; can be sent to other processes.
 
     Attributes:
-        robot: The robot, whose values are the nominal ones.
-        scale: The unknown parameters and how a fit moves them.
+        robot: The robot with its nominal values.
+        scale: The unknown parameters and their scaling.
         responses: Measured torque-to-acceleration responses, one per position, on common frequencies.
-        estimator: What is minimised.
-        setting: Rule by which the weights were made.
+        estimator: Estimator whose cost is minimised.
+        setting: Rule by which the weights were computed.
         weights: Weights, shape (Q, F, M, M).
-        model: Frequency model linearised at the robot's values.
+        model: Frequency model linearised at the nominal values.
     """
 
     robot: Robot
@@ -64,46 +64,40 @@ class GrayBoxProblem:
 
     @cached_property
     def target(self) -> ResponseTarget:
-        """Measured responses, weights and estimator, as a search needs them; made once for all fits of the problem."""
+        """Measured responses, weights and estimator of the search; computed once for all fits of the problem."""
         return ResponseTarget(self.measured, self.weights, self.estimator.name)
 
     def model_at(self, values: FloatArray) -> FrequencyModel:
-        """Linearise the robot anew at the rests that belong to parameter values (Moberg 2007, Paper A, remark A.1).
+        """Linearise the robot at the equilibria of given parameter values (Moberg 2007, Paper A, remark A.1).
 
         Args:
             values: Values of the unknown parameters [SI], shape (P,).
 
-        Returns:
-            The frequency model.
-
         Raises:
-            InputError: With these values the robot finds no rest in one of the positions.
+            InputError: With these values the robot has no equilibrium in one of the positions.
         """
         return _frequency_model(self.robot, self.names, self.responses, values)
 
     def with_choice(self, estimator: str, weights: Weights | str) -> GrayBoxProblem:
-        """Return the same problem for another estimator and other weights; nothing is measured or linearised anew."""
+        """Return the same problem with another estimator and other weights; responses and linearisation are shared."""
         chosen, setting = estimator_named(estimator), weights_named(weights) if isinstance(weights, str) else weights
         array = _weight_array(setting, self.responses, chosen)
         return GrayBoxProblem(self.robot, self.scale, self.responses, chosen, setting, array, self.model)
 
     def reweighted(self, values: FloatArray) -> GrayBoxProblem:
-        """Make the weights anew with the model's responses in place of the measured ones.
+        """Return the same problem with weights from the model's responses instead of the measured ones.
 
-        (8) of Moberg (2007, Paper A) asks for the true response; near the end of an identification the model is
-        nearer to it than the measurement, and weights that do not depend on the noise of the same lines leave no bias.
+        (8) of Moberg (2007, Paper A) requires the true response. Near the end of an identification the model is closer
+        to it than the measurement, and weights that do not depend on the noise of the same lines leave no bias.
 
         Args:
             values: Values of the unknown parameters [SI], shape (P,).
-
-        Returns:
-            The same problem with other weights.
         """
-        stand_ins = self.with_modelled(self.model_at(values).response(values))
-        return replace(self, weights=_weight_array(self.setting, stand_ins, self.estimator))
+        modelled = self.with_modelled(self.model_at(values).response(values))
+        return replace(self, weights=_weight_array(self.setting, modelled, self.estimator))
 
     def with_modelled(self, modelled: ComplexArray) -> tuple[FrequencyResponse, ...]:
-        """Put modelled responses into the place of the measured ones, with the covariance of the measured ones.
+        """Replace the measured responses by modelled ones and keep the measured covariance.
 
         Args:
             modelled: Responses of a model, shape (Q, F, M, M).
@@ -134,11 +128,8 @@ def graybox_problem(
         estimator: "LLS", "LLSM" or "NLS".
         weights: Rule of the weights, or its kind: "user", "optimal" or "combined".
 
-    Returns:
-        The problem.
-
     Raises:
-        InputError: Unknown names, responses that do not suit the robot or one another, or weights that leave nothing.
+        InputError: Unknown names, responses that do not match the robot or each other, or weights that are all zero.
     """
     scale = parameter_scale(robot, robot.spec.unknown_parameters if names is None else names)
     chosen = estimator_named(estimator)
@@ -159,7 +150,7 @@ def _rebuilt(
     setting: Weights,
     weights: FloatArray,
 ) -> GrayBoxProblem:
-    """Build a problem from what `GrayBoxProblem.__reduce__` takes apart: in another process functions are made anew."""
+    """Build a problem from the tuple of `GrayBoxProblem.__reduce__`; compiled functions are created in each process."""
     robot = robot_from_data(data, source)
     scale = parameter_scale(robot, names)
     model = _frequency_model(robot, names, responses, scale.nominal)
@@ -179,15 +170,15 @@ def _weight_array(setting: Weights, responses: Sequence[FrequencyResponse], esti
     if not np.any(array > 0):
         raise InputError(
             f"the {setting.kind} weights leave nothing to fit: every element of every line has weight 0; the responses "
-            "are lost in noise, or the band and the elements are chosen too narrow"
+            "are below the noise, or the band or the elements are too narrow"
         )
     return array
 
 
 def _check_responses(robot: Robot, responses: Sequence[FrequencyResponse]) -> None:
-    """Refuse responses that do not suit the robot or one another."""
+    """Reject responses that do not match the robot or each other."""
     if not responses:
-        raise InputError("no frequency response was given; give that of one position at least")
+        raise InputError("no frequency response was given; give the response of at least one position")
     first = responses[0]
     for number, response in enumerate(responses):
         n_y, n_u = response.response.shape[1:]
@@ -203,12 +194,12 @@ def _check_responses(robot: Robot, responses: Sequence[FrequencyResponse]) -> No
             )
         if not np.all(np.isfinite(response.motor_position)):
             raise InputError(
-                f"frequency response {number} does not say at which motor positions it was measured "
+                f"frequency response {number} does not state the motor positions at which it was measured "
                 f"({np.round(response.motor_position, 4).tolist()}), allowed are finite numbers; estimate it from "
                 "positions, or give its motor_position"
             )
         if response.sample_time != first.sample_time or not np.array_equal(response.frequency, first.frequency):
             raise InputError(
                 f"frequency response {number} has other frequencies or another sample time than response 0; a fit "
-                "takes positions that were excited alike"
+                "needs the same lines at all positions"
             )

@@ -1,4 +1,4 @@
-"""The last stage of an identification: from a robust fit to the most accurate one."""
+"""Refinement of a robust fit with weights from the fitted model and the measured covariance."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.weights import Weights
 
 MOST_ROUNDS = 4
-"""Most times that weights are made anew (chosen)."""
+"""Largest number of times that the weights are computed again (chosen)."""
 
 SETTLED = 1e-3
-"""Change of all scaled parameters below which weights are not made anew (chosen)."""
+"""Change of all scaled parameters below which the weights are not computed again (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
-    """A refined fit with the problem that it solves, whose weights belong to it.
+    """A refined fit and its problem with the final weights.
 
     Attributes:
         problem: The problem with the weights of the last round.
         fit: The fit.
-        rounds: How often weights were made.
-        settled: Whether the last round changed no parameter any more, so that weights and fit belong to one another.
+        rounds: Number of times that the weights were computed.
+        settled: Whether the last round changed no parameter, so that weights and fit are consistent.
     """
 
     problem: GrayBoxProblem
@@ -41,38 +41,36 @@ class Refinement:
 
 def refine(
     problem: GrayBoxProblem,
-    found: GrayBoxFit,
+    robust: GrayBoxFit,
     *,
     estimator: str = "LLS",
     weights: Weights | str = "combined",
     bounds: Mapping[str, tuple[float, float]] | None = None,
     settings: FitSettings | None = None,
 ) -> Refinement:
-    """Fit again from what a robust fit has found, with weights from the fitted model and the measured covariance.
+    """Refit from a robust fit, with weights from the fitted model and the measured covariance.
 
-    User weights find the valley from far away, weights that know the noise use the data best at its bottom; the
-    weights (8) of Moberg (2007, Paper A) need the true response, for which each round takes that of the fit before.
+    User weights find the right minimum from far away; weights that know the noise use the data best near it. The
+    weights (8) of Moberg (2007, Paper A) need the true response, which each round approximates by the previous fit.
 
     Args:
-        problem: What was fitted.
-        found: The best fit so far.
+        problem: Problem of the robust fit.
+        robust: The robust fit.
         estimator: Estimator of the refined fit.
         weights: Its weights, or their kind.
-        bounds: Bounds as for the fit before.
-        settings: How to search.
-
-    Returns:
-        The refined fit.
+        bounds: Bounds, as for the robust fit.
+        settings: Search settings.
 
     Raises:
         InputError: Optimal weights without a measured covariance.
     """
-    chosen = problem.with_choice(estimator, weights)
+    refined = problem.with_choice(estimator, weights)
+    current = robust
     rounds, settled = 0, False
     while rounds < MOST_ROUNDS and not settled:
         rounds += 1
-        chosen, before = chosen.reweighted(found.values), found
-        found = fit(chosen, before.values, bounds, settings)
-        change = problem.scale.scaled(found.values) - problem.scale.scaled(before.values)
+        refined, before = refined.reweighted(current.values), current
+        current = fit(refined, before.values, bounds, settings)
+        change = problem.scale.scaled(current.values) - problem.scale.scaled(before.values)
         settled = bool(np.max(np.abs(change)) < SETTLED)
-    return Refinement(chosen, found, rounds, settled)
+    return Refinement(refined, current, rounds, settled)

@@ -1,4 +1,4 @@
-"""Where a fitted model and the measured responses differ: per position, element and frequency band."""
+"""Residuals of a fitted model per position, element and frequency band."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ BANDS = 4
 
 @dataclass(frozen=True)
 class ResidualCell:
-    """What is left in one element of one position within one frequency band.
+    """Residual of one element of one position within one frequency band.
 
     Attributes:
-        position: Number of the position, from 0.
+        position: Index of the position, from 0.
         output: Name of the output.
         input: Name of the input.
         lowest: Lowest line of the band [Hz].
         highest: Highest line of the band [Hz].
         share: Share of the cost.
-        chi_square: Squared misfit over its variance, mean over the lines that count and corrected for the number of
-            fitted parameters; 1 to expect, NaN where no covariance is known or no line counts.
-        largest: Largest misfit in standard deviations, NaN as before.
-        at: Frequency of the largest misfit [Hz]; where no covariance is known, of the largest weighted error.
-        error: Largest |G_measured - G_model| / |G_measured| among the lines that count.
+        chi_square: Squared residual over its variance, mean over the weighted lines, corrected for the number of fitted
+            parameters; 1 is expected. NaN where no covariance is known or no line has a weight.
+        largest: Largest residual in standard deviations, NaN as before.
+        at: Frequency of the largest residual [Hz]; where no covariance is known, of the largest weighted error.
+        error: Largest |G_measured - G_model| / |G_measured| among the weighted lines.
     """
 
     position: int
@@ -52,13 +52,13 @@ class ResidualCell:
 
 @dataclass(frozen=True, eq=False)
 class ResidualReport:
-    """What a fit leaves unexplained.
+    """Residuals of a fit.
 
     Attributes:
         cells: One entry per position, element and band; those without weight are left out.
         response: Responses of the fitted model, shape (Q, F, M, M).
         cost: Cost of the fit.
-        chi_square: Mean of all squared misfits over their variance, corrected for the number of parameters; NaN where
+        chi_square: Mean of all squared residuals over their variance, corrected for the number of parameters; NaN where
             no covariance is known.
     """
 
@@ -67,9 +67,9 @@ class ResidualReport:
     cost: float
     chi_square: float
 
-    def worst(self, number: int = 10) -> tuple[ResidualCell, ...]:
+    def worst(self, count: int = 10) -> tuple[ResidualCell, ...]:
         """Return the cells with the largest shares of the cost, largest first."""
-        return tuple(sorted(self.cells, key=lambda cell: -cell.share)[:number])
+        return tuple(sorted(self.cells, key=lambda cell: -cell.share)[:count])
 
     def share_of_position(self, position: int) -> float:
         """Return the share of the cost of one position."""
@@ -84,12 +84,9 @@ def residual_report(problem: GrayBoxProblem, fit: GrayBoxFit, bands: Sequence[fl
     """Compare a fitted model with the measured responses.
 
     Args:
-        problem: What was fitted.
-        fit: Where the fit ended.
+        problem: Measured responses, estimator and weights.
+        fit: Result of the fit.
         bands: Edges between the frequency bands [Hz], or the number of bands of equally many lines.
-
-    Returns:
-        The report.
     """
     measured, weights = problem.measured, problem.weights
     response = problem.model_at(fit.values).response(fit.values)
@@ -102,22 +99,22 @@ def residual_report(problem: GrayBoxProblem, fit: GrayBoxFit, bands: Sequence[fl
     names = problem.responses[0]
     cells = []
     for lines in _lines_of_bands(problem.frequency, bands):
-        for place, row, column in np.ndindex(len(measured), *measured.shape[2:]):
-            here = (place, lines, row, column)
-            if np.any(used[here]):
-                numbers = _figures(cost[here], misfit[here], np.abs(response[here] / measured[here] - 1.0), used[here])
+        for position, row, column in np.ndindex(len(measured), *measured.shape[2:]):
+            cell = (position, lines, row, column)
+            if np.any(used[cell]):
+                figures = _figures(cost[cell], misfit[cell], np.abs(response[cell] / measured[cell] - 1.0), used[cell])
                 cells.append(
                     ResidualCell(
-                        position=place,
+                        position=position,
                         output=names.output_names[row],
                         input=names.input_names[column],
                         lowest=float(problem.frequency[lines[0]]),
                         highest=float(problem.frequency[lines[-1]]),
-                        share=numbers.cost / total,
-                        chi_square=numbers.chi_square * correction,
-                        largest=numbers.largest,
-                        at=float(problem.frequency[lines[numbers.place]]),
-                        error=numbers.error,
+                        share=figures.cost / total,
+                        chi_square=figures.chi_square * correction,
+                        largest=figures.largest,
+                        at=float(problem.frequency[lines[figures.line]]),
+                        error=figures.error,
                     )
                 )
     overall = float(np.mean(misfit[used] ** 2)) * correction
@@ -129,35 +126,35 @@ class _Figures:
     cost: float
     chi_square: float
     largest: float
-    place: int
+    line: int
     error: float
 
 
 def _figures(cost: FloatArray, misfit: FloatArray, error: FloatArray, used: BoolArray) -> _Figures:
-    """Sum up the lines of one cell that count."""
+    """Summarise the weighted lines of one cell."""
     known = bool(np.all(np.isfinite(misfit[used])))
     ranked = np.where(used, misfit if known else cost, -1.0)
     return _Figures(
         cost=float(np.sum(cost)),
         chi_square=float(np.mean(misfit[used] ** 2)),
         largest=float(np.max(misfit[used])),
-        place=int(np.argmax(ranked)),
+        line=int(np.argmax(ranked)),
         error=float(np.max(error[used])),
     )
 
 
 def _misfit(problem: GrayBoxProblem, response: ComplexArray) -> FloatArray:
-    """Misfit of every element in standard deviations of |G - G_0|, NaN where those are not known, (Q, F, M, M)."""
+    """Residuals in standard deviations of |G - G_0|, NaN where these are not known, shape (Q, F, M, M)."""
     rows = []
-    for given, model in zip(problem.responses, response, strict=True):
-        noise = response_noise(given)
+    for measured, model in zip(problem.responses, response, strict=True):
+        noise = response_noise(measured)
         variance = np.full(model.shape, np.nan) if noise is None else noise.variance
-        rows.append(np.abs(given.response - model) / np.sqrt(np.where(variance > 0, variance, np.nan)))
+        rows.append(np.abs(measured.response - model) / np.sqrt(np.where(variance > 0, variance, np.nan)))
     return np.stack(rows)
 
 
 def _correction(problem: GrayBoxProblem, fit: GrayBoxFit, count: int) -> float:
-    """Elements over degrees of freedom, each real parameter taking half of a complex element."""
+    """Elements over degrees of freedom; each real parameter takes half of a complex element."""
     free = len(fit.names) - int(np.count_nonzero(fit.at_bound))
     return count / max(count - 0.5 * free, 1.0)
 

@@ -1,4 +1,4 @@
-"""What is known of the covariance of a measured response: with distortion where there are blocks, else of noise."""
+"""Covariance of a measured response: total with blocks, else of noise alone."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ResponseNoise:
-    """Covariance of one position's measured response, as its estimate states it.
+    """Covariance of the measured response of one position.
 
-    It was pooled over neighbouring lines when the response was estimated, which `degrees_of_freedom` counts; here
-    nothing is averaged once more.
+    It was pooled over neighbouring lines when the response was estimated, as `degrees_of_freedom` states. It is not
+    averaged again here.
 
     Attributes:
         response: Measured response of one position.
@@ -53,13 +53,10 @@ class ResponseNoise:
 
 
 def response_noise(response: FrequencyResponse) -> ResponseNoise | None:
-    """Find the covariance of a response: the total one where it is known, else that of the noise.
-
-    Args:
-        response: Measured response of one position.
+    """Return the covariance of a response: the total one where it is known, else that of the noise.
 
     Returns:
-        The covariance, or None where the record has neither two blocks nor two periods.
+        None where the record has neither two blocks nor two periods.
     """
     if response.total_error is None and response.noise_error is None:
         return None

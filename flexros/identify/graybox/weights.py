@@ -46,12 +46,12 @@ class AbstractWeights(Settings, ABC):
             Weights, shape (Q, F, n_y, n_u), index of position, frequency, output and input.
 
         Raises:
-            InputError: A setting does not suit the responses.
+            InputError: A setting does not match the responses.
         """
 
     @abstractmethod
     def share_of_noise(self, weights: FloatArray, variance: FloatArray) -> FloatArray:
-        """Tell how much of 1 / weight is measured variance, which is itself uncertain, and not a constant.
+        """Return the share of 1 / weight that is measured variance, which is itself uncertain; the rest is constant.
 
         Args:
             weights: Weights, any shape.
@@ -74,7 +74,7 @@ class AbstractWeights(Settings, ABC):
         return inside[..., None, None].astype(float)
 
     def above_noise(self, responses: Sequence[FrequencyResponse], by_line: bool) -> FloatArray:
-        """Return 1 where responses stand out of their noise or the noise is not known, else 0.
+        """Return 1 where responses exceed their noise or the noise is not known, else 0.
 
         Args:
             responses: Responses, one per position.
@@ -97,9 +97,9 @@ class AbstractWeights(Settings, ABC):
 class UserWeights(AbstractWeights):
     """Constant for each element and the same for all positions, smaller off the diagonal (Moberg 2007, Paper A, 6).
 
-    With logarithmic errors a constant weight already makes the fit match resonances and antiresonances. NLS weighs
+    With logarithmic errors a constant weight already makes the fit match resonances and antiresonances. NLS weights
     absolute errors, so there the constants are divided by the mean square of the element's magnitude (chosen).
-    What is lost in noise gets none: logarithms are biased below a signal-to-noise ratio of 10 dB (Pintelon and
+    Elements below the noise get weight 0: logarithms are biased below a signal-to-noise ratio of 10 dB (Pintelon and
     Schoukens 2001, p. 207).
     """
 
@@ -122,7 +122,7 @@ class UserWeights(AbstractWeights):
         return weights
 
     def share_of_noise(self, weights: FloatArray, variance: FloatArray) -> FloatArray:
-        """Return 0: constants know nothing of noise; see `AbstractWeights.share_of_noise`."""
+        """Return 0: the constants do not depend on the noise; see `AbstractWeights.share_of_noise`."""
         del variance
         return np.zeros_like(weights)
 
@@ -130,13 +130,13 @@ class UserWeights(AbstractWeights):
         outputs, inputs = response.output_names, response.input_names
         constants = np.full((len(outputs), len(inputs)), self.off_diagonal)
         np.fill_diagonal(constants, self.diagonal)
-        places = {f"{y}.{u}": (i, j) for i, y in enumerate(outputs) for j, u in enumerate(inputs)}
+        elements = {f"{y}.{u}": (i, j) for i, y in enumerate(outputs) for j, u in enumerate(inputs)}
         for name, weight in self.elements.items():
-            if name not in places:
-                raise unknown_name("element of the response", name, places, "key elements of the weights")
+            if name not in elements:
+                raise unknown_name("element of the response", name, elements, "key elements of the weights")
             if weight < 0:
                 raise InputError(f"key elements of the weights: {name} is {weight:g}, allowed is 0 or more; correct it")
-            constants[places[name]] = weight
+            constants[elements[name]] = weight
         return constants
 
 
@@ -158,15 +158,15 @@ class OptimalWeights(AbstractWeights):
 
 
 class CombinedWeights(AbstractWeights):
-    """Inverse of measured covariance plus the error the model is allowed: w = 1 / (1 / w_user + 1 / w_optimal).
+    """Inverse of measured covariance plus an allowed model-form error: w = 1 / (1 / w_user + 1 / w_optimal).
 
-    Where the noise is small this is the user's weight, where it is large the optimal one, so no line needs to be left
-    out (chosen; Moberg 2007, Paper A, section 7 names such a combination as future work). Lines whose noise is far
-    below what a linear model of a nonlinear robot can reach no longer rule the fit, so that intervals stay honest.
+    Where the noise is small this is the user's weight, where it is large the optimal one, so no line needs to be
+    excluded (chosen; Moberg 2007, Paper A, section 7 names such a combination as future work). Lines whose noise is far
+    below the accuracy of a linear model of a nonlinear robot do not dominate the fit, so that intervals stay realistic.
     """
 
     kind: Literal["combined"] = "combined"
-    diagonal: float = Field(0.02, gt=0, description="error allowed to the model, relative to |G|, motor i to motor i")
+    diagonal: float = Field(0.02, gt=0, description="allowed model-form error, relative to |G|, motor i to motor i")
     off_diagonal: float = Field(0.04, gt=0, description="the same, motor i to motor j")
 
     def array(self, responses: Sequence[FrequencyResponse], estimator: AbstractEstimator) -> FloatArray:
@@ -198,7 +198,7 @@ def weights_named(kind: str, source: str = "") -> Weights:
         kind: "user", "optimal" or "combined".
         source: Where the name came from; part of the error text.
 
-    Raises:
+    source: Origin of the name, for the error message.
         InputError: There are no weights of this kind.
     """
     known: dict[str, type[Weights]] = {"user": UserWeights, "optimal": OptimalWeights, "combined": CombinedWeights}

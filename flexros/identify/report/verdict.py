@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.identify.graybox.covariance import FORM_ERROR
 from flexros.identify.report.words import counted
 from flexros.report.number_text import number
 
@@ -13,7 +14,6 @@ if TYPE_CHECKING:
     from flexros.identify.result import IdentificationResult
 
 _AS_GOOD = 0.9
-_MISSES = "because the model misses something"
 _PART_OF_ALL, _MOST_OF_IT, _ITS_PART = 0.1, 0.8, 0.2
 """Inertias of motors are suspect where high frequencies have this part of the cost at least, motors' responses to their
 own torque this part of it, and one motor this part of that (chosen)."""
@@ -116,11 +116,11 @@ def advice(result: IdentificationResult) -> str:
 
 
 def covariance_text(result: IdentificationResult) -> str:
-    """Say what the covariance rests on; that the model misses something only where chance does not explain it."""
+    """Say what the covariance rests on; a model-form error only where chance does not explain the cost."""
     text, reduced = result.covariance.explanation, result.covariance.reduced_cost
     if not result.settled:
-        return text.replace(_MISSES, "because the fit leaves more than the errors of the responses explain")
-    return text if reduced >= result.limits.cost else text.replace(_MISSES, "which is within what scatter explains")
+        return text.replace(FORM_ERROR, "because the fit leaves more than the errors of the responses explain")
+    return text if reduced >= result.limits.cost else text.replace(FORM_ERROR, "which is within what scatter explains")
 
 
 def kept_text(result: IdentificationResult) -> str:

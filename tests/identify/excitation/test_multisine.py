@@ -138,7 +138,7 @@ def test_all_lines_may_be_excited() -> None:
     [
         ({"highest": 1000.0}, r"excitation\.highest is 1000 Hz, allowed is less than half the sampling rate, 1000 Hz"),
         ({"period": 1.9999}, r"excitation\.period is 1\.9999 s, allowed is a whole number of samples of 0\.0005 s"),
-        ({"lowest": 4.1, "highest": 4.2}, r"the band from 4\.1 to 4\.2 Hz holds no odd line of the period; widen"),
+        ({"lowest": 4.1, "highest": 4.2}, r"the band from 4\.1 to 4\.2 Hz .* no odd line of the period"),
     ],
 )
 def test_impossible_frequencies_are_named(settings: dict[str, Any], message: str) -> None:

@@ -53,11 +53,11 @@ def test_misfit_that_chance_explains_is_no_sign(clear: IdentificationResult) -> 
 
 def test_fit_on_a_bound_tells_nothing_of_the_robot(clear: IdentificationResult) -> None:
     covariance = replace(
-        clear.covariance, reduced_cost=50.0, explanation="by 50: by this, because the model misses something."
+        clear.covariance, reduced_cost=50.0, explanation="by 50: by this, because of a model-form error."
     )
     missed = replace(clear, covariance=covariance)
     assert "The robot does something that the model lacks" in verdict(missed)
-    assert "because the model misses something" in covariance_text(missed)
+    assert "because of a model-form error" in covariance_text(missed)
     bound = replace(missed, fit=replace(clear.fit, at_bound=np.arange(6) == 2))
     assert bound.bias_signs == ()
     assert "The fit ended on a bound of the search, so the misfit tells nothing about the robot." in verdict(bound)

@@ -84,7 +84,7 @@ def test_covariance_grows_when_the_model_misses_something(
     plain, corrected = (parameter_covariance(problem, found, correct) for correct in (False, True))
     assert corrected.reduced_cost > 3.0
     np.testing.assert_allclose(corrected.matrix, plain.matrix * corrected.factor)
-    assert "because the model misses something" in corrected.explanation
+    assert "model-form error" in corrected.explanation
     assert "nothing was corrected" in plain.explanation
 
 
@@ -93,7 +93,7 @@ def test_covariance_grows_when_the_model_misses_something(
     [
         (0.9, "that of the responses alone"),
         (1.1, "within what scatter explains"),
-        (1.4, "because the model misses something"),
+        (1.4, "because of a model-form error"),
     ],
 )
 def test_only_a_clear_excess_of_the_cost_is_held_against_the_model(
@@ -139,7 +139,7 @@ def test_elements_where_the_model_is_lost_in_noise_are_told(
     problem = graybox_problem(e12, loud, e12_names)
     found = fit(problem)
     told = [parameter_covariance(each, found).explanation for each in (problem, problem.reweighted(found.values))]
-    assert re.search(r"; .* [1-9]\d* of \d+ elements are lost in noise where the model is, so that this is", told[0])
+    assert re.search(r"; .* [1-9]\d* of \d+ elements are modelled below their noise, so that this is", told[0])
     assert "lost in noise" not in told[1]
 
 

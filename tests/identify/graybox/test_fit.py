@@ -7,7 +7,7 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.identify.graybox.fit import FitSettings, fit
-from flexros.identify.graybox.kernel.packed_target import packed_target
+from flexros.identify.graybox.kernel.structure import packed_target
 from flexros.identify.graybox.least_squares import ResponseTarget, least_squares
 from flexros.identify.graybox.multistart import random_starts
 from flexros.identify.graybox.problem import graybox_problem
@@ -117,7 +117,7 @@ def test_fit_that_runs_out_of_steps_says_so(e12: Robot, e12_names: list[str], ex
     settings = FitSettings(StopRule(iterations=1), relinearisations=0)
     found = fit(problem, problem.scale.nominal * 1.5, settings=settings)
     assert not found.converged
-    assert found.message == "the number of steps ran out"
+    assert found.message == "the limit of steps was reached"
 
 
 def test_values_without_a_rest_end_the_fit_where_it_stands(
@@ -131,7 +131,7 @@ def test_values_without_a_rest_end_the_fit_where_it_stands(
     monkeypatch.setattr(type(problem), "model_at", no_rest)
     found = fit(problem, problem.scale.nominal * 1.2)
     assert not found.converged
-    assert found.message == "the robot could not be linearised anew: robot e12 finds no rest"
+    assert found.message == "the robot could not be linearised again: robot e12 finds no rest"
     np.testing.assert_allclose(found.values, problem.scale.nominal, rtol=1e-5)
 
 
@@ -197,7 +197,7 @@ def test_fit_whose_model_fails_at_the_start_says_so(
     assert not found.converged
     assert np.isnan(found.cost)
     assert np.isnan(found.start_cost)
-    assert found.message == "the model cannot be evaluated where the search began"
+    assert found.message == "the model cannot be evaluated at the initial values"
 
 
 def test_fits_of_one_problem_share_one_target(

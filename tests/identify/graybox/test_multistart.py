@@ -102,5 +102,5 @@ def test_best_of_none_is_refused() -> None:
 
 
 def test_no_start_is_refused(problem: GrayBoxProblem) -> None:
-    with pytest.raises(InputError, match=r"0 random starts were asked for, allowed is 1 or more"):
+    with pytest.raises(InputError, match=r"0 random starts .* allowed is 1 or more"):
         multistart(problem, 0)

@@ -53,7 +53,7 @@ def test_problem_travels_to_other_processes(e12: Robot, e12_names: list[str], no
 
 
 def test_no_response_is_refused(e12: Robot, e12_names: list[str]) -> None:
-    with pytest.raises(InputError, match=r"no frequency response was given; give that of one position at least"):
+    with pytest.raises(InputError, match=r"no frequency response was given"):
         graybox_problem(e12, [], e12_names)
 
 
@@ -71,9 +71,7 @@ def test_response_that_is_not_finite_is_refused(e12: Robot, e12_names: list[str]
 
 def test_response_without_motor_position_is_refused(e12: Robot, e12_names: list[str], exact_e12: Responses) -> None:
     spoilt = replace(exact_e12[2], motor_position=np.array([0.1, np.nan]))
-    with pytest.raises(
-        InputError, match=r"response 2 does not say at which motor positions it was measured \(\[0\.1, nan\]\), allowed"
-    ):
+    with pytest.raises(InputError, match=r"response 2 .* motor positions .* \(\[0\.1, nan\]\), allowed"):
         graybox_problem(e12, [*exact_e12[:2], spoilt], e12_names)
 
 
@@ -85,7 +83,7 @@ def test_positions_excited_differently_are_refused(e12: Robot, e12_names: list[s
 
 def test_weights_that_leave_nothing_are_refused(e12: Robot, e12_names: list[str], exact_e12: Responses) -> None:
     lost = [replace(each, total_error=each.total_error * 1e30) for each in exact_e12 if each.total_error is not None]
-    with pytest.raises(InputError, match=r"the user weights leave nothing to fit: .*lost in noise"):
+    with pytest.raises(InputError, match=r"the user weights leave nothing to fit: .*weight 0"):
         graybox_problem(e12, lost, e12_names)
 
 

@@ -26,16 +26,16 @@ class ComplexBlock:
         self.block = block
 
     def load(self, base: str, index: int | str) -> ComplexValue:
-        """Write the reading of element `index` (a number or an i64 value) of a complex array."""
-        place = self._double(index)
-        imaginary = place + 1 if isinstance(place, int) else self.block.value(f"add nsw i64 {place}, 1")
-        return ComplexValue(self.block.load(base, place), self.block.load(base, imaginary))
+        """Load element `index` (an integer or an i64 value) of a complex array."""
+        offset = self._double(index)
+        imaginary = offset + 1 if isinstance(offset, int) else self.block.value(f"add nsw i64 {offset}, 1")
+        return ComplexValue(self.block.load(base, offset), self.block.load(base, imaginary))
 
     def store(self, number: ComplexValue, base: str, index: int | str) -> None:
-        """Write the storing of element `index` of a complex array."""
-        place = self._double(index)
-        imaginary = place + 1 if isinstance(place, int) else self.block.value(f"add nsw i64 {place}, 1")
-        self.block.store(number.re, base, place)
+        """Store element `index` of a complex array."""
+        offset = self._double(index)
+        imaginary = offset + 1 if isinstance(offset, int) else self.block.value(f"add nsw i64 {offset}, 1")
+        self.block.store(number.re, base, offset)
         self.block.store(number.im, base, imaginary)
 
     def _double(self, index: int | str) -> int | str:

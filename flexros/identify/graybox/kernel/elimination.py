@@ -1,7 +1,7 @@
-"""Order and structure of the elimination of a sparse symmetric matrix, found once before code is written for it.
+"""Order and structure of the elimination of a sparse symmetric matrix, computed once before its code is generated.
 
-Right-hand sides are eliminated like further rows of the matrix. Order by greedy least work (Markowitz 1957; Duff,
-Erisman and Reid 2017, section 7.2), with the work of the right-hand sides counted.
+Right-hand sides are eliminated like further rows of the matrix. Greedy order of least work (Markowitz 1957; Duff,
+Erisman and Reid 2017, section 7.2), right-hand sides included.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class Elimination:
 
     Attributes:
         order: Coordinate that is eliminated as pivot 0, 1, ..., length n.
-        below: For each pivot, the later pivots (numbers up to n - 1) and right-hand sides (n + number) whose entry in
+        below: For each pivot, the later pivots (indices up to n - 1) and right-hand sides (n + index) whose entry in
             its column is not zero, ascending.
         products: Complex products of factorisation and solution.
     """
@@ -29,16 +29,13 @@ class Elimination:
     products: int
 
 
-def eliminate(n: int, entries: Iterable[tuple[int, int]], places: Sequence[int]) -> Elimination:
-    """Choose the order and find the fill-in.
+def eliminate(n: int, entries: Iterable[tuple[int, int]], sources: Sequence[int]) -> Elimination:
+    """Choose the order and compute the fill-in.
 
     Args:
         n: Number of unknowns.
-        entries: Places (row, column) that are not zero; one of each symmetric pair is enough.
-        places: Place of the only entry, 1, of each right-hand side.
-
-    Returns:
-        The structure.
+        entries: Non-zero entries (row, column); one of each symmetric pair is enough.
+        sources: Row of the only entry, 1, of each right-hand side.
     """
     neighbours: list[set[int]] = [set() for _ in range(n)]
     for row, column in entries:
@@ -46,19 +43,19 @@ def eliminate(n: int, entries: Iterable[tuple[int, int]], places: Sequence[int])
             neighbours[row].add(column)
             neighbours[column].add(row)
     sides: list[set[int]] = [set() for _ in range(n)]
-    for number, place in enumerate(places):
-        sides[place].add(number)
+    for number, row in enumerate(sources):
+        sides[row].add(number)
 
     def work(pivot: int) -> int:
         degree = len(neighbours[pivot])
-        return degree * (degree + 1) // 2 + degree * (len(sides[pivot]) + len(places))
+        return degree * (degree + 1) // 2 + degree * (len(sides[pivot]) + len(sources))
 
     order: list[int] = []
     columns: list[tuple[set[int], set[int]]] = []
     products = 0
     left = set(range(n))
     while left:
-        pivot = min(left, key=lambda place: (work(place), place))
+        pivot = min(left, key=lambda row: (work(row), row))
         products += work(pivot)
         left.remove(pivot)
         order.append(pivot)

@@ -33,24 +33,24 @@ class KernelResponse:
 
     Attributes:
         responses: Real and imaginary parts in turn, shape (Q, blocks, 2 pairs, LANES).
-        factors: The same of what derivatives are made of, shape (Q, blocks, 2 factor_numbers, LANES).
+        factors: Factors of the derivatives in the same form, shape (Q, blocks, 2 factor_numbers, LANES).
     """
 
     responses: FloatArray
     factors: FloatArray
 
     def of(self, positions: slice) -> KernelResponse:
-        """Return the part of some positions, in the same memory."""
+        """Return a view of some positions."""
         return KernelResponse(self.responses[positions], self.factors[positions])
 
 
 @dataclass(frozen=True, eq=False)
 class KernelSums:
-    """What normal equations are made of.
+    """Sums of the normal equations.
 
     Attributes:
         sums: Cost and product pairs of every position, shape (Q, 1 + pairs).
-        small_pivots: Number of pivots that call for an exchange of rows.
+        small_pivots: Number of pivots that require an exchange of rows.
     """
 
     sums: FloatArray
@@ -63,7 +63,7 @@ class FrequencyKernel:
     Packed arrays are those of `kernel_structure`; all are contiguous.
 
     Attributes:
-        structure: What was compiled.
+        structure: Structure of the code.
         pairs: First and second column of every product pair, shape (2, pairs); see `product_pairs`.
         n_sums: Sums per position: the cost and the product pairs.
     """
@@ -85,24 +85,24 @@ class FrequencyKernel:
         self._equations = {name: signature(self._code.address(f"equations.{name}")) for name in ESTIMATORS}
 
     def response(self, matrices: FloatArray, hold: FloatArray, expansion: FloatArray, results: KernelResponse) -> int:
-        """Evaluate sampled responses and what their Jacobian is made of.
+        """Evaluate sampled responses and the factors of their Jacobian.
 
         Args:
             matrices: Packed matrices, shape (Q, matrix_numbers).
             hold: Packed hold, shape (Q, blocks, numbers, LANES).
             expansion: Packed expansion, shape (Q, orders, pairs).
-            results: Where to write.
+            results: Arrays to be filled.
 
         Returns:
-            Number of pivots that call for an exchange of rows.
+            Number of pivots that require an exchange of rows.
         """
         small = np.zeros(LANES)
         arrays = (matrices, hold, expansion, results.responses, results.factors, small)
         self._response(*hold.shape[:2], *(array.ctypes.data for array in arrays))
         return int(small.sum())
 
-    def room(self, n_positions: int, n_blocks: int) -> KernelResponse:
-        """Make room for the responses of some positions and blocks."""
+    def allocate(self, n_positions: int, n_blocks: int) -> KernelResponse:
+        """Allocate arrays for the responses of some positions and blocks."""
         structure = self.structure
         return KernelResponse(
             np.empty((n_positions, n_blocks, 2 * len(structure.pairs), LANES)),
@@ -156,9 +156,9 @@ def _response_driver(structure: KernelStructure) -> str:
         matrices, expansion = _of_position(block, structure, position.index)
         first = block.value(f"mul nsw i64 {position.index}, %blocks")
         with block.loop(0, "%blocks") as number:
-            place = block.value(f"add nsw i64 {first}, {number.index}")
-            hold = _element(block, "%hold", place, structure.hold_numbers * LANES)
-            results = [_element(block, f"%{name}", place, size * LANES) for name, size in sizes.items()]
+            item = block.value(f"add nsw i64 {first}, {number.index}")
+            hold = _element(block, "%hold", item, structure.hold_numbers * LANES)
+            results = [_element(block, f"%{name}", item, size * LANES) for name, size in sizes.items()]
             pointers = ", ".join(f"ptr {name}" for name in (matrices, hold, expansion, *results, "%small"))
             block.emit(f"call void @solution({pointers})")
     return f"define void @responses({_ARGUMENTS.format(*sizes)}) nounwind {{\nentry:\n{block.text()}\n  ret void\n}}"
@@ -177,9 +177,9 @@ def _equations_driver(structure: KernelStructure, estimator: str) -> str:
         sums = _element(block, "%sums", position.index, (1 + len(product_pairs(structure))) * LANES)
         first = block.value(f"mul nsw i64 {position.index}, %blocks")
         with block.loop(0, "%blocks") as number:
-            place = block.value(f"add nsw i64 {first}, {number.index}")
-            hold = _element(block, "%hold", place, structure.hold_numbers * LANES)
-            target = _element(block, "%target", place, len(structure.pairs) * TARGET_NUMBERS * LANES)
+            item = block.value(f"add nsw i64 {first}, {number.index}")
+            hold = _element(block, "%hold", item, structure.hold_numbers * LANES)
+            target = _element(block, "%target", item, len(structure.pairs) * TARGET_NUMBERS * LANES)
             pointers = (matrices, hold, expansion, response, vectors, "%small")
             block.emit(f"call void @solution({', '.join(f'ptr {name}' for name in pointers)})")
             inputs = (hold, target, response, vectors, sums)

@@ -31,7 +31,7 @@ Part = TypeVar("Part")
 
 @dataclass(frozen=True, eq=False)
 class FactoredJacobian:
-    """Responses and what their derivatives are products of.
+    """Responses and the factors of their derivatives.
 
     The derivative by parameter p is `factors` of p times the product of vector j with itself, or, where j is J + g,
     times the product g of slopes.
@@ -39,7 +39,7 @@ class FactoredJacobian:
     Attributes:
         response: Responses, shape (Q, F, M, M).
         vectors: v, shape (Q, F, J, M).
-        slopes: Z^T (dA/dtheta) Z of parameters that are no rank-one terms, shape (Q, F, G, M, M).
+        slopes: Z^T (dA/dtheta) Z of parameters that are not rank-one terms, shape (Q, F, G, M, M).
         vector_of: j of each parameter, shape (P,).
         factors: -dtheta_p/dx s_p gain (jw)^k, shape (Q, F, P).
     """
@@ -51,7 +51,7 @@ class FactoredJacobian:
     factors: ComplexArray
 
     def jacobian(self) -> ComplexArray:
-        """Write the derivatives out, shape (Q, F, M, M, P)."""
+        """Multiply the derivatives out, shape (Q, F, M, M, P)."""
         n_vectors = self.vectors.shape[2]
         jacobian = np.empty((*self.response.shape, len(self.vector_of)), complex)
         simple = np.flatnonzero(self.vector_of < n_vectors)
@@ -66,10 +66,10 @@ class FactoredJacobian:
 
 @dataclass(frozen=True, eq=False)
 class CompiledFrequencyModel:
-    """A frequency model in machine code; see `FrequencyModel` for what it computes.
+    """A frequency model in machine code; see `FrequencyModel` for the equations.
 
     Attributes:
-        model: The model in NumPy; it answers where pivots are so small that rows would have to be exchanged.
+        model: The model in NumPy, used where pivots are so small that rows would have to be exchanged.
         kernel: Code of the model's structure.
         threads: Threads that share the positions.
     """
@@ -88,12 +88,12 @@ class CompiledFrequencyModel:
         return np.ascontiguousarray(self.model.expansion[:, :, rows, columns])
 
     @property
-    def _room(self) -> KernelResponse:
-        """Memory of this thread that is used again and again: fresh memory costs more than the computation."""
-        if not hasattr(self._memory, "room"):
-            self._memory.room = self.kernel.room(*self._hold.shape[:2])
-        room: KernelResponse = self._memory.room
-        return room
+    def _buffer(self) -> KernelResponse:
+        """Arrays of this thread, reused: allocation costs more than the computation."""
+        if not hasattr(self._memory, "buffer"):
+            self._memory.buffer = self.kernel.allocate(*self._hold.shape[:2])
+        buffer: KernelResponse = self._memory.buffer
+        return buffer
 
     @cached_property
     def _memory(self) -> local:
@@ -124,7 +124,7 @@ class CompiledFrequencyModel:
             Responses and factors; None where rows would have to be exchanged.
         """
         structure, n_frequencies = self.kernel.structure, self.model.hold.omega.shape[1]
-        results = self._room
+        results = self._buffer
         small = self.of_parts(
             theta,
             lambda matrices, hold, expansion, part: self.kernel.response(matrices, hold, expansion, results.of(part)),
@@ -133,7 +133,7 @@ class CompiledFrequencyModel:
             return None
         responses = out_of_blocks(results.responses, n_frequencies)
         factors = out_of_blocks(results.factors, n_frequencies)
-        motors, shape = len(structure.places), factors.shape[:2]
+        motors, shape = len(structure.motors), factors.shape[:2]
         vectors, slopes = np.split(factors, [len(structure.vectors) * motors], axis=2)
         pair = np.zeros((motors, motors), dtype=np.int64)
         for number, (m, n) in enumerate(structure.pairs):
@@ -153,7 +153,7 @@ class CompiledFrequencyModel:
 
         Args:
             theta: Values of the parameters (SI), shape (P,).
-            evaluate: Called with matrices, hold and expansion of some positions, and which ones these are.
+            evaluate: Called with matrices, hold and expansion of some positions, and the slice of these positions.
 
         Returns:
             Results in the order of the positions.
@@ -162,17 +162,17 @@ class CompiledFrequencyModel:
         edges = np.linspace(0, len(matrices), min(self.threads, len(matrices)) + 1).astype(int)
         slices = [slice(int(a), int(b)) for a, b in pairwise(edges)]
 
-        def one(part: slice) -> Part:
+        def evaluate_part(part: slice) -> Part:
             return evaluate(matrices[part], self._hold[part], self._expansion[part], part)
 
-        return [one(slices[0])] if len(slices) == 1 else list(self._workers.map(one, slices))
+        return [evaluate_part(slices[0])] if len(slices) == 1 else list(self._workers.map(evaluate_part, slices))
 
     def _factors(self, per_step: FloatArray) -> ComplexArray:
         hold, positions = self.model.hold, self.model.positions
         s = 1j * hold.omega
         powers = np.stack([-hold.gain, -hold.gain * s, -hold.gain * s**2], axis=-1)
-        chosen: ComplexArray = np.take(powers, np.maximum(positions.powers, 0), axis=-1)
-        factors: ComplexArray = chosen * (per_step * positions.factors)[:, None, :]
+        of_parameter: ComplexArray = np.take(powers, np.maximum(positions.powers, 0), axis=-1)
+        factors: ComplexArray = of_parameter * (per_step * positions.factors)[:, None, :]
         return factors
 
 

@@ -23,7 +23,7 @@ class CompiledLeastSquares(AbstractLeastSquares):
 
     Attributes:
         model: The compiled model.
-        target: What it is compared with.
+        target: Measured responses and weights.
     """
 
     model: CompiledFrequencyModel
@@ -31,7 +31,7 @@ class CompiledLeastSquares(AbstractLeastSquares):
 
     @cached_property
     def _last(self) -> dict[bytes, FloatArray | None]:
-        """Sums of the last parameters: a search asks for the cost of a trial and then for its normal equations."""
+        """Sums of the last parameters: a search evaluates the cost of a trial, then its normal equations."""
         return {}
 
     @cached_property
@@ -50,7 +50,7 @@ class CompiledLeastSquares(AbstractLeastSquares):
             return self._by_numpy.normal_equations(theta, scale)
         per_step = theta if scale is None else scale
         factors = per_step * self.model.model.positions.factors
-        factors = np.concatenate([factors, np.ones((len(factors), 1))], axis=1)  # of the error
+        factors = np.concatenate([factors, np.ones((len(factors), 1))], axis=1)  # column of the error
         first, second = self.model.kernel.pairs
         total = np.sum(sums[:, 1:] * factors[:, first] * factors[:, second], axis=0)
         n = len(theta)

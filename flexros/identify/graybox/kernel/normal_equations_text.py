@@ -1,4 +1,4 @@
-"""LLVM text of the weighted errors, their derivatives and the sums of products that normal equations consist of.
+"""LLVM text of the weighted errors, their derivatives and the sums of products of the normal equations.
 
 For element e of the symmetric response and rank-one vector j let X_je = sqrt(w_e) f_e v_jm v_jn with f_e = gain / G_e
 (NLS: gain), w_e the sum of the weights of (m, n) and (n, m). A parameter of vector j and power k has the derivative
@@ -7,7 +7,7 @@ For element e of the symmetric response and rank-one vector j let X_je = sqrt(w_
     S_ij = sum_e conj(X_ie) X_je,    w^(k+k') Re(conj(j^k) j^k' S_ij),
 
 or, where only magnitudes are compared, from those of the real and imaginary parts. The weighted error is one more
-column, which gives the gradient. A parameter that is no rank-one term has its product in place of v_jm v_jn.
+column, which gives the gradient. A parameter that is not a rank-one term has its product in place of v_jm v_jn.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _ROUND = 6755399441055744.0  # 1.5 * 2^52: adding it rounds to an integer
 
 
 class ProductPair(NamedTuple):
-    """Two columns of derivatives: numbers of their vectors and powers; the error is vector J with power 0."""
+    """Two columns of derivatives: indices of their vectors, and powers; the error is vector J with power 0."""
 
     first: int
     second: int
@@ -51,8 +51,8 @@ def product_pairs(structure: KernelStructure) -> tuple[ProductPair, ...]:
 def equations_text(structure: KernelStructure, symbol: str, estimator: str) -> str:
     """Write `void @symbol(ptr hold, ptr target, ptr response, ptr vectors, ptr sums)`.
 
-    It adds what a block of frequencies contributes: `sums` holds the cost, then the sum of each product pair, all per
-    lane.
+    It adds the contribution of a block of frequencies. `sums` holds the cost, then the sum of each product pair,
+    per lane.
 
     Args:
         structure: Structure of the model.
@@ -81,7 +81,7 @@ class _EquationsWriter:
 
     def columns(self) -> None:
         """Write the table and the cost."""
-        motors = len(self.structure.places)
+        motors = len(self.structure.motors)
         block = self.block
         start = [("i64", "0"), (block.type, block.load("%sums", 0))]
         with block.loop(0, motors, carry=start) as m:
@@ -98,7 +98,7 @@ class _EquationsWriter:
         numbers = block.pointer("%target", block.value(f"mul nsw i64 {element}, {TARGET_NUMBERS}"))
         root, inverse_root = block.load(numbers, 6), block.load(numbers, 7)
         response = self.complex.load("%response", element)
-        if self.estimator != "NLS":  # elements that do not count may be zero
+        if self.estimator != "NLS":  # elements without weight may be zero
             counted = block.compare("ogt", root, block.number(0.0))
             response = ComplexValue(
                 block.select(counted, response.re, block.number(1.0)),
@@ -119,12 +119,12 @@ class _EquationsWriter:
 
     def _factor(self, j: int, element: str, m: IrLoop, n: IrLoop) -> ComplexValue:
         """Write the product v_m v_n of a vector, or the product Z^T (dA/dtheta) Z of a slope."""
-        motors, slope = len(self.structure.places), j - len(self.structure.vectors)
+        motors, slope = len(self.structure.motors), j - len(self.structure.vectors)
         if slope >= 0:
             first = len(self.structure.vectors) * motors + slope * len(self.structure.pairs)
             return self.complex.load("%vectors", self.block.value(f"add nsw i64 {element}, {first}"))
-        places = [self.block.value(f"add nsw i64 {loop.index}, {j * motors}") for loop in (m, n)]
-        v, other = (self.complex.load("%vectors", place) for place in places)
+        offsets = [self.block.value(f"add nsw i64 {loop.index}, {j * motors}") for loop in (m, n)]
+        v, other = (self.complex.load("%vectors", offset) for offset in offsets)
         return self.complex.mul(v, other)
 
     def _weighted_error(self, numbers: str, response: ComplexValue) -> tuple[ComplexValue, str]:
@@ -161,28 +161,28 @@ class _EquationsWriter:
         groups = [range(start, min(start + tile, self._n_columns)) for start in range(0, self._n_columns, tile)]
         for number, left in enumerate(groups):
             for right in groups[number:]:
-                places = [(i, j) for i in left for j in right if i <= j and i != self._n_columns - 1]
-                if places:
-                    self._distribute(self._tile(places), powers)
+                entries = [(i, j) for i in left for j in right if i <= j and i != self._n_columns - 1]
+                if entries:
+                    self._distribute(self._tile(entries), powers)
 
-    def _tile(self, places: list[tuple[int, int]]) -> dict[tuple[int, int], list[str]]:
+    def _tile(self, entries: list[tuple[int, int]]) -> dict[tuple[int, int], list[str]]:
         """Write the sums over elements of the products of some columns.
 
-        For each place Re S and Im S; where only magnitudes count, the products of real with real, imaginary with
-        imaginary, real with imaginary and imaginary with real parts.
+        For each pair of columns Re S and Im S; where only magnitudes count, the products real by real,
+        imaginary by imaginary, real by imaginary and imaginary by real part.
         """
         block = self.block
         each = 4 if self.estimator == "LLSM" else 2
-        start = [(block.type, block.number(0.0))] * (each * len(places))
+        start = [(block.type, block.number(0.0))] * (each * len(entries))
         with block.loop(0, len(self.structure.pairs), carry=start) as element:
             row = block.value(f"mul nsw i64 {element.index}, {2 * self._n_columns}")
             base = block.pointer(self._X, row)
-            used = sorted({column for place in places for column in place})
+            used = sorted({column for entry in entries for column in entry})
             X = {column: self.complex.load(base, column) for column in used}
-            for number, (i, j) in enumerate(places):
+            for number, (i, j) in enumerate(entries):
                 old = element.values[each * number : each * (number + 1)]
                 element.next_values += self._products(X[i], X[j], old)
-        return {place: element.values[each * k : each * (k + 1)] for k, place in enumerate(places)}
+        return {entry: element.values[each * k : each * (k + 1)] for k, entry in enumerate(entries)}
 
     def _products(self, a: ComplexValue, b: ComplexValue, old: list[str]) -> list[str]:
         block = self.block
@@ -194,7 +194,7 @@ class _EquationsWriter:
         return [real, block.fma(minus, b.re, block.fma(a.re, b.im, old[1]))]
 
     def _distribute(self, sums: dict[tuple[int, int], list[str]], powers: list[str]) -> None:
-        """Write what the pairs of parameters (and the error) take from the sums of their vectors."""
+        """Distribute the sums of vectors to the pairs of parameters (and the error)."""
         columns = [*self.structure.parameters, (self._n_columns - 1, 0)]
         for number, (first, second) in enumerate(product_pairs(self.structure)):
             (i, k), (j, other) = columns[first], columns[second]
@@ -215,5 +215,5 @@ class _EquationsWriter:
             turn = (other - k) % 4
             return sums[turn % 2], turn in (1, 2)
         # real part of j^k X: Re X, -Im X, -Re X
-        place = {(0, 0): 0, (1, 1): 1, (0, 1): 2, (1, 0): 3}[k % 2, other % 2]
-        return sums[place], (k > 0) != (other > 0)
+        index = {(0, 0): 0, (1, 1): 1, (0, 1): 2, (1, 0): 3}[k % 2, other % 2]
+        return sums[index], (k > 0) != (other > 0)

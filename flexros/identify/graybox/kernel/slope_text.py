@@ -1,4 +1,4 @@
-"""LLVM text of Z^T (dA/dtheta) Z for parameters that are no rank-one terms (masses, inertias, lengths)."""
+"""LLVM text of Z^T (dA/dtheta) Z for parameters that are not rank-one terms (masses, inertias, lengths)."""
 
 from __future__ import annotations
 
@@ -28,32 +28,32 @@ class SlopeWriter:
         self._minus_square = block.value(f"fneg {block.type} {block.mul(omega, omega)}")
 
     def write(self) -> None:
-        """Write everything; nothing where there are no slopes."""
+        """Write all products; nothing where there are no slopes."""
         if not self.structure.n_slopes:
             return
         block, pairs = self.block, len(self.structure.pairs)
         with block.loop(0, self.structure.n_slopes) as slope:
-            place = block.value(f"mul nsw i64 {slope.index}, {2 * pairs}")
-            first = 2 * len(self.structure.vectors) * len(self.structure.places)
-            result = block.pointer("%vectors", block.value(f"add nsw i64 {place}, {first}"))
+            offset = block.value(f"mul nsw i64 {slope.index}, {2 * pairs}")
+            first = 2 * len(self.structure.vectors) * len(self.structure.motors)
+            result = block.pointer("%vectors", block.value(f"add nsw i64 {offset}, {first}"))
             for number in range(2 * pairs):
                 block.store(block.number(0.0), result, number)
             with block.loop(self.structure.sloped.start, self.structure.sloped.stop) as row:
                 self._add_row(result, row, self._product_row(slope, row))
 
     def _matrix_row(self, slope: IrLoop, row: IrLoop) -> str:
-        """Write the address of a row of a slope, less the columns before those that are sloped."""
+        """Write the address of a row of a slope, minus the columns before the sloped ones."""
         block, scalar, sloped = self.block, self.block.of_lanes(1), self.structure.sloped
         width = len(sloped)
         turn = block.value(f"mul nsw i64 {slope.index}, {3 * width * width}")
         line = block.value(f"mul nsw i64 {row.index}, {3 * width}")
         start = 3 * len(self.structure.entries) - 3 * width * sloped.start - 3 * sloped.start
-        place = block.value(f"add nsw i64 {block.value(f'add nsw i64 {turn}, {line}')}, {start}")
-        return scalar.pointer("%matrices", place)
+        offset = block.value(f"add nsw i64 {block.value(f'add nsw i64 {turn}, {line}')}, {start}")
+        return scalar.pointer("%matrices", offset)
 
     def _product_row(self, slope: IrLoop, row: IrLoop) -> list[ComplexValue]:
         """Write one row of (dA/dtheta) Z, M complex numbers."""
-        block, motors = self.block, len(self.structure.places)
+        block, motors = self.block, len(self.structure.motors)
         matrix, scalar = self._matrix_row(slope, row), block.of_lanes(1)
         start = [(block.type, block.number(0.0))] * (2 * motors)
         with block.loop(self.structure.sloped.start, self.structure.sloped.stop, carry=start) as column:
@@ -67,12 +67,12 @@ class SlopeWriter:
         return [ComplexValue(re, im) for re, im in zip(column.values[::2], column.values[1::2], strict=True)]
 
     def _add_row(self, result: str, row: IrLoop, product: list[ComplexValue]) -> None:
-        """Write what a row adds to Z^T (dA/dtheta) Z."""
+        """Add the contribution of a row to Z^T (dA/dtheta) Z."""
         Z = self._row_of_solution(row)
         for number, (m, n) in enumerate(self.structure.pairs):
             total = self.complex.add_product(self.complex.load(result, number), self.complex.load(Z, m), product[n])
             self.complex.store(total, result, number)
 
     def _row_of_solution(self, row: IrLoop) -> str:
-        doubles = 2 * len(self.structure.places)
+        doubles = 2 * len(self.structure.motors)
         return self.block.pointer(self._Z, self.block.value(f"mul nsw i64 {row.index}, {doubles}"))

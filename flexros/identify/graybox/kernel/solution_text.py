@@ -1,9 +1,9 @@
 """LLVM text that solves A(jw) Z = B for eight frequencies at once (A complex symmetric, sparse).
 
 Factorisation A = L D L^T without exchange of rows, a few columns at a time in tiles that stay in registers: U = L D is
-stored, rows of -L are formed when their column comes. Right-hand sides are further rows of U. Places that are never
-filled are left out; where the structure does not change for some columns, a loop runs over them. Pivots that are small
-beside the terms they come from are counted, because then rows would have to be exchanged.
+stored, rows of -L are formed when their column is due. Right-hand sides are further rows of U. Entries that are never
+filled are skipped; a loop covers columns of equal structure. Pivots that are small relative to the terms they are
+computed from are counted, because then rows would have to be exchanged.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ TILE = 3
 SHORTEST_LOOP = 4
 """Shorter runs of columns are unrolled."""
 SMALLEST_PIVOT = 1e-7
-"""Smallest pivot beside |K_kk| + w^2 |M_kk| + w |D_kk|: what is lost stays below 1e-9."""
+"""Smallest pivot relative to |K_kk| + w^2 |M_kk| + w |D_kk|; cancellation stays below 1e-9."""
 
 
 def solution_text(structure: KernelStructure, symbol: str) -> str:
@@ -66,21 +66,21 @@ def _runs(numbers: Sequence[int]) -> list[range]:
 
 
 class _SolutionWriter:
-    """Writes the parts in turn into complex arrays on the stack; rows and columns are numbers of pivots."""
+    """Writes the parts in turn into complex arrays on the stack; rows and columns are indices of pivots."""
 
     def __init__(self, structure: KernelStructure) -> None:
         self.structure, self.elimination = structure, structure.elimination
         self.block = IrBlock(LANES)
         self.complex = ComplexBlock(self.block)
-        self._turn = {place: number for number, place in enumerate(self.elimination.order)}
+        self._turn = {coordinate: number for number, coordinate in enumerate(self.elimination.order)}
         self._given = {self._ordered(*entry): number for number, entry in enumerate(structure.entries)}
         self._damped = {self._ordered(*entry) for entry in structure.damped}
         self._filled = {(row, column) for column, rows in enumerate(self.elimination.below) for row in rows}
-        n, motors = structure.n, len(structure.places)
+        n, motors = structure.n, len(structure.motors)
         self._stride = n | 1  # odd, so that a column does not fall on few lines of the cache
         self._U = self._array((n + motors) * self._stride)
         self._inverse = self._array(n)  # of the pivots
-        self._rows = self._array(TILE * n)  # -L of the columns at work
+        self._rows = self._array(TILE * n)  # -L of the current columns
         self.Z = self._array(n * motors)
         self.omega = self.block.load("%hold", 0)
         self._minus_square = self._minus(self.block.mul(self.omega, self.omega))
@@ -103,7 +103,7 @@ class _SolutionWriter:
         return self.block.pointer(base, self.block.value(f"mul nsw i64 {index}, {2 * stride}"))
 
     def _over(self, numbers: range, totals: list[ComplexValue], body: _Body) -> list[ComplexValue]:
-        """Write a body for each number, as a loop where there are many; it turns totals into new totals."""
+        """Write a body for each number, as a loop from `SHORTEST_LOOP` numbers on; it turns totals into new totals."""
         if len(numbers) < SHORTEST_LOOP:
             for number in numbers:
                 totals = body(number, totals)
@@ -127,7 +127,7 @@ class _SolutionWriter:
         self.block.store(self._small, "%small", 0)
 
     def _scale_row(self, column: int, side: int, first: int) -> None:
-        """Write the row of -L of a column at work."""
+        """Write the row of -L of a current column."""
 
         def body(k: int | str, totals: list[ComplexValue]) -> list[ComplexValue]:
             U = self.complex.load(self._at(self._U, k), column * self._stride)
@@ -143,8 +143,8 @@ class _SolutionWriter:
         zero = self.block.number(0.0)
         n = self.structure.n
         if row >= n:
-            mine = self.elimination.order[column] == self.structure.places[row - n]
-            return ComplexValue(self.block.number(1.0 if mine else 0.0), zero)
+            drives = self.elimination.order[column] == self.structure.motors[row - n]
+            return ComplexValue(self.block.number(1.0 if drives else 0.0), zero)
         if (row, column) not in self._given:
             return ComplexValue(zero, zero)
         K, M, D = (self._matrix(row, column, part) for part in range(3))
@@ -152,11 +152,10 @@ class _SolutionWriter:
         return ComplexValue(re, self.block.mul(self.omega, D) if (row, column) in self._damped else zero)
 
     def _matrix(self, row: int, column: int, part: int) -> str:
-        one = self.block.of_lanes(1).load("%matrices", 3 * self._given[row, column] + part)
-        return self.block.splat(one)
+        return self.block.splat(self.block.of_lanes(1).load("%matrices", 3 * self._given[row, column] + part))
 
     def _sums(self, rows: list[int], columns: list[int]) -> dict[tuple[int, int], ComplexValue]:
-        """Write A - U L^T over the columns before, for the places of a tile that are not zero."""
+        """Write A - U L^T over the earlier columns, for the non-zero entries of a tile."""
         totals = {(i, j): self._entry(i, j) for i in rows for j in columns if i == j or (i, j) in self._filled}
         first = columns[0]
         patterns = [
@@ -167,22 +166,22 @@ class _SolutionWriter:
             for k in range(first)
         ]
         for pattern in sorted(set(patterns)):
-            active = [place for place in totals if place[0] in pattern[0] and place[1] in pattern[1]]
+            active = [entry for entry in totals if entry[0] in pattern[0] and entry[1] in pattern[1]]
             for run in _runs([k for k in range(first) if active and patterns[k] == pattern]):
-                sums = self._over(run, [totals[place] for place in active], self._update(active, columns))
+                sums = self._over(run, [totals[entry] for entry in active], self._update(active, columns))
                 totals.update(zip(active, sums, strict=True))
         return totals
 
-    def _update(self, places: list[tuple[int, int]], columns: list[int]) -> _Body:
-        """Write what one earlier column takes from the places of a tile."""
+    def _update(self, entries: list[tuple[int, int]], columns: list[int]) -> _Body:
+        """Write what one earlier column subtracts from the entries of a tile."""
 
         def body(k: int | str, totals: list[ComplexValue]) -> list[ComplexValue]:
             rows, U = self._at(self._rows, k), self._at(self._U, k)
-            scaled = {j: self.complex.load(rows, columns.index(j) * self.structure.n) for _, j in places}
-            left = {i: self.complex.load(U, i * self._stride) for i, _ in places}
+            scaled = {j: self.complex.load(rows, columns.index(j) * self.structure.n) for _, j in entries}
+            left = {i: self.complex.load(U, i * self._stride) for i, _ in entries}
             return [
                 self.complex.add_product(total, left[i], scaled[j])
-                for (i, j), total in zip(places, totals, strict=True)
+                for (i, j), total in zip(entries, totals, strict=True)
             ]
 
         return body
@@ -203,7 +202,7 @@ class _SolutionWriter:
     def _eliminate(
         self, column: int, totals: dict[tuple[int, int], ComplexValue], between: dict[tuple[int, int], ComplexValue]
     ) -> None:
-        """Write what one column of a tile takes from the later ones."""
+        """Write what one column of a tile subtracts from the later ones."""
         for (row, later), total in totals.items():
             if later > column and (row, column) in totals and (later, column) in between:
                 product = self.complex.add_product(total, totals[row, column], between[later, column])
@@ -219,14 +218,13 @@ class _SolutionWriter:
         size = block.fma(self.omega, D, block.fma(block.mul(self.omega, self.omega), M, K))
         limit = block.mul(size, block.number(SMALLEST_PIVOT))
         small = block.compare("ult", self.complex.square(pivot), block.mul(limit, limit))  # also where it is NaN
-        one = block.select(small, block.number(1.0), block.number(0.0))
-        self._small = block.add(self._small, one)
+        self._small = block.add(self._small, block.select(small, block.number(1.0), block.number(0.0)))
         inverse = self.complex.inverse(pivot)
         self.complex.store(inverse, self._inverse, column)
         return inverse
 
     def _tile(self, rows: list[int], columns: list[int], between: dict[tuple[int, int], ComplexValue]) -> None:
-        """Write some rows of U in the columns at work."""
+        """Write some rows of U in the current columns."""
         totals = self._sums(rows, columns)
         for column in columns:
             self._eliminate(column, totals, between)
@@ -235,7 +233,7 @@ class _SolutionWriter:
 
     def back_substitute(self) -> None:
         """Write Z, row by row from the last pivot to the first."""
-        n, motors = self.structure.n, len(self.structure.places)
+        n, motors = self.structure.n, len(self.structure.motors)
         zero = ComplexValue(self.block.number(0.0), self.block.number(0.0))
         for pivot in reversed(range(n)):
             totals = [
@@ -249,7 +247,7 @@ class _SolutionWriter:
                 self.complex.store(self.complex.mul(total, inverse), self.Z, pivot * motors + m)
 
     def _substitution(self, pivot: int, motors: int) -> _Body:
-        """Write what one row of Z takes from the row of a pivot."""
+        """Write what one row of Z subtracts from the row of a pivot."""
 
         def body(row: int | str, totals: list[ComplexValue]) -> list[ComplexValue]:
             U = self.complex.load(self._at(self._U, row, self._stride), pivot)
@@ -260,11 +258,11 @@ class _SolutionWriter:
 
     def finish(self) -> None:
         """Write the sampled responses and the rank-one vectors v = Z^T b."""
-        motors, places = len(self.structure.places), self.structure.places
+        motors = len(self.structure.motors)
         gain = ComplexValue(self.block.load("%hold", 1), self.block.load("%hold", 2))
         scalar = self.block.of_lanes(1)
         for number, (m, n) in enumerate(self.structure.pairs):
-            total = self.complex.mul(gain, self.complex.load(self.Z, self._turn[places[m]] * motors + n))
+            total = self.complex.mul(gain, self.complex.load(self.Z, self._turn[self.structure.motors[m]] * motors + n))
             for order in range(len(ORDERS)):
                 alias = ComplexValue(self.block.load("%hold", 3 + 2 * order), self.block.load("%hold", 4 + 2 * order))
                 factor = self.block.splat(scalar.load("%expansion", order * len(self.structure.pairs) + number))
@@ -273,13 +271,13 @@ class _SolutionWriter:
         for number, vector in enumerate(self.structure.vectors):
             for m in range(motors):
                 parts = [
-                    self.complex.scaled(self._unknown(place, m), self.block.number(coefficient))
-                    for place, coefficient in vector
+                    self.complex.scaled(self._unknown(coordinate, m), self.block.number(coefficient))
+                    for coordinate, coefficient in vector
                 ]
                 total = parts[0]
                 for part in parts[1:]:
                     total = self.complex.add(total, part)
                 self.complex.store(total, "%vectors", number * motors + m)
 
-    def _unknown(self, place: int, m: int) -> ComplexValue:
-        return self.complex.load(self.Z, self._turn[place] * len(self.structure.places) + m)
+    def _unknown(self, coordinate: int, m: int) -> ComplexValue:
+        return self.complex.load(self.Z, self._turn[coordinate] * len(self.structure.motors) + m)

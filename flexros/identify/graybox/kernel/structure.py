@@ -1,4 +1,4 @@
-"""What compiled frequency responses depend on besides numbers: sizes, non-zero places, parameters."""
+"""Structure of compiled frequency responses: sizes, non-zero entries, parameters; and arrays packed for it."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from flexros.robot.linear.positions import LinearisedPositions
 
 Vector: TypeAlias = "tuple[tuple[int, float], ...]"
-"""A rank-one vector as pairs (place, coefficient)."""
+"""A rank-one vector as pairs (coordinate, coefficient)."""
 NEGLIGIBLE = 1e-14
-"""Element beside the geometric mean of its diagonal elements that counts as zero."""
+"""Element relative to the geometric mean of its diagonal elements that is treated as zero."""
 LANES = 8
-"""Frequencies side by side."""
+"""Frequencies per block, evaluated together."""
 
 
 @dataclass(frozen=True)
@@ -30,18 +30,18 @@ class KernelStructure:
 
     Attributes:
         n: Number of coordinates.
-        places: Place of each motor among the coordinates, length M.
-        entries: Places (row >= column) of A that are not zero in some position.
+        motors: Coordinate of each motor, length M.
+        entries: Entries (row >= column) of A that are not zero in some position.
         damped: Those of them where D is not zero.
-        vectors: Distinct rank-one vectors as pairs (place, coefficient), length J.
-        parameters: Number of the vector and power of jw of each parameter, length P; slope g counts as vector J + g
+        vectors: Distinct rank-one vectors as pairs (coordinate, coefficient), length J.
+        parameters: Index of the vector and power of jw of each parameter, length P; slope g counts as vector J + g
             with power 0.
-        n_slopes: Number of parameters that are no rank-one terms, G.
-        touched: Coordinates that slopes reach.
+        n_slopes: Number of parameters that are not rank-one terms, G.
+        touched: Coordinates with non-zero entries of slopes.
     """
 
     n: int
-    places: tuple[int, ...]
+    motors: tuple[int, ...]
     entries: tuple[tuple[int, int], ...]
     damped: tuple[tuple[int, int], ...]
     vectors: tuple[Vector, ...]
@@ -52,17 +52,17 @@ class KernelStructure:
     @cached_property
     def elimination(self) -> Elimination:
         """Order of elimination and fill-in."""
-        return eliminate(self.n, self.entries, self.places)
+        return eliminate(self.n, self.entries, self.motors)
 
     @property
     def pairs(self) -> tuple[tuple[int, int], ...]:
         """Elements (m, n) of the symmetric response with m <= n, in the order of all packed arrays."""
-        return motor_pairs(len(self.places))
+        return motor_pairs(len(self.motors))
 
     @cached_property
     def sloped(self) -> range:
-        """Turns of elimination between the first and the last coordinate that slopes reach."""
-        turns = [turn for turn, place in enumerate(self.elimination.order) if place in self.touched]
+        """Pivots between the first and the last coordinate with non-zero entries of slopes."""
+        turns = [turn for turn, coordinate in enumerate(self.elimination.order) if coordinate in self.touched]
         return range(turns[0], turns[-1] + 1) if turns else range(0)
 
     @property
@@ -72,8 +72,8 @@ class KernelStructure:
 
     @property
     def factor_numbers(self) -> int:
-        """Complex numbers per frequency that derivatives are made of: v of each vector, then products of slopes."""
-        return len(self.vectors) * len(self.places) + self.n_slopes * len(self.pairs)
+        """Complex factors of derivatives per frequency: v of each vector, then products of slopes."""
+        return len(self.vectors) * len(self.motors) + self.n_slopes * len(self.pairs)
 
     @property
     def hold_numbers(self) -> int:
@@ -87,57 +87,50 @@ def motor_pairs(n_motors: int) -> tuple[tuple[int, int], ...]:
 
 
 def kernel_structure(positions: LinearisedPositions) -> KernelStructure:
-    """Find the structure of linearised positions.
-
-    Args:
-        positions: Linear models.
-
-    Returns:
-        The structure, with every place that a parameter can make non-zero.
-    """
+    """Determine the structure of linearised positions, with every entry that a parameter can make non-zero."""
     slopes = (positions.mass_slopes, positions.damping_slopes, positions.stiffness_slopes)
-    sloped = [_places(slope.reshape(-1, *slope.shape[2:])) for slope in slopes]
+    sloped = [_filled(slope.reshape(-1, *slope.shape[2:])) for slope in slopes]
     touched = np.einsum("pi,pj->ij", np.abs(positions.vectors), np.abs(positions.vectors)) != 0
-    damped = touched | sloped[1] | _places(positions.damping)
-    filled = damped | sloped[0] | sloped[2] | _places(positions.mass) | _places(positions.stiffness)
+    damped = touched | sloped[1] | _filled(positions.damping)
+    filled = damped | sloped[0] | sloped[2] | _filled(positions.mass) | _filled(positions.stiffness)
     lower = [(i, j) for i in range(len(filled)) for j in range(i + 1)]
     vectors, parameters = _vectors(positions)
     return KernelStructure(
         n=len(filled),
-        places=tuple(int(place) for place in positions.motor_rows),
-        entries=tuple(place for place in lower if filled[place] or place[0] == place[1]),
-        damped=tuple(place for place in lower if damped[place]),
+        motors=tuple(int(coordinate) for coordinate in positions.motor_rows),
+        entries=tuple(entry for entry in lower if filled[entry] or entry[0] == entry[1]),
+        damped=tuple(entry for entry in lower if damped[entry]),
         vectors=vectors,
         parameters=parameters,
         n_slopes=len(positions.sloped),
-        touched=tuple(int(place) for place in np.flatnonzero(np.any(sloped, axis=(0, 1)))),
+        touched=tuple(int(coordinate) for coordinate in np.flatnonzero(np.any(sloped, axis=(0, 1)))),
     )
 
 
-def _places(matrices: FloatArray) -> BoolArray:
-    """Places that are more than rounding in some matrix: rounding must not decide what is compiled, shape (n, n)."""
+def _filled(matrices: FloatArray) -> BoolArray:
+    """Entries above rounding errors in some matrix, shape (n, n): rounding must not change the compiled code."""
     diagonal = np.sqrt(np.abs(np.einsum("qii->qi", matrices)))
     filled: BoolArray = np.any(np.abs(matrices) > NEGLIGIBLE * diagonal[:, :, None] * diagonal[:, None, :], axis=0)
     return filled
 
 
 def _vectors(positions: LinearisedPositions) -> tuple[tuple[Vector, ...], tuple[tuple[int, int], ...]]:
-    """Distinct rank-one vectors, and number and power of each parameter."""
+    """Distinct rank-one vectors, and vector index and power of each parameter."""
     numbers: dict[Vector, int] = {}
     keys = [tuple((int(i), float(vector[i])) for i in np.flatnonzero(vector)) for vector in positions.vectors]
     for key in keys:
         if key:
             numbers.setdefault(key, len(numbers))
-    slopes = {int(place): len(numbers) + slope for slope, place in enumerate(positions.sloped)}
+    slopes = {int(p): len(numbers) + slope for slope, p in enumerate(positions.sloped)}
     parameters = tuple(
-        (slopes[place], 0) if place in slopes else (numbers[key], int(power))
-        for place, (key, power) in enumerate(zip(keys, positions.powers, strict=True))
+        (slopes[p], 0) if p in slopes else (numbers[key], int(power))
+        for p, (key, power) in enumerate(zip(keys, positions.powers, strict=True))
     )
     return tuple(numbers), parameters
 
 
 def packed_matrices(structure: KernelStructure, positions: LinearisedPositions, theta: FloatArray) -> FloatArray:
-    """K, M, D of every position: of the entries, then of the slopes in the order of elimination.
+    """Pack K, M, D of every position: of the entries, then of the slopes in the order of elimination.
 
     Args:
         structure: Structure of the code.
@@ -161,10 +154,7 @@ def packed_matrices(structure: KernelStructure, positions: LinearisedPositions, 
 
 
 def packed_hold(model: FrequencyModel) -> FloatArray:
-    """Angular frequency, gain and aliases in blocks of LANES frequencies; the last frequency fills the last block.
-
-    Args:
-        model: Frequency model.
+    """Pack angular frequency, gain and aliases in blocks of LANES frequencies; the last frequency fills the last block.
 
     Returns:
         Numbers per block, shape (Q, blocks, 3 + 2 orders, LANES).
@@ -175,12 +165,39 @@ def packed_hold(model: FrequencyModel) -> FloatArray:
     return in_blocks(np.stack(numbers, axis=-1))
 
 
+def packed_target(response: ComplexArray, weights: FloatArray, logarithmic: bool) -> FloatArray:
+    """Pack measured responses and weights in blocks.
+
+    Args:
+        response: Measured responses, shape (Q, F, M, M); arbitrary where the weight is zero.
+        weights: Weights, shape (Q, F, M, M).
+        logarithmic: Whether logarithms of the responses are compared.
+
+    Returns:
+        For each pair (m, n) of motors: measured (m, n) as two numbers, weight; the same of (n, m), with weight 0 where
+        m = n; square root of the sum of both weights and its inverse (0 for 0); shape (Q, blocks, 8 pairs, LANES).
+    """
+    measured = np.where(weights > 0, response, 1.0)
+    if logarithmic:
+        measured = np.log(measured)
+    m, n = np.array(motor_pairs(measured.shape[-1])).T
+    second = np.where(m != n, weights[:, :, n, m], 0.0)
+    root = np.sqrt(weights[:, :, m, n] + second)
+    first, other = measured[:, :, m, n], measured[:, :, n, m]
+    numbers = [
+        *(first.real, first.imag, weights[:, :, m, n]),
+        *(other.real, other.imag, second),
+        *(root, np.where(root > 0, 1.0 / np.where(root > 0, root, 1.0), 0.0)),
+    ]
+    return in_blocks(np.stack(numbers, axis=-1).reshape(*root.shape[:2], -1), fill=0.0)
+
+
 def in_blocks(numbers: FloatArray, fill: float | None = None) -> FloatArray:
-    """Bring numbers per frequency into blocks of frequencies.
+    """Pack numbers per frequency in blocks of frequencies.
 
     Args:
         numbers: Numbers, shape (Q, F, k).
-        fill: What fills the last block; default: the numbers of the last frequency.
+        fill: Padding of the last block; default: the numbers of the last frequency.
 
     Returns:
         The numbers, shape (Q, blocks, k, LANES).
@@ -193,7 +210,7 @@ def in_blocks(numbers: FloatArray, fill: float | None = None) -> FloatArray:
 
 
 def out_of_blocks(blocks: FloatArray, n_frequencies: int) -> ComplexArray:
-    """Undo `in_blocks` for complex numbers whose parts stand in turn.
+    """Undo `in_blocks` for complex numbers stored as real and imaginary parts in turn.
 
     Args:
         blocks: Parts, shape (Q, blocks, 2 k, LANES).

@@ -1,4 +1,4 @@
-"""What code is written for, and the order of its arrays."""
+"""Structure of compiled responses and the packing of their arrays."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from flexros.identify.graybox.kernel.structure import (
     out_of_blocks,
     packed_matrices,
 )
+from flexros.identify.graybox.numpy_least_squares import ResponseTarget
 from flexros.robot import load_robot
 from flexros.robot.linear.positions import linearise_positions
 
@@ -73,3 +74,37 @@ def test_matrices_are_packed_in_the_order_of_entries() -> None:
 
 def test_pairs_of_motors() -> None:
     assert motor_pairs(3) == ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+
+
+def packing_target(estimator: str) -> ResponseTarget:
+    rng = np.random.default_rng(0)
+    response = rng.normal(size=(2, 5, 2, 2)) + 1j * rng.normal(size=(2, 5, 2, 2))
+    weights = rng.uniform(1, 2, response.shape)
+    weights[0, 1] = 0.0
+    return ResponseTarget(response, weights, estimator)
+
+
+def test_pairs_hold_both_elements_and_the_sum_of_their_weights() -> None:
+    target = packing_target("NLS")
+    packed = target.packed.reshape(2, 1, 3, 8, 8)[1, 0, 1, :, 3]
+    (a, b), (v, w) = (array[1, 3, [0, 1], [1, 0]] for array in (target.response, target.weights))
+    np.testing.assert_allclose(packed, [a.real, a.imag, v, b.real, b.imag, w, np.sqrt(v + w), 1 / np.sqrt(v + w)])
+
+
+def test_diagonal_elements_count_once() -> None:
+    target = packing_target("LLS")
+    packed = target.packed.reshape(2, 1, 3, 8, 8)[1, 0, 2, :, 0]
+    log, w = np.log(target.response[1, 0, 1, 1]), target.weights[1, 0, 1, 1]
+    np.testing.assert_allclose(packed[[0, 1, 2, 5, 6]], [log.real, log.imag, w, 0.0, np.sqrt(w)])
+
+
+def test_elements_without_weight_and_padding_count_for_nothing() -> None:
+    packed = packing_target("LLS").packed.reshape(2, 1, 3, 8, 8)
+    assert np.all(packed[0, 0, :, [2, 5, 6, 7], 1] == 0.0)
+    assert np.all(packed[..., 5:] == 0.0)
+    assert np.all(np.isfinite(packed))
+
+
+def test_a_target_is_packed_once() -> None:
+    target = packing_target("LLS")
+    assert target.packed is target.packed
