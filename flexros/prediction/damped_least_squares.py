@@ -1,4 +1,4 @@
-"""Least squares with bounds from normal equations: Levenberg and Marquardt inside a box of limited steps."""
+"""Bounded least squares from normal equations: Levenberg-Marquardt inside a box of limited steps."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
 
 DAMPING = 1e-2
-"""Damping to start with, relative to the diagonal of the Gauss-Newton matrix (chosen)."""
+"""Initial damping, relative to the diagonal of the Gauss-Newton matrix (chosen)."""
 
 SMALLEST_DAMPING = 1e-9
 LARGEST_DAMPING = 1e9
-"""Beyond this no step however short lowers the cost: the search ends."""
+"""Above this damping no step lowers the cost: the search has converged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,13 +36,13 @@ class NormalEquations:
 
     @property
     def known(self) -> bool:
-        """Whether all of it is finite, so that there is a step to take."""
+        """Whether cost, gradient and Hessian are finite, so that a step can be computed."""
         return bool(np.isfinite(self.cost) and np.all(np.isfinite(self.gradient)) and np.all(np.isfinite(self.hessian)))
 
 
 @dataclass(frozen=True)
 class StopRule:
-    """When a search ends.
+    """Stop rule of a search.
 
     Attributes:
         step: Converged where the largest change of a parameter falls below this.
@@ -59,15 +59,15 @@ class StopRule:
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Where a search ended.
+    """Result of a search.
 
     Attributes:
         x: Parameters, shape (P,).
-        cost: Cost there.
+        cost: Cost at x.
         iterations: Accepted steps.
         evaluations: Evaluations of the cost, with and without derivatives.
-        converged: Whether a step or decrease fell below the limit, instead of the numbers running out.
-        damping: Damping at the end, to start a search nearby.
+        converged: Whether a step or decrease fell below its limit; false if a limit of steps was reached.
+        damping: Final damping, to start a search nearby.
     """
 
     x: FloatArray
@@ -90,56 +90,57 @@ def minimise(
 ) -> Minimum:
     """Minimise a sum of squares within bounds (Levenberg 1944, Marquardt 1963; damping after Nielsen 1999).
 
-    Each step minimises the damped quadratic model over the box of bounds and largest steps: what runs into a side is
-    fixed there and the rest solved again. After a step that failed only the cost of the next one is evaluated first.
+    Each step minimises the damped quadratic model over the box of bounds and largest steps: parameters that reach a
+    side are fixed there and the others are solved again. After a rejected step, the next one is evaluated by its cost
+    alone, without derivatives.
 
     Args:
         equations: Normal equations at a point.
-        cost: The cost alone; may, as that of the equations, be infinite or NaN where the model fails.
-        start: Where to start, within the bounds, shape (P,).
+        cost: The cost alone; like that of the equations it may be infinite or NaN where the model fails.
+        start: Initial parameters, within the bounds, shape (P,).
         lower: Lower bounds, shape (P,); -inf for none.
         upper: Upper bounds, shape (P,).
         largest_step: Largest change of each parameter in one step, shape (P,); inf for none.
-        stop: When to end.
-        damping: Damping to start with, relative to the diagonal of H.
+        stop: Stop rule.
+        damping: Initial damping, relative to the diagonal of H.
 
     Returns:
-        The point of lowest cost that was found; the start, not converged, where the model fails there.
+        The point of lowest cost; the initial point, not converged, where the model fails there.
     """
-    x, here = start, equations(start)
+    x, current = start, equations(start)
     iterations, evaluations, growth, idle, trusted = 0, 1, 2.0, 0, True
-    while here.known and iterations < stop.iterations and evaluations < stop.evaluations:
-        step = box_step(here, damping, np.maximum(lower - x, -largest_step), np.minimum(upper - x, largest_step))
+    while current.known and iterations < stop.iterations and evaluations < stop.evaluations:
+        step = box_step(current, damping, np.maximum(lower - x, -largest_step), np.minimum(upper - x, largest_step))
         size = float(np.max(np.abs(step), initial=0.0))
-        predicted = -float(here.gradient @ step + 0.5 * step @ here.hessian @ step)
+        predicted = -float(current.gradient @ step + 0.5 * step @ current.hessian @ step)
         if size < stop.step or damping > LARGEST_DAMPING:
-            return Minimum(x, here.cost, iterations, evaluations, True, min(damping, DAMPING))
-        if predicted <= 0:  # the box bent the step uphill
+            return Minimum(x, current.cost, iterations, evaluations, True, min(damping, DAMPING))
+        if predicted <= 0:  # the box made it an ascent direction
             damping, growth = damping * growth, growth * 2.0
             continue
         trial = np.clip(x + step, lower, upper)
-        there = equations(trial) if trusted else None
-        reached = cost(trial) if there is None else there.cost
+        new = equations(trial) if trusted else None
+        reached = cost(trial) if new is None else new.cost
         evaluations += 1
-        gain = (here.cost - reached) / predicted
+        gain = (current.cost - reached) / predicted
         trusted = bool(np.isfinite(reached) and gain > 1e-4)
         if trusted:
-            idle = idle + 1 if here.cost - reached < stop.decrease * here.cost else 0
-            x, here = trial, equations(trial) if there is None else there
+            idle = idle + 1 if current.cost - reached < stop.decrease * current.cost else 0
+            x, current = trial, equations(trial) if new is None else new
             iterations, growth = iterations + 1, 2.0
             damping = max(damping * max(1.0 / 5.0, 1.0 - (2.0 * gain - 1.0) ** 3), SMALLEST_DAMPING)
             if idle >= 2:
-                return Minimum(x, here.cost, iterations, evaluations, True, damping)
+                return Minimum(x, current.cost, iterations, evaluations, True, damping)
         else:
             damping, growth = damping * growth, growth * 2.0
-    return Minimum(x, here.cost, iterations, evaluations, False, damping)
+    return Minimum(x, current.cost, iterations, evaluations, False, damping)
 
 
-def box_step(here: NormalEquations, damping: float, lowest: FloatArray, highest: FloatArray) -> FloatArray:
-    """Minimise the damped quadratic model over a box around the present point.
+def box_step(current: NormalEquations, damping: float, lowest: FloatArray, highest: FloatArray) -> FloatArray:
+    """Minimise the damped quadratic model over a box around the current point.
 
     Args:
-        here: The quadratic model.
+        current: The quadratic model.
         damping: Damping relative to the diagonal of H.
         lowest: Most negative step of each parameter, <= 0, shape (P,).
         highest: Most positive step of each parameter, >= 0, shape (P,).
@@ -147,14 +148,14 @@ def box_step(here: NormalEquations, damping: float, lowest: FloatArray, highest:
     Returns:
         Step, shape (P,).
     """
-    diagonal = np.diag(here.hessian)
+    diagonal = np.diag(current.hessian)
     floor = 1e-14 * float(np.max(diagonal, initial=0.0))
-    damped = here.hessian + np.diag(damping * np.maximum(diagonal, floor) + floor + np.finfo(float).tiny)
-    step = np.zeros_like(here.gradient)
-    free: BoolArray = ~(((lowest >= 0) & (here.gradient > 0)) | ((highest <= 0) & (here.gradient < 0)))
+    damped = current.hessian + np.diag(damping * np.maximum(diagonal, floor) + floor + np.finfo(float).tiny)
+    step = np.zeros_like(current.gradient)
+    free: BoolArray = ~(((lowest >= 0) & (current.gradient > 0)) | ((highest <= 0) & (current.gradient < 0)))
     while np.any(free):
         fixed = ~free
-        right = -here.gradient[free] - damped[np.ix_(free, fixed)] @ step[fixed]
+        right = -current.gradient[free] - damped[np.ix_(free, fixed)] @ step[fixed]
         step[free] = np.linalg.solve(damped[np.ix_(free, free)], right)
         outside = free & ((step < lowest) | (step > highest))
         if not np.any(outside):

@@ -1,4 +1,4 @@
-"""Antiresonances and resonances of one motor: read off a frequency response, or of a robot's linear model."""
+"""Antiresonances and resonances of one motor, from a frequency response or from a linear robot model."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 PROMINENCE = 1.5
-"""Factor by which a low or a peak must stand out of the response beside it (chosen)."""
+"""Factor by which a minimum or a peak must exceed the neighbouring response (chosen)."""
 
 
 @dataclass(frozen=True)
 class Extremes:
-    """Frequencies at which a motor moves least and most.
+    """Antiresonances and resonances of a motor.
 
     Attributes:
         antiresonances: [Hz], ascending.
         resonances: [Hz], ascending, each above its antiresonance.
-        source: Where they come from, in words.
+        source: Their source as text.
     """
 
     antiresonances: tuple[float, ...]
@@ -36,7 +36,7 @@ class Extremes:
 
 
 def extremes_of_response(response: FrequencyResponse, joint: str, count: int) -> Extremes | None:
-    """Read the clearest pairs of a low and the peak above it off a response, the other motors being held still.
+    """Find the most distinct pairs of a minimum and the peak above it in a response, with the other motors held still.
 
     With the others held, the response of motor m to its own torque is 1 / (G^-1)_mm.
 
@@ -46,40 +46,40 @@ def extremes_of_response(response: FrequencyResponse, joint: str, count: int) ->
         count: Number of pairs, one less than masses.
 
     Returns:
-        The extremes; None where the response shows fewer pairs.
+        The extremes; None where the response has fewer pairs.
     """
     motor = response.output_names.index(joint)
     whole = response.as_quantity("acceleration").response
-    own = 1 / np.linalg.inv(whole)[:, motor, motor]
-    size, frequency = np.log(np.abs(own)), np.log(response.frequency)
+    driving_point = 1 / np.linalg.inv(whole)[:, motor, motor]
+    size, frequency = np.log(np.abs(driving_point)), np.log(response.frequency)
     lows, peaks = (find_peaks(sign * size, prominence=np.log(PROMINENCE))[0] for sign in (-1, 1))
     pairs = []
-    for place, low in enumerate(lows):
-        until = lows[place + 1] if place + 1 < len(lows) else len(size)
+    for index, low in enumerate(lows):
+        until = lows[index + 1] if index + 1 < len(lows) else len(size)
         above = peaks[(peaks > low) & (peaks < until)]
         if len(above):
             pairs.append((int(low), int(above[np.argmax(size[above])])))
     if len(pairs) < count:
         return None
-    clearest = sorted(pairs, key=lambda pair: size[pair[0]] - size[pair[1]])[:count]
-    found = np.exp([_vertices(np.sort(side), frequency, size) for side in np.array(clearest).T])
-    return Extremes(tuple(found[0].tolist()), tuple(found[1].tolist()), "frequency response of the log")
+    most_distinct = sorted(pairs, key=lambda pair: size[pair[0]] - size[pair[1]])[:count]
+    low, high = np.exp([_vertices(np.sort(side), frequency, size) for side in np.array(most_distinct).T])
+    return Extremes(tuple(low.tolist()), tuple(high.tolist()), "frequency response of the log")
 
 
-def _vertices(places: IntArray, frequency: FloatArray, size: FloatArray) -> list[float]:
-    """Refine extremes between the lines: vertices of parabolas through each and its neighbours."""
+def _vertices(lines: IntArray, frequency: FloatArray, size: FloatArray) -> list[float]:
+    """Refine extremes between the lines by parabolas through each and its neighbours."""
     refined = []
-    for place in places:
-        near = slice(place - 1, place + 2)
-        curvature, slope, _ = np.polyfit(frequency[near] - frequency[place], size[near], 2)
-        refined.append(float(frequency[place] - slope / (2 * curvature)))
+    for line in lines:
+        near = slice(line - 1, line + 2)
+        curvature, slope, _ = np.polyfit(frequency[near] - frequency[line], size[near], 2)
+        refined.append(float(frequency[line] - slope / (2 * curvature)))
     return refined
 
 
 def extremes_of_robot(robot: Robot, joint: str, count: int) -> Extremes | None:
-    """Compute the extremes of a motor of a robot at home without damping, the other motors being held still.
+    """Compute the extremes of a motor of a robot at home without damping, with the other motors held still.
 
-    Lows and peaks alternate; the pairs that lie farthest apart are those of the springs the axis moves most against.
+    Minima and peaks alternate; the pairs that are farthest apart are those of the springs with the largest motion.
 
     Args:
         robot: The robot.
@@ -90,27 +90,27 @@ def extremes_of_robot(robot: Robot, joint: str, count: int) -> Extremes | None:
         The extremes; None where the robot has fewer pairs.
     """
     linear = linear_model(robot)
-    own = robot.motor_rows[robot.joint_names.index(joint)]
-    others = set(robot.motor_rows) - {own}
-    free = [place for place in range(len(linear.mass)) if place not in others]
-    held = [place for place in free if place != own]
-    peaks = _frequencies(linear.mass, linear.stiffness, free)[1:]  # the first is the motion of the axis as a whole
+    motor = robot.motor_rows[robot.joint_names.index(joint)]
+    others = set(robot.motor_rows) - {motor}
+    free = [row for row in range(len(linear.mass)) if row not in others]
+    held = [row for row in free if row != motor]
+    peaks = _frequencies(linear.mass, linear.stiffness, free)[1:]  # without the rigid motion of the whole axis
     lows = _frequencies(linear.mass, linear.stiffness, held)
     if len(lows) < count:
         return None
     farthest = np.sort(np.argsort(-np.asarray(peaks) / np.asarray(lows), kind="stable")[:count])
     return Extremes(
-        tuple(lows[place] for place in farthest),
-        tuple(peaks[place] for place in farthest),
+        tuple(lows[pair] for pair in farthest),
+        tuple(peaks[pair] for pair in farthest),
         f"linear model of {robot.name}",
     )
 
 
-def _frequencies(mass: FloatArray, stiffness: FloatArray, places: list[int]) -> list[float]:
+def _frequencies(mass: FloatArray, stiffness: FloatArray, rows: list[int]) -> list[float]:
     """Undamped frequencies of a part of the coordinates [Hz], ascending."""
-    if not places:
+    if not rows:
         return []
-    part = np.ix_(places, places)
+    part = np.ix_(rows, rows)
     symmetric = 0.5 * (stiffness[part] + stiffness[part].T)
     squares = eigh(symmetric, mass[part], eigvals_only=True)
     return [float(value) for value in np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi)]

@@ -1,4 +1,4 @@
-"""Torque of the gear over its deflection: linear, with a knee, or cubic."""
+"""Gear torque as function of deflection: linear, piecewise linear, or cubic."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ PARAMETERS: dict[GearLaw, dict[str, str]] = {
     "piecewise": {"gear_stiffening": "1", "gear_knee": "rad"},
     "cubic": {"gear_doubling": "rad"},
 }
-"""Parameters of each law beyond gear_stiffness, with the unit for a rotary axis."""
+"""Parameters of each law in addition to gear_stiffness, with the unit for a rotary axis."""
 
 
 def gear_torque(law: GearLaw, deflection: ca.SX, values: Mapping[str, ca.SX]) -> ca.SX:
-    """Evaluate the law of the gear.
+    """Evaluate the gear law.
 
     With stiffness k near zero, deflection d, knee c, stiffening s and doubling deflection b:
 
@@ -29,7 +29,7 @@ def gear_torque(law: GearLaw, deflection: ca.SX, values: Mapping[str, ca.SX]) ->
         cubic      k d (1 + (d / b)^2)
 
     Args:
-        law: Which law.
+        law: Name of the law.
         deflection: Motor minus arm [rad or m], SX.
         values: Symbols of the parameters by name.
 

@@ -1,4 +1,4 @@
-"""The three steps to a nonlinear model of one axis (Wernholt and Gunnarsson 2006, thesis 4.2.2)."""
+"""Three-step identification of a nonlinear model of one axis (Wernholt and Gunnarsson 2006, thesis 4.2.2)."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ if TYPE_CHECKING:
     from flexros.logs.time_series import Log
 
 SMOOTHING = 0.01
-"""Speed over which friction changes its sign, relative to the rms speed (chosen)."""
+"""Speed over which friction changes sign, relative to the rms speed (chosen)."""
 
 STIFFENINGS = (1.5, 0.7)
-"""Stiffenings of the gear to start from (chosen)."""
+"""Initial stiffening factors of the gear (chosen)."""
 
 KNEES = (0.6, 0.3, 0.85)
-"""Shares of the samples whose deflection is below the knee, for the knees to start from (chosen)."""
+"""Shares of the samples whose deflection is below the knee, for initial knees (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class OneAxisIdentification:
-    """A nonlinear model of one axis beside the linear-spring model of the same record.
+    """A nonlinear model of one axis and the linear-spring model of the same record.
 
     Attributes:
-        nonlinear: The model with the gear law that was asked for.
+        nonlinear: The model with the chosen gear law.
         linear: The same with a linear gear.
         start: Values of the linear steps, by name.
         validation: Quality of the nonlinear model on the validation log; None without one.
@@ -52,7 +52,7 @@ class OneAxisIdentification:
 
     @property
     def gain(self) -> float:
-        """Part of the prediction error that the nonlinear gear takes away [1], on the validation log where there is."""
+        """Share of the prediction error removed by the nonlinear gear [1], on the validation log if there is one."""
         if self.validation is None or self.linear_validation is None:
             return 1 - self.nonlinear.quality.error / self.linear.quality.error
         return 1 - self.validation.error / self.linear_validation.error
@@ -74,28 +74,28 @@ def identify_one_axis(
     """Identify an axis from commands and motion of its motor, in three steps.
 
     First the rigid axis with friction by regression; then masses and springs from the extremes of the frequency
-    response; then all parameters, with the nonlinear gear, by the smallest one-step prediction errors. The last step is
-    also done with a linear gear, for comparison.
+    response; then all parameters, with the nonlinear gear, by minimal one-step prediction errors. The last step is
+    repeated with a linear gear, for comparison.
 
     Args:
         log: Log of the axis, moving from rest.
-        structure: What the model is made of; default: two masses, piecewise linear gear, output position.
+        structure: Model structure; default: two masses, piecewise linear gear, output position.
         joint: Name of the motor.
-        antiresonances: Lows of the response from torque to motor motion [Hz], one less than masses; may be left out
-            where `start` has inertias and stiffnesses.
+        antiresonances: Minima of the response from torque to motor motion [Hz], one less than masses; optional if
+            `start` has inertias and stiffnesses.
         resonances: Its peaks [Hz], as many.
-        start: Values to start from, by name; they take the place of those of the linear steps.
-        bounds: Lower and upper bounds by name; default: a factor of 10 either way of the start, of 1000 for friction
-            and the gear's knee.
-        validation: Another log of the axis, by which the models are judged.
+        start: Initial values by name; they replace those of the linear steps.
+        bounds: Lower and upper bounds by name; default: a factor of 10 above and below the initial value, of 1000 for
+            friction and the knee of the gear.
+        validation: Another log of the axis, for validation.
         delay: Delay of the command [s].
-        smoothing: Speed over which friction changes its sign [rad/s or m/s]; default: 1 % of the rms speed.
+        smoothing: Speed over which friction changes sign [rad/s or m/s]; default: 1 % of the rms speed.
 
     Returns:
         Both models with standard deviations and qualities.
 
     Raises:
-        InputError: The log lacks something, or a name, start or frequency is not possible.
+        InputError: The log is incomplete, or a name, initial value or frequency is invalid.
     """
     structure = AxisStructure() if structure is None else structure
     record = axis_record(log, joint, structure.output, delay, "the log")
@@ -128,10 +128,10 @@ def _nonlinear(
     begin: Mapping[str, float],
     given: Mapping[str, tuple[float, float]],
 ) -> AxisFit:
-    """Fit the nonlinear gear from several starts around the linear one; the best of short searches is completed."""
+    """Fit the nonlinear gear from several initial values around the linear one; complete the best short search."""
     predictor = Predictor(structure, record, linear.predictor.smoothing, linear.predictor.substeps)
     states = linear.predictor.states(record, linear.values, linear.gain)
-    deflection = np.abs(states[:, linear.structure.speed_place - linear.structure.masses + 1])
+    deflection = np.abs(states[:, linear.structure.speed_index - linear.structure.masses + 1])
     known = {name: begin[name] for name in PARAMETERS[structure.gear] if name in begin}
     gears = [known] if len(known) == len(PARAMETERS[structure.gear]) else _gear_starts(structure, deflection)
     bounds = bounds_around(structure, {**begin, **gears[0], **known}, given, record)
@@ -145,7 +145,7 @@ def _nonlinear(
 
 
 def _gear_starts(structure: AxisStructure, deflection: FloatArray) -> list[dict[str, float]]:
-    """Spread starts of the gear's nonlinearity over the deflections of the linear model, the most usual one first."""
+    """Spread initial values of the gear nonlinearity over the deflections of the linear model, the most usual first."""
     if structure.gear == "cubic":
         typical = float(np.sqrt(np.mean(deflection**2)))
         return [{"gear_doubling": factor * typical} for factor in (4.0, 1.5, 12.0)]

@@ -1,4 +1,4 @@
-"""Values to start from: rigid regression, then masses and springs from the extremes of the frequency response."""
+"""Initial values: rigid regression, then masses and springs from the extremes of the frequency response."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flexros.identify.axis.structure import AxisStructure
 
 DAMPING_RATIO = 0.02
-"""Relative damping of the springs to start from (chosen)."""
+"""Initial relative damping of the springs (chosen)."""
 
 EXPLAINED = 0.5
 """Share of the variance of the torque that a rigid axis must explain at low frequencies (chosen)."""
@@ -45,15 +45,15 @@ class RigidStart:
 
 
 def rigid_start(record: AxisRecord, cutoff: float, smoothing: float) -> RigidStart:
-    """Regress the torque on acceleration, speed and its sign, below the first antiresonance (thesis eq. 4.11 to 4.13).
+    """Regress torque on acceleration, speed and sign of speed below the first antiresonance (thesis eq. 4.11 to 4.13).
 
     Args:
         record: Record of the axis.
-        cutoff: Corner of the low-pass for all signals [Hz].
-        smoothing: Speed over which friction changes its sign [rad/s or m/s].
+        cutoff: Cut-off of the low-pass for all signals [Hz].
+        smoothing: Speed over which friction changes sign [rad/s or m/s].
 
     Returns:
-        The rigid axis; friction is not below zero.
+        The rigid axis; friction is not negative.
 
     Raises:
         InputError: The record is too short, or a rigid axis does not explain its torque.
@@ -63,12 +63,12 @@ def rigid_start(record: AxisRecord, cutoff: float, smoothing: float) -> RigidSta
     if len(record.torque) < 4 * settling:
         raise InputError(
             f"{record.label} has {len(record.torque)} samples, but a regression below {cutoff:.3g} Hz needs at least "
-            f"{4 * settling}; give a longer log, or start values for all parameters instead of frequencies"
+            f"{4 * settling}; give a longer log, or initial values for all parameters instead of frequencies"
         )
     position = sosfiltfilt(sections, record.position)
     speed = np.gradient(position, T)
     time = T * np.arange(len(speed))
-    acting = np.interp(time - record.delay - T / 2, time, record.torque)  # what is held, at those instants
+    acting = np.interp(time - record.delay - T / 2, time, record.torque)  # the held torque at those instants
     columns = [np.gradient(speed, T), speed, np.tanh(speed / smoothing), np.ones_like(speed), acting]
     rows = sosfiltfilt(sections, np.column_stack(columns), axis=0)[settling:-settling]  # all through the same filter
     solution = np.linalg.lstsq(rows[:, :4], rows[:, 4], rcond=None)[0]
@@ -77,8 +77,8 @@ def rigid_start(record: AxisRecord, cutoff: float, smoothing: float) -> RigidSta
     if inertia <= 0 or not left >= EXPLAINED:
         raise InputError(
             f"{record.label}: a rigid axis of inertia {inertia:.3g} explains {100 * left:.3g} % of the torque below "
-            f"{cutoff:.3g} Hz, needed are a positive inertia and {100 * EXPLAINED:g} %; check joint, sign and unit of "
-            "torque and position and the first antiresonance, or give a log with more motion"
+            f"{cutoff:.3g} Hz, required are a positive inertia and {100 * EXPLAINED:g} %; check joint, sign and unit "
+            "of torque and position and the first antiresonance, or give a log with more motion"
         )
     return RigidStart(inertia, max(viscous, 0.0), max(coulomb, 0.0), -constant)
 
@@ -86,7 +86,7 @@ def rigid_start(record: AxisRecord, cutoff: float, smoothing: float) -> RigidSta
 def chain_of_masses(
     inertia: float, antiresonances: Sequence[float], resonances: Sequence[float]
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Find the row of masses and springs that has given extremes at its first mass: the inverse eigenvalue problem.
+    """Compute the chain of masses and springs with given extremes at its first mass: the inverse eigenvalue problem.
 
     The dynamic stiffness of the motor, with s = (jw)^2, is J s prod(1 + s/r^2) / prod(1 + s/a^2). It is expanded into a
     continued fraction of masses and springs in turn (W. Cauer 1926; for robots Berglund and Hovland 2000, thesis
@@ -94,14 +94,14 @@ def chain_of_masses(
 
     Args:
         inertia: Sum J of all masses [kg m2 or kg].
-        antiresonances: Frequencies at which the motor stands still [Hz], ascending, length n - 1.
-        resonances: Frequencies at which it moves most [Hz], ascending, length n - 1.
+        antiresonances: Frequencies of zero motor motion [Hz], ascending, length n - 1.
+        resonances: Frequencies of largest motor motion [Hz], ascending, length n - 1.
 
     Returns:
         Inertias, the motor's first, length n, and stiffnesses between them, length n - 1.
 
     Raises:
-        InputError: The frequencies do not alternate, antiresonance first, as those of masses in a row do.
+        InputError: The frequencies do not alternate, antiresonance first, as those of a chain of masses do.
     """
     a, r = sorted(map(float, antiresonances)), sorted(map(float, resonances))
     order = [frequency for pair in zip(a, r) for frequency in pair]

@@ -55,7 +55,7 @@ class Predictor:
         """
         A, B = self._linear(theta, speed)
         C = np.zeros((1, len(A)))
-        C[0, self.structure.output_place] = 1.0
+        C[0, self.structure.output_index] = 1.0
         # the torque is scaled to 1 and the noise to 1 / ratio, so that the equation stays within range
         Q, R = B @ B.T, np.array([[noise_ratio**-2]])
         scale = float(np.max(np.abs(Q)))
@@ -66,7 +66,7 @@ class Predictor:
     def memory(self, theta: FloatArray, gain: FloatArray, speed: float) -> int:
         """Return after how many samples a wrong start is forgotten to a thousandth."""
         A, _ = self._linear(theta, speed)
-        A[:, self.structure.output_place] -= gain
+        A[:, self.structure.output_index] -= gain
         radius = float(np.max(np.abs(np.linalg.eigvals(A))))
         return int(np.ceil(np.log(1e-3) / np.log(min(radius, 1 - 1e-9))))
 
@@ -82,7 +82,7 @@ class Predictor:
             Errors [rad or m, or per second], shape (n,).
         """
         outputs = self._plain.run(self._start(record), record.inputs(), np.concatenate([theta, gain]))
-        return record.output - outputs[:, self.structure.output_place]
+        return record.output - outputs[:, self.structure.output_index]
 
     def states(self, record: AxisRecord, theta: FloatArray, gain: FloatArray) -> FloatArray:
         """Compute the predicted states; with a gain of zero, the simulated ones. Shape (n, n_states)."""
@@ -107,7 +107,7 @@ class Predictor:
     def _start(self, record: AxisRecord) -> FloatArray:
         """Start at rest on the first measured output, the springs relaxed."""
         start = np.zeros(self.structure.n_states)
-        start[self.structure.output_place] = record.output[0]
+        start[self.structure.output_index] = record.output[0]
         return start
 
     @cached_property
@@ -127,7 +127,7 @@ class Predictor:
 
     @cached_property
     def _corrected(self) -> ca.SX:
-        return self._motion + self._K * (self._input[-1] - self._x[self.structure.output_place])
+        return self._motion + self._K * (self._input[-1] - self._x[self.structure.output_index])
 
     @cached_property
     def _plain(self) -> Recursion:
@@ -147,7 +147,7 @@ class Predictor:
         ]
         state = ca.vertcat(self._x, ca.vec(S))
         after = ca.vertcat(self._corrected, *columns)
-        output = ca.vertcat(self._x[self.structure.output_place], S[self.structure.output_place, :].T)
+        output = ca.vertcat(self._x[self.structure.output_index], S[self.structure.output_index, :].T)
         parameters = ca.vertcat(self._theta, self._K)
         return Recursion(
             ca.Function("step", [state, self._input, parameters], [ca.densify(after), output], {"cse": True})
@@ -163,9 +163,9 @@ class Predictor:
         """Return dF/dx while sliding, and the effect of a torque on each mass over a sample."""
         structure = self.structure
         x = np.zeros(structure.n_states)
-        x[structure.speed_place :] = speed
+        x[structure.speed_index :] = speed
         A = self._slope(x, np.zeros(self._input.numel()), theta).full()
         B = np.zeros((structure.n_states, structure.masses))
         for mass, name in enumerate(("motor_inertia", "arm_1_inertia", "arm_2_inertia")[: structure.masses]):
-            B[structure.speed_place + mass, mass] = self._sample_time / theta[structure.names.index(name)]
+            B[structure.speed_index + mass, mass] = self._sample_time / theta[structure.names.index(name)]
         return A, B

@@ -1,4 +1,4 @@
-"""A step carried out over all samples of a record, in machine code where that is possible."""
+"""Recursion over all samples of a record, in machine code where possible."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Recursion:
         self._run = ctypes.CFUNCTYPE(None, ctypes.c_int64, *pointers)(self._code.address("recursion"))
 
     def run(self, state: FloatArray, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Run over a record; the GIL is released meanwhile.
+        """Run over a record; the GIL is released during the run.
 
         Args:
             state: State before the first sample, shape (n_s,).

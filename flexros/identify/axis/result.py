@@ -1,4 +1,4 @@
-"""The identification of one axis as a record for programs."""
+"""JSON record of the identification of one axis."""
 
 from __future__ import annotations
 
@@ -18,44 +18,41 @@ SCHEMA = 1
 """Version of the record."""
 
 CORRELATED = 0.3
-"""Correlation of neighbouring prediction errors from which a model is said to leave something (chosen)."""
+"""Correlation of neighbouring prediction errors above which a model-form error is reported (chosen)."""
 
 WIDEST = 3.0
-"""Factor between the ends of a 95 % interval from which a value is said to be hardly told (chosen)."""
+"""Factor between the ends of a 95 % interval above which a value is reported as uncertain (chosen)."""
 
 
 def result_record(
-    found: OneAxisIdentification,
+    identification: OneAxisIdentification,
     joint: str,
     extremes: Extremes,
     logs: Mapping[str, Mapping[str, Any]],
     warnings: tuple[str, ...] = (),
 ) -> dict[str, Any]:
-    """Put an identification into a record of numbers and texts.
+    """Return an identification as a record, ready for JSON; unknown values are None.
 
     Args:
-        found: The identification.
+        identification: The identification.
         joint: Name of the motor.
-        extremes: Frequencies it started from.
-        logs: Provenance of the log, and of the validation log where there is one, by name.
-        warnings: What limits the result beyond what the fits tell, one sentence each.
-
-    Returns:
-        The record, to be written as JSON; what is not known is None.
+        extremes: Frequencies from which the initial values were computed.
+        logs: Provenance of the log, and of the validation log if there is one, by name.
+        warnings: Limits of the result beyond those that the fits report, one sentence each.
     """
     return {
         "schema": SCHEMA,
         "joint": joint,
-        "structure": found.nonlinear.structure.model_dump(mode="json"),
+        "structure": identification.nonlinear.structure.model_dump(mode="json"),
         "antiresonances_hz": list(extremes.antiresonances),
         "resonances_hz": list(extremes.resonances),
         "frequencies_from": extremes.source,
-        "start": dict(found.start),
-        "nonlinear": _model(found.nonlinear, found.validation),
-        "linear": _model(found.linear, found.linear_validation),
-        "gain": _finite(found.gain),
-        "gain_on": "fit" if found.validation is None else "validation",
-        "warnings": [*warnings, *_doubts(found)],
+        "start": dict(identification.start),
+        "nonlinear": _model(identification.nonlinear, identification.validation),
+        "linear": _model(identification.linear, identification.linear_validation),
+        "gain": _finite(identification.gain),
+        "gain_on": "fit" if identification.validation is None else "validation",
+        "warnings": [*warnings, *_doubts(identification)],
         "provenance": {"versions": versions(), "logs": {name: dict(entry) for name, entry in logs.items()}},
     }
 
@@ -96,17 +93,17 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _doubts(found: OneAxisIdentification) -> list[str]:
-    """Say what of the model that was asked for is not to be relied on."""
-    fit = found.nonlinear
-    doubts = [] if fit.converged else ["the search did not end by itself; its values are those of the last step"]
+def _doubts(identification: OneAxisIdentification) -> list[str]:
+    """Report which parts of the nonlinear model are unreliable."""
+    fit = identification.nonlinear
+    doubts = [] if fit.converged else ["the search did not converge; the values are from its last step"]
     if abs(fit.whiteness) > CORRELATED:
         doubts.append(
-            f"neighbouring prediction errors are correlated by {fit.whiteness:.2f}, so the model leaves something of "
-            "the log unexplained; another gear law, Stribeck friction or more masses may explain it"
+            f"neighbouring prediction errors are correlated by {fit.whiteness:.2f}, so the model leaves part of the "
+            "log unexplained; another gear law, Stribeck friction or more masses may explain it"
         )
     for name, deviation in fit.deviation.items():
         low, high = fit.interval(name)
         if name != "offset" and not (math.isfinite(deviation) and high <= WIDEST * low):
-            doubts.append(f"the log hardly tells {name}: its 95 % interval is wider than a factor of {WIDEST:g}")
+            doubts.append(f"the log hardly determines {name}: its 95 % interval is wider than a factor of {WIDEST:g}")
     return doubts

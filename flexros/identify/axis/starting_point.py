@@ -1,4 +1,4 @@
-"""Where the search for the prediction errors begins, how far it may go, and how finely the model is integrated."""
+"""Initial values, bounds and integration step of the prediction-error search."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
     from flexros.identify.axis.structure import AxisStructure
 
 BELOW = 0.3
-"""Corner of the low-pass of the rigid regression, relative to the first antiresonance (chosen)."""
+"""Cut-off of the low-pass of the rigid regression, relative to the first antiresonance (chosen)."""
 
 LEAST = 1e-3
-"""Least friction to start from, relative to rms torque (and rms speed), so that it has a logarithm (chosen)."""
+"""Smallest initial friction, relative to rms torque (and rms speed), so that it has a logarithm (chosen)."""
 
 FACTOR = 10.0**DECADES
-"""Default bounds: this factor either way of the start, as in fits of frequency responses."""
+"""Default bounds: this factor above and below the initial value, as in fits of frequency responses."""
 
 WIDE_FACTOR = 1000.0
-"""The same for friction and the gear's nonlinearity, whose starts are rough (chosen)."""
+"""The same for friction and the gear nonlinearity, whose initial values are rough (chosen)."""
 
 _WIDE = ("viscous_friction", "coulomb_friction", "stribeck_friction", "stribeck_speed", "gear_knee", "gear_doubling")
 
@@ -44,17 +44,17 @@ def starting_values(
 
     Args:
         record: Record of the axis.
-        structure: What the model is made of.
-        smoothing: Speed over which friction changes its sign [rad/s or m/s].
-        antiresonances: [Hz]; none where everything is given.
+        structure: Model structure.
+        smoothing: Speed over which friction changes sign [rad/s or m/s].
+        antiresonances: [Hz]; none where all values are given.
         resonances: [Hz].
-        given: Values by name that take the place of those of the linear steps.
+        given: Values by name that replace those of the linear steps.
 
     Returns:
-        Values by name, of all parameters but those of the gear's nonlinearity.
+        Values by name, of all parameters except those of the gear nonlinearity.
 
     Raises:
-        InputError: A name is unknown, a value not positive, or a value lacking.
+        InputError: A name is unknown, a value not positive, or a value missing.
     """
     for name, value in given.items():
         if name not in structure.names:
@@ -72,7 +72,7 @@ def starting_values(
     lacking = [name for name in structure.names if name not in {*begin, *PARAMETERS[structure.gear]}]
     if lacking:
         raise InputError(
-            f"there is no start for {', '.join(lacking)}; give antiresonances and resonances [Hz], read off a "
+            f"there is no initial value for {', '.join(lacking)}; give antiresonances and resonances [Hz] of a "
             "frequency response, or these values in start"
         )
     begin["coulomb_friction"] = max(begin["coulomb_friction"], LEAST * torque)
@@ -89,16 +89,16 @@ def bounds_around(
     """Choose bounds of all parameters.
 
     Args:
-        structure: What the model is made of.
-        begin: Values to start from.
-        given: Bounds by name that take the place of the default ones; names of other gear laws are passed over.
+        structure: Model structure.
+        begin: Initial values.
+        given: Bounds by name that replace the default ones; names of other gear laws are skipped.
         record: Record of the axis, whose largest torque bounds the offset.
 
     Returns:
         Lower and upper bounds by name.
 
     Raises:
-        InputError: A pair of bounds leaves no room.
+        InputError: A lower bound is not below its upper bound, or not above 0.
     """
     most = float(np.max(np.abs(record.torque)))
     bounds: dict[str, tuple[float, float]] = {}
@@ -108,19 +108,19 @@ def bounds_around(
     for name, (low, high) in given.items():
         if not low < high or (name != "offset" and low <= 0):
             raise InputError(
-                f"bounds: {name} is to lie within {low:g} and {high:g}, allowed is a lower bound "
+                f"bounds: {name} has the bounds {low:g} and {high:g}, allowed is a lower bound "
                 f"{'' if name == 'offset' else 'above 0 and '}below the upper one; correct them"
             )
     return bounds | {name: pair for name, pair in given.items() if name in bounds}
 
 
 def short_steps(begin: Mapping[str, float], record: AxisRecord, smoothing: float) -> int:
-    """Choose Runge-Kutta steps short enough for the steep friction at standstill, also at three times its start.
+    """Choose Runge-Kutta steps short enough for the steep friction at standstill, up to three times its initial value.
 
     Args:
-        begin: Values to start from.
+        begin: Initial values.
         record: Record of the axis.
-        smoothing: Speed over which friction changes its sign [rad/s or m/s].
+        smoothing: Speed over which friction changes sign [rad/s or m/s].
 
     Returns:
         Steps in each part of a sample.

@@ -1,4 +1,4 @@
-"""What the model of an axis is made of: masses, gear law, friction; its parameters and equations."""
+"""Model structure of an axis: masses, gear law, friction; its parameters and equations of motion."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 OutputQuantity = Literal["position", "velocity"]
-"""What of the motor was measured."""
+"""Measured quantity of the motor."""
 
 
 class AxisStructure(Settings):
     """A motor, a gear and one or two arm masses in a row (thesis 4.2.2: the three-mass model is the usual one).
 
     The state is x = [q_m, d_1, ..., v_m, v_1, ...]: motor position, deflections of gear and arm spring, speeds of all
-    masses. Where the speed is the output, q_m is left out. Deflection d_1 is motor minus arm, d_2 first minus second
-    arm mass. No gravity acts on the axis.
+    masses. Where the speed is the output, q_m is omitted. Deflection d_1 is motor minus arm, d_2 first minus second
+    arm mass. There is no gravity.
     """
 
     masses: Literal[2, 3] = Field(2, description="motor and one arm mass, or motor and two")
-    gear: GearLaw = Field("piecewise", description="law of the gear's stiffness")
-    stribeck: bool = Field(False, description="whether the friction falls with speed, by a Stribeck hump")
+    gear: GearLaw = Field("piecewise", description="law of the gear stiffness")
+    stribeck: bool = Field(False, description="whether the friction decreases with speed, by a Stribeck term")
     offset: bool = Field(False, description="whether a constant torque acts on the motor")
     output: OutputQuantity = Field("position", description="measured motor quantity that is predicted")
-    rotary: bool = Field(True, description="whether the axis turns; it sets the units")
+    rotary: bool = Field(True, description="whether the axis is rotary; it sets the units")
 
     @property
     def units(self) -> dict[str, str]:
@@ -58,31 +58,31 @@ class AxisStructure(Settings):
         return 2 * self.masses - 1 + (self.output == "position")
 
     @property
-    def output_place(self) -> int:
-        """Place of the output in the state."""
+    def output_index(self) -> int:
+        """Index of the output in the state."""
         return 0 if self.output == "position" else self.masses - 1
 
     @property
-    def speed_place(self) -> int:
-        """Place of the motor's speed in the state."""
+    def speed_index(self) -> int:
+        """Index of the motor speed in the state."""
         return self.n_states - self.masses
 
     def derivative(self, smoothing: float) -> ca.Function:
         """Build the equations of motion.
 
-        Coulomb and Stribeck friction pass zero speed as tanh(v / smoothing), so that sensitivities exist.
+        Coulomb and Stribeck friction cross zero speed as tanh(v / smoothing), so that sensitivities exist.
 
         Args:
-            smoothing: Speed over which the friction changes its sign [rad/s or m/s].
+            smoothing: Speed over which the friction changes sign [rad/s or m/s].
 
         Returns:
             CasADi function (x, u, theta) -> dx/dt.
         """
         x, u = ca.SX.sym("x", self.n_states), ca.SX.sym("u")
         theta = ca.SX.sym("theta", len(self.names))
-        p = {name: theta[place] for place, name in enumerate(self.names)}
-        speeds = ca.vertsplit(x[self.speed_place :])
-        deflections = ca.vertsplit(x[self.speed_place - self.masses + 1 : self.speed_place])
+        p = {name: theta[row] for row, name in enumerate(self.names)}
+        speeds = ca.vertsplit(x[self.speed_index :])
+        deflections = ca.vertsplit(x[self.speed_index - self.masses + 1 : self.speed_index])
         rates = [before - after for before, after in itertools.pairwise(speeds)]
         torques = [gear_torque(self.gear, deflections[0], p) + p["gear_damping"] * rates[0]]
         inertias = [p["motor_inertia"], p["arm_1_inertia"]]
@@ -104,5 +104,5 @@ class AxisStructure(Settings):
 
 
 def _sliding(unit: str) -> str:
-    """Return the unit for an axis that slides."""
+    """Convert a rotary unit to the unit of a linear axis."""
     return {"kg m2": "kg", "Nm/rad": "N/m", "Nm s/rad": "N s/m", "Nm": "N", "rad": "m", "rad/s": "m/s"}.get(unit, unit)

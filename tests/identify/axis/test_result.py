@@ -44,7 +44,7 @@ def test_value_that_is_not_told_has_no_interval_and_is_warned_of(found: OneAxisI
     row = next(row for row in record["nonlinear"]["parameters"] if row["name"] == "viscous_friction")
     assert (row["std"], row["interval"]) == (None, None)
     assert [text.split(",")[0].split(":")[0].split(";")[0] for text in record["warnings"]] == [
-        "the search did not end by itself",
+        "the search did not converge",
         "neighbouring prediction errors are correlated by 0.80",
-        "the log hardly tells viscous_friction",
+        "the log hardly determines viscous_friction",
     ]

@@ -29,7 +29,7 @@ def test_friction_starts_above_zero() -> None:
 @pytest.mark.parametrize(
     ("start", "message"),
     [
-        ({}, r"no start for motor_inertia, arm_1_inertia, gear_stiffness, gear_damping; give antiresonances"),
+        ({}, r"for motor_inertia, arm_1_inertia, gear_stiffness, gear_damping; give antiresonances"),
         (
             {"motor_inertja": 1.0},
             r"unknown parameter of the axis 'motor_inertja' in start: did you mean 'motor_inertia'",
@@ -53,7 +53,7 @@ def test_bounds_are_a_factor_or_what_is_given() -> None:
 
 @pytest.mark.parametrize("pair", [(2.0, 1.0), (-1.0, 1.0)])
 def test_bounds_without_room_are_refused(pair: tuple[float, float]) -> None:
-    with pytest.raises(InputError, match=r"bounds: gear_damping is to lie within .* above 0 and below the upper one"):
+    with pytest.raises(InputError, match=r"bounds: gear_damping .* above 0 and below the upper one"):
         bounds_around(PLAIN, GIVEN, {"gear_damping": pair}, RECORD)
 
 
