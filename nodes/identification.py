@@ -55,7 +55,7 @@ class IdentificationNode(FlexrosNode):
         self._course = ExperimentCourse(self._run.plan)
         self._stream = ReferenceStream(self, self._run)
         self._stream.on_progress = self._on_progress
-        self._stream.on_new_beginning = self._on_new_beginning
+        self._stream.on_restart = self._on_restart
         self._states = self.announce("experiment_state")
         self.offer("start", self._on_start)
         self.offer("stop", self._on_stop)
@@ -90,12 +90,12 @@ class IdentificationNode(FlexrosNode):
 
     def _on_progress(self, progress: int) -> None:
         """Tell at once when an experiment begins or ends."""
-        completed = self._course.number(progress)
+        completed = self._course.n_completed(progress)
         if completed != self._told and self._stopped is None:
             self._told = completed
             self._tell()
 
-    def _on_new_beginning(self) -> None:
+    def _on_restart(self) -> None:
         """Follow a plant that was reset: the experiment has not begun."""
         self._begin()
         self._send_state()
@@ -123,9 +123,9 @@ class IdentificationNode(FlexrosNode):
         first, last = self._stream.sent, self._run.n_samples - 1
         if first > last:
             return Answer(True, f"the experiment ends by itself within {self.state().time_left_s:g} s")
-        slowing = self._course.slowing(first)
-        self._stopped = first, min(first + slowing + self._n_rest, last)
-        self._stream.replace(RowsToRest(self._run.reference, first, slowing, self._run.sample_time))
+        n_slowing = self._course.n_slowing(first)
+        self._stopped = first, min(first + n_slowing + self._n_rest, last)
+        self._stream.replace(RowsToRest(self._run.reference, first, n_slowing, self._run.sample_time))
         self._send_state()
         self._stream.open()
         self._tell()

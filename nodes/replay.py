@@ -203,7 +203,7 @@ class ReplayNode(FlexrosNode):
     def _on_command(self, message: bytes) -> None:
         if self.active and self._answers is not None:
             try:
-                if self._answers.take(message):
+                if self._answers.add_command(message):
                     self._play()
             except FlexrosError as error:
                 self.end(error)

@@ -17,7 +17,7 @@ from rclpy.node import Node
 from flexros.errors import RunError
 from flexros_nodes.bringup.node_process import NodeProcess
 from flexros_nodes.bringup.run_plan import RunSummary, summarise
-from flexros_nodes.protocol.loop.shutdown import GOODBYE_TIMEOUT
+from flexros_nodes.protocol.loop.shutdown import FLUSH_TIMEOUT
 from flexros_nodes.protocol.parameters import node_parameters
 from flexros_nodes.protocol.process.clock_steps import waking_at_clock_steps
 from flexros_nodes.shell.domain import DOMAIN_VARIABLE
@@ -109,7 +109,7 @@ class ProcessManager:
         """Give the longest time that the plant may take to brake and to wait for the recorder [s]."""
         default = node_parameters("plant")["brake_duration"].default
         braking = float(self._plan.parameters.get("plant", {}).get("brake_duration", default))
-        return BRAKING_MARGIN * (braking + 1.0) + GOODBYE_TIMEOUT
+        return BRAKING_MARGIN * (braking + 1.0) + FLUSH_TIMEOUT
 
     def _await_services(self, name: str) -> None:
         """Wait until a node offers its services; one that does not is started once more."""

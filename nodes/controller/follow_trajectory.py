@@ -1,9 +1,9 @@
-"""The action FollowJointTrajectory of the controller, where control_msgs is installed."""
+"""Action FollowJointTrajectory of the controller, where control_msgs is installed."""
 
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
@@ -13,13 +13,13 @@ from flexros.errors import FlexrosError, RunError
 from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk, read_joint_trajectory
 from flexros.logs.stamps import NANOSECONDS
 from flexros_nodes.protocol.reference.trajectory_goal import (
-    OUTCOME_OF_REFUSAL,
+    OUTCOME_OF_REASON,
     Outcome,
     TrajectoryGoal,
     Verdict,
     position_tolerances,
 )
-from flexros_nodes.protocol.reference.trajectory_request import RefusedTrajectoryError, in_joint_order
+from flexros_nodes.protocol.reference.trajectory_request import RejectedTrajectoryError, in_joint_order
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,14 +27,13 @@ if TYPE_CHECKING:
     from rclpy.action.server import ServerGoalHandle
 
     from flexros.arrays import FloatArray
-    from flexros_nodes.controller.node import ControllerNode
 
 FEEDBACK_PERIOD = 0.05
-"""Simulated time between two messages of feedback [s], chosen."""
+"""Simulated time between two feedback messages [s], chosen."""
 
 
 def installed_action() -> Any | None:
-    """Give control_msgs/action/FollowJointTrajectory; None where it is not installed."""
+    """Return control_msgs/action/FollowJointTrajectory; None where it is not installed."""
     try:
         from control_msgs.action import FollowJointTrajectory
     except ImportError:
@@ -43,19 +42,40 @@ def installed_action() -> Any | None:
 
 
 class SampledActionServer(ActionServer):
-    """An action server whose goals proceed with the samples of the loop, and not in a task of their own.
+    """Action server whose goals proceed with the samples of the loop instead of a task of their own.
 
-    A task that awaits the end of a motion would be looked at in every turn of the executor.
+    The executor would poll a task that awaits the end of a motion in every turn.
     """
 
     def notify_execute(self, goal_handle: ServerGoalHandle, execute_callback: Any) -> None:
-        """Let a goal execute; only with the callback that ends it, there is something to run."""
+        """Run the callback that ends a goal; starting one runs nothing."""
         if execute_callback is not None:
             super().notify_execute(goal_handle, execute_callback)
 
 
+class FollowingNode(Protocol):
+    """Node that follows trajectories: the controller."""
+
+    active: bool
+
+    def check_trajectory(self, trajectory: JointTrajectoryChunk) -> None:
+        """Raise RejectedTrajectoryError where `follow` would."""
+
+    def follow(self, trajectory: JointTrajectoryChunk) -> None:
+        """Follow a trajectory from the next sample on."""
+
+    def come_to_rest(self) -> None:
+        """Bring the reference to rest."""
+
+    def end(self, error: FlexrosError | None = None) -> None:
+        """End the node, because of an error if there is one."""
+
+    def get_logger(self) -> Any:
+        """Return the logger of the node."""
+
+
 class ActiveGoal(NamedTuple):
-    """A goal that is followed."""
+    """Goal being followed."""
 
     handle: Any
     goal: TrajectoryGoal
@@ -63,17 +83,17 @@ class ActiveGoal(NamedTuple):
 
 
 class FollowTrajectory:
-    """Follows the goals of `~/follow_joint_trajectory`, one at a time: a new one takes the place of the one before.
+    """Follows the goals of `~/follow_joint_trajectory`, one at a time: a new goal replaces the previous one.
 
     Args:
         node: The controller node.
         names: Joint names in the order of the motors.
-        action: The action's type.
+        action: Type of the action.
         server: Class of the action server.
     """
 
     def __init__(
-        self, node: ControllerNode, names: Sequence[str], action: Any, server: type = SampledActionServer
+        self, node: FollowingNode, names: Sequence[str], action: Any, server: type = SampledActionServer
     ) -> None:
         self._node = node
         self._names = tuple(names)
@@ -91,14 +111,14 @@ class FollowTrajectory:
         )
 
     def close(self) -> None:
-        """Give the action server back."""
+        """Destroy the action server."""
         self._server.destroy()
 
     def read(self, goal: Any) -> tuple[JointTrajectoryChunk, TrajectoryGoal]:
-        """Read a goal message.
+        """Decode a goal message.
 
         Raises:
-            FlexrosError: It cannot be followed.
+            FlexrosError: The goal is invalid.
         """
         trajectory = in_joint_order(read_joint_trajectory(serialize_message(goal.trajectory)), self._names)
         path = position_tolerances(goal.path_tolerance, self._names, "path_tolerance")
@@ -112,37 +132,37 @@ class FollowTrajectory:
                 raise RunError("the controller is not active; activate it first")
             self._node.check_trajectory(self.read(goal)[0])
         except FlexrosError as error:
-            self._node.get_logger().error(f"a goal of follow_joint_trajectory is refused: {error}")
+            self._node.get_logger().error(f"a goal of follow_joint_trajectory is rejected: {error}")
             return GoalResponse.REJECT
         return GoalResponse.ACCEPT
 
     def _on_accepted(self, handle: Any) -> None:
-        self.give_up("another goal has taken its place")
+        self.abort("replaced by another goal")
         handle.execute()
         trajectory, goal = self.read(handle.request)
         self._active = ActiveGoal(handle, goal, int(trajectory.time_from_start[-1]))
         self._next_feedback = 0
         try:
             self._node.follow(trajectory)
-        except RefusedTrajectoryError as error:  # it was in time when it was accepted
-            self._conclude(Verdict(OUTCOME_OF_REFUSAL[error.refusal], str(error)))
+        except RejectedTrajectoryError as error:  # its end may have passed since it was accepted
+            self._conclude(Verdict(OUTCOME_OF_REASON[error.reason], str(error)))
         except FlexrosError as error:
             self._node.end(error)
 
     def _on_cancel(self, handle: Any) -> CancelResponse:
         if self._active is None or self._active.handle != handle:
-            return CancelResponse.REJECT  # it ends already
+            return CancelResponse.REJECT  # the goal is ending already
         self._node.come_to_rest()
         self._conclude(Verdict(Outcome.SUCCESSFUL, "canceled; the robot comes to rest"), canceled=True)
         return CancelResponse.ACCEPT
 
-    def give_up(self, reason: str) -> None:
-        """Abort the goal that is followed, if there is one; whoever calls sees to the reference."""
+    def abort(self, reason: str) -> None:
+        """Abort the active goal, if any; the caller handles the reference."""
         if self._active is not None:
             self._conclude(Verdict(Outcome.INVALID_GOAL, reason))
 
     def sampled(self, stamp: int, end: int, reference: FloatArray, measured: Sequence[float]) -> None:
-        """Judge a sample of the loop, and send feedback now and then.
+        """Evaluate a sample of the loop, and publish feedback periodically.
 
         Args:
             stamp: Its stamp [ns].
@@ -153,7 +173,7 @@ class FollowTrajectory:
         if self._active is None:
             return
         n, actual = len(self._names), np.asarray(measured)
-        verdict = self._active.goal.judge(stamp, end, reference[:n], actual)
+        verdict = self._active.goal.evaluate(stamp, end, reference[:n], actual)
         if verdict is not None or stamp >= self._next_feedback:
             self._next_feedback = stamp + round(FEEDBACK_PERIOD * NANOSECONDS)
             self._active.handle.publish_feedback(self.feedback(stamp, end, reference, actual))
@@ -163,7 +183,7 @@ class FollowTrajectory:
             self._conclude(verdict)
 
     def feedback(self, stamp: int, end: int, reference: FloatArray, measured: FloatArray) -> Any:
-        """Fill a message of feedback; see `sampled`."""
+        """Fill a feedback message; arguments as for `sampled`."""
         message, n = self._action.Feedback(), len(self._names)
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, NANOSECONDS)
         message.joint_names = list(self._names)
@@ -182,7 +202,7 @@ class FollowTrajectory:
             self._server.notify_execute(active.handle, partial(self._end, verdict, canceled))
 
     def _end(self, verdict: Verdict, canceled: bool, handle: Any) -> Any:
-        """Bring a goal to its final state and give its result."""
+        """Set the final state of a goal and return its result."""
         if canceled:
             handle.canceled()
         elif verdict.outcome is Outcome.SUCCESSFUL:

@@ -1,4 +1,4 @@
-"""Controller node: answers each measurement with the command of the scenario's control law."""
+"""Controller node: answers each measurement with the command of the control law of the scenario."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ if TYPE_CHECKING:
     from flexros_nodes.protocol.parameters import Value
 
 STOP_TIME = 0.2
-"""Time in which a motion that is canceled comes to rest [s], chosen."""
+"""Time in which a cancelled motion comes to rest [s], chosen."""
 
-REFUSALS_TOLD = 1.0
-"""Least time between two refusals of trajectories in the log [s], chosen: a flood of them must not fill it."""
+REJECTION_PERIOD = 1.0
+"""Shortest time between two logged rejections of trajectories [s], chosen: a flood of them must not fill the log."""
 
-LOOKS = 10
-"""Number of trajectories that are looked at as they come, if none has come before for long, chosen."""
+READ_BUDGET = 10
+"""Trajectories that are decoded on arrival after a long time without any, chosen."""
 
-LOOKS_PER_SAMPLE = 0.05
-"""Number of trajectories that may be looked at with each sample in a flood of them, chosen."""
+READS_PER_SAMPLE = 0.05
+"""Trajectories decoded per sample in a flood of them, chosen."""
 
 
 class ControllerNode(FlexrosNode):
-    """The feedback controller of a scenario: a function of stamp, measurement, reference and own state.
+    """Feedback controller of a scenario: a function of stamp, measurement, reference and its own state.
 
-    It answers sample k once it holds the reference of k, sends its last reply again when a stamp is repeated, and drops
-    older stamps. It never reads a clock.
+    It answers sample k once it holds the reference of k, repeats its last reply for a repeated stamp, and drops older
+    stamps. It never reads a clock.
     """
 
     node_name = "controller"
@@ -79,9 +79,9 @@ class ControllerNode(FlexrosNode):
             self._follower = None
 
     def _begin(self) -> None:
-        """Stand before the first sample."""
+        """Return to the state before the first sample."""
         if self._follower is not None:
-            self._follower.give_up("the loop begins anew")
+            self._follower.abort("the loop restarts")
         self._controller.reset()
         self._buffer = ReferenceBuffer(self._n_motors, self._sample_time)
         self._lockstep = ControllerLockStep(self._sample_time)
@@ -89,9 +89,9 @@ class ControllerNode(FlexrosNode):
         self._drops: Callable[[], bool] | None = self._loss.drops if self.value("drop_fraction") else None
         self._pending: tuple[float, ...] | None = None
         self._reply: tuple[bytes, bytes] | None = None
-        self._found = False
-        self._answered = self._waits = self._refused = 0
-        self._looks = float(LOOKS)
+        self._partners_found = False
+        self._answered = self._waits = self._rejected = 0
+        self._read_budget = float(READ_BUDGET)
         self._newest_trajectory: bytes | None = None
 
     def start(self) -> None:
@@ -101,31 +101,31 @@ class ControllerNode(FlexrosNode):
     def stop(self) -> None:
         """Abort the goal that is followed."""
         if self._follower is not None:
-            self._follower.give_up("the controller has stopped")
+            self._follower.abort("the controller has stopped")
 
     def _declare_gains(self) -> None:
         gains = self._controller.gains
         self.undeclare(name for name in self._gain_names if self.has_parameter(name))  # the scenario may have changed
         self._gain_names = self._controller.gain_names
         self.declare(gain_parameters(self._controller.law, self._gain_names, gains))
-        self._take_gains({name: self.value(name) for name in self._gain_names if self.has_parameter(name)})
+        self._set_gains({name: self.value(name) for name in self._gain_names if self.has_parameter(name)})
 
     def parameters_changed(self, values: Mapping[str, Value]) -> None:
-        """Take over changed gains, from the next sample on, and say so."""
+        """Apply changed gains from the next sample on, and log it."""
         if gains := {name: values[name] for name in self._gain_names if name in values}:
-            self._take_gains(gains)
+            self._set_gains(gains)
             what = ", ".join(f"{name} = {value!r}" for name, value in gains.items())
             first = f"the sample after stamp {self.stamp / NANOSECONDS:.4f} s" if self._answered else "the first sample"
             self.get_logger().info(f"{what} from {first} on")
 
-    def _take_gains(self, values: Mapping[str, Value]) -> None:
+    def _set_gains(self, values: Mapping[str, Value]) -> None:
         gains = self._controller.gains
         for i, name in enumerate(self._gain_names):
             gains[i] = values.get(name, gains[i])
         self._controller.gains = gains
 
     def figures(self) -> dict[str, float]:
-        """Give counts of what was answered, repeated and lost."""
+        """Return counts of answered, repeated and lost states."""
         return {
             "answered": self._answered,
             "repeated_states": self._lockstep.repeated,
@@ -133,7 +133,7 @@ class ControllerNode(FlexrosNode):
             "missed_states": self._lockstep.missed,
             "waits_for_reference": self._waits,
             "ignored_chunks": self._buffer.ignored,
-            "refused_trajectories": self._refused,
+            "refused_trajectories": self._rejected,
             "dropped_on_purpose": self._loss.dropped,
         }
 
@@ -142,42 +142,42 @@ class ControllerNode(FlexrosNode):
     def _on_state(self, message: bytes) -> None:
         if self._drops is not None and self._drops():
             return
-        if not self._found and not self._partners_found():
+        if not self._partners_found and not self._find_partners():
             return
         try:
             sample = self._view.unpack(message)
         except FlexrosError as error:
-            raise RunError(f"a measurement on joint_states is refused: {error}") from error
+            raise RunError(f"a measurement on joint_states is rejected: {error}") from error
         arrival = self._lockstep.arrival(sample.stamp_ns)
         if arrival is Arrival.NEW:
             if sample.position is None or not math.isfinite(sum(sample.position)):
                 raise RunError(
-                    f"the measurement at stamp {sample.stamp_ns / NANOSECONDS:.4f} s is refused: its position is "
-                    f"{'empty' if sample.position is None else list(sample.position)}, needed is one finite number for "
-                    f"each of {', '.join(self._names)}"
+                    f"the measurement at stamp {sample.stamp_ns / NANOSECONDS:.4f} s is rejected: its position is "
+                    f"{'empty' if sample.position is None else list(sample.position)}, required is one finite "
+                    f"number for each of {', '.join(self._names)}"
                 )
             self._pending = sample.position
             self._answer()
         elif arrival is Arrival.REPEATED and self._pending is None and self._reply is not None:
             self._publish(*self._reply)
-        elif arrival is Arrival.ANEW:
-            self.get_logger().info("the plant has begun anew, and so does the controller")
+        elif arrival is Arrival.RESTARTED:
+            self.get_logger().info("the plant has restarted, and so does the controller")
             self._begin()
             self._on_state(message)
 
-    def _partners_found(self) -> bool:
-        """Tell whether plant and recorders would hear a reply; until then the plant repeats its first state."""
+    def _find_partners(self) -> bool:
+        """Return whether plant and recorders would receive a reply; until then the plant repeats its first state."""
         observers = self.value("observers")
-        self._found = (
+        self._partners_found = (
             self._commands.get_subscription_count() > observers
             and self._references.get_subscription_count() >= observers
         )
-        return self._found
+        return self._partners_found
 
     def _answer(self) -> None:
-        """Answer the newest measurement if its reference is there."""
-        if self._newest_trajectory is not None and self._looks >= 1.0:
-            self._look_at_trajectory(self._newest_trajectory)
+        """Answer the newest measurement if its reference is available."""
+        if self._newest_trajectory is not None and self._read_budget >= 1.0:
+            self._read_trajectory(self._newest_trajectory)
         position = self._pending
         if position is None:
             return
@@ -188,7 +188,7 @@ class ControllerNode(FlexrosNode):
             return
         command = self._controller.step(position, reference)
         self._pending = None
-        self._looks = min(self._looks + LOOKS_PER_SAMPLE, LOOKS)
+        self._read_budget = min(self._read_budget + READS_PER_SAMPLE, READ_BUDGET)
         self.stamp = stamp
         self._answered += 1
         n = self._n_motors
@@ -213,39 +213,39 @@ class ControllerNode(FlexrosNode):
         try:
             chunk = read_joint_trajectory(message).in_order(self._names)
         except FlexrosError as error:
-            raise RunError(f"a message on joint_reference_ahead is refused: {error}") from error
+            raise RunError(f"a message on joint_reference_ahead is rejected: {error}") from error
         self._buffer.append(chunk)
         self._answer()
         self._confirmation.stamp.sec, self._confirmation.stamp.nanosec = divmod(chunk.stamp_ns, NANOSECONDS)
         self._received.publish(self._confirmation)
 
     def _on_trajectory(self, message: bytes) -> None:
-        """Look at a trajectory; in a flood of them only now and then, at the newest."""
-        if self._looks >= 1.0:
-            self._look_at_trajectory(message)
+        """Decode a trajectory; in a flood of them only the newest at intervals."""
+        if self._read_budget >= 1.0:
+            self._read_trajectory(message)
         else:
             self._newest_trajectory = message
 
-    def _look_at_trajectory(self, message: bytes) -> None:
-        """Follow a trajectory from the next sample on; one that cannot be followed must not end the loop."""
-        self._looks -= 1.0
+    def _read_trajectory(self, message: bytes) -> None:
+        """Follow a trajectory from the next sample on; an invalid one must not end the loop."""
+        self._read_budget -= 1.0
         self._newest_trajectory = None
         try:
             trajectory = in_joint_order(read_joint_trajectory(message), self._names)
             self.check_trajectory(trajectory)
         except FlexrosError as error:
-            self._refused += 1
+            self._rejected += 1
             self.get_logger().warning(
-                f"a trajectory on joint_trajectory is refused: {error}; the reference goes on as before",
-                throttle_duration_sec=REFUSALS_TOLD,
+                f"a trajectory on joint_trajectory is rejected: {error}; the reference is unchanged",
+                throttle_duration_sec=REJECTION_PERIOD,
             )
             return
         if self._follower is not None:
-            self._follower.give_up("a trajectory on joint_trajectory has taken its place")
+            self._follower.abort("replaced by a trajectory on joint_trajectory")
         self.follow(trajectory)
 
     def check_trajectory(self, trajectory: JointTrajectoryChunk) -> None:
-        """Refuse what `follow` would refuse; raises RefusedTrajectoryError."""
+        """Raise RejectedTrajectoryError where `follow` would."""
         self._buffer.check(trajectory, self.value("position_limit"))
 
     def follow(self, trajectory: JointTrajectoryChunk) -> None:
@@ -255,11 +255,11 @@ class ControllerNode(FlexrosNode):
             trajectory: Points, joints in the order of the motors.
 
         Raises:
-            RefusedTrajectoryError: It cannot be followed; the reference goes on as before.
+            RejectedTrajectoryError: The trajectory is invalid; the reference is unchanged.
         """
         self._buffer.replace(trajectory, self.value("position_limit"))
         self._answer()
 
     def come_to_rest(self) -> None:
-        """Bring the reference to rest, evenly."""
+        """Bring the reference to rest with constant deceleration."""
         self._buffer.come_to_rest(STOP_TIME)

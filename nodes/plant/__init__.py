@@ -1,1 +1,1 @@
-"""The plant node."""
+"""Plant node: the simulated robot."""

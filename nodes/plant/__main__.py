@@ -5,7 +5,7 @@ from flexros_nodes.shell.executable import run_node
 
 
 def main() -> int:
-    """Run the node as an executable."""
+    """Run the node in this process."""
     return run_node(PlantNode)
 
 

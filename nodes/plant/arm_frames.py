@@ -1,4 +1,4 @@
-"""The bodies of the true arm as frames on /tf, where tf2_msgs is installed."""
+"""Frames of the bodies of the true arm on /tf, where tf2_msgs is installed."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 
 class ArmFrames:
-    """Fills one message again and again.
+    """Fills one message of frames repeatedly.
 
     Args:
-        robot: The robot whose bodies are meant.
-        prefix: Stands before the names of the bodies, so that they are not those of the rigid arm.
+        robot: Robot with the bodies to show.
+        prefix: Prefix of the body names, which distinguishes them from those of the rigid arm.
 
     Raises:
         InputError: tf2_msgs is not installed.
@@ -36,7 +36,7 @@ class ArmFrames:
         except ImportError as error:
             raise InputError(
                 f"parameter frames of node plant is true, but /tf needs tf2_msgs, which cannot be imported ({error}); "
-                "install it, or leave frames at false"
+                "install it, or set frames to false"
             ) from error
         self._placements = BodyPlacements(robot)
         self._transforms = [TransformStamped() for _ in robot.spec.bodies]
@@ -46,7 +46,7 @@ class ArmFrames:
         self._message = kind(transforms=self._transforms)
 
     def fill(self, stamp: int, state: FloatArray) -> Any:
-        """Give the message of a state.
+        """Return the message of a state.
 
         Args:
             stamp: Simulated time [ns].
@@ -58,6 +58,6 @@ class ArmFrames:
         seconds, nanoseconds = divmod(stamp, NANOSECONDS)
         for stamped, pose in zip(self._transforms, self._placements.poses(state).tolist()):
             stamped.header.stamp.sec, stamped.header.stamp.nanosec = seconds, nanoseconds
-            place, turn = stamped.transform.translation, stamped.transform.rotation
-            place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w = pose
+            position, rotation = stamped.transform.translation, stamped.transform.rotation
+            position.x, position.y, position.z, rotation.x, rotation.y, rotation.z, rotation.w = pose
         return self._message

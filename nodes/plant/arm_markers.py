@@ -1,4 +1,4 @@
-"""The arm as markers: as it stands, with its deflection magnified, and as its motors alone would have it."""
+"""Markers of the arm: true shape, shape with magnified deflection, and rigid shape of the motor positions."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ COLOURS = {
     "magnified": (0.9, 0.4, 0.1, 1.0),
     "stiff": (0.5, 0.5, 0.5, 0.5),
 }
-"""Red, green, blue, opacity of each arm; its name is the marker's namespace."""
+"""Red, green, blue and opacity of each arm; its name is the namespace of the marker."""
 
 WIDTHS = {"true": 2.0, "magnified": 1.0, "stiff": 1.0}
-"""Width of the lines in radii of the bars: thinner ones are seen within thicker ones, chosen."""
+"""Width of the lines in radii of the bars, chosen: a thin arm stays visible within a thick one."""
 
 
 class ArmMarkers:
-    """Fills one message again and again.
+    """Fills one message of markers repeatedly.
 
     Args:
-        robot: The robot that is seen.
+        robot: Robot to show.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -49,12 +49,12 @@ class ArmMarkers:
         return marker
 
     def fill(self, stamp: int, state: FloatArray, magnification: float) -> MarkerArray:
-        """Give the message of a state.
+        """Return the message of a state.
 
         Args:
             stamp: Simulated time [ns].
             state: State x = [q_a, q_m, rates], shape (2 n_coordinates,).
-            magnification: By which the deflection is multiplied.
+            magnification: Factor on the deflection [1].
 
         Returns:
             The message, the same object each time.

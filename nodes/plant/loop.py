@@ -1,4 +1,4 @@
-"""The loop of a plant: sample by sample from command to measurement, in lock-step or in real time, or paused."""
+"""Loop of the plant from command to measurement: lock-step, real time or paused."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flexros.errors import FlexrosError, RunError
 from flexros.logs.stamps import stamp_ns
 from flexros_nodes.plant.messages import PlantMessages, read_recorder_progress, recorder_window
 from flexros_nodes.protocol.experiment_state import read_experiment_state
-from flexros_nodes.protocol.loop.abort_messages import recorder_silence_text, silence_text
+from flexros_nodes.protocol.loop.abort_messages import controller_timeout_message, recorder_timeout_message
 from flexros_nodes.protocol.loop.command_reader import CommandReader
 from flexros_nodes.protocol.loop.lockstep import FASTEST_RESEND, PlantLockStep, Tick
 from flexros_nodes.protocol.loop.message_loss import MessageLoss
@@ -28,22 +28,22 @@ if TYPE_CHECKING:
 
 
 class PlantLoop:
-    """Publishes sample k and goes on when the command of sample k has come, in real time with the cycles of a schedule.
+    """Publishes sample k and advances on the command of sample k; in real time with the cycles of a schedule.
 
     Args:
         node: The plant node, for its parameters and messages.
-        run: What runs.
+        run: The run.
         pacing: Calls `on_cycle` in real time.
-        on_end: Called when the loop ends, with the error if it breaks off.
+        on_end: Called when the loop ends, with the error if it is aborted.
 
     Attributes:
         sample: Present sample k; -1 before the first.
         stamp: Its stamp [ns].
         plant: The robot.
-        pause: Whether the user lets the loop stand still.
-        window: How far the loop may run ahead of the recorder.
-        lockstep: Which stamp is awaited, and what was sent again.
-        loss: Counts what was lost on purpose.
+        pause: Pause by the user.
+        window: Flow control between loop and recorder.
+        lockstep: Awaited stamp and repeated states.
+        loss: Counts messages dropped on purpose.
         torque_use: Counts the commands at the limits of the motors.
         over: Whether the loop has ended.
     """
@@ -65,11 +65,11 @@ class PlantLoop:
         self.begin()
 
     def begin(self) -> None:
-        """Stand before the first sample."""
+        """Return to the state before the first sample."""
         value = self._node.value
         self.plant = self._run.plant_in_time()
         self._n_samples = self._run.n_samples
-        self._pacing.forget()
+        self._pacing.reset()
         self._node.poll(self._commands, polled=False)
         self._newest_command = -1
         self.sample, self.stamp = -1, stamp_ns(0, self._sample_time)
@@ -87,23 +87,23 @@ class PlantLoop:
         )
 
     def send_first(self) -> None:
-        """Send the first sample: the partners are there."""
+        """Send the first sample; all partners are connected."""
         self.window.start(stamp_ns(0, self._sample_time))
         self._began = perf_counter()
         self.next_sample()
 
     def end(self) -> None:
-        """End the loop; `next_sample` can still be called."""
+        """End the loop; `brake` can still append samples."""
         self.over = True
         self._ended = self._now()
         self._kept = None
         self._pacing.halt()
 
     def times(self, active: bool) -> tuple[int, float, float]:
-        """Give number of samples, the time that they cover [s] and that they took [s].
+        """Return the number of samples, the simulated time they cover [s] and the wall-clock time they took [s].
 
         Args:
-            active: Whether the present sample is still to be moved on from.
+            active: Whether the present sample is still in progress, and so not counted.
         """
         samples = self.sample if active and not self.over else self.sample + 1
         return samples, samples * self._sample_time, (self._ended or self._now()) - self._began
@@ -112,7 +112,7 @@ class PlantLoop:
         return self.pause.since if self.pause.on else perf_counter()
 
     def watch(self) -> None:
-        """Send the present sample again, or give up, where lock-step takes too long; for a period of FASTEST_RESEND."""
+        """Repeat the present sample, or abort, when its command is overdue; call every FASTEST_RESEND."""
         if self.sample < 0 or self.over or self._pacing.schedule is not None:
             return
         if self.pause.holds:
@@ -121,7 +121,7 @@ class PlantLoop:
         if self.window.held or self._kept is not None:
             patience = self._node.value("recorder_timeout")
             if self.window.wait(FASTEST_RESEND) > patience:
-                raise RunError(recorder_silence_text(self.window.confirmed, patience))
+                raise RunError(recorder_timeout_message(self.window.confirmed, patience))
             self.go_on()
         if self.window.held:
             return
@@ -130,7 +130,7 @@ class PlantLoop:
             self.messages.publish()
         elif tick is Tick.GIVE_UP:
             resends = self.lockstep.resends + self.lockstep.handshakes
-            raise RunError(silence_text(self.sample, self.stamp, self.lockstep.silence, resends))
+            raise RunError(controller_timeout_message(self.sample, self.stamp, self.lockstep.silence, resends))
 
     def _on_command(self, message: bytes) -> None:
         if self.over or (self._drops is not None and self._drops()):
@@ -149,14 +149,14 @@ class PlantLoop:
             self._advance(command)
         else:
             self._kept = command if self._kept is None else self._kept
-            self.lockstep.hold()  # while the recorder is awaited; the first sample is repeated until it is heard
+            self.lockstep.hold()  # while waiting for the recorder; the first sample is repeated until it is received
             self.go_on()
 
     def _advance(self, command: FloatArray) -> None:
         if self.sample + 1 >= self._n_samples:
             self._on_end(None)
             return
-        self.torque_use.take(command)
+        self.torque_use.add(command)
         self.plant.advance(command)
         self.next_sample()
 
@@ -172,7 +172,7 @@ class PlantLoop:
             self.window.hold()
 
     def go_on(self) -> None:
-        """Publish the sample that was held back, or go on with the command that was kept, as soon as that may be."""
+        """Publish the sample held back, or advance with the command kept, as soon as that is permitted."""
         if self.window.held and self.window.admits(self.stamp):
             self.window.held = False
             self.lockstep.hold()
@@ -191,7 +191,7 @@ class PlantLoop:
                 self._advance(command)
 
     def brake(self) -> bool:
-        """Move one sample on with zero torque, unless the recorder is too far behind; tells whether it did."""
+        """Advance one sample with zero torque, unless the recorder is too far behind; return whether it did."""
         if self.window.held:
             return False
         self.plant.advance(np.zeros(self._run.nominal.n_motors))
@@ -203,7 +203,7 @@ class PlantLoop:
         self.go_on()
 
     def _on_experiment(self, message: bytes) -> None:
-        """Be patient while an experiment waits for its start; end with its last sample when it was stopped."""
+        """Keep waiting while an experiment waits for its start; take over its last sample when it was stopped."""
         state = read_experiment_state(message)
         if state.state == "waiting":
             self.lockstep.hold()
@@ -219,20 +219,22 @@ class PlantLoop:
             self._pacing.go_on(now)
 
     def receive(self) -> bool:
-        """Take one command that has come in real time; tells whether there was one."""
+        """Process one command received in real time; return whether there was one."""
         return self._node.take(self._commands)
 
     def on_cycle(self, command: FloatArray | None) -> None:
-        """Do a cycle of real time.
+        """Execute a real-time cycle.
 
         Args:
             command: Newest command [Nm or N], shape (M,); None when it is too old.
         """
-        if self.over:  # among what came there was a command that is refused
+        if self.over:  # one of the received commands was rejected
             return
         try:
             if command is None:
-                raise RunError(silence_text(self.sample, self.stamp, self._node.value("real_time_patience")))
+                raise RunError(
+                    controller_timeout_message(self.sample, self.stamp, self._node.value("real_time_patience"))
+                )
             self._advance(command)
         except FlexrosError as error:
             self._on_end(error)
@@ -240,13 +242,13 @@ class PlantLoop:
     # Pause.
 
     def begin_pause(self) -> None:
-        """Stand still at the present sample, whose command is kept."""
+        """Pause at the present sample, whose command is kept."""
         if not self.pause.on:
             self.pause.begin(perf_counter())
             self._pacing.halt()
 
     def end_pause(self) -> None:
-        """Go on."""
+        """Resume the loop."""
         now = perf_counter()
         self._began += self.pause.end(now)
         if self._pacing.has_begun:
@@ -254,7 +256,7 @@ class PlantLoop:
         self.go_on()
 
     def step(self) -> None:
-        """Let one sample follow in a pause, at once or when its command has come."""
+        """Let one sample pass in a pause, at once or when its command arrives."""
         if self._pacing.has_begun:
             self._began += self.pause.passed(perf_counter())
             self._pacing.step()

@@ -1,4 +1,4 @@
-"""The messages of the plant: state, tool pose and clock of one sample."""
+"""Messages of the plant: state, tool pose and clock of one sample."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ OWN_TOPICS = ("joint_states", "tool_pose")
 
 
 class PlantMessages:
-    """Fills the plant's messages for one sample, and publishes them as often as asked.
+    """Fills the messages of one sample, and publishes them once or repeatedly.
 
     Args:
         node: The plant node.
@@ -49,23 +49,23 @@ class PlantMessages:
         return int(self._states.get_subscription_count())
 
     def have_partners(self, observers: int) -> bool:
-        """Tell whether a controller and a number of recorders are there."""
+        """Return whether a controller and this number of recorders are connected."""
         heard = self.listeners() > observers and self._poses.get_subscription_count() >= observers
         return heard and self.is_published("joint_commands")
 
     def is_published(self, name: str) -> bool:
-        """Tell whether somebody publishes a topic of the contract."""
+        """Return whether a topic of the contract has a publisher."""
         return self._publishers(name) > 0
 
     def controllers(self) -> int:
-        """Count who publishes joint_commands."""
+        """Count the publishers of joint_commands."""
         return self._publishers("joint_commands")
 
     def _publishers(self, name: str) -> int:
         return int(self._node.count_publishers(self._node.resolve_topic_name(topic(name).name)))
 
     def fill(self, k: int, position: FloatArray, pose: FloatArray) -> int:
-        """Prepare the messages of a sample.
+        """Fill the messages of a sample.
 
         Args:
             k: Sample.
@@ -86,7 +86,7 @@ class PlantMessages:
         return stamp
 
     def publish(self) -> None:
-        """Publish the messages of the sample, for the first time or again."""
+        """Publish the messages of the sample, also repeatedly."""
         self._states.publish(self._state)
         self._poses.publish(self._pose)
         if self._clock_message is not None:
@@ -94,12 +94,12 @@ class PlantMessages:
 
 
 def recorder_window(samples: int, sample_time: float, real_time: bool) -> RecorderWindow:
-    """Make the flow control between plant and recorder.
+    """Create the flow control between plant and recorder.
 
     Args:
-        samples: How far the loop may run ahead of the recorder; 0 waits for nothing, not even at the start.
+        samples: Samples that the loop may run ahead of the recorder; 0 disables all waits, also at the start.
         sample_time: Time between two samples [s].
-        real_time: Whether the loop waits at the start alone.
+        real_time: Whether the loop waits only at the start.
     """
     if not samples:
         return RecorderWindow(0)
@@ -109,7 +109,7 @@ def recorder_window(samples: int, sample_time: float, real_time: bool) -> Record
 
 
 def read_recorder_progress(message: bytes) -> tuple[str, int]:
-    """Read a confirmation of the recorder: name of the topic, empty for all together, and stamp [ns]."""
+    """Decode a confirmation of the recorder: topic name, empty for all topics together, and stamp [ns]."""
     cursor = CdrCursor(message)
     cursor.skip(8, "stamp")
     return cursor.string("frame_id"), stamp_of(message)

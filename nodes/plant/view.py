@@ -1,4 +1,4 @@
-"""What others see of the plant beside its signals: the robot's description, and the arm as markers and frames."""
+"""Visualisation of the plant: robot description, and the arm as markers and frames."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
 MARKER_PERIOD = period("arm_markers")
 """Period of the markers [s]."""
 
-ASK_EVERY = 30
-"""Periods of the markers after which it is asked anew whether anybody wants them, chosen: a second."""
+CHECK_EVERY = 30
+"""Marker periods between two checks for subscribers, chosen: a second."""
 
 
 class PlantView:
-    """Publishes the description once, for all who ask later too, and markers and frames while somebody listens.
+    """Publishes the description once (latched), and markers and frames while they have subscribers.
 
-    Nothing is computed while nobody listens. In real time all is made beforehand, as that takes several cycles.
+    Nothing is computed without subscribers. In real time all objects are built beforehand: that takes several cycles.
 
     Args:
         node: The plant node.
-        run: What runs; the description is that of its nominal robot.
+        run: The run; the description is that of its nominal robot.
     """
 
     def __init__(self, node: FlexrosNode, run: Experiment) -> None:
@@ -47,8 +47,8 @@ class PlantView:
         self._calls = 0
 
     def show(self, plant: Plant) -> None:
-        """Publish markers and frames of the present state, if anybody listens; to be called once each period."""
-        if self._calls % ASK_EVERY == 0:
+        """Publish markers and frames of the present state, if subscribed; call once per marker period."""
+        if self._calls % CHECK_EVERY == 0:
             self._wanted = self._publisher.get_subscription_count() > 0
             self._frames_wanted = self._frames is not None and self._frame_publisher.get_subscription_count() > 0
         self._calls += 1

@@ -1,4 +1,4 @@
-"""A controller at the other end of a replay: what it still owes, and whether its commands are the recorded ones."""
+"""Commands of a controller that is fed by a replay, compared with the recorded ones."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ FIRST_REPEAT = 0.1
 
 
 class ControllerAnswers:
-    """Bookkeeping of measurements and commands; the clock is given, not fetched.
+    """Tracks open measurements and compares commands; times are arguments.
 
     Args:
-        feed: The recorded reference and commands.
+        feed: Recorded reference and commands.
         timeout: Time without a command after which the controller counts as gone [s].
 
     Attributes:
-        equal: Commands that equal the recorded ones in every bit.
-        different: Commands that do not.
-        unknown: Commands to stamps at which none was recorded.
-        repeats: Measurements that were sent again.
+        equal: Commands that are bit-equal to the recorded ones.
+        different: Commands that are not.
+        unknown: Commands for stamps without a recorded command.
+        repeats: Repeated measurements.
     """
 
     def __init__(self, feed: ControllerFeed, timeout: float) -> None:
@@ -45,19 +45,19 @@ class ControllerAnswers:
         return self._open >= 0
 
     def sent_chunk(self) -> None:
-        """Note that the next chunk of the reference has gone out."""
+        """Register that the next chunk of the reference was sent."""
         self._n_chunks += 1
 
     def sent_state(self, payload: bytes, now: float) -> None:
-        """Note that a measurement has gone out, now [s]."""
+        """Register that a measurement was sent, now [s]."""
         self._open, self._state = stamp_of(payload), payload
         self._sent = self._since = now
 
-    def take(self, payload: bytes) -> bool:
-        """Take a command; tells whether it is the one that was waited for.
+    def add_command(self, payload: bytes) -> bool:
+        """Process a command; return whether it answers the open measurement.
 
         Raises:
-            RunError: It is no command for these joints.
+            RunError: The command is not for these joints.
         """
         if stamp_of(payload) != self._open:
             return False
@@ -73,16 +73,16 @@ class ControllerAnswers:
         return True
 
     def to_repeat(self, now: float) -> tuple[bytes, tuple[bytes, ...]]:
-        """Give the measurement and the chunks that are to be sent again now [s]; empty where nothing is.
+        """Return the measurement and the chunks to repeat now [s]; empty where nothing is due.
 
         Raises:
-            RunError: The controller has been silent for too long.
+            RunError: The controller has not answered within the time-out.
         """
         if not self.waits or now - self._since < FIRST_REPEAT:
             return b"", ()
         if now - self._sent > self._timeout:
             raise RunError(
-                f"no command to the measurement at stamp {self._open / NANOSECONDS:.4f} s came within "
+                f"no command for the measurement at stamp {self._open / NANOSECONDS:.4f} s arrived within "
                 f"{self._timeout:g} s; start a controller with the scenario of the log and with observers:=0, or "
                 "replay without feeding one"
             )

@@ -1,4 +1,4 @@
-"""How far an identification experiment is, as nodes and services tell it; free of ROS."""
+"""Progress of an identification experiment: state, message and schedule."""
 
 from __future__ import annotations
 
@@ -16,43 +16,43 @@ if TYPE_CHECKING:
     from flexros.identify.experiment.timetable import Segment
 
 STATES = ("waiting", "running", "stopping", "done")
-"""Before its start, under way as planned, being brought to rest or at rest after that, and at the end of the plan."""
+"""Before the start, running as planned, being stopped or at rest after a stop, and at the end of the plan."""
 
-MOST = 1e15
-"""Largest number in a message; JSON knows larger ones than a float holds (chosen)."""
+LARGEST_NUMBER = 1e15
+"""Largest number in a message, chosen; JSON allows numbers beyond the range of a float."""
 
-_KINDS = {"state": str, "recording": bool, "percent": float, "time_left_s": float} | dict.fromkeys(
+_TYPES = {"state": str, "recording": bool, "percent": float, "time_left_s": float} | dict.fromkeys(
     (
         *("position", "positions", "block", "blocks", "experiment", "experiments"),
         *("completed", "planned", "last_sample", "stopped_at_sample"),
     ),
     int,
 )
-"""Kind of the value of each key of a message."""
+"""Type of the value of each key of a message."""
 
 STEEPEST = 1.875
-"""Largest slope of the rate at which a stopped plan is gone, times the time that the stop takes; see `RowsToRest`."""
+"""Largest slope of the time scaling of a stop, multiplied by its duration; see `RowsToRest`."""
 
 
 @dataclass(frozen=True)
 class ExperimentState:
-    """State of an experiment at one sample; numbers of positions, blocks and experiments count from 1.
+    """State of an experiment at one sample; positions, blocks and experiments are numbered from 1.
 
     Attributes:
         state: One of STATES.
-        recording: Whether the periods that count are being recorded; else the robot moves, settles or fades.
-        position: Position at which the robot is, or to which it moves.
+        recording: Whether evaluated periods are being recorded; else the robot moves, settles or the excitation fades.
+        position: Present position, or the one the robot moves to.
         positions: Number of positions of the plan.
         block: Block in that position.
         blocks: Blocks in that position.
         experiment: Experiment in that block.
         experiments: Experiments in that block.
-        completed: Experiments of the whole plan whose recorded periods are complete.
-        planned: Experiments of the whole plan.
-        percent: Share of the time that is over [%].
+        completed: Completed experiments of the whole plan.
+        planned: Number of experiments of the whole plan.
+        percent: Elapsed share of the time [%].
         time_left_s: Simulated time until the run ends [s].
-        last_sample: Sample with which the run ends.
-        stopped_at_sample: First sample that may differ from the plan; -1 unless it was stopped.
+        last_sample: Last sample of the run.
+        stopped_at_sample: First sample that may differ from the plan; -1 unless stopped.
     """
 
     state: str
@@ -71,16 +71,16 @@ class ExperimentState:
     stopped_at_sample: int = -1
 
     def as_dict(self) -> dict[str, Any]:
-        """Give it as plain data."""
+        """Return the state as plain data."""
         return asdict(self)
 
     def as_json(self) -> str:
-        """Write it as JSON."""
+        """Return the state as JSON."""
         return json.dumps(self.as_dict())
 
     def numbers(self) -> dict[str, float]:
-        """Give the numbers by name, for diagnostics and report."""
-        kept = (
+        """Return the numbers by name, for diagnostics and report."""
+        names = (
             "position",
             "block",
             "experiment",
@@ -90,10 +90,10 @@ class ExperimentState:
             "time_left_s",
             "stopped_at_sample",
         )
-        return {name: float(getattr(self, name)) for name in kept}
+        return {name: float(getattr(self, name)) for name in names}
 
     def sentence(self) -> str:
-        """Say it in words."""
+        """Return the state in words."""
         where = (
             f"position {self.position} of {self.positions}, block {self.block} of {self.blocks}, experiment "
             f"{self.experiment} of {self.experiments}"
@@ -101,52 +101,42 @@ class ExperimentState:
         if self.state == "waiting":
             return "waiting for the service start"
         if self.state == "stopping" and self.stopped_at_sample == 0:
-            return "stopped before it began; no experiment was run"
+            return "stopped before the start; no experiment was run"
         if self.state == "stopping":
             return f"stopped at {where}; {self.completed} of {self.planned} experiments are complete"
         if self.state == "done":
             return f"all {self.planned} experiments are complete"
-        doing = "recording" if self.recording else "on the way to"
-        return f"{doing} {where}; {self.percent:.1f} % done, {self.time_left_s:.0f} s left"
+        activity = "recording" if self.recording else "moving to"
+        return f"{activity} {where}; {self.percent:.1f} % done, {self.time_left_s:.0f} s left"
 
 
 def read_experiment_state(message: bytes) -> ExperimentState:
-    """Read a message that carries what `as_json` has written.
-
-    Args:
-        message: Serialised std_msgs/msg/String.
-
-    Returns:
-        The state.
+    """Decode a serialised std_msgs/msg/String with the JSON of `ExperimentState.as_json`.
 
     Raises:
-        RunError: It is something else.
+        RunError: The message has other content.
     """
     try:
-        given = json.loads(CdrCursor(message).string("data"))
-        state = ExperimentState(**given)
-        for name, kind in _KINDS.items():
+        values = json.loads(CdrCursor(message).string("data"))
+        state = ExperimentState(**values)
+        for name, expected in _TYPES.items():
             value = getattr(state, name)
-            if type(value) is not kind and not (kind is float and type(value) is int):
-                raise ValueError(f"{name} is {value!r}, needed is a value of type {kind.__name__}")
-            if isinstance(value, (int, float)) and not abs(value) <= MOST:  # NaN is not, either
-                raise ValueError(f"{name} must be a number of at most {MOST:g}")
+            if type(value) is not expected and not (expected is float and type(value) is int):
+                raise ValueError(f"{name} is {value!r}, required is a value of type {expected.__name__}")
+            if isinstance(value, (int, float)) and not abs(value) <= LARGEST_NUMBER:  # also rejects NaN
+                raise ValueError(f"{name} must be a number of at most {LARGEST_NUMBER:g}")
         if state.state not in STATES:
             raise ValueError(f"state is '{state.state}', allowed are {', '.join(STATES)}")
     except (TypeError, ValueError, RecursionError, MessageError) as error:
         raise RunError(
-            f"a message on experiment_state is refused: {error}; needed is JSON with the keys "
+            f"a message on experiment_state is rejected: {error}; required is JSON with the keys "
             f"{', '.join(field.name for field in fields(ExperimentState))}; correct its sender"
         ) from error
     return state
 
 
 class ExperimentCourse:
-    """Tells at any sample of a plan how far the experiment is.
-
-    Args:
-        plan: The plan.
-    """
+    """Computes the progress of an experiment plan at any sample."""
 
     def __init__(self, plan: ExperimentPlan) -> None:
         self._plan = plan
@@ -156,22 +146,18 @@ class ExperimentCourse:
         self._last = plan.n_samples - 1
         self._sizes = _sizes(plan.segments)
 
-    def number(self, sample: int) -> int:
-        """Count the experiments whose recorded periods are complete before a sample."""
+    def n_completed(self, sample: int) -> int:
+        """Count the experiments completed before a sample."""
         return sum(segment.stop <= sample for segment in self._segments)
 
-    def slowing(self, first: int) -> int:
-        """Give the samples in which the robot comes to rest when it is stopped.
+    def n_slowing(self, first: int) -> int:
+        """Return the number of samples in which a stop that begins at sample `first` brings the robot to rest.
 
-        Args:
-            first: First sample of the stop.
-
-        Returns:
-            The fade time during an experiment. In a move, where that may be too short, so many that braking needs no
-            more than the acceleration of the move.
+        During an experiment it is the fade time. In a move, where that may be too short, it is long enough for braking
+        to stay within the acceleration of the move.
         """
         if first == 0:
-            return 1  # it has not begun
+            return 1  # the experiment has not begun
         specification = self._plan.specification
         time, move = specification.fade, specification.move
         for visit in self._plan.visits:
@@ -182,17 +168,15 @@ class ExperimentCourse:
         return max(round(time / self._sample_time), 1)
 
     def state(self, state: str, sample: int, stopped: tuple[int, int] | None = None) -> ExperimentState:
-        """Give the state.
+        """Return the state.
 
         Args:
             state: One of STATES.
-            sample: Newest sample of the loop that is known.
-            stopped: First sample that may differ from the plan, and last sample of the run; None if it was not stopped.
+            sample: Newest known sample of the loop.
+            stopped: First sample that may differ from the plan, and last sample of the run; None unless stopped.
         """
-        at, last = (-1, self._last) if stopped is None else stopped
-        completed = self.number(
-            sample if stopped is None else at
-        )  # the robot goes as planned up to there, so it counts
+        stop, last = (-1, self._last) if stopped is None else stopped
+        completed = self.n_completed(sample if stopped is None else stop)  # up to the stop all is as planned
         segment = self._segments[min(completed, len(self._segments) - 1)]
         blocks, experiments = self._sizes[segment.position]
         return ExperimentState(
@@ -209,12 +193,12 @@ class ExperimentCourse:
             percent=round(100.0 * min(sample / max(last, 1), 1.0), 3),
             time_left_s=round(max(last - sample, 0) * self._sample_time, 6),
             last_sample=last,
-            stopped_at_sample=at,
+            stopped_at_sample=stop,
         )
 
 
 def _sizes(segments: tuple[Segment, ...]) -> dict[int, tuple[int, int]]:
-    """Give the number of blocks, and of experiments in a block, by position."""
+    """Return the number of blocks, and of experiments per block, by position."""
     sizes: dict[int, tuple[int, int]] = {}
     for segment in segments:
         blocks, experiments = sizes.get(segment.position, (0, 0))

@@ -1,4 +1,4 @@
-"""What a node leaves behind when it ends, free of ROS: exit code, message and figures."""
+"""Report of a node that has ended: exit code, message and figures."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 
 
 ERROR_PREFIX = "error: "
-"""Begins the line that a node prints when it ends with an error."""
+"""Prefix of the line that a node prints when it ends with an error."""
 
 
 @dataclass(frozen=True)
 class NodeReport:
-    """End of a node.
+    """Result of a node.
 
     Attributes:
         node: Name of the node.
-        exit_code: 0 done, 2 bad input, 3 broken off.
-        message: What happened, as one sentence; empty when done.
+        exit_code: 0 complete, 2 bad input, 3 aborted.
+        message: Error message in one sentence; empty on success.
         figures: Counts and statistics by name.
     """
 
@@ -34,12 +34,12 @@ class NodeReport:
     figures: Mapping[str, float] = field(default_factory=dict)
 
     def write(self, path: Path) -> None:
-        """Write the report as JSON; a reader sees all of it or nothing."""
+        """Write the report as JSON, atomically."""
         write_whole(path, json.dumps(asdict(self), indent=1) + "\n")
 
 
 def read_report(path: Path) -> NodeReport | None:
-    """Read a report; None when the node left none."""
+    """Read a report; None if there is none."""
     if not path.is_file():
         return None
     return NodeReport(**json.loads(path.read_text(encoding="utf-8")))

@@ -1,4 +1,4 @@
-"""Node parameters as data: type, default, bounds, unit and description from `msgs_config/<node>.yaml`; free of ROS."""
+"""Node parameters as data: type, default, bounds, unit and description from `msgs_config/<node>.yaml`."""
 
 from __future__ import annotations
 
@@ -24,25 +24,23 @@ Value: TypeAlias = bool | int | float | str
 _TYPES: dict[str, tuple[type, ...]] = {"bool": (bool,), "int": (int,), "double": (float, int), "string": (str,)}
 _ARTICLES = {"bool": "true or false", "int": "a whole number", "double": "a number", "string": "a text"}
 
-
-TAKES_THE_PLACE_OF = {"identification": "feedforward"}
-"""Nodes that do the work of another one, and so have its parameters too."""
-
+REPLACES = {"identification": "feedforward"}
+"""Nodes that replace another one and inherit its parameters."""
 
 LARGEST_GAIN = 1e12
-"""Largest gain that a controller may be given while running, in SI units, chosen: more is taken for a mistake."""
+"""Largest gain that can be set at run time, in SI units, chosen: more is taken for a mistake."""
 
 
 class ParameterSpecification(Settings):
     """One row of a parameter file."""
 
     type: Literal["bool", "int", "double", "string"] = Field(description="type of the value [name]")
-    default: Value = Field(description="value when nothing is given, in `unit`")
+    default: Value = Field(description="default value, in `unit`")
     bounds: tuple[float, float] | None = Field(default=None, description="lowest and highest allowed value, in `unit`")
     allowed: tuple[str, ...] | None = Field(default=None, description="allowed texts")
     unit: str = Field(description="unit of the value, empty where it has none")
-    description: str = Field(min_length=1, description="what the parameter does")
-    read_only: bool = Field(default=True, description="whether it is fixed once the node runs")
+    description: str = Field(min_length=1, description="effect of the parameter")
+    read_only: bool = Field(default=True, description="whether it is constant while the node runs")
 
     @model_validator(mode="after")
     def _default_is_allowed(self) -> ParameterSpecification:
@@ -51,14 +49,7 @@ class ParameterSpecification(Settings):
         return self
 
     def problem(self, value: object) -> str:
-        """Say what is wrong with a value, nothing if it is allowed.
-
-        Args:
-            value: Value given.
-
-        Returns:
-            "is ..., allowed is ...", or an empty text.
-        """
+        """Return what is wrong with a value, "is ..., allowed is ..."; empty if it is allowed."""
         unit = f" {self.unit}" if self.unit else ""
         if not isinstance(value, _TYPES[self.type]) or (isinstance(value, bool) and self.type != "bool"):
             return f"is {value!r}, allowed is {_ARTICLES[self.type]}{self._range()}"
@@ -87,7 +78,7 @@ def read_parameters(path: Path) -> dict[str, ParameterSpecification]:
         Specifications by parameter name.
 
     Raises:
-        InputError: The file cannot be read or a row is not allowed.
+        InputError: The file cannot be read or a row is invalid.
     """
     rows = read_yaml(path)
     for name, row in rows.items():
@@ -97,7 +88,7 @@ def read_parameters(path: Path) -> dict[str, ParameterSpecification]:
 
 
 def node_parameters(node: str) -> dict[str, ParameterSpecification]:
-    """Give the parameters of a node: those of all nodes, of the node whose place it takes, and its own.
+    """Return the parameters of a node: those of all nodes, of the node it replaces, and its own.
 
     Args:
         node: "plant", "controller", "feedforward", "identification" or "recorder".
@@ -106,22 +97,22 @@ def node_parameters(node: str) -> dict[str, ParameterSpecification]:
         Specifications by parameter name.
     """
     folder = data_folder("msgs_config")
-    files = ("all_nodes", TAKES_THE_PLACE_OF.get(node), node)
+    files = ("all_nodes", REPLACES.get(node), node)
     return {name: row for file in files if file for name, row in read_parameters(folder / f"{file}.yaml").items()}
 
 
 def gain_parameters(
     law: AbstractControlLaw, names: Sequence[str], gains: FloatArray
 ) -> dict[str, ParameterSpecification]:
-    """Give the parameters that stand for the gains of a control law; limits that are not set are none.
+    """Return the parameters for the gains of a control law; infinite limits have none.
 
     Args:
         law: The control law.
         names: Names of the gains.
-        gains: Values of the gains in the scenario, in SI units, shape (n_gains,).
+        gains: Gains of the scenario, in SI units, shape (n_gains,).
 
     Returns:
-        Specifications by parameter name; they may change while the node runs.
+        Specifications by parameter name; the values may change while the node runs.
     """
     return {
         name: ParameterSpecification(
@@ -138,19 +129,19 @@ def gain_parameters(
 
 
 def check_value(node: str, name: str, value: object, specifications: Mapping[str, ParameterSpecification]) -> Value:
-    """Check one value and bring it to its type.
+    """Check a value and convert it to its type.
 
     Args:
-        node: Name of the node, for the error.
-        name: Parameter.
+        node: Name of the node, for error messages.
+        name: Name of the parameter.
         value: Value given.
         specifications: All parameters of the node.
 
     Returns:
-        The value; a whole number given for a double becomes a double.
+        The value; an integer for a double becomes a double.
 
     Raises:
-        InputError: There is no such parameter, or the value is not allowed.
+        InputError: The parameter is unknown, or the value is not allowed.
     """
     if name not in specifications:
         raise unknown_name(f"parameter of node {node}", name, specifications)

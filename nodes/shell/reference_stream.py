@@ -8,7 +8,7 @@ from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk, seriali
 from flexros.logs.messages.pose_stamped import PoseStampedTemplate
 from flexros.logs.stamps import START_NS, sample_number, stamp_of, stamps_ns
 from flexros.logs.time_series import BASE_FRAME
-from flexros_nodes.protocol.loop.lockstep import Beginning
+from flexros_nodes.protocol.loop.lockstep import RestartDetector
 from flexros_nodes.protocol.reference.chunk_stream import ChunkStream
 from flexros_nodes.protocol.reference.reference_rows import PlannedRows
 from flexros_nodes.shell.topic_interface import period
@@ -46,7 +46,7 @@ class ReferenceStream:
         clock_samples: Samples between two messages of the clock.
         closed: Whether nothing is sent yet; set it before `start`, and call `open` when the time has come.
         on_progress: Called with the progress when it has grown, before anything is sent.
-        on_new_beginning: Called when the loop has begun anew, before anything is sent.
+        on_restart: Called when the loop has begun anew, before anything is sent.
     """
 
     def __init__(self, node: FlexrosNode, run: Experiment) -> None:
@@ -59,7 +59,7 @@ class ReferenceStream:
         self.clock_samples = max(round(period("clock") / self._sample_time), 1)
         self._pose_message = PoseStampedTemplate(BASE_FRAME)
         self.on_progress: Callable[[int], None] = lambda _: None
-        self.on_new_beginning: Callable[[], None] = lambda: None
+        self.on_restart: Callable[[], None] = lambda: None
         self.closed = False
         self._begin()
         self._chunks = node.announce("joint_reference_ahead")
@@ -75,7 +75,7 @@ class ReferenceStream:
         self._rows: ReferenceRows = self._planned
         self.progress = self._seen = self._poses_sent = 0
         self._stalls = 0
-        self._beginning = Beginning()
+        self._restart = RestartDetector()
         self._found = self._running = False
 
     @property
@@ -118,9 +118,9 @@ class ReferenceStream:
     def _on_clock(self, message: bytes) -> None:
         # rosgraph_msgs/Clock is a time alone, which lies where other messages have header.stamp
         self._node.stamp = stamp = stamp_of(message)
-        if stamp == START_NS and self.progress and self._beginning.is_new(self.progress):
+        if stamp == START_NS and self.progress and self._restart.restarted(self.progress):
             self._begin()
-            self.on_new_beginning()
+            self.on_restart()
         self._running = True
         progress = max(self.progress, sample_number(stamp, self._sample_time))
         if progress > self.progress:
@@ -167,7 +167,7 @@ class ReferenceStream:
         self._seen = self.progress
         self._stalls = self._stalls + 1 if stands_still else 0
         if stands_still and (self._stalls & (self._stalls - 1) == 0 or self._stalls % STALL_PERIODS == 0):
-            lacking = self._stream.again(self.progress)
+            lacking = self._stream.since(self.progress)
             self._send_poses(range(self.progress, self._poses_sent))
         else:
             lacking = self._stream.overdue(self.progress)

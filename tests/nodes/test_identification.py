@@ -161,14 +161,14 @@ def test_stopped_experiment_comes_to_rest_and_its_log_says_so(
     stopped = log.provenance["stopped"]
     at, last = stopped["stopped_at_sample"], stopped["last_sample"]
     assert (stopped["state"], stopped["planned"]) == ("stopping", 4)
-    assert stopped["completed"] == ExperimentCourse(run.plan).number(at)
+    assert stopped["completed"] == ExperimentCourse(run.plan).n_completed(at)
     assert 2 * at < 2 * last < 2 * run.n_samples
     assert len(log.joint_states.stamp) == last + 1
     assert log.joint_reference is not None
     assert log.joint_reference.velocity is not None
     reference = log.joint_reference.velocity
     assert np.array_equal(reference[:at], run.reference.motor_velocity[:at])
-    rest = at + ExperimentCourse(run.plan).slowing(at)
+    rest = at + ExperimentCourse(run.plan).n_slowing(at)
     assert np.array_equal(reference[rest:], np.zeros((last + 1 - rest, 1)))
     assert last + 1 - rest > 500  # 0.5 s
     assert np.abs(np.diff(log.joint_states.position[-50:], axis=0)).max() < 1e-3
@@ -197,10 +197,10 @@ def test_stop_of_an_experiment_that_waits_ends_a_run_at_rest(
     loop.bring_up()
     stop = loop.call("stop")
     assert stop.success
-    assert stop.message.startswith("stopped before it began; no experiment was run; the run ends in ")
+    assert stop.message.startswith("stopped before the start; no experiment was run; the run ends in ")
     start = loop.call("start")
     assert not start.success
-    assert start.message == "the experiment was stopped (stopped before it began; no experiment was run); run it again"
+    assert start.message == "the experiment was stopped (stopped before the start; no experiment was run); run it again"
     loop.finish()
     log = read_log(tmp_path / "log")
     assert (log.provenance["stopped"]["stopped_at_sample"], log.provenance["stopped"]["completed"]) == (0, 0)

@@ -116,7 +116,7 @@ def second_controller(folder: Path) -> Result:
                 take(start_node("controller", work, environment, scenario=other, observers=0))
                 code = run.exit_code(300.0)
         said, samples = run.last_sentence(), samples_in(work / "log")
-        wrong = [f"exit code {code}"] * (code != 3) + ["not told"] * ("a plant obeys one controller" not in said)
+        wrong = [f"exit code {code}"] * (code != 3) + ["not told"] * ("a plant accepts one controller" not in said)
         result.add("real time" if options else "lock-step", str(code), said, str(samples), wrong="; ".join(wrong))
         shutil.rmtree(work)
     return result

@@ -1,21 +1,21 @@
-"""Sentences of a plant whose run breaks off, free of ROS."""
+"""Abort messages of the plant."""
 
 from __future__ import annotations
 
 from flexros.logs.stamps import NANOSECONDS
 
 BRAKED = "the plant has braked to zero torque"
-"""What a plant does whose run breaks off, for the user to read."""
+"""End of every abort message: what the plant did."""
 
 
-def silence_text(k: int, stamp: int, silence: float, resends: int | None = None) -> str:
-    """Say that the controller has fallen silent.
+def controller_timeout_message(k: int, stamp: int, silence: float, resends: int | None = None) -> str:
+    """Report that no command came in time.
 
     Args:
         k: Sample whose command is missing.
         stamp: Its stamp [ns].
         silence: Time without a command [s].
-        resends: Times that the state was sent again, None in real time.
+        resends: Number of times the state was sent again; None in real time.
     """
     effort = "" if resends is None else f" although the state was sent again {resends} times"
     return (
@@ -24,19 +24,19 @@ def silence_text(k: int, stamp: int, silence: float, resends: int | None = None)
     )
 
 
-def partner_ended_text(k: int, stamp: int) -> str:
-    """Say that another node of the run has ended.
+def partner_exited_message(k: int, stamp: int) -> str:
+    """Report that another node of the run has exited.
 
     Args:
         k: Sample of the loop, negative before the first.
         stamp: Its stamp [ns].
     """
     when = f"at sample {k} (stamp {stamp / NANOSECONDS:.4f} s); {BRAKED}" if k >= 0 else "before the first sample"
-    return f"a partner of the plant has ended {when}"
+    return f"a partner of the plant exited {when}"
 
 
-def recorder_silence_text(confirmed: int, silence: float) -> str:
-    """Say that the recorder has fallen silent.
+def recorder_timeout_message(confirmed: int, silence: float) -> str:
+    """Report that the recorder has stopped confirming.
 
     Args:
         confirmed: Stamp up to which it has recorded [ns].
@@ -48,13 +48,13 @@ def recorder_silence_text(confirmed: int, silence: float) -> str:
     )
 
 
-def no_partners_text(listeners: int, observers: int, search: float) -> str:
-    """Say that partners are missing.
+def missing_partners_message(listeners: int, observers: int, search: float) -> str:
+    """Report that partners were not found.
 
     Args:
         listeners: Subscriptions to joint_states.
         observers: Recorders that the plant waits for.
-        search: Time that it has searched [s].
+        search: Time spent searching [s].
     """
     return (
         f"no partners within {search:g} s: joint_states has {listeners} subscriptions, needed are a controller and "

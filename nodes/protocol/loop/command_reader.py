@@ -1,4 +1,4 @@
-"""Reading torque commands, or refusing them; free of ROS."""
+"""Decoding and validation of torque commands."""
 
 from __future__ import annotations
 
@@ -19,45 +19,45 @@ if TYPE_CHECKING:
 
 
 MEMORY = 16
-"""Samples for which a second command is compared with the first, chosen: a second controller lags by a few."""
+"""Number of recent commands kept for comparison, chosen: a second controller lags by a few samples."""
 
 
 class CommandReader:
-    """Turns messages of joint_commands into torques.
+    """Decodes messages of joint_commands.
 
     Args:
         names: Joint names in the order of the motors; a sender may use another order.
-        senders: Counts who publishes joint_commands; asked when two commands for one sample differ.
+        senders: Returns the number of publishers of joint_commands; called when two commands for one sample differ.
     """
 
     def __init__(self, names: Sequence[str], senders: Callable[[], int] = lambda: 1) -> None:
         self._names = tuple(names)
         self._view = JointStateView(names)
         self._senders = senders
-        self._taken: dict[int, bytes] = {}
+        self._accepted: dict[int, bytes] = {}
 
     def stamp(self, message: bytes) -> int:
         """Read the stamp of a command [ns].
 
         Raises:
             MessageError: The bytes hold no stamp.
-            RunError: The command contradicts the one that was taken for the same stamp, and two nodes send.
+            RunError: The command differs from the accepted one of the same stamp, and two nodes publish.
         """
         stamp = stamp_of(message)
-        taken = self._taken.get(stamp)
-        if taken is not None and taken != message and (senders := self._senders()) > 1:
+        accepted = self._accepted.get(stamp)
+        if accepted is not None and accepted != message and (senders := self._senders()) > 1:
             raise RunError(
                 f"two commands for stamp {stamp / NANOSECONDS:.4f} s on joint_commands differ, and {senders} nodes "
-                f"publish it: a plant obeys one controller; stop the other; {BRAKED}"
+                f"publish it: a plant accepts one controller; stop the other; {BRAKED}"
             )
         return stamp
 
     def read(self, message: bytes, k: int) -> FloatArray:
-        """Read a command.
+        """Decode a command.
 
         Args:
             message: Serialised sensor_msgs/msg/JointState.
-            k: Sample that it answers, for the error.
+            k: Sample that it answers, for error messages.
 
         Returns:
             Torques [Nm or N], shape (M,).
@@ -68,19 +68,19 @@ class CommandReader:
         try:
             sample = self._view.unpack(message)
         except FlexrosError as error:
-            raise self._refusal(k, str(error)) from error
+            raise self._rejection(k, str(error)) from error
         effort = sample.effort
         if effort is None:
-            raise self._refusal(k, "its effort is empty")
+            raise self._rejection(k, "its effort is empty")
         if not math.isfinite(sum(effort)):
-            raise self._refusal(k, f"its effort is {list(effort)}")
-        self._taken[sample.stamp_ns] = message
-        if len(self._taken) > MEMORY:
-            del self._taken[next(iter(self._taken))]
+            raise self._rejection(k, f"its effort is {list(effort)}")
+        self._accepted[sample.stamp_ns] = message
+        if len(self._accepted) > MEMORY:
+            del self._accepted[next(iter(self._accepted))]
         return np.array(effort)
 
-    def _refusal(self, k: int, problem: str) -> RunError:
+    def _rejection(self, k: int, problem: str) -> RunError:
         return RunError(
-            f"the command on joint_commands for sample {k} is refused: {problem}; needed is one finite effort for "
+            f"the command on joint_commands for sample {k} is rejected: {problem}; required is one finite effort for "
             f"each of {', '.join(self._names)}; {BRAKED}"
         )

@@ -1,4 +1,4 @@
-"""Losing messages on purpose, to show that a run survives it."""
+"""Deliberate message loss, for tests of the protocol."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from random import Random
 
 
 class MessageLoss:
-    """Drops a fixed share of the messages that a node receives in the loop, chosen by a seed.
+    """Drops a fixed share of the messages that a node receives in the loop, repeatable by a seed.
 
     Args:
-        fraction: Share of messages dropped, 0 to below 1 [1].
-        seed: Seed of the choice.
+        fraction: Share of messages dropped, from 0 to below 1 [1].
+        seed: Seed of the random generator.
 
     Attributes:
         dropped: Messages dropped so far.
@@ -22,7 +22,7 @@ class MessageLoss:
         self._random = Random(seed).random  # noqa: S311 - a share of messages, not a secret
 
     def drops(self) -> bool:
-        """Decide on the next message."""
+        """Decide whether to drop the next message."""
         if self._fraction and self._random() < self._fraction:
             self.dropped += 1
             return True

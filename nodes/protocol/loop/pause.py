@@ -1,19 +1,19 @@
-"""Whether a loop stands still because its user wants it so; free of ROS."""
+"""Pause of the loop, with single steps."""
 
 from __future__ import annotations
 
 
 class Pause:
-    """A pause that may let single samples pass.
+    """State of a pause that single samples may pass.
 
     Args:
-        on: Whether the loop stands still from the beginning.
-        now: Time of the wall clock [s], any origin.
+        on: Whether the loop is paused from the beginning.
+        now: Wall-clock time [s], any origin.
 
     Attributes:
-        on: Whether the loop stands still, but for steps.
-        step_is_due: Whether one more sample is to follow in the pause.
-        since: When the pause, or its last step, was [s].
+        on: Whether the loop is paused, except for single steps.
+        step_is_due: Whether one more sample passes during the pause.
+        since: Time at which the pause or its last step began [s].
     """
 
     def __init__(self, on: bool, now: float) -> None:
@@ -23,15 +23,15 @@ class Pause:
 
     @property
     def holds(self) -> bool:
-        """Whether nothing may follow."""
+        """Whether the loop must wait."""
         return self.on and not self.step_is_due
 
     def begin(self, now: float) -> None:
-        """Let the loop stand still from now on [s]."""
+        """Pause the loop from now on [s]."""
         self.on, self.since = True, now
 
     def end(self, now: float) -> float:
-        """Let the loop go on; gives for how long it has stood still [s]."""
+        """Resume the loop; return the time since the pause or its last step began [s]."""
         self.on = self.step_is_due = False
         return now - self.since
 
@@ -40,8 +40,8 @@ class Pause:
         self.step_is_due = True
 
     def passed(self, now: float) -> float:
-        """Note that a sample passes now [s]; gives for how long the loop has stood still before it [s]."""
-        stood = now - self.since if self.on else 0.0
+        """Count a sample that passes now [s]; return the paused time before it [s]."""
+        paused = now - self.since if self.on else 0.0
         self.step_is_due = False
         self.since = now
-        return stood
+        return paused

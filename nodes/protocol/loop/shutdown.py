@@ -1,4 +1,4 @@
-"""How a plant ends: it brakes if it broke off, then waits until the recorder has everything; free of ROS."""
+"""Plant shutdown: brake, then flush the recorder."""
 
 from __future__ import annotations
 
@@ -7,43 +7,43 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from flexros.errors import FlexrosError
 
-GOODBYE_TIMEOUT = 10.0
-"""Longest wait at the end for the recorder [s], chosen: a lost message may take seconds to be sent again."""
+FLUSH_TIMEOUT = 10.0
+"""Longest wait for the recorder at the end [s], chosen: it can take seconds until a lost message is sent again."""
 
 
-class Ending:
-    """Bookkeeping of a plant's end.
+class Shutdown:
+    """Progress of a plant shutdown.
 
     Args:
-        failure: Why the run broke off, None when it is done.
-        brake_samples: Samples with zero torque that are to follow.
+        failure: Why the run was aborted, None if it is complete.
+        brake_samples: Number of samples with zero torque to append.
 
     Attributes:
-        failure: Why the run broke off, None when it is done.
+        failure: Why the run was aborted, None if it is complete.
         braked: Samples with zero torque so far.
     """
 
     def __init__(self, failure: FlexrosError | None, brake_samples: int) -> None:
         self.failure = failure
         self.braked = 0
-        self._to_brake = brake_samples
+        self._brake_samples = brake_samples
         self._waited = 0.0
 
     @property
-    def brakes(self) -> bool:
-        """Whether samples with zero torque are still to follow."""
-        return self.braked < self._to_brake
+    def braking(self) -> bool:
+        """Whether samples with zero torque remain to be sent."""
+        return self.braked < self._brake_samples
 
-    def brake(self) -> None:
-        """Note one more sample with zero torque."""
+    def count_brake_sample(self) -> None:
+        """Count one more sample with zero torque."""
         self.braked += 1
         self._waited = 0.0
 
-    def give_up_braking(self) -> None:
-        """Brake no more: the plant cannot be moved on."""
-        self._to_brake = self.braked
+    def stop_braking(self) -> None:
+        """Skip the remaining brake samples: the plant cannot be advanced."""
+        self._brake_samples = self.braked
 
-    def wait(self, time: float) -> bool:
-        """Note a wait for the recorder [s]; tells whether it has been too long since the last progress."""
+    def timed_out(self, time: float) -> bool:
+        """Add a wait for the recorder [s]; return whether the wait since the last progress exceeds the limit."""
         self._waited += time
-        return self._waited > GOODBYE_TIMEOUT
+        return self._waited > FLUSH_TIMEOUT

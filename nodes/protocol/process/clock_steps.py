@@ -1,7 +1,7 @@
-"""Waking what waits when the system clock is set; free of ROS.
+"""Wake-up of waiting threads when the system clock is set.
 
-C++ libraries that were built for a glibc before 2.30, as those of the wheels, wait on condition variables until a time
-of the system clock. Where that is set back by an hour meanwhile, a wait of half a millisecond lasts for an hour.
+C++ libraries built for a glibc before 2.30, as those of the wheels, wait on condition variables until a time of the
+system clock. If the clock is set back by an hour meanwhile, a wait of half a millisecond lasts for an hour.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _CLOCK_REALTIME = 0
 _ABSOLUTE, _CANCEL_ON_SET = 1, 2
 _NEVER = 1 << 33
-"""A time of the system clock in the year 2242 [s]."""
+"""Time of the system clock in the year 2242 [s]."""
 
 
 class _Time(ctypes.Structure):
@@ -33,15 +33,15 @@ class _Time(ctypes.Structure):
 
 @contextmanager
 def waking_at_clock_steps(wake: Callable[[], object]) -> Iterator[bool]:
-    """Call something, in a thread of its own, whenever the system clock is set while in the block.
+    """Call `wake` whenever the system clock is set within the block.
 
-    The kernel tells it by a timer of the system clock that is cancelled (timerfd_create(2), TFD_TIMER_CANCEL_ON_SET).
+    The kernel cancels a timer of the system clock when the clock is set (timerfd_create(2), TFD_TIMER_CANCEL_ON_SET).
 
     Args:
-        wake: What is called; it must be safe to call from another thread.
+        wake: Called in a thread of its own, so it must be thread-safe.
 
     Yields:
-        Whether the system tells when its clock is set.
+        Whether the system reports clock steps.
     """
     timer = _timer()
     if timer is None:
@@ -60,7 +60,7 @@ def waking_at_clock_steps(wake: Callable[[], object]) -> Iterator[bool]:
 
 
 def _timer() -> int | None:
-    """Open a timer of the system clock; None where there is none."""
+    """Open a timer of the system clock; None where the system has none."""
     try:
         timer = ctypes.CDLL(None).timerfd_create(_CLOCK_REALTIME, os.O_CLOEXEC | os.O_NONBLOCK)
     except (AttributeError, OSError):
@@ -74,19 +74,19 @@ def _timer() -> int | None:
 
 
 def _arm(timer: int) -> bool:
-    """Let a timer tell the next step of the clock."""
+    """Arm a timer for the next step of the clock."""
     time = _Time(0, 0, _NEVER, 0)
     result = ctypes.CDLL(None).timerfd_settime(timer, _ABSOLUTE | _CANCEL_ON_SET, ctypes.byref(time), None)
     return bool(result == 0)
 
 
 def _watch(timer: int, end: int, wake: Callable[[], object]) -> None:
-    """Wait for steps of the clock until the other side of a pipe is closed."""
+    """Wait for clock steps until the other end of the pipe is closed."""
     events = select.poll()
     events.register(timer, select.POLLIN)
     events.register(end, select.POLLIN)
     while not any(descriptor == end for descriptor, _ in events.poll()):
-        with suppress(OSError):  # it was cancelled
+        with suppress(OSError):  # ECANCELED: the clock was set
             os.read(timer, 8)
         _arm(timer)
         wake()

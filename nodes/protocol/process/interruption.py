@@ -1,4 +1,4 @@
-"""Ctrl-C and termination as a flag that the loop sees, so that logs close and nodes end in order."""
+"""Signals as flags that the loop polls, so that logs are closed and nodes shut down in order."""
 
 from __future__ import annotations
 
@@ -13,47 +13,47 @@ if TYPE_CHECKING:
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 PARTNER_ENDED = signal.SIGUSR1
-"""By which whoever started a node tells it that a partner has died."""
+"""Signal by which the parent process informs a node that a partner has exited."""
 
 
 class Interruption:
-    """Remembers that the user, or the system, wants an end.
+    """Flag of a request to terminate, by the user or the system.
 
-    The handler of the signal only sets a flag: it may run in the midst of anything, also while the interrupted code
-    holds a lock. Whoever waits looks at the flag now and then.
+    The signal handler only sets a flag: it may run at any point, also while the interrupted code holds a lock. Waiting
+    code polls the flag.
 
     Attributes:
-        partner_ended: Whether a partner of the node has died.
-        parent_died: Whether the process that started the node has died; set by who looks for it.
+        partner_ended: Whether a partner of the node has exited.
+        parent_died: Whether the parent process has died; set by the code that watches it.
     """
 
     def __init__(self) -> None:
-        self._came = False
+        self._requested = False
         self.partner_ended = False
         self.parent_died = False
 
     def __call__(self) -> bool:
-        """Tell whether a signal has come."""
-        return self._came
+        """Return whether termination was requested."""
+        return self._requested
 
     def note(self, number: int, frame: FrameType | None) -> None:
-        """Take a signal."""
+        """Handle a signal."""
         if number == PARTNER_ENDED:
             self.partner_ended = True
         else:
-            self._came = True
+            self._requested = True
 
 
 @contextmanager
 def interruption() -> Iterator[Interruption]:
-    """Catch SIGINT, SIGTERM and news of partners in the block; outside the main thread Python leaves them to others."""
-    noted = Interruption()
+    """Catch SIGINT, SIGTERM and PARTNER_ENDED within the block; only the main thread can install handlers."""
+    interrupted = Interruption()
     if threading.current_thread() is not threading.main_thread():
-        yield noted
+        yield interrupted
         return
-    before = {number: signal.signal(number, noted.note) for number in (*SIGNALS, PARTNER_ENDED)}
+    before = {number: signal.signal(number, interrupted.note) for number in (*SIGNALS, PARTNER_ENDED)}
     try:
-        yield noted
+        yield interrupted
     finally:
         for number, handler in before.items():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)

@@ -1,4 +1,4 @@
-"""Percentiles of times in bounded memory and constant time, free of ROS."""
+"""Percentiles of times in bounded memory and constant time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ BINS_PER_PERIOD = 500
 """Bins within one nominal period, chosen: 1 us at 2 kHz."""
 
 PERIODS = 8
-"""Nominal periods that the bins cover, chosen; of what is longer only number and maximum are kept."""
+"""Nominal periods covered by the bins, chosen; of longer times only number and maximum are kept."""
 
 
 class PeriodHistogram:
@@ -32,7 +32,7 @@ class PeriodHistogram:
         self._bins = array("q", bytes(8 * (self._last + 1)))
 
     def add(self, time: float) -> None:
-        """Count a time [s]; a negative one counts as none."""
+        """Count a time [s]; a negative one counts as zero."""
         self.count += 1
         if time > self.longest:
             self.longest = time
@@ -40,11 +40,7 @@ class PeriodHistogram:
         self._bins[min(max(i, 0), self._last)] += 1
 
     def merged(self, other: PeriodHistogram) -> PeriodHistogram:
-        """Give the counts of both together.
-
-        Args:
-            other: Histogram with the same nominal period.
-        """
+        """Return the sum of both histograms; `other` must have the same nominal period."""
         both = PeriodHistogram(BINS_PER_PERIOD / self._per_second)
         both.count = self.count + other.count
         both.longest = max(self.longest, other.longest)
@@ -52,10 +48,6 @@ class PeriodHistogram:
         return both
 
     def percentile(self, share: float) -> float:
-        """Give a percentile to the width of a bin [s]; beyond the bins it is the largest time.
-
-        Args:
-            share: 0 to 100 [%].
-        """
+        """Return the percentile of a share from 0 to 100 [%], to the width of a bin [s]; beyond them the maximum."""
         i = int(np.searchsorted(np.cumsum(self._bins), share / 100.0 * self.count))
         return self.longest if i >= self._last else min(i / self._per_second, self.longest)

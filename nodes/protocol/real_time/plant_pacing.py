@@ -1,11 +1,9 @@
-"""The cycles of a plant in real time: a schedule, and the newest command for each cycle; free of ROS."""
+"""Real-time cycles of the plant: a schedule, and the command held for each cycle."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros_nodes.protocol.loop.loop_figures import timing_figures
-from flexros_nodes.protocol.real_time.held_command import HeldCommand
 from flexros_nodes.protocol.real_time.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -16,20 +14,63 @@ if TYPE_CHECKING:
 
 
 MOST_MESSAGES = 100
-"""Messages that are looked through for a command, chosen: anybody may send more than one takes."""
+"""Messages searched for a command per cycle, chosen: any node may publish more than a cycle can process."""
+
+
+class HeldCommand:
+    """Holds the last command for a limited time while no new one arrives.
+
+    A partner that answers late is not gone: its command is held too, but the sample that it answers counts as missed.
+
+    Args:
+        first: Command of the first sample [Nm or N], shape (M,).
+        sample_time: Time between two samples [s].
+        patience: Longest time for which a command is held [s].
+
+    Attributes:
+        missed: Samples for which no command had arrived in time.
+    """
+
+    def __init__(self, first: FloatArray, sample_time: float, patience: float) -> None:
+        self.missed = 0
+        self._command = first
+        self._is_new = True
+        self._most_in_a_row = max(round(patience / sample_time), 1)
+        self._in_a_row = 0
+
+    @property
+    def is_new(self) -> bool:
+        """Whether a command has arrived that was not applied yet."""
+        return self._is_new
+
+    def offer(self, command: FloatArray, *, late: bool = False) -> None:
+        """Store a received command [Nm or N], shape (M,); a late one answers a past sample."""
+        self._command = command
+        self._is_new = not late
+        self._in_a_row = 0
+
+    def take(self) -> FloatArray | None:
+        """Return the command of the sample that is due, shape (M,); None when the last one is too old."""
+        if self._is_new:
+            self._is_new = False
+            self._in_a_row = 0
+            return self._command
+        self.missed += 1
+        self._in_a_row += 1
+        return self._command if self._in_a_row <= self._most_in_a_row else None
 
 
 class PlantPacing:
     """Paces the loop by the wall clock: it never waits, holds the last command and counts the miss.
 
     Args:
-        on_cycle: Called with the command of the sample that is due [Nm or N], shape (M,); None when the last one that
-            came is too old.
-        receive: Takes one message that has come, which may `offer` its command; tells whether there was one.
+        on_cycle: Called with the command of the sample that is due [Nm or N], shape (M,); None when the last received
+            one is too old.
+        receive: Processes one received message, which may `offer` its command; returns whether there was one.
 
     Attributes:
-        prioritised: Whether the thread that paces has real-time priority; set by whoever spins.
-        schedule: Due times, None while there is nothing to pace: in lock-step, before the first sample and in a pause.
+        prioritised: Whether the pacing thread has real-time priority; set by the spinning loop.
+        schedule: Due times; None while nothing is paced: in lock-step, before the first sample and in a pause.
     """
 
     def __init__(
@@ -39,66 +80,72 @@ class PlantPacing:
         self.schedule: Schedule | None = None
         self._on_cycle = on_cycle
         self._receive = receive
-        self._newest: HeldCommand | None = None
+        self._held: HeldCommand | None = None
 
     @property
     def has_begun(self) -> bool:
-        """Whether the first command is there, so that the loop is led by its cycles."""
-        return self._newest is not None
+        """Whether the first command has arrived, so that cycles drive the loop."""
+        return self._held is not None
 
     def answered(self) -> bool:
-        """Look whether the command of the present sample has come; also true when no answer is awaited."""
-        return self._newest is None or self.schedule is None or self._look(self._newest)
+        """Return whether the command of the present sample has arrived; also true when none is awaited."""
+        return self._held is None or self.schedule is None or self._receive_new(self._held)
 
-    def _look(self, held: HeldCommand) -> bool:
-        """Take what has come until it is the command of the present sample; tells whether that is there."""
+    def _receive_new(self, held: HeldCommand) -> bool:
+        """Process received messages up to the command of the present sample; return whether it has arrived."""
         for _ in range(MOST_MESSAGES):
             if held.is_new or not self._receive():
                 break
         return held.is_new
 
     def begin(self, first: FloatArray, sample_time: float, patience: float) -> None:
-        """Take the command of the first sample; `go_on` lets the cycles follow.
+        """Store the command of the first sample; `go_on` starts the cycles.
 
         Args:
             first: The command [Nm or N], shape (M,).
             sample_time: Time between two samples [s].
-            patience: Time for which a command is held [s].
+            patience: Longest time for which a command is held [s].
         """
-        self._newest = HeldCommand(first, sample_time, patience)
+        self._held = HeldCommand(first, sample_time, patience)
         self._cycles = Schedule(sample_time)
         self._sample_time = sample_time
 
     def go_on(self, now: float) -> None:
-        """Begin the schedule, or begin it anew after a pause, with a cycle one sample time from now [s]."""
+        """Start the schedule, or restart it after a pause, with a cycle one sample time from now [s]."""
         self._cycles.begin(now + self._sample_time)
         self.schedule = self._cycles
 
     def halt(self) -> None:
-        """Let no cycle follow."""
+        """Stop the cycles."""
         self.schedule = None
 
-    def forget(self) -> None:
-        """Stand before the first command."""
-        self.schedule = self._newest = None
+    def reset(self) -> None:
+        """Return to the state before the first command."""
+        self.schedule = self._held = None
 
     def offer(self, command: FloatArray, *, late: bool = False) -> None:
-        """Take a command that has come [Nm or N], shape (M,); a late one answers a sample that is over."""
-        if self._newest is not None:
-            self._newest.offer(command, late=late)
+        """Store a received command [Nm or N], shape (M,); a late one answers a past sample."""
+        if self._held is not None:
+            self._held.offer(command, late=late)
 
     def cycle(self) -> None:
-        """Do the cycle that is due, unless a pause has come since."""
+        """Execute the cycle that is due, unless a pause has begun since."""
         if self.schedule is not None:
             self.step()
 
     def step(self) -> None:
-        """Do one cycle, at no special time."""
-        if (held := self._newest) is not None:
-            self._look(held)
+        """Execute one cycle, independent of the schedule."""
+        if (held := self._held) is not None:
+            self._receive_new(held)
             self._on_cycle(held.take())
 
-    def figures(self, sum_up: Callable[[Schedule], PeriodStatistics | None]) -> dict[str, float]:
-        """Give how well the schedule was kept, as `timing_figures` names it."""
-        cycles = None if self._newest is None else sum_up(self._cycles)
-        return timing_figures(self.prioritised, self._newest, cycles)
+    def figures(self, statistics_of: Callable[[Schedule], PeriodStatistics | None]) -> dict[str, float]:
+        """Return how well the schedule was kept, by diagnostics key; missed commands count from the first cycle on."""
+        statistics = None if self._held is None else statistics_of(self._cycles)
+        if self._held is None or statistics is None:
+            return {"missed_commands": 0, "real_time_priority": self.prioritised}
+        return {
+            "missed_commands": self._held.missed,
+            "real_time_priority": self.prioritised,
+            **statistics.as_dict(),
+        }

@@ -1,4 +1,4 @@
-"""Making a thread start its work on time, as far as the system lets it; free of ROS."""
+"""Thread priority and wake-up latency of the real-time loop, as far as the operating system permits."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 PRIORITY = 10
-"""Real-time priority of the loop, 1 to 99: above all ordinary processes, below what a system needs for itself."""
+"""Real-time priority of the loop, 1 to 99: above all ordinary processes, below the threads of the kernel."""
 
 _PR_SET_TIMERSLACK = 29
 _SWITCH_INTERVAL = 1e-4
-_SENDS_AGAIN = "dds.asyn"
+_FLOW_CONTROLLER = "dds.asyn"
 
 
 def take_priority(priority: int = PRIORITY, threads: Iterable[int] = (0,)) -> bool:
-    """Let threads go before all ordinary ones (SCHED_RR), if the system permits it.
+    """Give threads real-time priority (SCHED_RR), if the system permits it.
 
-    They take turns among themselves, so that one that waits for another without sleeping does not wait for ever.
-    Threads that these begin later stand among the ordinary ones: what compresses the log must not delay the loop.
+    The scheduler is round-robin, so that a thread that busy-waits for another one of them does not block it for ever.
+    Threads started later by these have ordinary priority: compression of the log must not delay the loop.
 
     Args:
         priority: Real-time priority, 1 to 99.
-        threads: Numbers of the threads; 0 is the present one.
+        threads: Thread identifiers; 0 is the present thread.
 
     Returns:
         Whether the system permitted it: root, or a user with a limit of `ulimit -r` above the priority.
@@ -39,7 +39,7 @@ def take_priority(priority: int = PRIORITY, threads: Iterable[int] = (0,)) -> bo
     policy = os.SCHED_RR | os.SCHED_RESET_ON_FORK
     try:
         for thread in threads:
-            with suppress(ProcessLookupError):  # it has ended meanwhile
+            with suppress(ProcessLookupError):  # the thread has ended meanwhile
                 os.sched_setscheduler(thread, policy, os.sched_param(priority))
     except OSError:
         return False
@@ -48,9 +48,9 @@ def take_priority(priority: int = PRIORITY, threads: Iterable[int] = (0,)) -> bo
 
 @contextmanager
 def priority_in_block() -> Iterator[bool]:
-    """Give the present thread real-time priority while in the block; gives whether the system permitted it.
+    """Give the present thread real-time priority within the block; yield whether the system permitted it.
 
-    Afterwards the thread stands as it was found, also where it had a priority already.
+    The previous policy and priority are restored afterwards.
     """
     if not hasattr(os, "sched_setscheduler"):
         yield False
@@ -61,42 +61,42 @@ def priority_in_block() -> Iterator[bool]:
         yield prioritised
     finally:
         if prioritised:
-            _give_back(policy, parameter)
+            _restore(policy, parameter)
 
 
-def _give_back(policy: int, parameter: os.sched_param) -> None:
+def _restore(policy: int, parameter: os.sched_param) -> None:
     try:
         os.sched_setscheduler(0, policy, parameter)
-    except PermissionError:  # only root may let the threads begun from here on inherit again
+    except PermissionError:  # only root may clear SCHED_RESET_ON_FORK
         os.sched_setscheduler(0, policy | os.SCHED_RESET_ON_FORK, parameter)
 
 
 def threads_of_loop() -> list[int]:
-    """List the threads of this process that carry messages; on other systems than Linux only the present one.
+    """List the threads of this process that carry messages; on systems other than Linux only the present one.
 
-    Those of the middleware do. But not the one by which Fast DDS sends again (flow controller): it tries a lock without
-    sleeping, and with a priority it would keep whoever holds the lock, and all else on its core, from running.
+    These are all threads but the flow controller of Fast DDS, which repeats lost messages: it polls a lock without
+    sleeping, so with priority it would starve the holder of the lock and everything else on its core.
     """
     tasks = Path("/proc/self/task")
     if not tasks.is_dir():
         return [0]
-    return sorted(int(task.name) for task in tasks.iterdir() if not _name(task).startswith(_SENDS_AGAIN))
+    return sorted(int(task.name) for task in tasks.iterdir() if not _name(task).startswith(_FLOW_CONTROLLER))
 
 
 def _name(task: Path) -> str:
     try:
         return (task / "comm").read_text(encoding="ascii", errors="replace")
-    except OSError:  # it has ended meanwhile
+    except OSError:  # the thread has ended meanwhile
         return ""
 
 
 @contextmanager
 def precise_timing() -> Iterator[bool]:
-    """Let this thread wake up on time while in the block; gives whether it got real-time priority.
+    """Reduce the wake-up latency of this thread within the block; yield whether it got real-time priority.
 
-    Linux adds a slack of 50 us to every sleep, which alone is the limit of a late cycle; collections of garbage and
-    waits for other threads of Python come on top. All of these are put off or shortened, and the thread goes before
-    ordinary processes where that is permitted.
+    Linux adds a timer slack of 50 us to every sleep, which alone is the limit of a late cycle; garbage collection and
+    the switch interval of Python threads add to it. Within the block the slack and the switch interval are shortened,
+    garbage collection is off, and the thread has real-time priority where permitted.
     """
     slack = ctypes.CDLL(None).prctl if sys.platform == "linux" else None
     interval = sys.getswitchinterval()

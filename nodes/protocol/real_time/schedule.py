@@ -1,4 +1,4 @@
-"""Wall-clock schedule of a real-time run and the statistics of how well it was kept, free of ROS and of clocks."""
+"""Wall-clock schedule of a real-time run, and statistics of its periods and lateness; reads no clock."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import Protocol
 from flexros_nodes.protocol.real_time.period_histogram import PeriodHistogram
 
 LATE = 0.1
-"""A cycle is late when it starts more than this share of the sample time after it is due."""
+"""Share of the sample time after which a cycle that starts behind its due time counts as late."""
 
 CATCH_UP = 0.5
-"""Least distance between two cycles while a delay is caught up, in sample times: the partner needs time to answer."""
+"""Shortest period while a delay is caught up, in sample times: the partner needs time to answer."""
 
 
 @dataclass(frozen=True)
 class PeriodStatistics:
-    """How well a real-time run kept its schedule.
+    """Periods and lateness of a real-time run.
 
     Attributes:
         cycles: Number of cycles.
@@ -24,9 +24,9 @@ class PeriodStatistics:
         period_p50_us: Median of the period, to 1/500 of the sample time [us].
         period_p99_us: 99th percentile of the period [us].
         period_max_us: Longest period [us].
-        lateness_p99_us: 99th percentile of start after due [us].
-        lateness_max_us: Largest start after due [us].
-        late: Cycles that started more than a tenth of the sample time after due.
+        lateness_p99_us: 99th percentile of the start behind the due time [us].
+        lateness_max_us: Largest start behind the due time [us].
+        late: Cycles that started more than a tenth of the sample time behind their due time.
         late_percent: The same as a share of all cycles [%].
     """
 
@@ -41,26 +41,26 @@ class PeriodStatistics:
     late_percent: float
 
     def as_dict(self) -> dict[str, float]:
-        """Give the figures by name."""
+        """Return the figures by name."""
         return asdict(self)
 
 
 class Paced(Protocol):
-    """A node whose work whoever spins it has to start at the times of a schedule.
+    """Work of a node that the spinning loop starts at the times of a schedule.
 
     Attributes:
         schedule: Due times, None while there is nothing to pace.
-        prioritised: Whether the thread that paces has real-time priority; set by whoever spins.
+        prioritised: Whether the pacing thread has real-time priority; set by the spinning loop.
     """
 
     schedule: Schedule | None
     prioritised: bool
 
     def answered(self) -> bool:
-        """Look whether what the next cycle needs has come."""
+        """Return whether the input of the next cycle has arrived."""
 
     def cycle(self) -> None:
-        """Do the cycle that is due."""
+        """Execute the cycle that is due."""
 
 
 class CycleCounts:
@@ -78,11 +78,11 @@ class CycleCounts:
         self._duration = 0.0
 
     def add(self, period: float | None, lateness: float) -> None:
-        """Note a cycle.
+        """Count a cycle.
 
         Args:
-            period: Time since the cycle before [s], None for the first of all.
-            lateness: Start after due [s].
+            period: Time since the previous cycle [s], None for the first.
+            lateness: Start minus due time [s].
         """
         if period is not None:
             self._periods.add(period)
@@ -91,7 +91,7 @@ class CycleCounts:
         self._late += lateness > LATE * self._sample_time
 
     def merged(self, other: CycleCounts) -> CycleCounts:
-        """Give the counts of both together."""
+        """Return the sum of both counts."""
         both = CycleCounts(self._sample_time)
         both._periods = self._periods.merged(other._periods)
         both._lateness = self._lateness.merged(other._lateness)
@@ -100,7 +100,7 @@ class CycleCounts:
         return both
 
     def statistics(self) -> PeriodStatistics | None:
-        """Sum up; None without a period."""
+        """Return the statistics; None without a period."""
         n, periods = self._lateness.count, self._periods
         if periods.count == 0:
             return None
@@ -118,9 +118,9 @@ class CycleCounts:
 
 
 class Schedule:
-    """Due times k T after a start, and what became of them.
+    """Due times k T after a start, and the statistics of the actual ones.
 
-    The clock is given, not fetched: all times are seconds of one monotonic clock.
+    All times are arguments, in seconds of one monotonic clock.
 
     Args:
         sample_time: T [s].
@@ -128,7 +128,7 @@ class Schedule:
 
     def __init__(self, sample_time: float) -> None:
         self._sample_time = sample_time
-        self._before = CycleCounts(sample_time)
+        self._earlier = CycleCounts(sample_time)
         self._recent = CycleCounts(sample_time)
         self._last: float | None = None
         self._n = 0
@@ -137,20 +137,16 @@ class Schedule:
 
     @property
     def due(self) -> float:
-        """When the next cycle shall start [s]."""
+        """Due time of the next cycle [s]."""
         return self._due
 
     def begin(self, first_due: float) -> None:
-        """Set the time of the next cycle [s], from which the others follow; what lay before it is no period."""
+        """Set the time of the next cycle [s], from which the others follow; the time before it counts as no period."""
         self._first_due = self._due = first_due
         self._last, self._n = None, 0
 
     def started(self, now: float) -> None:
-        """Note that the cycle that was due starts now [s].
-
-        Args:
-            now: Time at which it starts [s].
-        """
+        """Register that the due cycle starts now [s]."""
         planned = self._first_due + self._n * self._sample_time
         self._recent.add(None if self._last is None else now - self._last, now - planned)
         self._last = now
@@ -158,12 +154,12 @@ class Schedule:
         self._due = max(planned + self._sample_time, now + CATCH_UP * self._sample_time)
 
     def statistics(self) -> PeriodStatistics | None:
-        """Sum up all cycles so far; None before the second."""
-        return self._before.merged(self._recent).statistics()
+        """Return the statistics of all cycles so far; None before the second."""
+        return self._earlier.merged(self._recent).statistics()
 
     def recent_statistics(self) -> PeriodStatistics | None:
-        """Sum up the cycles since this was asked for the last time; None where there is no period."""
+        """Return the statistics of the cycles since the last call; None where there is no period."""
         recent = self._recent
-        self._before = self._before.merged(recent)
+        self._earlier = self._earlier.merged(recent)
         self._recent = CycleCounts(self._sample_time)
         return recent.statistics()

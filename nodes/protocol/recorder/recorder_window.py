@@ -1,4 +1,4 @@
-"""Flow control between plant and recorder, free of ROS: when the loop may begin, and how far it may run ahead."""
+"""Flow control between plant and recorder."""
 
 from __future__ import annotations
 
@@ -8,30 +8,30 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
 FIRST_SAMPLE_PATIENCE = 2.0
-"""Time that the first sample of a topic not from the plant may be late [s], chosen: another controller may lack one."""
+"""Wait for the first sample of a topic of a partner [s], chosen: a foreign controller may not publish all of them."""
 LONGEST_PATIENCE = 6.0
-"""The same of a topic that somebody publishes [s], chosen: a machine under load may take seconds to connect it, and the
-time-out of the recorder is longer."""
+"""The same for a topic that has a publisher [s], chosen: connecting may take seconds under load, and the time-out of
+the recorder is longer."""
 
 
 class RecorderWindow:
-    """How far the loop may run ahead of what is known to be recorded.
+    """Limits how far the loop runs ahead of the confirmed recording.
 
-    A queue that keeps the last messages overwrites unread ones when its reader falls behind, even with reliable
-    transport. The plant therefore waits in lock-step until the recorder has confirmed. It also waits at the first
-    sample, and repeats it, until the recorder has it on every topic: that there are readers says nothing, one of them
-    may belong to a process that is dead, and the one that counts be known to others only later.
+    A queue with history keep-last overwrites unread messages when its reader falls behind, even with reliable
+    transport. In lock-step the plant therefore waits until the recorder has confirmed. It also waits at the first
+    sample, and repeats it, until the recorder has it on every topic: the number of subscriptions is not sufficient,
+    because one may belong to a dead process while the live one is discovered later.
 
     Args:
-        window_ns: How far the loop may run ahead [ns]; 0 switches the flow control off.
-        own: Topics of the plant whose first sample must be recorded before the loop goes on.
-        others: Topics of its partners for which this is awaited too, but not for ever.
+        window_ns: Largest lead of the loop [ns]; 0 disables the flow control.
+        own: Topics of the plant whose first sample must be recorded before the loop continues.
+        others: Topics of its partners, awaited likewise, but for a limited time.
 
     Attributes:
-        confirmed: Newest stamp up to which everything is recorded [ns].
-        by_topic: Newest stamp up to which a topic is recorded, by topic [ns].
-        held: Whether the plant holds a sample back.
-        waits: Times that it had to.
+        confirmed: Newest stamp up to which all topics are recorded [ns].
+        by_topic: Newest stamp up to which each topic is recorded [ns].
+        held: Whether a sample is held back.
+        waits: Number of samples that were held back.
     """
 
     def __init__(self, window_ns: int, own: Iterable[str] = (), others: Iterable[str] = ()) -> None:
@@ -54,11 +54,11 @@ class RecorderWindow:
         self.confirm("", stamp)
 
     def confirm(self, topic: str, stamp: int) -> None:
-        """Note a confirmation.
+        """Process a confirmation.
 
         Args:
-            topic: What is recorded; empty for all topics together.
-            stamp: Up to where [ns].
+            topic: Topic that is recorded; empty for all topics together.
+            stamp: Stamp up to which it is recorded [ns].
         """
         if topic:
             self.by_topic[topic] = max(stamp, self.by_topic.get(topic, 0))
@@ -70,34 +70,30 @@ class RecorderWindow:
                 self._limit = stamp + self._window_ns
 
     def follow(self, topics: Iterable[str]) -> None:
-        """Let these topics alone move the window from now on: the partner that sends the others is gone.
-
-        Args:
-            topics: Their names.
-        """
+        """Restrict the window to these topics: the publisher of the others is gone."""
         self._followed = tuple(topics)
         self.confirm("", min(self.by_topic.get(each, 0) for each in self._followed))
 
     def admits(self, stamp: int) -> bool:
-        """Tell whether the sample with this stamp [ns] may be published now."""
+        """Return whether the sample with this stamp [ns] may be published now."""
         return stamp <= self._limit
 
     def hold(self) -> None:
-        """Note that a sample is held back."""
+        """Register that a sample is held back."""
         self.held = True
         self.waits += 1
         self._silence = 0.0
 
     def wait(self, time: float) -> float:
-        """Note that the plant has waited for the recorder [s]; gives for how long nothing was confirmed [s]."""
+        """Add a wait for the recorder [s]; return the time without a confirmation [s]."""
         self._silence += time
         return self._silence
 
     def has_begun(self, published: Callable[[str], bool]) -> bool:
-        """Tell whether the first sample is recorded, so that the loop may go on.
+        """Return whether the first sample is recorded, so that the loop may continue.
 
         Args:
-            published: Tells whether somebody publishes a topic, so that it is worth a longer wait.
+            published: Returns whether a topic has a publisher, so that a longer wait is worthwhile.
         """
         if not self.holds(self._own, self._first):
             return False
@@ -107,5 +103,5 @@ class RecorderWindow:
         return self._silence > FIRST_SAMPLE_PATIENCE and not any(published(topic) for topic in missing)
 
     def holds(self, topics: Iterable[str], stamp: int) -> bool:
-        """Tell whether all these topics are recorded up to a stamp [ns]."""
+        """Return whether all these topics are recorded up to a stamp [ns]."""
         return all(self.by_topic.get(topic, -1) >= stamp for topic in topics)

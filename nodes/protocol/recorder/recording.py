@@ -1,4 +1,4 @@
-"""What becomes of a recorded message, free of ROS: repeats are left out, gaps are counted."""
+"""Recording of messages: log time, repeats, implausible stamps and missing samples."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-FARTHEST = 10 * NANOSECONDS
-"""A stamp that lies farther ahead than this is doubted [ns], chosen: any node may send on a topic."""
+LARGEST_STEP = 10 * NANOSECONDS
+"""Largest plausible step between two stamps [ns], chosen: any node may publish on a topic."""
 
 
 class MessageSink(Protocol):
-    """Where messages go; `flexros.logs.writer.LogWriter` is one."""
+    """Destination of messages; `flexros.logs.writer.LogWriter` is one."""
 
     def write(self, topic_id: int, log_time_ns: int, publish_time_ns: int, payload: bytes) -> None:
-        """Take one message."""
+        """Write one message."""
 
 
 class ArrivalTime:
-    """Log time of a run in real time: the simulated time of the first sample plus the wall clock since then.
+    """Log time of a real-time run: simulated time of the first sample plus wall-clock time since then.
 
     Args:
-        clock: Gives the time of a monotonic clock [s].
+        clock: Returns the time of a monotonic clock [s].
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
@@ -33,30 +33,30 @@ class ArrivalTime:
         self._first: float | None = None
 
     def begin(self) -> None:
-        """Note that a sample has come; the first one sets the origin."""
+        """Register a sample; the first one sets the origin."""
         if self._first is None:
             self._first = self._clock()
 
     def __call__(self) -> int:
-        """Give the log time of a message that comes now [ns]."""
+        """Return the log time of a message that arrives now [ns]."""
         return START_NS if self._first is None else START_NS + round((self._clock() - self._first) * NANOSECONDS)
 
 
 class TopicRecording:
-    """Messages of one topic that carries one message for each sampling instant.
+    """Records a topic that carries one message per sampling instant.
 
     Args:
-        sink: Where the messages go.
-        topic_id: Number of the topic there.
-        arrival: Gives the log time [ns]; the stamp if None.
-        on_first: Called when the first message has been taken.
+        sink: Destination of the messages.
+        topic_id: Number of the topic in the sink.
+        arrival: Returns the log time [ns]; the stamp is used if None.
+        on_first: Called after the first message is written.
 
     Attributes:
         first: Stamp of the first message [ns], -1 before.
         last: Stamp of the newest message [ns], -1 before.
         count: Messages written.
-        repeated: Messages whose stamp was there already, left out.
-        doubted: Messages whose stamp lay before the start, or far ahead and alone there, left out.
+        repeated: Dropped messages with a stamp that is already recorded.
+        doubted: Dropped messages with an implausible stamp: before the start, or isolated far ahead.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class TopicRecording:
         self._on_first = on_first
 
     def take(self, message: bytes) -> None:
-        """Write a message unless its stamp is not newer than the last one, before the start, or far ahead and alone.
+        """Write a message unless its stamp is not newer than the last one, or implausible.
 
         Args:
             message: Serialised message that begins with a std_msgs/Header.
@@ -87,23 +87,23 @@ class TopicRecording:
             MessageError: The bytes hold no stamp.
         """
         stamp = stamp_of(message)
-        if stamp < START_NS:  # no run begins before
+        if stamp < START_NS:  # no run starts earlier
             self.doubted += 1
         elif stamp <= self.last:
             self.repeated += 1
-        elif stamp - self.last <= FARTHEST:
+        elif stamp - self.last <= LARGEST_STEP:
             self._keep(stamp, message)
         else:
             self._doubt(stamp, message)
 
     def _doubt(self, stamp: int, message: bytes) -> None:
-        """Hold a message back that lies far ahead, until the next one shows that the loop goes on from there."""
-        before, self._doubtful = self._doubtful, (stamp, message)
+        """Hold back a message far ahead until the next one confirms that the loop continues from there."""
+        previous, self._doubtful = self._doubtful, (stamp, message)
         self.doubted += 1
-        if before is not None and 0 < stamp - before[0] <= FARTHEST:
+        if previous is not None and 0 < stamp - previous[0] <= LARGEST_STEP:
             self.doubted -= 2
             self._doubtful = None
-            self._keep(*before)
+            self._keep(*previous)
             self._keep(stamp, message)
 
     def _keep(self, stamp: int, message: bytes) -> None:
@@ -115,25 +115,21 @@ class TopicRecording:
             self._on_first()
 
     def missing(self, sample_time: float) -> int:
-        """Count sampling instants between the first and the last message that have none.
-
-        Args:
-            sample_time: Time between two samples [s].
-        """
+        """Count the sampling instants between the first and the last message without a message, sample time in [s]."""
         if self.count == 0:
             return 0
         return round((self.last - self.first) / (sample_time * 1e9)) + 1 - self.count
 
 
 class EventRecording:
-    """Messages of a topic that comes at any time, each of which counts.
+    """Records a topic that publishes at any time; every message is kept.
 
     Args:
-        sink: Where the messages go.
-        topic_id: Number of the topic there.
-        arrival: Gives the log time [ns]; the stamp if None, or the present where the stamp is of another time.
-        present: Gives the newest stamp of the loop [ns].
-        read_stamp: Reads the stamp of a message [ns]; default: of one that begins with a std_msgs/Header.
+        sink: Destination of the messages.
+        topic_id: Number of the topic in the sink.
+        arrival: Returns the log time [ns]; if None, the stamp is used, or the present stamp where it is implausible.
+        present: Returns the newest stamp of the loop [ns].
+        read_stamp: Reads the stamp of a message [ns]; default: message that begins with a std_msgs/Header.
 
     Attributes:
         count: Messages written.
@@ -163,4 +159,4 @@ class EventRecording:
 
     def _log_time(self, stamp: int) -> int:
         present = self._present()
-        return stamp if stamp >= 0 and abs(stamp - present) <= FARTHEST else present
+        return stamp if stamp >= 0 and abs(stamp - present) <= LARGEST_STEP else present

@@ -1,4 +1,4 @@
-"""A trajectory of points, evaluated at one instant at a time; free of ROS."""
+"""Trajectory of points, interpolated at one instant at a time."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ if TYPE_CHECKING:
 
 
 class PointTrajectory:
-    """Positions, velocities and torques between points in time.
+    """Interpolates positions, velocities and torques between points in time.
 
-    Between two points the position is the cubic that fits positions and velocities, or a straight line when the points
-    carry no velocities; torques are interpolated linearly. Before the first point, and after the last, it rests there.
+    Between two points the position follows the cubic that fits positions and velocities, or is linear when the points
+    carry no velocities; torques are linear. Before the first and after the last point the reference is at rest there.
 
     Args:
         times: Increasing stamps of the points [ns], shape (p,).
@@ -33,7 +33,7 @@ class PointTrajectory:
         return self._times[-1]
 
     def row(self, stamp: int) -> FloatArray:
-        """Give the reference at a stamp [ns], shape (3 M,)."""
+        """Return the reference at a stamp [ns], shape (3 M,)."""
         times = self._times
         if stamp < times[0] or (stamp >= times[-1] and (stamp > times[-1] or len(times) == 1)):
             return self._at_rest(0 if stamp < times[0] else -1)

@@ -1,4 +1,4 @@
-"""The reference that a controller holds: chunks that append, trajectories that replace; free of ROS."""
+"""Reference held by the controller: appended chunks or a replacing trajectory."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flexros.errors import RunError
 from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk
 from flexros.logs.stamps import START_NS
 from flexros_nodes.protocol.reference.point_trajectory import PointTrajectory
-from flexros_nodes.protocol.reference.trajectory_request import check_points, way_to_rest
+from flexros_nodes.protocol.reference.trajectory_request import check_points, rest_row
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 MOST_ROWS = 500_000
-"""Most samples held ahead of the loop, chosen: more is taken for a mistake."""
+"""Largest number of samples held ahead of the loop, chosen: more is taken for a mistake."""
 
 
 class ReferenceBuffer:
@@ -30,7 +30,7 @@ class ReferenceBuffer:
         sample_time: Time between two samples [s].
 
     Attributes:
-        ignored: Appended chunks that came after a replacing trajectory and were left out.
+        ignored: Chunks dropped because a replacing trajectory is active.
     """
 
     def __init__(self, n_motors: int, sample_time: float) -> None:
@@ -48,14 +48,14 @@ class ReferenceBuffer:
         return len(self._rows)
 
     def append(self, chunk: JointTrajectoryChunk) -> None:
-        """Add the samples of a chunk; samples already used or held are not added twice.
+        """Append the samples of a chunk, except samples already used or held.
 
         Args:
-            chunk: One point for each sampling instant, with positions; columns in the order of the motors.
+            chunk: One point per sampling instant, with positions; columns in the order of the motors.
 
         Raises:
-            RunError: A point lies between two sampling instants, a value is not finite, positions are missing, or more
-                is held than any loop needs.
+            RunError: A point is between two sampling instants, a value is not finite, positions are missing, or the
+                buffer exceeds MOST_ROWS.
         """
         if self._trajectory is not None or self._next is not None:
             self.ignored += 1
@@ -80,17 +80,17 @@ class ReferenceBuffer:
             )
 
     def replace(self, trajectory: JointTrajectoryChunk, position_limit: float = np.inf) -> None:
-        """Drop what is held and follow this trajectory from the next sample on; its end is held.
+        """Drop the held samples and follow this trajectory from the next sample on; its last point is held.
 
-        `PointTrajectory` tells what lies between two points. Before the first point the way leads from the present
-        reference; where there is none as yet, from the measured position.
+        `PointTrajectory` interpolates between points. The motion to the first point starts at the present reference, or
+        at the measured position where there is no reference yet.
 
         Args:
             trajectory: Points in order of time; a stamp of 0 means from now on.
             position_limit: Largest position either way [rad or m].
 
         Raises:
-            RefusedTrajectoryError: It cannot be followed; what was held remains.
+            RejectedTrajectoryError: The trajectory is invalid; the held samples remain.
         """
         check_points(trajectory, self._used, position_limit)
         self._rows.clear()
@@ -98,48 +98,48 @@ class ReferenceBuffer:
         self._next = trajectory
 
     def check(self, trajectory: JointTrajectoryChunk, position_limit: float) -> None:
-        """Refuse what `replace` would refuse."""
+        """Raise RejectedTrajectoryError where `replace` would."""
         check_points(trajectory, self._used, position_limit)
 
     @property
     def trajectory_end(self) -> int:
-        """Stamp of the last point of the trajectory that is followed [ns]; 0 where there is none."""
+        """Stamp of the last point of the active trajectory [ns]; 0 where there is none."""
         return 0 if self._trajectory is None else self._trajectory.end
 
     def come_to_rest(self, time: float) -> None:
-        """Slow down evenly from the present reference, and stay where that ends.
+        """Decelerate evenly from the present reference to rest.
 
         Args:
             time: Time in which the reference comes to rest [s].
         """
         if self._current is not None:
             n = self._n_motors
-            position, velocity, effort = way_to_rest(self._current, time).reshape(3, 1, n)
+            position, velocity, effort = rest_row(self._current, time).reshape(3, 1, n)
             duration = np.array([round(time * 1e9)])
             self.replace(JointTrajectoryChunk(0, ("",) * n, duration, position, velocity, None, effort))
 
     def take(self, stamp: int, measured: Sequence[float] | None = None) -> FloatArray | None:
-        """Hand out the reference of a stamp [ns], shape (3 M,); None if it is not held.
+        """Return the reference of a stamp [ns], shape (3 M,); None if it is not held.
 
-        What is older is forgotten, also what a real-time loop has passed without using it.
+        Older samples are dropped, also those that a real-time loop has skipped.
 
         Args:
             stamp: The stamp [ns].
-            measured: Measured motor positions [rad or m], from which a first trajectory may lead.
+            measured: Measured motor positions [rad or m], start of a first trajectory.
         """
         if self._next is not None:
-            self._begin_trajectory(self._next, measured)
+            self._start_trajectory(self._next, measured)
         if self._trajectory is not None:
             row = self._trajectory.row(stamp) if stamp > self._used else None
         else:
             row = self._rows.pop(stamp, None)
-        self._forget_before(stamp)
+        self._drop_until(stamp)
         if row is not None:
             self._used = stamp
             self._current = row
         return row
 
-    def _begin_trajectory(self, given: JointTrajectoryChunk, measured: Sequence[float] | None) -> None:
+    def _start_trajectory(self, given: JointTrajectoryChunk, measured: Sequence[float] | None) -> None:
         self._next = None
         now = max(self._used, START_NS)
         times = ((given.stamp_ns or now) + given.time_from_start).astype(np.int64)
@@ -150,7 +150,7 @@ class ReferenceBuffer:
             times, rows = np.concatenate([[now], times]), np.vstack([before, rows])
         self._trajectory = PointTrajectory(times, rows, smooth=given.velocities is not None)
 
-    def _forget_before(self, stamp: int) -> None:
+    def _drop_until(self, stamp: int) -> None:
         order = self._order
         while order and order[0] <= stamp:
             self._rows.pop(order.popleft(), None)
@@ -160,9 +160,9 @@ class ReferenceBuffer:
     def _filled(self, chunk: JointTrajectoryChunk) -> FloatArray:
         if chunk.positions is None:
             raise RunError("a reference trajectory has no positions; fill positions in every point")
-        nothing = np.zeros_like(chunk.positions)
-        velocities = nothing if chunk.velocities is None else chunk.velocities
-        effort = nothing if chunk.effort is None else chunk.effort
+        zeros = np.zeros_like(chunk.positions)
+        velocities = zeros if chunk.velocities is None else chunk.velocities
+        effort = zeros if chunk.effort is None else chunk.effort
         rows = np.hstack([chunk.positions, velocities, effort])
         if not np.isfinite(rows).all():
             raise RunError("a reference trajectory has a value that is not a finite number; correct its sender")

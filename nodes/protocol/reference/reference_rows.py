@@ -1,4 +1,4 @@
-"""Rows of a reference on demand: as planned, or brought to rest on the way; free of ROS."""
+"""Rows of a reference on demand: as planned, or with a stop along the path."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 
 class ReferenceRows(Protocol):
-    """A reference that may be too long to be made as a whole."""
+    """Reference that may be too long to be computed as a whole."""
 
     def rows(self, samples: range) -> Reference:
-        """Give successive samples."""
+        """Return successive samples."""
 
 
 class PlannedRows:
-    """The rows of a reference as they are.
+    """Rows of a reference as planned.
 
     Args:
         reference: The whole reference.
@@ -31,26 +31,26 @@ class PlannedRows:
         self.reference = reference
 
     def rows(self, samples: range) -> Reference:
-        """Give successive samples, step 1."""
+        """Return successive samples, step 1."""
         rows = slice(samples.start, samples.stop)
         return Reference(*(getattr(self.reference, field.name)[rows] for field in fields(Reference)))
 
 
 class RowsToRest:
-    """The planned way, gone ever more slowly until it stands still, then held.
+    """The planned path, traversed ever more slowly until it stops, then held.
 
-    From sample `first` on the plan is read at a time of its own, whose rate falls from one to zero along a polynomial
-    of fifth degree with two continuous derivatives. The way does not leave the one that was planned, and so keeps the
-    position limits that were checked; nor is it faster anywhere. An excitation on it fades out in the same measure.
+    From sample `first` on the plan is traversed in a scaled time, whose rate decreases from one to zero along a
+    polynomial of fifth degree with two continuous derivatives. The motion stays on the planned path, so the checked
+    position limits hold, and it is nowhere faster. An excitation on it fades out at the same rate.
 
     With x = (k - first) / n, the planned sample is first + n (x - x^6 + 3 x^5 - 2.5 x^4), which ends n / 2 after first.
-    Positions between two planned samples follow the cubic that has their positions and velocities, everything else the
-    straight line. The feedforward torque remains that of the place where the way ends.
+    Positions between two planned samples follow the cubic through their positions and velocities; all else is linear.
+    The feedforward torque remains that of the final position.
 
     Args:
         reference: The whole reference as planned.
         first: First sample that may differ from the plan.
-        n_slowing: Samples from there until it stands still, at least 1.
+        n_slowing: Samples from there to standstill, at least 1.
         sample_time: Time between two samples [s].
     """
 
@@ -61,7 +61,7 @@ class RowsToRest:
         self._sample_time = sample_time
 
     def rows(self, samples: range) -> Reference:
-        """Give successive samples, step 1; they may lie beyond the end of the plan."""
+        """Return successive samples, step 1; they may be beyond the end of the plan."""
         reference, k = self._reference, np.arange(samples.start, samples.stop, dtype=float)
         x = np.clip((k - self._first) / self._n, 0.0, 1.0)
         slowed = self._first + self._n * (x - x**6 + 3.0 * x**5 - 2.5 * x**4)
@@ -70,25 +70,25 @@ class RowsToRest:
         i = planned.astype(int)
         j, share = np.minimum(i + 1, len(reference) - 1), (planned - i)[:, None]
 
-        def line(values: FloatArray) -> FloatArray:
+        def linear(values: FloatArray) -> FloatArray:
             between: FloatArray = values[i] + share * (values[j] - values[i])
             return between
 
         position, velocity = self._cubic(i, j, share)
-        pose = line(reference.tool_pose)
+        pose = linear(reference.tool_pose)
         length = np.linalg.norm(pose[:, 3:], axis=1, keepdims=True)
-        pose[:, 3:] /= np.where(share > 0.0, length, 1.0)  # rows as planned remain so to the last bit
+        pose[:, 3:] /= np.where(share > 0.0, length, 1.0)  # planned rows stay bit-equal
         return Reference(
             time=k * self._sample_time,
             motor_position=position,
             motor_velocity=velocity * rate[:, None],
-            torque=line(reference.torque),
-            output=line(reference.output),
+            torque=linear(reference.torque),
+            output=linear(reference.output),
             tool_pose=pose,
         )
 
     def _cubic(self, i: IntArray, j: IntArray, s: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Position and velocity of the cubic at a share s, shape (n, 1), of the way from the rows i to the rows j."""
+        """Return position and velocity of the cubic at the fraction s, shape (n, 1), from the rows i to the rows j."""
         p, q = self._reference.motor_position[i], self._reference.motor_position[j]
         v, w = self._reference.motor_velocity[i], self._reference.motor_velocity[j]
         t = self._sample_time

@@ -1,4 +1,4 @@
-"""A goal of the action FollowJointTrajectory: its tolerances, and how it comes out; free of ROS."""
+"""Goal of the action FollowJointTrajectory: tolerances and outcome."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 
 from flexros.logs.stamps import NANOSECONDS
-from flexros_nodes.protocol.reference.trajectory_request import Refusal, RefusedTrajectoryError
+from flexros_nodes.protocol.reference.trajectory_request import RejectedTrajectoryError, Rejection
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Outcome(IntEnum):
-    """How a goal comes out: the values of error_code in control_msgs/action/FollowJointTrajectory."""
+    """Outcome of a goal: the values of error_code in control_msgs/action/FollowJointTrajectory."""
 
     SUCCESSFUL = 0
     INVALID_GOAL = -1
@@ -28,22 +28,22 @@ class Outcome(IntEnum):
     GOAL_TOLERANCE_VIOLATED = -5
 
 
-OUTCOME_OF_REFUSAL = {
-    Refusal.JOINTS: Outcome.INVALID_JOINTS,
-    Refusal.POINTS: Outcome.INVALID_GOAL,
-    Refusal.TOO_LATE: Outcome.OLD_HEADER_TIMESTAMP,
+OUTCOME_OF_REASON = {
+    Rejection.JOINTS: Outcome.INVALID_JOINTS,
+    Rejection.POINTS: Outcome.INVALID_GOAL,
+    Rejection.TOO_LATE: Outcome.OLD_HEADER_TIMESTAMP,
 }
 
 
 class Verdict(NamedTuple):
-    """How a goal has come out, and a sentence about it, empty where all is well."""
+    """Outcome of a goal and its explanation, empty on success."""
 
     outcome: Outcome
     text: str = ""
 
 
 class JointTolerance(Protocol):
-    """A message control_msgs/msg/JointTolerance."""
+    """Message control_msgs/msg/JointTolerance."""
 
     name: str
     position: float
@@ -52,33 +52,33 @@ class JointTolerance(Protocol):
 
 
 def position_tolerances(given: Iterable[JointTolerance], names: Sequence[str], field: str) -> FloatArray:
-    """Read tolerances of positions.
+    """Decode position tolerances.
 
     Args:
         given: Tolerances by joint; 0 and -1 mean none.
         names: Joint names in the order of the motors.
-        field: Field of the goal, for the error.
+        field: Field of the goal, for error messages.
 
     Returns:
         Largest distance from the reference [rad or m], shape (M,), infinite where there is no tolerance.
 
     Raises:
-        RefusedTrajectoryError: A joint is unknown, a tolerance is no number, or it is one of what is not measured.
+        RejectedTrajectoryError: A joint is unknown, a tolerance is not a number, or it limits an unmeasured quantity.
     """
     tolerances = np.full(len(names), np.inf)
     for tolerance in given:
-        where = f"{field} of {tolerance.name}"
+        entry = f"{field} of {tolerance.name}"
         if tolerance.name not in names:
-            raise RefusedTrajectoryError(f"{where}: allowed are {', '.join(names)}", Refusal.JOINTS)
+            raise RejectedTrajectoryError(f"{entry}: allowed are {', '.join(names)}", Rejection.JOINTS)
         if tolerance.velocity > 0.0 or tolerance.acceleration > 0.0:
-            raise RefusedTrajectoryError(
-                f"{where} limits velocity or acceleration, allowed is position: nothing else is measured",
-                Refusal.POINTS,
+            raise RejectedTrajectoryError(
+                f"{entry} limits velocity or acceleration, allowed is position: only positions are measured",
+                Rejection.POINTS,
             )
         position = tolerance.position
         if not math.isfinite(position) or (position < 0.0 and position != -1.0):
-            raise RefusedTrajectoryError(
-                f"{where} is {position}, allowed is a number above 0; 0 or -1 for none", Refusal.POINTS
+            raise RejectedTrajectoryError(
+                f"{entry} is {position}, allowed is a number above 0; 0 or -1 for none", Rejection.POINTS
             )
         if position > 0.0:
             tolerances[names.index(tolerance.name)] = position
@@ -86,16 +86,16 @@ def position_tolerances(given: Iterable[JointTolerance], names: Sequence[str], f
 
 
 class TrajectoryGoal:
-    """Judges a motion sample by sample.
+    """Evaluates a motion sample by sample.
 
-    Until the last point the measured position must stay within the path tolerance of the reference. Then the goal is
-    reached as soon as it is within the goal tolerance of the last point; it may take the goal time.
+    Until the last point the measured position must stay within the path tolerance of the reference. After it the goal
+    is reached once the position is within the goal tolerance of the last point, at the latest after the goal time.
 
     Args:
         names: Joint names in the order of the motors.
         path: Path tolerance [rad or m], shape (M,).
         goal: Goal tolerance [rad or m], shape (M,).
-        goal_time: Longest time after the last point [s]; any where it is not above 0.
+        goal_time: Longest time after the last point [s]; unlimited where it is not above 0.
     """
 
     def __init__(self, names: Sequence[str], path: FloatArray, goal: FloatArray, goal_time: float) -> None:
@@ -104,8 +104,8 @@ class TrajectoryGoal:
         self._goal = goal
         self._goal_ns = goal_time * NANOSECONDS if goal_time > 0.0 else math.inf
 
-    def judge(self, stamp: int, end: int, reference: FloatArray, measured: FloatArray) -> Verdict | None:
-        """Judge a sample.
+    def evaluate(self, stamp: int, end: int, reference: FloatArray, measured: FloatArray) -> Verdict | None:
+        """Evaluate a sample.
 
         Args:
             stamp: Its stamp [ns].
@@ -114,22 +114,22 @@ class TrajectoryGoal:
             measured: Measured position [rad or m], shape (M,).
 
         Returns:
-            How the goal comes out; None while it does not.
+            Outcome of the goal; None while it is not decided.
         """
         distance = np.abs(measured - reference)
         if stamp < end:
             if not (distance > self._path).any():
                 return None
-            where = self._farthest(distance, self._path, stamp)
-            return Verdict(Outcome.PATH_TOLERANCE_VIOLATED, f"{where}; the robot comes to rest")
+            excess = self._largest_error(distance, self._path, stamp)
+            return Verdict(Outcome.PATH_TOLERANCE_VIOLATED, f"{excess}; the robot comes to rest")
         if not (distance > self._goal).any():
             return Verdict(Outcome.SUCCESSFUL)
         if stamp - end <= self._goal_ns:
             return None
         late = f"{(stamp - end) / NANOSECONDS:g} s after the last point "
-        return Verdict(Outcome.GOAL_TOLERANCE_VIOLATED, late + self._farthest(distance, self._goal, stamp))
+        return Verdict(Outcome.GOAL_TOLERANCE_VIOLATED, late + self._largest_error(distance, self._goal, stamp))
 
-    def _farthest(self, distance: FloatArray, tolerance: FloatArray, stamp: int) -> str:
+    def _largest_error(self, distance: FloatArray, tolerance: FloatArray, stamp: int) -> str:
         joint = int(np.argmax(distance / tolerance))
         return (
             f"{self._names[joint]} is {distance[joint]:.3g} from its reference at stamp {stamp / NANOSECONDS:.4f} s, "

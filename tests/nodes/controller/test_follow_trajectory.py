@@ -222,7 +222,7 @@ def test_new_goal_takes_the_place_of_the_one_before(robot: Robot) -> None:
     assert first is not None
     assert second is not None
     assert first.state == "aborted"
-    assert first.result == Result(-1, "another goal has taken its place")
+    assert first.result == Result(-1, "replaced by another goal")
     robot.run_until(300)
     assert second.state == "succeeded"
 
@@ -234,7 +234,7 @@ def test_trajectory_on_the_topic_takes_the_place_of_a_goal(robot: Robot) -> None
     robot.loop.bench.spin_until(lambda: publisher.get_subscription_count() > 0)
     publisher.publish(trajectory(robot.near(0.1)))
     robot.loop.bench.spin_until(lambda: handle.state == "aborted")
-    assert handle.result == Result(-1, "a trajectory on joint_trajectory has taken its place")
+    assert handle.result == Result(-1, "replaced by a trajectory on joint_trajectory")
 
 
 @pytest.mark.parametrize("transition", ["trigger_deactivate", "trigger_shutdown"])

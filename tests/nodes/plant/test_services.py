@@ -63,7 +63,7 @@ def test_log_of_a_run_that_was_paused_and_stepped_is_the_same_in_every_bit(
     loop.step()
     assert loop.sample == paused + 1
     place = f"sample {paused + 1} (stamp {1 + (paused + 1) * T:.4f} s)"
-    assert loop.call("start").message == f"the plant goes on from {place}"
+    assert loop.call("start").message == f"the plant continues from {place}"
     loop.finish()
     assert log_differences(direct(short_scenario), read_log(tmp_path / "log")) == []
 
@@ -94,7 +94,7 @@ def test_pause_in_which_the_command_was_lost_sends_the_state_again(bench: Bench,
     assert loop.call("step").message == f"sample {waiting + 1} follows with the command of sample {waiting}"
     second = loop.call("step")
     assert not second.success
-    assert second.message == f"the step before still waits for the command of sample {waiting}; try again"
+    assert second.message == f"the previous step still waits for the command of sample {waiting}; try again"
     loop.node(ControllerNode).active = True
     bench.spin_until(lambda: loop.sample == waiting + 1)
     loop.call("start")
@@ -106,10 +106,10 @@ def test_services_say_what_they_refuse(bench: Bench, short_scenario: Path) -> No
     loop.plant.trigger_configure()
     assert loop.call("start").message == "node plant is not active; activate it first"
     loop.plant.trigger_activate()
-    beginning = "its beginning; it looks for controller and recorder"
+    beginning = "its beginning, waiting for controller and recorder"
     step = loop.call("step")
     assert not step.success
-    assert step.message == f"the plant is at {beginning}; step when they are there"
+    assert step.message == f"the plant is at {beginning}; step once they are connected"
     assert loop.call("pause").message == f"the plant is paused already at {beginning}"
     assert loop.call("start").success
     again = loop.call("start")
@@ -186,7 +186,7 @@ def test_reset_is_refused_while_a_recorder_is_there(bench: Bench, short_scenario
     loop.call("pause")
     answer = loop.call("reset")
     assert not answer.success
-    assert answer.message.startswith("a recorder is there, whose log cannot go back to the first sample; end this run")
+    assert answer.message.startswith("a recorder is connected, and its log cannot return to the first sample")
     loop.call("start")
     loop.finish()
 
@@ -272,7 +272,7 @@ def test_executables_are_stepped_reset_and_run(
         bench.spin_until(client.service_is_ready, TIMEOUT)
     until("step", "sample 5")
     until("reset", "back before its first sample")
-    until("start", "goes on from")
+    until("start", "continues from")
     end_with_plant(plant, *others, spin=lambda: bench.spin_for(0.02))
 
 

@@ -65,6 +65,6 @@ def test_nothing_is_computed_while_nobody_listens(bench: Any, monkeypatch: pytes
     count = view._publisher.get_subscription_count
     monkeypatch.setattr(view._publisher, "get_subscription_count", lambda: asked.append(1) or count())
     monkeypatch.setattr(plant_view, "ArmMarkers", None)
-    for _ in range(2 * plant_view.ASK_EVERY):
+    for _ in range(2 * plant_view.CHECK_EVERY):
         view.show(robot)
     assert len(asked) == 2

@@ -34,14 +34,14 @@ def test_commands_are_compared_in_every_bit(answers: ControllerAnswers) -> None:
     for stamp, *effort in ((10, 0.1, 0.2), (20, 0.3, 0.4), (20, 0.3, nearly), (30, 0.0, 0.0)):
         answers.sent_state(state(stamp), 0.0)
         assert answers.waits
-        assert answers.take(command(stamp, *effort))
+        assert answers.add_command(command(stamp, *effort))
         assert not answers.waits
     assert (answers.equal, answers.different, answers.unknown) == (2, 1, 1)
 
 
 def test_commands_to_other_stamps_are_not_waited_for(answers: ControllerAnswers) -> None:
     answers.sent_state(state(20), 0.0)
-    assert not answers.take(command(10, 0.1, 0.2))
+    assert not answers.add_command(command(10, 0.1, 0.2))
     assert answers.waits
     assert answers.equal == 0
 
@@ -60,5 +60,5 @@ def test_without_a_command_measurement_and_chunks_go_out_again(
 
 def test_a_silent_controller_counts_as_gone(answers: ControllerAnswers) -> None:
     answers.sent_state(state(10), 0.0)
-    with pytest.raises(RunError, match=r"no command to the measurement at stamp 0\.0000 s came within 1 s"):
+    with pytest.raises(RunError, match=r"no command for the measurement at stamp 0\.0000 s arrived within 1 s"):
         answers.to_repeat(1.1)

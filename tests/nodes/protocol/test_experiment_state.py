@@ -55,12 +55,12 @@ def test_stopped_experiment_counts_what_was_complete_before_the_stop(plan: Exper
 
 def test_stop_takes_the_fade_time_in_an_experiment_and_longer_in_a_move(plan: ExperimentPlan) -> None:
     course, (first, second) = ExperimentCourse(plan), plan.visits
-    assert course.slowing(0) == 1
+    assert course.n_slowing(0) == 1
     ends = first.begin_first + first.n_experiments * first.experiment
-    assert course.slowing(first.begin_first) == course.slowing(ends - 1) == 50
+    assert course.n_slowing(first.begin_first) == course.n_slowing(ends - 1) == 50
     move = plan.specification.move
     braking = 1.875 * float(move.speed) / float(move.acceleration)  # type: ignore[arg-type]
-    assert course.slowing(second.begin + 10) == round(braking / plan.sample_time)
+    assert course.n_slowing(second.begin + 10) == round(braking / plan.sample_time)
 
 
 @pytest.mark.parametrize(
@@ -78,12 +78,12 @@ def test_state_in_words(plan: ExperimentPlan, state: str, sentence: str) -> None
 
 def test_state_between_two_records_is_on_the_way(plan: ExperimentPlan) -> None:
     sentence = ExperimentCourse(plan).state("running", 0).sentence()
-    assert sentence.startswith("on the way to position 1 of 2, block 1 of 2, experiment 1 of 1; 0.0 % done, ")
+    assert sentence.startswith("moving to position 1 of 2, block 1 of 2, experiment 1 of 1; 0.0 % done, ")
 
 
 def test_stop_before_the_first_sample_names_no_experiment(plan: ExperimentPlan) -> None:
     sentence = ExperimentCourse(plan).state("stopping", 0, (0, 600)).sentence()
-    assert sentence == "stopped before it began; no experiment was run"
+    assert sentence == "stopped before the start; no experiment was run"
 
 
 def test_message_is_read_back(plan: ExperimentPlan) -> None:
@@ -102,7 +102,7 @@ def test_message_is_read_back(plan: ExperimentPlan) -> None:
     ids=["no JSON", "no keys", "no mapping", "no text"],
 )
 def test_message_of_something_else_is_refused(message: bytes) -> None:
-    with pytest.raises(RunError, match="a message on experiment_state is refused: .*; needed is JSON with the keys"):
+    with pytest.raises(RunError, match="a message on experiment_state is rejected: .*; required is JSON with the keys"):
         read_experiment_state(message)
 
 

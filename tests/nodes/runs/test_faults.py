@@ -49,9 +49,9 @@ def bad_controller(bad_message: JointStateTemplate | None, effort: tuple[float, 
         (
             JointStateTemplate(NAMES, effort=True),
             (1.0, float("nan")),
-            r"its effort is \[1\.0, nan\]; needed is one finite",
+            r"its effort is \[1\.0, nan\]; required is one finite",
         ),
-        (JointStateTemplate(("motor_1",), effort=True), (1.0,), "a JointState lacks motor_2; it has motor_1; needed"),
+        (JointStateTemplate(("motor_1",), effort=True), (1.0,), "a JointState lacks motor_2; it has motor_1; required"),
         (
             JointStateTemplate(("motor_1", "wrist"), effort=True),
             (1.0, 1.0),
@@ -128,7 +128,7 @@ def test_controller_that_ends_is_told_to_the_plant_at_once(
     parameters = {"plant": {"partner_timeout": 3600.0, "brake_duration": 0.01}}
     summary = run_scenario("circle_dae", tmp_path / "log", parameters=parameters)
     assert re.fullmatch(
-        r"the controller has had enough; a partner of the plant has ended at sample \d+ \(stamp 1\.0\d+ s\); the plant "
+        r"the controller has had enough; a partner of the plant exited at sample \d+ \(stamp 1\.0\d+ s\); the plant "
         "has braked to zero torque; the log is readable up to there",
         summary.message,
     )

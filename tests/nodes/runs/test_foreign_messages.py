@@ -21,7 +21,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from flexros_nodes.bringup import composed
 from flexros_nodes.bringup.run import run_scenario
-from flexros_nodes.controller.node import LOOKS, LOOKS_PER_SAMPLE, ControllerNode
+from flexros_nodes.controller.node import READ_BUDGET, READS_PER_SAMPLE, ControllerNode
 
 pytestmark = pytest.mark.usefixtures("ros_domain")
 
@@ -56,8 +56,8 @@ def test_garbage_changes_nothing_and_is_counted(
     assert log_differences(direct, log) == []
     assert summary.reports["plant"].figures["unreadable_messages"] > 100
     assert summary.reports["recorder"].figures["unreadable_messages"] > 100
-    looks = LOOKS + LOOKS_PER_SAMPLE * len(direct.joint_states.stamp)
-    assert LOOKS < summary.reports["controller"].figures["refused_trajectories"] <= looks
+    looks = READ_BUDGET + READS_PER_SAMPLE * len(direct.joint_states.stamp)
+    assert READ_BUDGET < summary.reports["controller"].figures["refused_trajectories"] <= looks
 
 
 def test_smallest_numbers_are_torques_like_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -101,7 +101,7 @@ def test_second_controller_breaks_the_run_off(tmp_path: Path, monkeypatch: pytes
     summary = run_scenario(scenario, tmp_path / "log", real_time=real_time, parameters=parameters)
     assert summary.exit_code == 3
     assert re.match(
-        r"two commands for stamp 1\.05\d\d s on joint_commands differ, and 2 nodes publish it: a plant obeys one "
+        r"two commands for stamp 1\.05\d\d s on joint_commands differ, and 2 nodes publish it: a plant accepts one "
         "controller; stop the other; the plant has braked to zero torque",
         summary.message,
     )

@@ -18,7 +18,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from flexros_nodes.controller.node import LOOKS, ControllerNode
+from flexros_nodes.controller.node import READ_BUDGET, ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
 from tests.nodes.loop_on_bench import Loop
 
@@ -89,23 +89,21 @@ def test_later_trajectory_replaces_the_one_before(bench: Bench, short_scenario: 
     assert sender.used()[LAST] == pytest.approx(present + 0.001, abs=1e-12)
 
 
-def test_of_a_flood_the_newest_one_is_followed_and_few_are_looked_at(
+def test_in_a_flood_few_trajectories_are_read_and_the_newest_is_followed(
     bench: Bench, short_scenario: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sender = Sender(bench, short_scenario)
-    looks: list[bytes] = []
-    look = sender.controller._look_at_trajectory
-    monkeypatch.setattr(
-        sender.controller, "_look_at_trajectory", lambda message: (looks.append(message), look(message))
-    )
+    checked: list[Any] = []
+    check = sender.controller.check_trajectory
+    monkeypatch.setattr(sender.controller, "check_trajectory", lambda read: (checked.append(read), check(read)))
     present = sender.step_to(5)[:2]
-    for i in range(LOOKS + 7):
+    for i in range(READ_BUDGET + 7):
         sender.send((0.01, (present + 1e-4 * i).tolist()))
         bench.spin_for(0.02)
-    assert len(looks) == LOOKS
+    assert len(checked) == READ_BUDGET
     used = sender.used()
-    assert len(looks) == LOOKS + 1
-    assert used[LAST] == pytest.approx(present + 1e-4 * (LOOKS + 6), abs=1e-12)
+    assert len(checked) == READ_BUDGET + 1
+    assert used[LAST] == pytest.approx(present + 1e-4 * (READ_BUDGET + 6), abs=1e-12)
 
 
 def test_what_cannot_be_followed_is_refused_with_a_sentence_and_the_loop_goes_on(
@@ -125,7 +123,7 @@ def test_what_cannot_be_followed_is_refused_with_a_sentence_and_the_loop_goes_on
     sender.send()
     sender.send((0.001, [0.0, 0.0]), sec=1)
     bench.spin_until(lambda: len(said) == 8)
-    opening, closing = "a trajectory on joint_trajectory is refused: ", "; the reference goes on as before"
+    opening, closing = "a trajectory on joint_trajectory is rejected: ", "; the reference is unchanged"
     assert all(text.startswith(opening) and text.endswith(closing) for text in said)
     for text, sentence in zip(
         said,
@@ -137,7 +135,7 @@ def test_what_cannot_be_followed_is_refused_with_a_sentence_and_the_loop_goes_on
             "2 joint names but 1 values in points[0].positions",
             "its times do not increase from 0 on",
             "it has no points",
-            "it ends at 1.0010 s of simulated time, which is over",
+            "it ends at 1.0010 s of simulated time, in the past",
         ),
         strict=True,
     ):

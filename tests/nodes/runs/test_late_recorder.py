@@ -17,7 +17,7 @@ pytest.importorskip("rclpy", reason="needs ROS 2")
 
 from flexros_nodes.bringup import composed
 from flexros_nodes.bringup.run import run_scenario
-from flexros_nodes.protocol.loop import shutdown as ending
+from flexros_nodes.protocol.loop import shutdown
 from flexros_nodes.recorder import RecorderNode
 from flexros_nodes.shell.topic_interface import sampled_topics
 
@@ -96,7 +96,7 @@ def test_confirmations_lost_in_the_midst_are_said_again(
 
 def test_recorder_that_never_hears_the_plant_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(composed.NODE_CLASSES, "recorder", late(("joint_states",), 1_000_000))
-    monkeypatch.setattr(ending, "GOODBYE_TIMEOUT", 0.2)
+    monkeypatch.setattr(shutdown, "FLUSH_TIMEOUT", 0.2)
     parameters = {"plant": {"recorder_timeout": 0.5, "start_timeout": 0.3, "brake_duration": 0.01}}
     summary = run_scenario("circle_dae", tmp_path / "log", parameters=parameters)
     assert summary.exit_code == 3

@@ -123,7 +123,7 @@ def test_measurement_that_is_not_a_number_ends_the_controller(bench: Bench) -> N
     states.publish(state)
     bench.spin_until(lambda: controller.report is not None)
     assert controller.report.exit_code == 3
-    assert "the measurement at stamp 1.0000 s is refused: its position is [0.0, nan]" in controller.report.message
+    assert "the measurement at stamp 1.0000 s is rejected: its position is [0.0, nan]" in controller.report.message
 
 
 def test_fault_in_a_node_is_told_as_such(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -60,7 +60,7 @@ def test_killed_node_breaks_the_run_off(
     log = read_log(tmp_path / "log")
     assert len(log.joint_states.stamp) > 500
     if victim == "controller":
-        assert "a partner of the plant has ended at sample" in summary.message
+        assert "a partner of the plant exited at sample" in summary.message
         assert summary.message.endswith("the plant has braked to zero torque; the log is readable up to there")
         assert summary.reports["plant"].figures["braked_samples"] == 20
     assert not left_ports(ros_domain), "the run left segments that nobody uses"

@@ -30,7 +30,7 @@ def test_joints_may_come_in_another_order(reader: CommandReader) -> None:
 def test_torque_that_is_not_finite_is_refused(reader: CommandReader, bad: float) -> None:
     message = JointStateTemplate(NAMES, effort=True).fill(10**9, effort=[1.0, bad])
     with pytest.raises(
-        RunError, match=r"sample 17 is refused: its effort is \[1\.0, -?(nan|inf)\]; needed is one finite"
+        RunError, match=r"sample 17 is rejected: its effort is \[1\.0, -?(nan|inf)\]; required is one finite"
     ):
         reader.read(message, 17)
 
@@ -54,7 +54,7 @@ def test_empty_effort_is_refused(reader: CommandReader) -> None:
 
 
 def test_bytes_that_are_no_message_are_refused(reader: CommandReader) -> None:
-    with pytest.raises(RunError, match="sample 0 is refused"):
+    with pytest.raises(RunError, match="sample 0 is rejected"):
         reader.read(b"\x00\x01\x00\x00\x01\x02", 0)
 
 
@@ -74,7 +74,7 @@ def test_second_controller_may_lag_by_some_samples() -> None:
     reader = CommandReader(NAMES, lambda: 2)
     for k in range(40):
         reader.read(command(1.0, 10**9 + k), k)
-    with pytest.raises(RunError, match="a plant obeys one controller; stop the other"):
+    with pytest.raises(RunError, match="a plant accepts one controller; stop the other"):
         reader.stamp(command(2.0, 10**9 + 30))
     assert reader.stamp(command(2.0, 10**9)) == 10**9  # long forgotten
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from flexros_nodes.protocol.loop.lockstep import Arrival, Beginning, ControllerLockStep, PlantLockStep, Tick
+from flexros_nodes.protocol.loop.lockstep import Arrival, ControllerLockStep, PlantLockStep, RestartDetector, Tick
 
 T = 5e-4
 
@@ -131,20 +131,20 @@ def test_controller_counts_samples_it_never_saw() -> None:
     assert lockstep.missed == 3
 
 
-def test_first_stamp_three_times_is_a_new_beginning() -> None:
+def test_first_stamp_three_times_is_a_restart() -> None:
     lockstep = ControllerLockStep(T)
     for stamp in (1_000_000_000, 1_000_500_000):
         lockstep.arrival(stamp)
     arrivals = [lockstep.arrival(1_000_000_000) for _ in range(3)]
-    assert arrivals == [Arrival.OLD, Arrival.OLD, Arrival.ANEW]
+    assert arrivals == [Arrival.OLD, Arrival.OLD, Arrival.RESTARTED]
 
 
-def test_late_repeats_of_the_first_stamp_are_no_new_beginning() -> None:
-    beginning = Beginning()
-    assert not any(beginning.is_new(newest) for newest in (1, 1, 2, 2, 3, 4, 4))
+def test_late_repeats_of_the_first_stamp_are_no_restart() -> None:
+    detector = RestartDetector()
+    assert not any(detector.restarted(newest) for newest in (1, 1, 2, 2, 3, 4, 4))
 
 
-def test_older_stamps_are_no_new_beginning() -> None:
+def test_older_stamps_are_no_restart() -> None:
     lockstep = ControllerLockStep(T)
     lockstep.arrival(1_001_000_000)
     assert {lockstep.arrival(1_000_500_000) for _ in range(5)} == {Arrival.OLD}

@@ -22,20 +22,20 @@ def test_chunks_of_a_stalled_loop_are_those_it_may_lack() -> None:
     stream = ChunkStream(n_samples=10_000, chunk=100, lead=250)
     stream.due(0)
     stream.due(330)
-    assert stream.again(330) == [range(300, 400), range(400, 500), range(500, 600)]
+    assert stream.since(330) == [range(300, 400), range(400, 500), range(500, 600)]
     assert stream.resends == 3
 
 
 def test_chunk_sent_again_is_the_same_chunk() -> None:
     stream = ChunkStream(n_samples=230, chunk=100, lead=500)
-    assert stream.due(0) == stream.again(0) == [range(100), range(100, 200), range(200, 230)]
+    assert stream.due(0) == stream.since(0) == [range(100), range(100, 200), range(200, 230)]
 
 
 def test_nothing_is_due_after_the_end() -> None:
     stream = ChunkStream(n_samples=230, chunk=100, lead=500)
     stream.due(0)
     assert stream.due(229) == []
-    assert stream.again(400) == []
+    assert stream.since(400) == []
 
 
 def test_chunk_is_sent_again_as_soon_as_a_later_one_is_confirmed() -> None:

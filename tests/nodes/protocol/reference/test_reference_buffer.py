@@ -192,12 +192,12 @@ def test_trajectory_that_began_before_is_followed_from_where_it_is_now(buffer: R
 def test_refused_trajectory_leaves_what_was_held(buffer: ReferenceBuffer, values: FloatArray) -> None:
     buffer.append(chunk(0, 60, values))
     buffer.take(stamp_ns(40, T))
-    with pytest.raises(RunError, match="it ends at 1.0050 s of simulated time, which is over: it is 1.0200 s"):
+    with pytest.raises(RunError, match="it ends at 1.0050 s of simulated time, in the past: it is 1.0200 s"):
         buffer.replace(JointTrajectoryChunk(stamp_ns(0, T), NAMES, np.array([5_000_000]), np.zeros((1, 2))))
     assert np.array_equal(buffer.take(stamp_ns(41, T)), values[41])
 
 
-def test_way_to_rest_slows_down_evenly(buffer: ReferenceBuffer) -> None:
+def test_rest_row_slows_down_evenly(buffer: ReferenceBuffer) -> None:
     positions, speed = np.array([[0.0, 0.0], [1.0, 2.0]]), np.array([[1.0, 2.0], [1.0, 2.0]])
     buffer.replace(JointTrajectoryChunk(stamp_ns(0, T), NAMES, np.array([0, 10**9]), positions, speed))
     begin = buffer.take(stamp_ns(200, T))

@@ -9,11 +9,11 @@ import pytest
 
 from flexros.logs.messages.joint_trajectory import JointTrajectoryChunk
 from flexros_nodes.protocol.reference.trajectory_request import (
-    Refusal,
-    RefusedTrajectoryError,
+    RejectedTrajectoryError,
+    Rejection,
     check_points,
     in_joint_order,
-    way_to_rest,
+    rest_row,
 )
 
 NAMES = ("motor_1", "motor_2")
@@ -55,14 +55,14 @@ def test_joints_are_brought_into_order() -> None:
     ],
 )
 def test_wrong_joints_are_refused(names: tuple[str, ...], said: str) -> None:
-    with pytest.raises(RefusedTrajectoryError, match=said) as caught:
+    with pytest.raises(RejectedTrajectoryError, match=said) as caught:
         in_joint_order(trajectory(names=names), NAMES)
-    assert caught.value.refusal is Refusal.JOINTS
+    assert caught.value.reason is Rejection.JOINTS
 
 
 @pytest.mark.parametrize("names", [(), ("motor_1",), (*NAMES, "wrist")])
 def test_wrong_number_of_joints_is_refused(names: tuple[str, ...]) -> None:
-    with pytest.raises(RefusedTrajectoryError, match="allowed is each of motor_1, motor_2, once"):
+    with pytest.raises(RejectedTrajectoryError, match="allowed is each of motor_1, motor_2, once"):
         in_joint_order(trajectory(names=names, positions=np.zeros((2, len(names)))), NAMES)
 
 
@@ -84,16 +84,16 @@ def test_wrong_number_of_joints_is_refused(names: tuple[str, ...]) -> None:
     ],
 )
 def test_points_that_cannot_be_followed_are_refused(changes: dict[str, Any], sentence: str) -> None:
-    with pytest.raises(RefusedTrajectoryError, match=sentence) as caught:
+    with pytest.raises(RejectedTrajectoryError, match=sentence) as caught:
         check_points(trajectory(**changes), NOW, position_limit=10.0)
-    assert caught.value.refusal is Refusal.POINTS
+    assert caught.value.reason is Rejection.POINTS
 
 
 def test_trajectory_that_is_over_is_refused() -> None:
-    with pytest.raises(RefusedTrajectoryError, match="give a later header.stamp, or 0 for now") as caught:
+    with pytest.raises(RejectedTrajectoryError, match="give a later header.stamp, or 0 for now") as caught:
         check_points(trajectory(stamp_ns=NOW - 10**9 - 1), NOW)
-    assert caught.value.refusal is Refusal.TOO_LATE
+    assert caught.value.reason is Rejection.TOO_LATE
 
 
-def test_way_to_rest_keeps_the_torque() -> None:
-    assert way_to_rest(np.array([1.0, 2.0, 3.0]), 0.5).tolist() == [1.5, 0.0, 3.0]
+def test_rest_row_keeps_the_torque() -> None:
+    assert rest_row(np.array([1.0, 2.0, 3.0]), 0.5).tolist() == [1.5, 0.0, 3.0]
