@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -29,3 +32,14 @@ def test_named_paths_exist() -> None:
     paths = {name for name in re.findall(r"`([\w./]+/[\w./]+)`", README) if not name.startswith(("install/", ".venv/"))}
     assert paths
     assert [name for name in sorted(paths) if not (CHECKOUT / name).exists()] == []
+
+
+@pytest.mark.slow
+def test_picture_is_drawn_by_its_script(tmp_path: Path) -> None:
+    script = CHECKOUT / "docs" / "generate" / "readme_picture.py"
+    environment = {**os.environ, "PYTHONPATH": str(CHECKOUT)}
+    subprocess.run([sys.executable, str(script), str(tmp_path)], check=True, env=environment)
+    committed = CHECKOUT / "docs" / "pictures" / "overview.svg"
+    assert "](docs/pictures/overview.svg)" in README
+    drawn, kept = (path.read_text(encoding="utf-8") for path in (tmp_path / "overview.svg", committed))
+    assert drawn.count("<polyline") == kept.count("<polyline") == 5
