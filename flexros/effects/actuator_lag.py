@@ -1,4 +1,4 @@
-"""Time that the current loop of a motor takes."""
+"""Lag of the current loop of a motor."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ _SHORT, _MANY = 1e-12, 0.02
 class ActuatorLag(AbstractCommandLaw):
     """A lag of first order between commanded torque u and torque of the motor y: T dy/dt = u - y.
 
-    The command is constant through an integration step, so that y is known exactly: u + (y0 - u) exp(-t/T). The motor
-    gets the straight line that has the same mean and the same first moment over the step, so that speed and position
-    at its end are right to order four; a time constant far below the step costs nothing. The own states are that line,
-    y at the end of the step, and the slope of the line.
+    The command is constant through an integration step, so y is known exactly: u + (y0 - u) exp(-t/T). The motor gets
+    the straight line with the same mean and the same first moment over the step, so that speed and position at its end
+    have order four. Time constants far below the step need no smaller steps. The own states are that line, y at the end
+    of the step, and the slope of the line.
     """
 
     name: ClassVar[str] = "actuator_lag"
@@ -48,7 +48,7 @@ class ActuatorLag(AbstractCommandLaw):
     time_constant: float = Field(0.0, ge=0.0, le=1.0, description="time constant T [s]")
 
     def passed(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value]) -> ca.SX:
-        """Return the line that stands for the torque in the step."""
+        """Return the line that approximates the torque in the step."""
         del torque, values
         return own[0]
 
@@ -58,7 +58,7 @@ class ActuatorLag(AbstractCommandLaw):
         return motor.own[2]
 
     def before_step(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value], step: ca.SX) -> ca.SX:
-        """Move the torque on, and lay the line that stands for it."""
+        """Advance the torque, and compute the line that approximates it."""
         x = step / ca.fmax(values["time_constant"], _SHORT)
         many = ca.fmax(x, _MANY)
         decay, before = ca.exp(-x), own[1] - torque
@@ -70,6 +70,6 @@ class ActuatorLag(AbstractCommandLaw):
         return ca.vertcat(mean - slope * step / 2, torque + before * decay, slope)
 
     def rest(self, torque: ca.SX, values: Mapping[str, Value]) -> ca.SX:
-        """Return what a constant torque leads to: itself."""
+        """Return the steady state, the constant torque itself."""
         del values
         return ca.vertcat(torque, torque, 0)

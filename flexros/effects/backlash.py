@@ -1,4 +1,4 @@
-"""Play of a gear."""
+"""Backlash of a gear."""
 
 from __future__ import annotations
 
@@ -21,20 +21,19 @@ if TYPE_CHECKING:
 
 
 ROUNDING = 1e-9
-"""Share of the deflection within which a flank counts as touched [1] (chosen, far above rounding)."""
+"""Share of the deflection within which a flank counts as in contact [1] (chosen, far above round-off)."""
 
 
 class Backlash(AbstractGearLaw):
-    """Play between motor and arm, in series with the spring and damper of the gear.
+    """Backlash between motor and arm, in series with the spring and damper of the gear.
 
     With total gap b, deflection d and twist s of the shaft (spring law f, damper c) the gear transmits
 
         f(s) + c s'    on a flank, where s = d - b/2 or s = d + b/2 (so that s' = d'),
-        0              in the gap, where the twist that is left decays by f(s) + c s' = 0.
+        0              in the gap, where the remaining twist decays by f(s) + c s' = 0.
 
-    A flank only pushes: the shaft leaves it when f(s) + c d' would pull, which a dead zone with a damper beside it
-    gets wrong. The twist is a state of its own, updated after each step. As the gap goes to zero the gear
-    becomes the nominal one.
+    A flank only pushes: contact ends when f(s) + c d' would pull. A dead zone with a parallel damper does not model
+    this. The twist is an own state, updated after each step. As the gap goes to zero the gear becomes the nominal one.
 
     Reference: Nordin, Galic', Gutman 1997, New models for backlash and gear play, Int. J. Adaptive Control and
     Signal Processing 11.
@@ -60,11 +59,11 @@ class Backlash(AbstractGearLaw):
     )
 
     def added(self, gear: GearState, values: Mapping[str, Value]) -> GearTorques:
-        """Replace the nominal torque by the one through the gap."""
+        """Replace the nominal torque by that through the gap."""
         return gear.transmits(transmitted(gear, ca.SX(values["gap"]) / 2) - gear.torque)
 
     def onward(self, gear: GearState, values: Mapping[str, Value]) -> GearState:
-        """Give the twist of the shaft for the deflection."""
+        """Pass the twist of the shaft as the deflection."""
         half = ca.SX(values["gap"]) / 2
         above, below = gear.deflection - half, gear.deflection + half
         torque = transmitted(gear, half)
@@ -72,7 +71,7 @@ class Backlash(AbstractGearLaw):
         return replace(gear, deflection=twist, rate=ca.if_else(torque == 0, 0, gear.rate), torque=torque)
 
     def after_step(self, gear: GearState, values: Mapping[str, Value], step: ca.SX) -> ca.SX:
-        """Let the twist decay through the step, but keep it between the flanks."""
+        """Let the twist decay through the step, limited by the flanks."""
         half, damping = ca.SX(values["gap"]) / 2, ca.SX(gear.damping)
         push, pull = _flank_torques(gear, half)
         room = _rounding(gear, half)
@@ -86,12 +85,12 @@ class Backlash(AbstractGearLaw):
         return ca.fmin(ca.fmax(ca.if_else(touched, gear.own, gear.own * ca.exp(-passed)), above), below)
 
     def rest(self, gear: GearState, values: Mapping[str, Value]) -> ca.SX:
-        """Start with the twist that the deflection leaves."""
+        """Return the twist beyond the gap."""
         return beyond(gear.deflection, ca.SX(values["gap"]) / 2)
 
 
 def beyond(deflection: ca.SX, half: ca.SX) -> ca.SX:
-    """Return what a dead zone of half width leaves of a deflection [rad or m]."""
+    """Return the deflection beyond a dead zone of half width [rad or m]."""
     return ca.fmax(deflection - half, 0) + ca.fmin(deflection + half, 0)
 
 
@@ -99,7 +98,7 @@ def transmitted(gear: GearState, half: ca.SX) -> ca.SX:
     """Evaluate the torque from motor to arm through the gap [Nm or N].
 
     Args:
-        gear: State of the gear; its own state is the twist of the shaft at the begin of the step.
+        gear: State of the gear; its own state is the twist of the shaft at the start of the step.
         half: Half of the total gap [rad or m].
     """
     push, pull = _flank_torques(gear, half)
@@ -110,7 +109,7 @@ def transmitted(gear: GearState, half: ca.SX) -> ca.SX:
 
 
 def _flank_torques(gear: GearState, half: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Torque on the flank for positive torque, which must be positive, and on the other one."""
+    """Return the torques on the flank of positive and on that of negative torque."""
     brake = gear.damping * gear.rate
     return gear.spring(gear.deflection - half) + brake, gear.spring(gear.deflection + half) + brake
 

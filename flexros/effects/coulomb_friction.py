@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 class CoulombFriction(AbstractDryFriction):
     """Coulomb friction at a motor, with true sticking.
 
-    With level F and asymmetry a the torque on a moving motor is -F (1 + a/2) forward and +F (1 - a/2) backward; at
-    standstill it balances all other torques between these bounds. A diagnosis finds an asymmetry as a torque bias
-    beside the friction, which is the same but at standstill.
+    With level F and asymmetry a the torque on a moving motor is -F (1 + a/2) forward and +F (1 - a/2) backward. At
+    standstill it balances all other torques between these bounds. A diagnosis finds an asymmetry as a torque bias in
+    addition to the friction, which is equivalent except at standstill.
     """
 
     name: ClassVar[str] = "coulomb_friction"
@@ -41,7 +41,7 @@ class CoulombFriction(AbstractDryFriction):
     asymmetry: float = Field(0.0, ge=-2.0, le=2.0, description="(forward - backward) / mean [1]")
 
     def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
-        """Return the two levels, whatever the speed."""
+        """Return the two levels, independent of the speed."""
         del motor
         return FrictionLevels(
             ca.SX(values["level"] * (1 + values["asymmetry"] / 2)),

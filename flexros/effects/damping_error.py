@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class DampingError(AbstractRelativeError):
-    """The damper beside one spring scaled."""
+    """The damper parallel to one spring scaled."""
 
     name: ClassVar[str] = "damping_error"
     stage: ClassVar[Stage] = "gear"
@@ -22,10 +22,10 @@ class DampingError(AbstractRelativeError):
     )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the springs, each of which has a damper."""
+        """Return the springs, each of which has a damper."""
         return tuple(name for name in robot.arm_names if f"{name}.damping" in robot.parameters)
 
     def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
-        """Name the damper beside the spring."""
+        """Return the damper parallel to the spring."""
         del robot
         return (f"{location}.damping",)

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 
 class Delay(AbstractChangedValues, AbstractLaw):
-    """Time that commands take to act, beyond the nominal delay; any real number of samples.
+    """Delay of the commands beyond the nominal one; any real number of samples.
 
-    At "all" it lengthens the delay of the robot; at a motor it delays the commands of that motor alone.
+    At "all" it adds to the delay of the robot; at a motor it delays the commands of that motor alone.
     """
 
     name: ClassVar[str] = "delay"
@@ -44,15 +44,15 @@ class Delay(AbstractChangedValues, AbstractLaw):
         return ("all", *robot.joint_names) if robot.n_motors > 1 else ("all", "motor_1")
 
     def changes_model(self, location: str) -> bool:
-        """Tell that the delay of all motors is a number of the robot."""
+        """Return whether it is the delay of all motors, a parameter of the robot."""
         return location == "all"
 
     @property
-    def numbers(self) -> dict[str, float]:
-        """Return none: the delay cuts the samples and cannot be a symbol."""
+    def parameter_values(self) -> dict[str, float]:
+        """Return none: a delay splits sample intervals and cannot be a symbol."""
         return {}
 
     def values(self, robot: Robot, location: str) -> dict[str, float]:
-        """Lengthen the delay."""
+        """Return the longer delay."""
         del location
         return {"delay": robot.delay + self.time}

@@ -1,4 +1,4 @@
-"""Periodic error of an encoder, as of a disc that is mounted off centre."""
+"""Periodic error of an encoder, as of a disc mounted off centre."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 
 class EncoderEccentricity(AbstractSensor):
-    """One order of a Fourier series in the angle of the rotor, added to what the encoder tells.
+    """One order of a Fourier series in the rotor angle, added to the encoder's measurement.
 
-    With amplitude A, order n, phase p and rotor angle a the reading is A sin(n a + p) too large. The amplitude is one
-    of the motor coordinate; the order counts periods per turn of the rotor, as for `torque_ripple`. Several orders are
-    several effects.
+    With amplitude A, order n, phase p and rotor angle a the measurement is A sin(n a + p) too large. The amplitude
+    refers to the motor coordinate, the order to turns of the rotor, as for `torque_ripple`. Several orders are several
+    effects.
     """
 
     name: ClassVar[str] = "encoder_eccentricity"
@@ -48,5 +48,5 @@ class EncoderEccentricity(AbstractSensor):
     phase: float = Field(0.0, description="phase at motor position zero [rad]")
 
     def read(self, position: ca.SX, angle: ca.SX, values: Mapping[str, Value]) -> ca.SX:
-        """Add the wave at the angle of the rotor."""
+        """Add the harmonic at the rotor angle."""
         return position + values["amplitude"] * ca.sin(values["order"] * angle + values["phase"])

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 
 class EncoderQuantization(AbstractSensor):
-    """Measured positions are the nearest multiples of a step.
+    """Measured positions rounded to the nearest multiples of a step.
 
-    A diagnosis finds the step from the levels that occur in the log, not by a fit, so there is no range.
+    A diagnosis finds the step from the levels in the log, not by a fit, so there is no range.
     """
 
     name: ClassVar[str] = "encoder_quantization"
@@ -28,9 +28,9 @@ class EncoderQuantization(AbstractSensor):
     rank: ClassVar[int] = 1
     signatures: ClassVar[tuple[str, ...]] = ("encoder_steps",)
     as_noise: ClassVar[bool] = True
-    fingerprint: ClassVar[str] = "measured positions lie on a lattice, and slow motion is a staircase"
+    fingerprint: ClassVar[str] = "measured positions are multiples of a step, and slow motion is a staircase"
 
-    step: float = Field(0.0, ge=0.0, description="distance of two readings, of the motor coordinate [rad or m]")
+    step: float = Field(0.0, ge=0.0, description="distance of two measurements, of the motor coordinate [rad or m]")
 
     @property
     def noise(self) -> float:
@@ -38,7 +38,7 @@ class EncoderQuantization(AbstractSensor):
         return self.step / 2
 
     def read(self, position: ca.SX, angle: ca.SX, values: Mapping[str, Value]) -> ca.SX:
-        """Round to the next multiple."""
+        """Round to the nearest multiple."""
         del angle
         step = ca.SX(values["step"])
         divisor = ca.if_else(step > 0, step, 1)

@@ -1,4 +1,4 @@
-"""A mode that the model does not have: something on a spring at the tool, or a flexible base."""
+"""An unmodelled mode: a mass on a spring at the tool, or a flexible base."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ if TYPE_CHECKING:
 
 
 class ExtraMode(AbstractArmLaw):
-    """A mass or an inertia on a spring and a damper, with a frequency of its own.
+    """A mass or an inertia on a spring and a damper with its own natural frequency.
 
     With frequency f of the mode alone, w = 2 pi f, damping ratio z, ratio m and a = w^2 e + 2 z w e':
 
     - At the tool, where the last body has a mass: a point mass of m times that mass on a spring with equal stiffness in
-      all directions, displaced by e from the tool point p(q). It moves by e'' + p'' = -a and pulls the arm by
-      (dp/dq)^T (m mass a). Its weight is not in it: weigh the load by gravity_error. With `inertia_ratio` i an inertia
-      of i times that of the last body turns against it about the axis of the last rotation, by the same law. Both are
-      added to the body: a part of a known mass that is not rigid is a payload_error that takes it off beside this.
-    - At the tool, where the last body has an inertia only (models of one axis): an inertia of m times it alone.
-    - At the base: the ground of the arm's first direction turns (or slides) about that axis by e, with m times the
-      inertia (or mass) of the whole arm about it at home. The arm coordinate then counts from the fixed ground, the
-      first spring is deflected by e more, and its torque T on the arm acts back on the base: e'' = -a - T / inertia.
-      This is exact for any chain, under gravity too, but for the spin that the turning base gives the rotor. Robots
-      whose first direction is rigid have no such place.
+      all directions, displaced by e from the tool point p(q). It moves by e'' + p'' = -a and exerts the force
+      (dp/dq)^T (m mass a) on the arm. Its weight is not included: see gravity_error. With `inertia_ratio` i an inertia
+      of i times that of the last body rotates relative to it about the axis of the last rotation, by the same law. Both
+      are added to the body: a non-rigid part of a known mass is this effect with a payload_error that removes the mass.
+    - At the tool, where the last body has an inertia only (models of one axis): an inertia of m times that one.
+    - At the base: the ground of the arm's first direction rotates (or slides) about that axis by e, with m times the
+      inertia (or mass) of the whole arm about it at home. The arm coordinate then refers to the fixed ground, the first
+      spring is deflected by e more, and its torque T on the arm reacts on the base: e'' = -a - T / inertia. This is
+      exact for any chain, also under gravity, except for the rotation of the rotor with the base. Robots whose first
+      direction is rigid have no such location.
 
     Reference: Two-mass resonator: Moberg 2007, section 3.2 (elastic load and foundation); Den Hartog 1956,
     Mechanical Vibrations, chapter 3.
@@ -79,7 +79,7 @@ class ExtraMode(AbstractArmLaw):
         return self.ratio == 0 and self.inertia_ratio == 0
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """Return the tool, and the base where the first direction has a spring."""
+        """Return the tool, and the base if the first direction has a spring."""
         first, last = robot.joints[0], robot.joints[-1]
         axes = {(joint.rotary, joint.axis) for joint in robot.joints}
         tool = ("tool",) if _load_mass(robot) > 0 or axes == {(last.rotary, last.axis)} else ()
@@ -87,7 +87,7 @@ class ExtraMode(AbstractArmLaw):
         return tool if rigid else (*tool, "base")
 
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
-        """List the ranges; only a tool with a mass has an inertia that turns beside it, and no base is very light."""
+        """Return the ranges; only a tool with a mass also has a rotating inertia, and a base is not very light."""
         both = location == "tool" and _load_mass(robot) > 0 and _turning(robot) is not None
         found = {name: allowed for name, allowed in self.ranges.items() if both or name != "inertia_ratio"}
         if location == "base":
@@ -95,7 +95,7 @@ class ExtraMode(AbstractArmLaw):
         return found
 
     def force(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
-        """Pull the tool, or shift the deflection of the first spring."""
+        """Return the force on the tool, or that of the shifted deflection of the first spring."""
         if arm.location == "base":
             return _spring_forces(arm, shifted=True) - _spring_forces(arm, shifted=False)
         force = ca.SX.zeros(arm.robot.n_arm)
@@ -104,7 +104,7 @@ class ExtraMode(AbstractArmLaw):
         return force
 
     def rates(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
-        """Move the mass, or the base."""
+        """Return the rates of mass or base."""
         rates = ca.SX.zeros(self.smooth_states)
         if arm.location == "base":
             w = 2 * math.pi * values["frequency"]
@@ -118,7 +118,7 @@ class ExtraMode(AbstractArmLaw):
         return rates
 
     def rest(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
-        """Start with the mass moving along with the tool, or the base turned by the weight of the arm."""
+        """Return the mass moving with the tool, or the base deflected by the weight of the arm."""
         own = ca.SX.zeros(self.smooth_states)
         if arm.location == "base":
             still = ca.SX.zeros(arm.robot.n_arm)
@@ -133,10 +133,10 @@ class ExtraMode(AbstractArmLaw):
 
 @dataclass(frozen=True)
 class _Part:
-    """Something on a spring at the tool.
+    """A mass or inertia on a spring at the tool.
 
     Attributes:
-        rate: Speed of the place where it sits, linear in that of the arm [m/s or rad/s], SX (n, 1).
+        rate: Speed of its attachment, linear in that of the arm [m/s or rad/s], SX (n, 1).
         size: Its mass or inertia [kg or kg m2].
         displacement: Its displacements among the own states.
         speed: Its own speeds among the own states.
@@ -149,51 +149,51 @@ class _Part:
 
 
 def _load_mass(robot: Robot) -> float:
-    """Mass of the last body that has a place in space [kg]; zero for models without geometry."""
+    """Return the mass of the last body [kg]; zero for models without geometry."""
     return 0.0 if robot.spec.tool.linear else robot.spec.bodies[-1].mass.value
 
 
 def _turning(robot: Robot) -> int | None:
-    """Number of the axis of the last rotation; None where the last body has no inertia about it."""
+    """Return the index of the axis of the last rotation; None if the last body has no inertia about it."""
     axes = [joint.axis for joint in robot.joints if joint.rotary]
     tensor = robot.spec.bodies[-1].inertia.matrix()
     return axes[-1] if axes and tensor[axes[-1], axes[-1]] > 0 else None
 
 
 def _parts(arm: ArmState, values: Mapping[str, Value]) -> list[_Part]:
-    """List what sits at the tool: a mass that moves, an inertia that turns."""
+    """Return the masses and inertias at the tool."""
     last, chain = f"body_{len(arm.robot.spec.bodies)}", arm.robot.chain
-    geometry = build_geometry(arm.robot.spec, chain, arm.number)
+    geometry = build_geometry(arm.robot.spec, chain, arm.parameter)
     axis, parts = _turning(arm.robot), []
     heavy = _load_mass(arm.robot) > 0
     if heavy:
         rate = ca.jtimes(forward(chain, geometry, arm.position)[0], arm.position, arm.speed)
-        parts.append(_Part(rate, values["ratio"] * arm.number(f"{last}.mass"), slice(0, 3), slice(4, 7)))
+        parts.append(_Part(rate, values["ratio"] * arm.parameter(f"{last}.mass"), slice(0, 3), slice(4, 7)))
     elif axis is None:
         rate = ca.sum1(arm.speed)
-        parts.append(_Part(rate, values["ratio"] * arm.number(f"{last}.mass"), slice(0, 1), slice(4, 5)))
+        parts.append(_Part(rate, values["ratio"] * arm.parameter(f"{last}.mass"), slice(0, 1), slice(4, 5)))
     if axis is not None:
         rate = motion(chain, geometry, arm.position, arm.speed).angular[-1][axis]
-        inertia = arm.number(f"{last}.inertia.{'xyz'[axis] * 2}")
+        inertia = arm.parameter(f"{last}.inertia.{'xyz'[axis] * 2}")
         ratio = values["inertia_ratio" if heavy else "ratio"]
         parts.append(_Part(rate, ratio * inertia, slice(3, 4), slice(7, 8)))
     return parts
 
 
 def _acceleration(arm: ArmState, values: Mapping[str, Value], part: _Part) -> ca.SX:
-    """Acceleration a of the tool against the mode, by spring and damper."""
+    """Return the relative acceleration a by spring and damper."""
     w = 2 * math.pi * values["frequency"]
     return w * w * arm.own[part.displacement] + 2 * values["damping"] * w * (arm.own[part.speed] - part.rate)
 
 
 def _arm_inertia(arm: ArmState) -> ca.SX:
-    """Inertia or mass of the whole arm about its first direction, at home."""
+    """Return the inertia or mass of the whole arm about its first direction at home."""
     home = np.asarray(arm.robot.home)
     return arm.model.arm_inertia(home, arm.parameters)[0, 0]
 
 
 def _spring_forces(arm: ArmState, *, shifted: bool) -> ca.SX:
-    """Torques of springs and dampers on all coordinates, with the first arm coordinate against ground or base."""
+    """Return the forces of springs and dampers on all coordinates, the first relative to ground or to base."""
     position, speed = ca.SX(arm.position), ca.SX(arm.speed)
     if shifted:
         position[0] -= arm.own[0]

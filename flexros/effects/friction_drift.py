@@ -1,4 +1,4 @@
-"""Friction that changes while the robot works: warm grease, running in."""
+"""Friction that changes during operation: warming grease, running-in."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _SHORT = 1e-12
 
 
 class FrictionDrift(AbstractMotorTorque, AbstractDryFriction):
-    """Friction at a motor that sets in from the start of the run on (Bittencourt 2010: it follows the temperature).
+    """Change of friction at a motor from the start of the run on (Bittencourt 2010: it follows the temperature).
 
     At time t, with time constant T, the torque against the motion of speed v is (coulomb sign(v) + viscous v)
-    (1 - exp(-t/T)): nothing at the start, the whole change at the end, so that the effect includes its own mean. Both
-    changes may be negative; the levels of dry friction at a motor, drift included, do not fall below zero. The own
-    state is the time.
+    (1 - exp(-t/T)): zero at the start, the whole change at the end, so the effect includes its own mean. Both changes
+    may be negative; the sum of the levels of dry friction at a motor does not fall below zero. The own state is the
+    time.
     """
 
     name: ClassVar[str] = "friction_drift"
@@ -59,20 +59,20 @@ class FrictionDrift(AbstractMotorTorque, AbstractDryFriction):
         return (time,)
 
     def rates(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
-        """Let the time run."""
+        """Return the rate of the time, 1."""
         del motor, values
         return ca.SX(1)
 
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
-        """Brake in proportion to the speed."""
+        """Return the change of viscous friction."""
         return -values["viscous"] * _reached(motor, values) * motor.speed
 
     def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
-        """Return the level that has been reached."""
+        """Return the level reached so far."""
         level = values["coulomb"] * _reached(motor, values)
         return FrictionLevels(level, level)
 
 
 def _reached(motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
-    """Return the share of the change that has been reached."""
+    """Return the share of the change reached so far."""
     return 1 - ca.exp(-motor.own[0] / ca.fmax(values["time_constant"], _SHORT))

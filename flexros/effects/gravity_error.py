@@ -1,4 +1,4 @@
-"""Error of the gravity that acts on a body."""
+"""Error of the weight of a body."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class GravityError(AbstractArmLaw):
-    """Weight of a body that the model does not know: a share of its weight, or a mass moment; no change of inertia.
+    """Unmodelled weight of a body: a share of its weight, or a mass moment, without change of inertia.
 
     With gravity vector g, mass m and centre of mass c(q) of the body, relative error r, unmodelled mass moment s and
     direction e(q) of the body (along its length, or its x axis where it has none), the forces on the arm coordinates
@@ -55,18 +55,18 @@ class GravityError(AbstractArmLaw):
         return self.relative == 0 and self.moment == 0
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the bodies that move, on robots under gravity."""
+        """Return the bodies that move, on robots under gravity."""
         if not any(robot.spec.gravity.value):
             return ()
         return tuple(f"body_{body + 1}" for body in moved_bodies(robot))
 
     def force(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
-        """Differentiate the work of the unmodelled weight."""
+        """Return the gradient of the work of the unmodelled weight."""
         q = ca.SX.sym("q", arm.robot.n_arm)
         body = int(arm.location.removeprefix("body_")) - 1
-        frame = body_frame(arm.robot, body, q, arm.number)
-        gravity = ca.vertcat(*[ca.SX(arm.number(f"gravity.{axis}")) for axis in "xyz"])
-        mass = arm.number(f"{arm.location}.mass")
+        frame = body_frame(arm.robot, body, q, arm.parameter)
+        gravity = ca.vertcat(*[ca.SX(arm.parameter(f"gravity.{axis}")) for axis in "xyz"])
+        mass = arm.parameter(f"{arm.location}.mass")
         along = frame.rotation @ ca.SX(ca.DM(long_axis(arm.robot, body)))
         work = values["relative"] * mass * ca.dot(gravity, frame.center) + values["moment"] * ca.dot(gravity, along)
         return ca.substitute(ca.densify(ca.gradient(work, q)), q, arm.position)

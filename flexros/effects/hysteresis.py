@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 
 
 NODES = (0.3214, 0.9425, 1.4137, 1.9529, 2.6888, 4.2352)
-"""Angles at which elements of equal level slip whose sum follows 1 - exp(-x) best, relative to the transition angle:
-the level density x exp(-x) of that curve cut into equal parts, each with its own mean stiffness."""
+"""Slip angles of elements of equal level whose sum approximates 1 - exp(-x), relative to the transition angle: the
+level density x exp(-x) of that curve divided into equal parts, each with its own mean stiffness."""
 
 
 class Hysteresis(AbstractGearLaw):
-    """Rate-independent friction inside the gear, beside its spring: elements that stretch, then slip (Maxwell-slip).
+    """Rate-independent friction inside the gear, parallel to its spring: Maxwell-slip elements.
 
     Element i of n = 6 has the stiffness k_i, the level F/n and slips at the angle w_i = F / (n k_i). With deflection d
-    and the position z_i of its slider the torque that is added is
+    and the position z_i of its slider the additional torque is
 
         sum of k_i clip(d - z_i, -w_i, w_i),    and z_i follows d at the distance w_i once it is reached.
 
@@ -65,25 +65,25 @@ class Hysteresis(AbstractGearLaw):
     spread: float = Field(1.0, ge=0.0, le=4.0, description="how far the slipping angles of the elements spread [1]")
 
     def added(self, gear: GearState, values: Mapping[str, Value]) -> GearTorques:
-        """Add the torques of all elements."""
+        """Return the sum of the torques of all elements."""
         limits = slipping_angles(values["angle"], values["spread"])
         stretched = _clip(gear.deflection - gear.own, limits)
         return gear.transmits(ca.SX(values["level"]) / len(NODES) * ca.sum1(stretched / limits))
 
     def after_step(self, gear: GearState, values: Mapping[str, Value], step: ca.SX) -> ca.SX:
-        """Let the sliders follow, exactly for a deflection that did not turn within the step."""
+        """Let the sliders follow; exact for a deflection that did not reverse within the step."""
         del step
         limits = slipping_angles(values["angle"], values["spread"])
         return gear.deflection - _clip(gear.deflection - gear.own, limits)
 
     def rest(self, gear: GearState, values: Mapping[str, Value]) -> ca.SX:
-        """Start without stretched elements."""
+        """Return unstretched elements."""
         del values
         return ca.SX.ones(len(NODES)) * gear.deflection
 
 
 def slipping_angles(angle: Value, spread: Value) -> ca.SX:
-    """Give the angles at which the elements slip.
+    """Return the slip angles of the elements.
 
     Args:
         angle: Transition angle [rad or m].

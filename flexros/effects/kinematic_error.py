@@ -1,4 +1,4 @@
-"""Error of the geometry that only a measurement of the tool shows."""
+"""Error of the geometry, visible only in measurements of the tool."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 
 class KinematicError(AbstractToolError):
-    """A body longer than the model says, or mounted at another angle: the robot moves as ever, its tool is elsewhere.
+    """A body of another length or mounting angle: the dynamics are nominal, the tool pose is not.
 
     The length vector of the body is longer by `length` (along the x axis where it has none), and the coordinate by
-    which the body turns (the one with the motor, else the first) counts from an angle that is wrong by `angle`: the
-    measured tool pose is that of the arm with l + length and q + angle. A tool point that the robot file states apart
-    (`tool.position`) does not move with the length of the last body. A diagnosis does not look for the angle of the
-    first body, because the unknown frame of a tool tracker takes it up.
+    which the body rotates (the one with the motor, else the first) has a zero that is wrong by `angle`: the measured
+    tool pose is that of the arm with l + length and q + angle. A tool point given separately in the robot file
+    (`tool.position`) does not move with the length of the last body. A diagnosis does not fit the angle of the first
+    body, because the unknown frame of a tool tracker absorbs it.
 
     Reference: Hollerbach, Khalil, Gautier 2016, Springer Handbook of Robotics, chapter 8: model calibration.
     """
@@ -46,7 +46,7 @@ class KinematicError(AbstractToolError):
         "model says"
     )
 
-    length: float = Field(0.0, description="the body is longer by this [m]")
+    length: float = Field(0.0, description="additional length of the body [m]")
     angle: float = Field(0.0, description="error of the zero of its rotation [rad]")
 
     @property
@@ -55,14 +55,14 @@ class KinematicError(AbstractToolError):
         return self.length == 0 and self.angle == 0
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the bodies that turn, on robots whose tool has a geometry."""
+        """Return the bodies that rotate, on robots whose tool has a geometry."""
         if robot.spec.tool.linear:
             return ()
         bodies = moved_bodies(robot)
         return tuple(f"body_{body + 1}" for body in bodies if _turning(robot, body))
 
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
-        """Leave out the angle of the first body: to turn the whole arm is to turn the frame of the tracker."""
+        """Return the ranges without the angle of the first body, which is the orientation of the tracker's frame."""
         first = moved_bodies(robot)[0]
         return {name: one for name, one in self.ranges.items() if name != "angle" or _number(location) != first}
 
@@ -85,6 +85,6 @@ def _number(location: str) -> int:
 
 
 def _turning(robot: Robot, body: int) -> tuple[str, ...]:
-    """List the coordinates by which a body turns, the one with the motor first."""
+    """Return the coordinates by which a body rotates, the one with the motor first."""
     joints = [joint for joint in robot.joints if joint.body == body and joint.rotary]
     return tuple(joint.name for joint in sorted(joints, key=lambda joint: joint.motor is None))

@@ -22,10 +22,10 @@ class MotorInertiaError(AbstractRelativeError):
     )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the motors that have an inertia of their own."""
+        """Return the motors whose inertia is not zero."""
         return tuple(name for name in robot.joint_names if robot.parameters[f"{name}.inertia"].value > 0)
 
     def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
-        """Name the inertia of the motor."""
+        """Return the inertia of the motor."""
         del robot
         return (f"{location}.inertia",)

@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from flexros.robot.symbolic.kinematics import Value
 
 CORNER = (-8.0, -4.0, -2.0, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
-"""Points of a rounded corner where its polygon in a robot file bends, in widths from the knee [1] (chosen)."""
+"""Knots of the polygon that approximates a rounded corner in a robot file, in widths from the knee [1] (chosen)."""
 
 
 class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
-    """A spring of the nominal stiffness up to a knee and of another one beyond: hardening or softening.
+    """A spring of nominal stiffness up to a knee and of another one beyond: hardening or softening.
 
     With stiffness k, deflection d, knee c and relative change r the torque of the spring is
 
@@ -39,13 +39,12 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         sign(d) (k c + (1 + r) k (|d| - c))     beyond: odd, continuous, with a corner at the knee.
 
     Real springs bend gradually: with a rounding s the corner becomes a hyperbola of width s c, r k (g(|d|) - g(0)) with
-    g(x) = (x - c + sqrt((x - c)^2 + (s c)^2)) / 2. A spring that is piecewise linear already has its stiffness scaled
-    by 1 + r beyond the knee, g being taken of its torque. The knee is given as a deflection, or as the torque k c at
-    which it lies. It acts between motor and arm for a gear, and on the arm coordinate for the other springs; the damper
-    stays as it is.
+    g(x) = (x - c + sqrt((x - c)^2 + (s c)^2)) / 2. A spring that is already piecewise linear has its stiffness scaled
+    by 1 + r beyond the knee, with g applied to its torque. The knee is given as a deflection or as its torque k c. The
+    effect acts between motor and arm for a gear, on the arm coordinate for the other springs. The damper is unchanged.
 
-    A simulated robot has the bent spring in its file, so that its rest, energy and linearisation include it (a rounded
-    corner as a polygon); where the numbers are to be free, as in a diagnosis, the same torques are a law beside the
+    A simulated robot has the changed spring in its specification, so that its rest, energy and linearisation include it
+    (a rounded corner as a polygon). With free parameters, as in a diagnosis, the same torques are a law parallel to the
     nominal spring.
 
     Reference: Piecewise stiffness K1, K2, K3 of gear catalogues; Moberg 2007, Paper C, section 4 (nonlinear gear
@@ -97,7 +96,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         return self
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the springs that are linear or piecewise linear and not of stiffness zero."""
+        """Return the springs that are linear or piecewise linear, with a stiffness above zero."""
         springs = {joint.name: joint.direction.spring for joint in robot.joints}
         return tuple(
             name
@@ -108,7 +107,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         )
 
     def changed(self, robot: Robot, location: str) -> Robot:
-        """Put the knee into the law of the spring."""
+        """Return the robot with the knee in the law of the spring."""
         if self.relative == 0:
             return robot
         data = robot.spec.model_dump()
@@ -122,11 +121,11 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         return Robot(validate(RobotSpecification, data, self.name), self.name)
 
     def added(self, gear: GearState, values: Mapping[str, Value]) -> GearTorques:
-        """Add what the spring has more, or less, beyond the knee."""
+        """Return the additional torque beyond the knee."""
         return gear.transmits(self._more(gear, gear.deflection, values))
 
     def onward(self, gear: GearState, values: Mapping[str, Value]) -> GearState:
-        """Give the bent spring."""
+        """Pass the changed spring."""
         return replace(
             gear,
             torque=gear.torque + self._more(gear, gear.deflection, values),
@@ -134,7 +133,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         )
 
     def _more(self, gear: GearState, deflection: ca.SX, values: Mapping[str, Value]) -> ca.SX:
-        """Torque that the spring has more than the one without knee."""
+        """Return the torque in addition to that of the spring without knee."""
         at_knee = ca.SX(values["knee_torque"]) if self.knee_torque else gear.spring(ca.SX(values["knee"]))
         torque = gear.spring(deflection)
         if not isinstance(values["rounding"], ca.SX) and values["rounding"] == 0:
@@ -144,7 +143,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         return values["relative"] * ca.sign(torque) * more
 
     def _law(self, spring: Spring, location: str) -> dict[str, Any]:
-        """Compute knots and slopes with the knee among them."""
+        """Return knots and slopes including the knee."""
         law, stiffness = spring.piecewise_linear, spring.stiffness
         if law is None:
             assert stiffness is not None
@@ -170,7 +169,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
 
 
 def _ramp(beyond: Any, width: Any) -> Any:
-    """Return what is above zero, with a corner of some width: a hyperbola."""
+    """Return max(x, 0) with a corner rounded to a hyperbola of some width."""
     return (beyond + (beyond**2 + width**2) ** 0.5) / 2
 
 

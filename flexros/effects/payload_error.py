@@ -27,12 +27,12 @@ class PayloadError(AbstractRelativeError):
     )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """Return the tool, the one place of the load."""
+        """Return the tool, the only location of the load."""
         del robot
         return ("tool",)
 
     def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
-        """List mass and inertia of the last body."""
+        """Return mass and inertia of the last body."""
         del location
         last = f"body_{len(robot.spec.bodies)}"
         return tuple(name for name in robot.parameters if name.startswith((f"{last}.mass", f"{last}.inertia.")))

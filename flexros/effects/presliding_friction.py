@@ -1,4 +1,4 @@
-"""Friction of bristles, which deflect before they slide."""
+"""Bristle friction, with deflection before sliding."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 SEEN = 3.0
-"""Least deflection of the bristles at breakaway over the noise of the encoder that is seen [1] (chosen)."""
+"""Smallest detectable deflection of the bristles at break-away, in units of the encoder noise [1] (chosen)."""
 
 
 class PreslidingFriction(AbstractBristleFriction):
@@ -28,8 +28,8 @@ class PreslidingFriction(AbstractBristleFriction):
 
     With bristle deflection z, speed v, stiffness s0 and damping s1 the torque against the motion is s0 z + s1 dz/dt,
     where dz/dt = v - s0 |v| z / g(v) and g(v) = level + extra exp(-|v / velocity|^exponent). Steady sliding has torque
-    g(v); below break-away the motor moves as on a spring of stiffness s0. How it is solved: `bristle_friction`, of
-    order two in the integration step where it resolves the motion.
+    g(v); below break-away the motor moves as on a spring of stiffness s0. Integration: `bristle_friction`, of order two
+    in the integration step where it resolves the motion.
     """
 
     name: ClassVar[str] = "presliding_friction"
@@ -67,12 +67,12 @@ class PreslidingFriction(AbstractBristleFriction):
     @model_validator(mode="after")
     def _stiff(self) -> PreslidingFriction:
         if not self.neutral and self.stiffness <= 0:
-            raise ValueError("stiffness is 0, but bristles need one; give stiffness=... [Nm/rad or N/m]")
+            raise ValueError("stiffness is 0, but must be positive; give stiffness=... [Nm/rad or N/m]")
         return self
 
     @property
     def neutral(self) -> bool:
-        """Whether there is no friction at any speed."""
+        """Whether the friction is zero at all speeds."""
         return self.level == 0 and self.extra == 0
 
     def bristle(self, speed: ca.SX, values: Mapping[str, Value]) -> Bristle:
@@ -81,5 +81,5 @@ class PreslidingFriction(AbstractBristleFriction):
         return Bristle(ca.SX(level), values["stiffness"], values["damping"])
 
     def visible(self, noise: float) -> bool:
-        """Tell whether the bristles bend farther than the encoder can miss: else it is Coulomb friction."""
+        """Return whether the deflection of the bristles exceeds the encoder noise; otherwise it is Coulomb friction."""
         return self.level + self.extra > SEEN * noise * self.stiffness

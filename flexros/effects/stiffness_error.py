@@ -26,6 +26,6 @@ class StiffnessError(AbstractRelativeError):
         return tuple(name for name in robot.arm_names if f"{name}.stiffness" in robot.parameters)
 
     def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
-        """Name the stiffness of the spring."""
+        """Return the stiffness of the spring."""
         del robot
         return (f"{location}.stiffness",)

@@ -1,4 +1,4 @@
-"""Friction that is larger at standstill and low speed: the hump alone."""
+"""Additional friction at standstill and low speed: the Stribeck hump alone."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flexros.robot.symbolic.kinematics import Value
 
 SLOWEST = 1e-12
-"""Smallest Stribeck velocity that is not taken for zero [rad/s or m/s]."""
+"""Smallest Stribeck velocity that is distinguished from zero [rad/s or m/s]."""
 GAUSSIAN = 2.0
 """Exponent of a hump of Gaussian shape, that of the thesis [1]."""
 
@@ -37,8 +37,8 @@ class StribeckFriction(AbstractDryFriction):
 
     With extra level F, Stribeck velocity w and exponent d the torque on a motor of speed v is F exp(-|v/w|^d) against
     the motion; at standstill it balances all other torques up to F. The thesis has d = 2; measured humps have 0.5 to 2
-    and more (Armstrong-Helouvry 1991, Control of Machines with Friction). Coulomb friction is an effect of its own,
-    their levels add.
+    and more (Armstrong-Helouvry 1991, Control of Machines with Friction). Coulomb friction is a separate effect; the
+    levels add.
     """
 
     name: ClassVar[str] = "stribeck_friction"

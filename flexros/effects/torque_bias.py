@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class TorqueBias(AbstractMotorTorque):
-    """A torque that is always there: the offset of a current sensor, a spring that balances, a wrong static load."""
+    """A constant torque: the offset of a current sensor, a balancing spring, a wrong static load."""
 
     name: ClassVar[str] = "torque_bias"
     stage: ClassVar[Stage] = "actuator"
@@ -33,7 +33,7 @@ class TorqueBias(AbstractMotorTorque):
         {"level": Range("torque", 1e-3, 1.0, starts=2, signed=True)}
     )
 
-    level: float = Field(0.0, description="torque that is added at the motor [Nm or N]")
+    level: float = Field(0.0, description="additional torque at the motor [Nm or N]")
 
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
         """Return the constant torque."""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class TorqueGainError(AbstractCommandLaw):
-    """The motor gives 1 + relative times the torque that is commanded."""
+    """The motor produces 1 + relative times the commanded torque."""
 
     name: ClassVar[str] = "torque_gain_error"
     stage: ClassVar[Stage] = "actuator"
@@ -37,6 +37,6 @@ class TorqueGainError(AbstractCommandLaw):
     relative: float = Field(0.0, gt=-1.0, lt=10.0, description="deviation of the torque from the commanded one [1]")
 
     def passed(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value]) -> ca.SX:
-        """Scale the torque."""
+        """Return the scaled torque."""
         del own
         return (1 + values["relative"]) * torque

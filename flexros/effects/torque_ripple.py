@@ -1,4 +1,4 @@
-"""Torque that repeats with the turning of the motor: cogging and ripple."""
+"""Torque periodic in the rotor angle: cogging and ripple."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 
 class TorqueRipple(AbstractMotorTorque):
-    """One order of a Fourier series in the angle of the rotor.
+    """One order of a Fourier series in the rotor angle.
 
     With amplitude A, order n, phase p and rotor angle a, the torque A sin(n a + p) is added at the motor (cogging), or
     A sin(n a + p) times the torque that acts on it (ripple of a winding, `proportional`). The order counts periods per
-    turn of the rotor: on a robot stated on the arm's side the rotor turns by gear ratio times the motor coordinate,
-    on one stated on the motor's side by the motor coordinate itself. Several orders are several effects.
+    turn of the rotor: for a robot stated on the arm side the rotor angle is gear ratio times the motor coordinate, for
+    one stated on the motor side the motor coordinate itself. Several orders are several effects.
     """
 
     name: ClassVar[str] = "torque_ripple"
@@ -62,6 +62,6 @@ class TorqueRipple(AbstractMotorTorque):
         return self
 
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
-        """Evaluate the wave at the angle of the rotor."""
-        wave = values["amplitude"] * ca.sin(values["order"] * motor.angle + values["phase"])
-        return wave * motor.torque if self.proportional else wave
+        """Evaluate the harmonic at the rotor angle."""
+        harmonic = values["amplitude"] * ca.sin(values["order"] * motor.angle + values["phase"])
+        return harmonic * motor.torque if self.proportional else harmonic

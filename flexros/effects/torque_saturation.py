@@ -1,4 +1,4 @@
-"""Largest torque of a motor."""
+"""Torque limit of a motor."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 
 class TorqueSaturation(AbstractCommandLaw):
-    """The motor gives no more torque than the limit, either way, whatever is commanded.
+    """The torque of the motor is limited in both directions, whatever the command.
 
-    The limits that the controller knows are others and stay as they are. A limit of zero is none: it switches the
+    The limits known to the controller are separate and unchanged. A limit of zero means no limit: it switches the
     effect off.
     """
 
@@ -43,11 +43,11 @@ class TorqueSaturation(AbstractCommandLaw):
     limit: float = Field(0.0, ge=0.0, description="largest torque either way [Nm or N]; 0: no limit")
 
     def passed(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value]) -> ca.SX:
-        """Clip the torque."""
+        """Return the limited torque."""
         del own
         limit = ca.SX(values["limit"])
         return ca.if_else(limit > 0, ca.fmin(ca.fmax(torque, -limit), limit), torque)
 
     def cut_off(self, torque: FloatArray) -> FloatArray:
-        """Clip recorded commands."""
+        """Limit recorded commands."""
         return np.clip(torque, -self.limit, self.limit)

@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 
 class TransmissionError(AbstractGearLaw):
-    """Deflection of the gear that repeats with the turning of the rotor.
+    """Deflection of the gear periodic in the rotor angle.
 
     With amplitude A, order n, phase p and rotor angle r the gear is deflected by
 
         d + A sin(n r + p),    and its rate by d' + A n r' cos(n r + p),
 
-    as if the motor stood that much further on. The motor gets the torque T of the gear back times
-    1 + A n cos(n r + p) dr/dq, which keeps the power: what the motor gives more, spring, damper and arm receive.
+    as for an offset of the motor. The torque T of the gear reacts on the motor times 1 + A n cos(n r + p) dr/dq, which
+    conserves power between motor, spring, damper and arm.
 
     Reference: Taghirad, Belanger 1998, Modeling and parameter identification of harmonic drive systems, J. Dynamic
     Systems, Measurement and Control 120; order 2 of the wave generator: catalogues of strain wave gears.
@@ -64,10 +64,10 @@ class TransmissionError(AbstractGearLaw):
         return GearTorques(shifted.torque - gear.torque, gear.torque * gear.lever - shifted.torque * shifted.lever)
 
     def onward(self, gear: GearState, values: Mapping[str, Value]) -> GearState:
-        """Give the shifted deflection."""
-        wave = values["order"] * gear.angle + values["phase"]
-        slope = values["amplitude"] * values["order"] * gear.turns * ca.cos(wave)
-        deflection = gear.deflection + values["amplitude"] * ca.sin(wave)
+        """Pass the shifted deflection."""
+        phase = values["order"] * gear.angle + values["phase"]
+        slope = values["amplitude"] * values["order"] * gear.turns * ca.cos(phase)
+        deflection = gear.deflection + values["amplitude"] * ca.sin(phase)
         rate = gear.rate + slope * gear.motor_speed
         torque = gear.spring(deflection) + gear.damping * rate
         return replace(gear, deflection=deflection, rate=rate, torque=torque, lever=gear.lever + slope)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class ViscousFriction(AbstractMotorTorque):
     """Viscous friction at a motor beyond the nominal one, and different friction in the two directions.
 
-    With coefficient f beside the nominal f_0 and asymmetry a, the whole friction torque on the motor is
+    With coefficient f in addition to the nominal f_0 and asymmetry a, the total friction torque on the motor is
     -(f_0 + f) (1 + a/2) v forward and -(f_0 + f) (1 - a/2) v backward: the mean of the directions is f_0 + f, and their
     difference a (f_0 + f). Nominal friction that differs in the two directions is an asymmetry without coefficient.
     """
@@ -47,6 +47,6 @@ class ViscousFriction(AbstractMotorTorque):
         return self.coefficient == 0 and self.asymmetry == 0
 
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
-        """Brake in proportion to the speed."""
-        whole = motor.viscous_friction + values["coefficient"]
-        return -(values["coefficient"] * motor.speed + whole * values["asymmetry"] / 2 * ca.fabs(motor.speed))
+        """Return the additional viscous friction."""
+        total = motor.viscous_friction + values["coefficient"]
+        return -(values["coefficient"] * motor.speed + total * values["asymmetry"] / 2 * ca.fabs(motor.speed))

@@ -41,9 +41,9 @@ class ToolGeometry:
             effect = law.effect
             if not isinstance(effect, AbstractToolError):
                 continue
-            for name, value in effect.offsets(robot, law.location, effect.numbers).items():
+            for name, value in effect.offsets(robot, law.location, effect.parameter_values).items():
                 offsets[name] += float(value)
-            for name, value in effect.geometry(robot, law.location, effect.numbers).items():
+            for name, value in effect.geometry(robot, law.location, effect.parameter_values).items():
                 lengths[name] = lengths.get(name, robot.parameters[name].value) + float(value)
         return cls(robot.with_values(lengths, "errors of the kinematics"), tuple(offsets.values()))
 

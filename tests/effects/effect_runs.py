@@ -84,11 +84,11 @@ class GearLaw:
 
         nominal = spring(d) + damping * rate
         gear = GearState(d, rate, angle, speed, turns, nominal, damping, spring, own)
-        added = effect.added(gear, effect.numbers)
+        added = effect.added(gear, effect.parameter_values)
         arguments = [d, rate, angle, speed, own]
         self._torques = ca.Function("torques", arguments, [nominal + added.arm, -nominal + added.motor])
-        self._after = ca.Function("after", [*arguments, step], [effect.after_step(gear, effect.numbers, step)])
-        self._rest = ca.Function("rest", [d, angle], [effect.rest(gear, effect.numbers)])
+        self._after = ca.Function("after", [*arguments, step], [effect.after_step(gear, effect.parameter_values, step)])
+        self._rest = ca.Function("rest", [d, angle], [effect.rest(gear, effect.parameter_values)])
 
     def start(self, deflection: float, angle: float = 0.0) -> FloatArray:
         own: FloatArray = self._rest(deflection, angle).full().ravel()

@@ -108,5 +108,5 @@ def test_substeps_converge_with_order_two_through_presliding_and_sliding() -> No
 
 
 def test_bristles_need_a_stiffness() -> None:
-    with pytest.raises(InputError, match=r"stiffness is 0, but bristles need one; give stiffness=\.\.\. \[Nm/rad"):
+    with pytest.raises(InputError, match=r"stiffness is 0, but must be positive; give stiffness=\.\.\. \[Nm/rad"):
         parse_effect("presliding_friction@motor_1:level=3", "--effect")

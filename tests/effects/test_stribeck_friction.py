@@ -18,7 +18,7 @@ HUMP = "stribeck_friction@motor_1:extra=40,velocity=0.1"
 @pytest.mark.parametrize("speed", [0.0, 0.05, -0.05, 0.1, -1.0])
 def test_level_is_the_hump_alone(speed: float) -> None:
     effect = StribeckFriction(extra=40.0, velocity=0.1)
-    levels = effect.levels(MotorState(ca.SX(0), ca.SX(0), ca.SX(speed), ca.SX(0)), effect.numbers)
+    levels = effect.levels(MotorState(ca.SX(0), ca.SX(0), ca.SX(speed), ca.SX(0)), effect.parameter_values)
     expected = 40.0 * np.exp(-((speed / 0.1) ** 2))
     assert [float(ca.DM(level)) for level in (levels.forward, levels.backward)] == pytest.approx([expected] * 2)
 
@@ -61,5 +61,5 @@ def test_substeps_converge_with_order_two_while_it_slides() -> None:
 def test_the_exponent_shapes_the_hump() -> None:
     effect = StribeckFriction(extra=40.0, velocity=0.1, exponent=0.8)
     for speed in (0.0, 0.02, -0.3):
-        level = effect.levels(MotorState(ca.SX(0), ca.SX(0), ca.SX(speed), ca.SX(0)), effect.numbers).forward
+        level = effect.levels(MotorState(ca.SX(0), ca.SX(0), ca.SX(speed), ca.SX(0)), effect.parameter_values).forward
         assert float(ca.DM(level)) == pytest.approx(40.0 * np.exp(-(abs(speed / 0.1) ** 0.8)))

@@ -29,12 +29,12 @@ def _refused(data: dict[str, Any]) -> str:
     return text
 
 
-def test_shipped_robots_of_the_contract() -> None:
+def test_built_in_robots_of_the_contract() -> None:
     contract = {"two_mass", "elbow", "e12", "four_mass", "four_mass_linear", "six_axis", "emps"}
     assert contract <= set(robot_names())
 
 
-def test_every_shipped_number_is_declared_exact() -> None:
+def test_every_built_in_value_is_declared_exact() -> None:
     for name in robot_names():
         assert {p.tolerance for p in load_robot(name).parameters.values()} == {0.0}, name
 

@@ -33,7 +33,7 @@ def test_unknowns_are_those_of_the_file_or_all_springs_and_dampers() -> None:
         unknown_names(load_robot("emps"))
 
 
-def test_shipped_scenario_is_the_template_of_its_robot() -> None:
+def test_built_in_scenario_is_the_template_of_its_robot() -> None:
     template = template_scenario(E12, "my/e12.yaml")
     assert template.robot == "my/e12.yaml"
     assert template.controller == load_scenario("identify_e12").controller

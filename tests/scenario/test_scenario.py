@@ -41,12 +41,12 @@ def write(folder: Path, text: str) -> Path:
     return path
 
 
-def test_shipped_scenarios_are_those_promised() -> None:
+def test_built_in_scenarios_are_those_promised() -> None:
     assert set(SHIPPED) <= set(scenario_names())
 
 
 @pytest.mark.parametrize("name", scenario_names())
-def test_shipped_scenario_loads_says_what_it_is_and_fits_its_robot(name: str) -> None:
+def test_built_in_scenario_loads_is_described_and_fits_its_robot(name: str) -> None:
     scenario = load_scenario(name)
     robot = load_robot(scenario.robot)
     assert scenario.name == name

@@ -1,1 +1,1 @@
-"""What effects have in common: one base class for each place where an effect acts."""
+"""Base classes of effects, one per place in the loop where an effect acts."""

@@ -20,17 +20,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ArmState:
-    """What a law of the arm may depend on.
+    """State and parameters that a law of the arm may depend on.
 
     Attributes:
         position: Arm coordinates [rad or m], SX (N, 1).
         speed: Their rates, SX (N, 1).
         motor_position: Coordinates of the motors behind flexible gears [rad or m], SX (number of them, 1).
         motor_speed: Their rates.
-        model: Functions of the robot, e.g. `model.tool_pose(position, parameters)`.
+        model: Symbolic model of the robot, e.g. `model.tool_pose(position, parameters)`.
         parameters: Their argument p.
-        robot: The robot, for its numbers.
-        location: Place of the law.
+        robot: The robot, for its nominal parameter values.
+        location: Location of the law.
         own: States of the law itself, SX (smooth_states, 1).
     """
 
@@ -44,18 +44,18 @@ class ArmState:
     location: str
     own: ca.SX
 
-    def number(self, name: str) -> Value:
-        """Return number or symbol of a parameter of the robot."""
+    def parameter(self, name: str) -> Value:
+        """Return the value or symbol of a parameter of the robot."""
         if name in self.model.parameter_names:
             return self.parameters[self.model.parameter_names.index(name)]
         return self.robot.parameters[name].value
 
 
 class AbstractArmLaw(AbstractLaw):
-    """A law that adds generalised forces on the arm coordinates, or on all; its own states are smooth.
+    """A law that adds generalised forces on the arm coordinates or on all coordinates; its own states are smooth.
 
     A member provides `name`, `stage`, `size`, its parameters, `locations` and `force`, with own states `rates`, and
-    `rest` where they do not start at zero.
+    `rest` unless they start at zero.
     """
 
     @abstractmethod
@@ -64,19 +64,19 @@ class AbstractArmLaw(AbstractLaw):
 
         Args:
             arm: State of the arm.
-            values: Number or symbol of every parameter of the effect by name.
+            values: Value or symbol of every parameter of the effect, by name.
 
         Returns:
-            Generalised force that is added on the arm coordinates [Nm or N], SX (N, 1); or on all coordinates, the
-            motors' own ones behind them, SX (n_coordinates, 1).
+            Additional generalised force on the arm coordinates [Nm or N], SX (N, 1), or on all coordinates
+            q = [q_a, q_m], SX (n_coordinates, 1).
         """
 
     def rates(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
-        """Evaluate the derivatives of the own states, SX (smooth_states, 1); arguments as for `force`."""
+        """Return the derivatives of the own states, SX (smooth_states, 1); arguments as for `force`."""
         del arm, values
         return ca.SX.zeros(self.smooth_states)
 
     def rest(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
-        """Give the own states at a start, moving with the arm, SX (n_states, 1); `arm.own` is not to be used."""
+        """Return the initial own states, moving with the arm, SX (n_states, 1); `arm.own` must not be used."""
         del arm, values
         return ca.SX.zeros(self.n_states)

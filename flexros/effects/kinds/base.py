@@ -1,4 +1,4 @@
-"""What an effect is, how one is found by its name and written."""
+"""The contract of effects, effects at a location, and their lookup and parsing by name."""
 
 from __future__ import annotations
 
@@ -26,37 +26,37 @@ Stage = Literal["actuator", "motor friction", "gear", "structure", "load", "sens
 class AbstractEffect(Settings, ABC):
     """A deviation of the plant from the nominal model.
 
-    How to add one: write one file in `flexros/effects` with one final subclass of one of the kinds below; it is then
-    found by its name in scenarios (`plant.effects`), in `flexros run --effect` and in everything that lists effects.
-    It provides:
+    How to add one: write one file in `flexros/effects` with one final subclass of one of the kinds below. It is
+    discovered by its name in scenarios (`plant.effects`), on the command line and in everything that lists effects. It
+    provides:
 
-    1. `name`, a class variable: the word by which it is chosen, and `stage`, where in the loop it acts.
+    1. `name`, a class variable by which it is chosen, and `stage`, where in the loop it acts.
     2. Its parameters as fields, each with a description that states unit and meaning; the default is the neutral
        value, which switches the effect off.
-    3. `locations`, the places of a robot where it can sit.
-    4. What a diagnosis needs: `ranges` of the parameters that it fits, `fingerprint`, one sentence on what one sees of
-       it where, `signatures`, the pictures of `flexros/gap/signatures` that show it, and where they apply `extends`,
-       `plain` and `harmonics`.
-    5. What its kind asks for: `AbstractModelChange` a changed robot, `AbstractChangedValues` (one of them) changed
-       numbers; `AbstractCommandLaw` a torque changed on its way to the motor, `AbstractMotorTorque` a smooth torque at
-       a motor, `AbstractDryFriction` a friction that can stick, `AbstractBristleFriction` one with presliding,
-       `AbstractGearLaw` torques of a spring, `AbstractArmLaw` forces on the arm, `AbstractSensor` a changed reading,
-       `AbstractToolError` a tool that is elsewhere.
+    3. `locations`, the locations of a robot where it can act.
+    4. For a diagnosis: `ranges` of the parameters to fit, `fingerprint`, one sentence on its observable signature,
+       `signatures`, the pictures of `flexros/gap/signatures` that show it, and where they apply `extends`, `plain`,
+       `harmonics` and `delays_commands`.
+    5. The methods of its kind: `AbstractModelChange` returns a changed robot, `AbstractChangedValues` changed parameter
+       values, `AbstractCommandLaw` the torque between command and motor, `AbstractMotorTorque` a smooth torque at a
+       motor, `AbstractDryFriction` friction with sticking, `AbstractBristleFriction` friction with presliding,
+       `AbstractGearLaw` torques of a spring, `AbstractArmLaw` forces on the arm, `AbstractSensor` a changed
+       measurement, `AbstractToolError` a changed tool geometry.
 
-    Any number of effects combine at any places. The guide shows each with a picture: a row in
+    Any number of effects combine at any locations. The reference shows each with a picture: a row in
     `docs/generate/effects_pictures.py`, then `python docs/generate/effects_page.py`.
     """
 
     name: ClassVar[str]
     stage: ClassVar[Stage]
     fingerprint: ClassVar[str] = ""
-    """What one sees of the effect, and where: one sentence for report and guide."""
+    """Observable signature of the effect: one sentence for report and guide."""
     signatures: ClassVar[tuple[str, ...]] = ()
     """Pictures of a diagnosis in which the effect shows, by name (`flexros.gap.signatures`), the clearest first."""
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({})
-    """Where the parameters that a diagnosis fits may lie; those without a range keep their defaults."""
+    """Bounds of the parameters that a diagnosis fits; parameters without a range keep their defaults."""
     extends: ClassVar[Mapping[str, Mapping[str, str]]] = MappingProxyType({})
-    """Simpler effects that it contains, by name, with its parameters that are theirs: a fit starts from those."""
+    """Simpler effects that it contains, by name, with the shared parameters: its fit starts from theirs."""
     plain: ClassVar[bool] = False
     """Whether it is one parameter of the model or of a signal, without a shape of its own. A diagnosis allows such an
     effect less model-form error than a law of friction, backlash or ripple."""
@@ -68,45 +68,30 @@ class AbstractEffect(Settings, ABC):
 
     @abstractmethod
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the places where the effect can sit.
-
-        Args:
-            robot: The robot.
-
-        Returns:
-            Names of motors, springs or bodies, or "tool", "base", "all".
-        """
+        """Return the locations where the effect can act: motors, springs or bodies, or "tool", "base", "all"."""
 
     def visible(self, noise: float) -> bool:
-        """Tell whether the effect, with its numbers, is more than the simpler ones that it extends.
+        """Return whether the effect is distinguishable from the simpler ones that it extends.
 
         Args:
-            noise: Noise of the encoder at its place [rad or m].
+            noise: Noise of the encoder at its location, rms [rad or m].
         """
         del noise
         return True
 
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
-        """Give the ranges of the parameters that count at a place; by default all.
-
-        Args:
-            robot: The robot.
-            location: One of its `locations`.
-
-        Returns:
-            Ranges by parameter name.
-        """
+        """Return the ranges of the parameters that are fitted at one of its `locations`; default: all, by name."""
         del robot, location
         return self.ranges
 
 
 @dataclass(frozen=True)
 class PlacedEffect:
-    """An effect at a place.
+    """An effect at a location.
 
     Attributes:
-        effect: The effect; parameters given in noise floors hold the number of floors until it meets a robot.
-        location: The place.
+        effect: The effect; parameters given in noise floors hold the number of floors until `on` resolves them.
+        location: The location.
         in_floors: Names of the parameters that are given in noise floors.
     """
 
@@ -115,7 +100,7 @@ class PlacedEffect:
     in_floors: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        """Write it as in a scenario, all parameters included."""
+        """Format it as in a scenario, with all parameters."""
         parameters = ",".join(
             f"{name}={value}{WORD if name in self.in_floors else ''}"
             for name, value in self.effect.model_dump().items()
@@ -123,26 +108,21 @@ class PlacedEffect:
         return f"{self.effect.name}@{self.location}:{parameters}"
 
     def on(self, robot: Robot) -> PlacedEffect:
-        """Turn noise floors into the sizes that they have on a robot.
-
-        Args:
-            robot: The robot without effects.
-
-        Returns:
-            The effect with numbers alone.
+        """Convert parameters given in noise floors to SI values on a robot without effects.
 
         Raises:
-            InputError: A parameter has no floor at this place.
+            InputError: A parameter has no floor at this location.
         """
         if not self.in_floors:
             return self
-        kind, numbers = type(self.effect), self.effect.model_dump()
+        kind, values = type(self.effect), self.effect.model_dump()
+        origin = f"{kind.name}@{self.location}"
         for name in self.in_floors:
-            numbers[name] *= floor_of(robot, kind, name, self.location)
-        return PlacedEffect(validate(kind, numbers, f"{kind.name}@{self.location}"), self.location)
+            values[name] *= floor_of(robot, kind.ranges[name], self.location, f"{origin}: parameter '{name}'")
+        return PlacedEffect(validate(kind, values, origin), self.location)
 
     def check_location(self, robot: Robot) -> None:
-        """Refuse a place that the robot does not have."""
+        """Refuse a location that the robot does not have."""
         allowed = self.effect.locations(robot)
         if self.location not in allowed:
             raise unknown_name(f"location of {self.effect.name} on robot {robot.name}", self.location, allowed)
@@ -150,23 +130,23 @@ class PlacedEffect:
 
 @cache
 def effects() -> Mapping[str, type[AbstractEffect]]:
-    """Find all effects in this package, by name."""
+    """Return all effects of this package, by name."""
     return members("flexros.effects", AbstractEffect)  # type: ignore[type-abstract]
 
 
 def parse_effect(text: str, source: str) -> PlacedEffect:
-    """Read an effect as written in a scenario or on the command line: NAME@LOCATION:parameter=value,...
+    """Parse an effect as written in a scenario or on the command line: NAME@LOCATION:parameter=value,...
 
     Args:
-        text: What was given, e.g. "payload_error@tool:relative=0.05", or with a size as a multiple of the robot's noise
-            floor "coulomb_friction@motor_1:level=12floors", see `flexros.effects.kinds.floors`.
-        source: Where it came from, for the error text.
+        text: The effect, e.g. "payload_error@tool:relative=0.05", or with a value in noise floors of the robot
+            "coulomb_friction@motor_1:level=12floors", see `flexros.effects.kinds.floors`.
+        source: Origin of the text, for error messages.
 
     Returns:
-        The effect at its place; the place is checked when it meets a robot.
+            The effect at its location; `check_location` checks the location on a robot.
 
     Raises:
-        InputError: Wrong form, unknown effect or parameter, or a value that is not allowed.
+            InputError: Wrong form, unknown effect or parameter, or a value out of bounds.
     """
     head, _, tail = text.partition(":")
     name, at, location = head.partition("@")
@@ -180,15 +160,15 @@ def parse_effect(text: str, source: str) -> PlacedEffect:
     kind, origin = effects()[name], f"{source} {name}"
     parameters = _parameters(tail, origin)
     in_floors = tuple(key for key, value in parameters.items() if value.endswith(WORD))
-    numbers = {key: value.removesuffix(WORD) for key, value in parameters.items()}
+    values = {key: value.removesuffix(WORD) for key, value in parameters.items()}
     for key in in_floors:
         if key in kind.model_fields:
-            check_has_floor(kind, key, origin)
-    return PlacedEffect(validate(kind, numbers, origin), location, in_floors)
+            check_has_floor(kind.ranges.get(key), key, origin)
+    return PlacedEffect(validate(kind, values, origin), location, in_floors)
 
 
 def _parameters(text: str, source: str) -> dict[str, str]:
-    """Split parameter=value,... and refuse a parameter that is given twice."""
+    """Split parameter=value,... and refuse duplicates."""
     parameters: dict[str, str] = {}
     for part in (part for part in text.split(",") if part):
         name, _, value = part.partition("=")

@@ -1,10 +1,10 @@
 """Friction by bristles: a dry friction that deflects like a spring before it slides.
 
-Over an integration step the friction torque is held at its mean, like that of `dry_friction`, and the bristle is moved
-by the mean speed of the motor, which depends on the torque: one implicit equation per motor and step. For a constant
-mean speed the law of the bristle, dz/dt = v - s0 |v| z / g, is solved exactly, so that the fast sliding of a stiff
-bristle is no stiffness. A bristle that is stiff against the motor's inertia, K = s0 h^2 / J, is followed by a theta
-method: order two where K is small, and damped like implicit Euler where it is large, with the limit of dry friction.
+Over an integration step the friction torque is held at its mean, as in `dry_friction`. The bristle moves with the mean
+speed of the motor, which depends on the torque: one implicit equation per motor and step. For a constant mean speed the
+law of the bristle, dz/dt = v - s0 |v| z / g, is solved exactly, so that fast sliding of a stiff bristle does not make
+the equation stiff. A bristle that is stiff against the motor's inertia, K = s0 h^2 / J, is integrated by a theta
+method: order two for small K, damped like implicit Euler for large K, with the limit of dry friction.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ if TYPE_CHECKING:
     from flexros.robot.symbolic.kinematics import Value
 
 STIFF = 12.0
-"""K = s0 h^2 / J at which the method is half way between trapezoidal rule and implicit Euler [1] (chosen)."""
+"""K = s0 h^2 / J at which the method is midway between trapezoidal rule and implicit Euler [1] (chosen)."""
 PASSES = 4
-"""Newton steps for the mean speed of a step, from the one of a spring that breaks off (chosen)."""
+"""Newton steps for the mean speed of a step, starting from a linear spring with a limited torque (chosen)."""
 _SMALL = 0.02
 _STILL = 1e-12
 
 
 @dataclass(frozen=True)
 class Bristle:
-    """Numbers of a bristle at a speed.
+    """Parameters of a bristle at a speed.
 
     Attributes:
         level: Torque g of steady sliding at this speed [Nm or N], SX.
@@ -48,7 +48,7 @@ class Bristle:
 
 
 class AbstractBristleFriction(AbstractMotorLaw):
-    """A friction at a motor with presliding. Its own states are the bristle's deflection and the torque of the step.
+    """Friction at a motor with presliding. Its own states are the bristle's deflection and the torque of the step.
 
     A member provides `name`, `stage`, `size`, its parameters and `bristle`.
     """
@@ -61,54 +61,51 @@ class AbstractBristleFriction(AbstractMotorLaw):
 
     @abstractmethod
     def bristle(self, speed: ca.SX, values: Mapping[str, Value]) -> Bristle:
-        """Evaluate the numbers of the bristle.
+        """Evaluate the parameters of the bristle; they are held through a step.
 
         Args:
             speed: Rate of the motor coordinate [rad/s or m/s], SX.
-            values: Number or symbol of every parameter of the effect by name.
-
-        Returns:
-            The numbers at this speed; they hold through a step.
+            values: Value or symbol of every parameter of the effect, by name.
         """
 
 
 def bristle_step(
     deflection: ca.SX, speed: ca.SX, acceleration: ca.SX, mobility: ca.SX, bristle: Bristle, step: ca.SX
 ) -> tuple[ca.SX, ca.SX]:
-    """Move a bristle over a step.
+    """Advance a bristle by one step.
 
     Args:
-        deflection: Its deflection z at the begin [rad or m].
-        speed: Speed v of the motor at the begin [rad/s or m/s].
+        deflection: Initial deflection z [rad or m].
+        speed: Initial speed v of the motor [rad/s or m/s].
         acceleration: Acceleration a of the motor without this friction, half a step ahead [rad/s2 or m/s2].
         mobility: Acceleration per torque at the motor [1/(kg m2) or 1/kg].
-        bristle: Its numbers.
+        bristle: Its parameters.
         step: Length h of the step [s].
 
     Returns:
-        Deflection at the end [rad or m] and friction torque of the step [Nm or N], positive against a positive speed.
+        Final deflection [rad or m] and friction torque of the step [Nm or N], positive against a positive speed.
     """
     stiffness, damping = ca.SX(bristle.stiffness), ca.SX(bristle.damping)
     level = ca.fmax(bristle.level, _STILL)
     K = stiffness * mobility * step**2
     theta = 0.5 + 0.5 * K / (K + STIFF)
-    reach = theta * step  # from the begin to the instant whose speed moves the bristle
+    reach = theta * step  # up to the instant whose speed moves the bristle
     free = speed + reach * acceleration
     elastic = (stiffness * (deflection + reach * free) + damping * free) / (
         1 + reach * mobility * (stiffness * reach + damping)
     )
     mean = free - reach * mobility * ca.fmin(ca.fmax(elastic, -level), level)
     move, improve = _equation()
-    numbers = (deflection, step, stiffness, damping, level, theta)
+    constants = (deflection, step, stiffness, damping, level, theta)
     for _ in range(PASSES):
-        mean = improve(mean, *numbers, free, reach * mobility)
-    end, torque = move(mean, *numbers)
+        mean = improve(mean, *constants, free, reach * mobility)
+    end, torque = move(mean, *constants)
     return end, torque
 
 
 @cache
 def _equation() -> tuple[ca.Function, ca.Function]:
-    """Make the functions of a step: mean speed -> end of the bristle and torque, and one Newton step for the former."""
+    """Build the functions of a step: mean speed -> final deflection and torque, and a Newton step for the speed."""
     symbols = [ca.SX.sym(name) for name in ("mean", "z", "h", "s0", "s1", "g", "theta", "free", "yielding")]
     mean, deflection, step, stiffness, damping, level, theta, free, yielding = symbols
     decay, average, rise = _slip_factors(stiffness * ca.fabs(mean) / level * step)
@@ -117,7 +114,7 @@ def _equation() -> tuple[ca.Function, ca.Function]:
     torque = stiffness * ((2 - 2 * theta) * middle + (2 * theta - 1) * end) + damping * (end - deflection) / step
     move = ca.Function("move", symbols[:7], [end, torque])
     residual = mean - free + yielding * torque
-    # friction grows with speed where its level is held, so that the slope is not below one
+    # with a held level friction grows with speed, so the slope is at least one
     better = mean - residual / ca.fmax(ca.jacobian(residual, mean), 1)
     return move, ca.Function("improve", symbols, [better])
 

@@ -1,6 +1,6 @@
-"""Effects on the torque on its way from the command to the motor: saturation, then gain, then lag.
+"""Effects on the torque between command and motor: saturation, then gain, then lag.
 
-The delay of the command comes before them. Disturbance torques of a scenario enter with the command, before them too.
+The delay of the command precedes them. Disturbance torques of a scenario are added to the command, also before them.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
 
 
 class AbstractCommandLaw(AbstractMotorLaw):
-    """A change of the torque between command and motor. Several at one motor act one after the other, by `rank`.
+    """A change of the torque between command and motor. Several at one motor act in series, in order of `rank`.
 
-    A member provides `name`, `stage`, `size`, `rank`, its parameters and `passed`; with memory also
+    A member provides `name`, `stage`, `size`, `rank`, its parameters and `passed`; with own states also
     `stepwise_states`, `before_step` and `rest`.
     """
 
     rank: ClassVar[int]
-    """Place on the way from command to motor: saturation 0, gain 1, lag 2."""
+    """Order between command and motor: saturation 0, gain 1, lag 2."""
     plain: ClassVar[bool] = True
     cuts_off: ClassVar[bool] = False
-    """Whether it limits the command, by `cut_off`. A predictor with a delay does that to the recorded samples first:
-    the filter of a delay by part of a sample is right only for torques that nothing cuts off behind it."""
+    """Whether it limits the command, by `cut_off`. A predictor with a delay then limits the recorded samples first: the
+    filter for a fractional delay is valid only for torques that are not clipped after it."""
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the motors."""
@@ -40,12 +40,12 @@ class AbstractCommandLaw(AbstractMotorLaw):
 
     @abstractmethod
     def passed(self, torque: ca.SX, own: ca.SX, values: Mapping[str, Value]) -> ca.SX:
-        """Evaluate the torque that comes out, through an integration step in which it is held.
+        """Return the output torque, held through an integration step.
 
         Args:
-            torque: Torque that goes in [Nm or N], SX.
+            torque: Input torque [Nm or N], SX.
             own: Own states, as left by `before_step`, SX (n_states, 1).
-            values: Number or symbol of every parameter of the effect by name.
+            values: Value or symbol of every parameter of the effect, by name.
 
         Returns:
             Torque [Nm or N], SX (1, 1).
@@ -59,9 +59,9 @@ class AbstractCommandLaw(AbstractMotorLaw):
         """Update the own states before an integration step.
 
         Args:
-            torque: Torque that goes in during the step [Nm or N], SX.
+            torque: Input torque during the step [Nm or N], SX.
             own: Own states, SX (n_states, 1).
-            values: Number or symbol of every parameter of the effect by name.
+            values: Value or symbol of every parameter of the effect, by name.
             step: Length of the step [s], SX.
 
         Returns:
@@ -71,11 +71,11 @@ class AbstractCommandLaw(AbstractMotorLaw):
         return own
 
     def rest(self, torque: ca.SX, values: Mapping[str, Value]) -> ca.SX:
-        """Give the own states after a torque has been going in for ever.
+        """Return the own states in steady state.
 
         Args:
-            torque: That torque [Nm or N], SX.
-            values: Number or symbol of every parameter of the effect by name.
+            torque: Constant input torque [Nm or N], SX.
+            values: Value or symbol of every parameter of the effect, by name.
 
         Returns:
             Own states, SX (n_states, 1).

@@ -1,19 +1,19 @@
-"""Dry friction at a motor: what all kinds have in common, and the mean torque of one over an integration step.
+"""Dry friction at a motor: base class, and its mean torque over an integration step.
 
-Dry friction jumps with the sign of the speed, and at standstill it takes the value that keeps the motor still. Neither
-is a function of the state that Runge-Kutta steps could follow. So the friction torque of a step is computed before it,
-from the exact motion of the motor under the present acceleration, and held during the step as a state of its own:
+Dry friction jumps with the sign of the speed, and at standstill it takes the value that holds the motor. Neither is a
+function of the state that Runge-Kutta steps can integrate. The friction torque of a step is therefore computed before
+it, from the exact motion of the motor under the present acceleration, and held during the step as a state of its own:
 
-- A motor that slides through the step has exactly its level, and the step keeps the order four.
-- A motor that stops and turns round within the step has the mean of its friction torque over the step, the instants of
-  stopping and starting exact but for the change of the other torques in it: order two.
-- A motor at rest under less torque than the level has exactly the opposite torque: it stays where it is. It does not
-  creep, as it would with a smoothed sign, nor drift, as it would with the friction split off the rest (Strang).
+- A motor that slides through the step gets exactly its level, and the step keeps order four.
+- A motor that stops or reverses within the step gets the mean of its friction torque over the step. The instants of
+  stopping and starting are exact but for the change of the other torques within the step: order two.
+- A motor at rest under less torque than the level gets exactly the opposite torque and stays at rest. It does not
+  creep, as it would with a smoothed sign, nor drift, as it would with Strang splitting of the friction.
 
-The torques that count are those a third of the step ahead, as far as the turning of springs tells them. With this
-choice a motor that sticks under the torque of a swinging arm neither takes energy from it nor gives it any: at angular
-frequency w and step h the work per cycle is proportional to (1/3 - share ahead) (w h)^2, from the mean of torque times
-speed over a step. Under torques that change by D the sticking motor moves by some D h^2 / (12 J), and back again.
+The torques against the friction are extrapolated to a third of the step by the rate of the springs. With this choice a
+motor that sticks under the torque of an oscillating arm neither dissipates nor supplies energy: at angular frequency w
+and step h the work per cycle is proportional to (1/3 - share ahead) (w h)^2, from the mean of torque times speed over a
+step. Under torques that change by D the sticking motor moves by about D h^2 / (12 J), and back again.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 AHEAD = 1 / 3
-"""Instant in a step at which the torques against the friction are taken [share of the step]; see above."""
+"""Instant in a step at which the torques against the friction are evaluated [share of the step]; see above."""
 
 
 @dataclass(frozen=True)
@@ -55,13 +55,13 @@ class FrictionLevels:
 
 
 class AbstractDryFriction(AbstractMotorLaw):
-    """A friction at a motor that can stick. Several at one motor add their levels.
+    """Friction at a motor with sticking. The levels of several at one motor add.
 
     A member provides `name`, `stage`, `size`, its parameters and `levels`.
     """
 
     eases: ClassVar[bool] = False
-    """Whether its levels may be negative, which eases the other frictions of the motor, down to none."""
+    """Whether its levels may be negative, which reduces the other dry frictions of the motor, at most to zero."""
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the motors."""
@@ -69,14 +69,11 @@ class AbstractDryFriction(AbstractMotorLaw):
 
     @abstractmethod
     def levels(self, motor: MotorState, values: Mapping[str, Value]) -> FrictionLevels:
-        """Evaluate the levels.
+        """Return the levels, which are held through the step.
 
         Args:
             motor: State of the motor in the middle of a step.
-            values: Number or symbol of every parameter of the effect by name.
-
-        Returns:
-            The levels in this state; they hold through the step.
+            values: Value or symbol of every parameter of the effect, by name.
         """
 
 
@@ -84,7 +81,7 @@ def mean_friction(speed: ca.SX, acceleration: ca.SX, mobility: ca.SX, levels: Fr
     """Compute the mean friction torque over a step, from the exact motion under a constant torque.
 
     Args:
-        speed: Speed v at the begin of the step [rad/s or m/s].
+        speed: Initial speed v [rad/s or m/s].
         acceleration: Acceleration a of the motor without its friction, `AHEAD` in the step [rad/s2 or m/s2].
         mobility: Acceleration per torque at the motor, 1/J for a motor behind a spring [1/(kg m2) or 1/kg].
         levels: Levels of the friction.

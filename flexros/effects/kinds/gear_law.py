@@ -1,4 +1,4 @@
-"""Effects in a spring: between motor and arm of a geared direction, or in a passive direction of the arm."""
+"""Effects in a spring: between motor and arm of a gear, or in a passive direction of the arm."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class GearState:
-    """What a law of a spring may depend on.
+    """State and parameters that a law of a spring may depend on.
 
-    In a passive direction the motor side is the body before, which stands still: the deflection is minus the arm
-    coordinate, angle, motor speed and turns are zero, and what the law adds on the motor side has no effect. Where
-    several laws sit at one spring, each sees what those of lower rank have made of it.
+    In a passive direction the motor side is the body before: the deflection is minus the arm coordinate, angle, motor
+    speed and turns are zero, and a torque on the motor side has no effect. Where several laws act on one spring, each
+    gets the state as changed by those of lower rank.
 
     Attributes:
         deflection: Motor minus arm coordinate [rad or m], SX.
@@ -50,7 +50,7 @@ class GearState:
     lever: ca.SX | float = 1.0
 
     def transmits(self, change: ca.SX) -> GearTorques:
-        """Return the torques of a law that changes what the gear transmits by `change` [Nm or N]."""
+        """Return the torques of a law that changes the transmitted torque by `change` [Nm or N]."""
         return GearTorques(change, -change * self.lever)
 
 
@@ -58,12 +58,12 @@ class GearState:
 class GearTorques:
     """Torques that a law adds to those of the nominal spring and damper.
 
-    A law that changes what the spring transmits adds T on the arm's side and -T on the motor's, see
+    A law that changes the transmitted torque adds T on the arm side and -T on the motor side, see
     `GearState.transmits`.
 
     Attributes:
-        arm: Added on the arm coordinate [Nm or N], SX.
-        motor: Added on the motor coordinate [Nm or N], SX.
+        arm: Torque on the arm coordinate [Nm or N], SX.
+        motor: Torque on the motor coordinate [Nm or N], SX.
     """
 
     arm: ca.SX
@@ -71,18 +71,18 @@ class GearTorques:
 
 
 class AbstractGearLaw(AbstractLaw):
-    """A law of a spring: it adds torques to both its ends.
+    """A law of a spring that adds torques at both ends.
 
     A member provides `name`, `stage`, `size`, `rank`, its parameters and `added`, with smooth own states `rates`, with
-    stepwise ones `before_step` or `after_step`, and `rest` where its states do not start at zero; a member that changes
-    deflection or spring for the laws of higher rank also `onward`. By default it sits at the gears, named by their
-    motors; with `locations` overridden at any spring, named as "body_2.ry" (geared or not).
+    stepwise ones `before_step` or `after_step`, and `rest` unless its states start at zero; a member that changes
+    deflection or spring for the laws of higher rank also `onward`. By default it acts on the gears, named by their
+    motors; with `locations` overridden on any spring, named as "body_2.ry" (with or without motor).
     """
 
     rank: ClassVar[int]
-    """Place among the laws of one spring: shift of the deflection 0, form of the spring 1, play 2, beside it 3."""
+    """Order among the laws of one spring: shift of the deflection 0, form of the spring 1, backlash 2, parallel 3."""
     holds_deflection: ClassVar[bool] = False
-    """Whether its own states are deflections, which move along when a predictor corrects motor and arm."""
+    """Whether its own states are deflections, which a predictor corrects together with motor and arm."""
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the motors behind flexible gears."""
@@ -90,23 +90,20 @@ class AbstractGearLaw(AbstractLaw):
 
     @abstractmethod
     def added(self, gear: GearState, values: Mapping[str, Value]) -> GearTorques:
-        """Evaluate the law.
+        """Return the additional torques.
 
         Args:
             gear: State of the spring.
-            values: Number or symbol of every parameter of the effect by name.
-
-        Returns:
-            Torques that are added.
+            values: Value or symbol of every parameter of the effect, by name.
         """
 
     def onward(self, gear: GearState, values: Mapping[str, Value]) -> GearState:
-        """Give the spring as the laws of higher rank see it; arguments as for `added`."""
+        """Return the state passed to the laws of higher rank; arguments as for `added`."""
         del values
         return gear
 
     def rates(self, gear: GearState, values: Mapping[str, Value]) -> ca.SX:
-        """Evaluate the derivatives of the smooth own states, SX (smooth_states, 1); arguments as for `added`."""
+        """Return the derivatives of the smooth own states, SX (smooth_states, 1); arguments as for `added`."""
         del gear, values
         return ca.SX.zeros(self.smooth_states)
 
@@ -114,8 +111,8 @@ class AbstractGearLaw(AbstractLaw):
         """Update the stepwise own states before an integration step.
 
         Args:
-            gear: State of the spring at the begin of the step.
-            values: Number or symbol of every parameter of the effect by name.
+            gear: State of the spring at the start of the step.
+            values: Value or symbol of every parameter of the effect, by name.
             step: Length of the step [s], SX.
 
         Returns:
@@ -125,16 +122,16 @@ class AbstractGearLaw(AbstractLaw):
         return gear.own[self.smooth_states :]
 
     def after_step(self, gear: GearState, values: Mapping[str, Value], step: ca.SX) -> ca.SX:
-        """Update the stepwise own states after an integration step, with the state at its end; else as above."""
+        """Update the stepwise own states after an integration step from the state at its end; else as `before_step`."""
         del values, step
         return gear.own[self.smooth_states :]
 
     def rest(self, gear: GearState, values: Mapping[str, Value]) -> ca.SX:
-        """Give the own states of a robot that starts at rest, SX (n_states, 1).
+        """Return the own states of a robot at rest, SX (n_states, 1).
 
         Args:
-            gear: State of the spring, its rates zero and its `own` not to be used.
-            values: Number or symbol of every parameter of the effect by name.
+            gear: State of the spring, with rates of zero; its `own` must not be used.
+            values: Value or symbol of every parameter of the effect, by name.
         """
         del gear, values
         return ca.SX.zeros(self.n_states)

@@ -1,4 +1,4 @@
-"""Effects that are laws of their own beside the robot's model: what all kinds of them have in common."""
+"""Effects that are laws in addition to the robot's model: their common base."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ class AbstractLaw(AbstractEffect):
     """An effect with a law of its own.
 
     Its parameters enter the plant as numbers or, where a batch varies or a diagnosis fits them, as symbols. A law may
-    have states of its own, which stand behind [q, v] in the state of the plant: `smooth_states` with a derivative,
-    then `stepwise_states` that are updated before or after each integration step and held through it. What its kind
-    offers it (`MotorState`, `GearState`, ...) holds them as `own`.
+    have states of its own, appended to [q, v] in the state of the plant: `smooth_states` with a derivative, then
+    `stepwise_states` that are updated before or after each integration step and held through it. The state that its
+    kind passes to it (`MotorState`, `GearState`, ...) holds them as `own`.
     """
 
     size: ClassVar[str]
@@ -31,8 +31,8 @@ class AbstractLaw(AbstractEffect):
         return bool(getattr(self, self.size) == 0)
 
     @property
-    def numbers(self) -> dict[str, float]:
-        """Parameters of the law that are plain numbers, by name."""
+    def parameter_values(self) -> dict[str, float]:
+        """Numerical parameters of the law, by name."""
         dumped = self.model_dump()
         return {
             name: float(dumped[name]) for name, field in type(self).model_fields.items() if field.annotation is float
@@ -40,22 +40,19 @@ class AbstractLaw(AbstractEffect):
 
     @property
     def noise(self) -> float:
-        """Largest error that it adds to a measured position as noise [rad or m]."""
+        """Largest error that it adds to a measured position when it counts as noise [rad or m]."""
         return 0.0
 
     @property
     def n_states(self) -> int:
-        """Number of states of its own."""
+        """Number of own states."""
         return self.smooth_states + self.stepwise_states
 
     def states_of_time(self, time: float) -> tuple[float, ...]:
-        """Give own states that follow from the time alone.
+        """Return the leading own states that are functions of time alone; empty where there are none.
 
         Args:
-            time: Time since the begin of the run [s].
-
-        Returns:
-            The first own states; empty where none is of this kind.
+            time: Time since the start of the run [s].
         """
         del time
         return ()

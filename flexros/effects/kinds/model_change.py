@@ -1,4 +1,4 @@
-"""Effects that change the robot's model: its numbers, or the form of one of its laws."""
+"""Effects that change the robot's model: parameter values, or the form of one of its laws."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class AbstractModelChange(AbstractEffect):
-    """An effect that is another robot file: whatever holds of a robot holds of the plant with it.
+    """An effect that is equivalent to another robot file.
 
     Equilibrium under gravity, energy, linearisation and identified parameters of the plant then include the effect.
 
@@ -20,25 +20,17 @@ class AbstractModelChange(AbstractEffect):
     """
 
     def changes_model(self, location: str) -> bool:
-        """Tell whether the effect is another robot file at a place; where not, it is a law there as well."""
+        """Return whether the effect changes the robot file at a location; where not, it is a law."""
         del location
         return True
 
     @abstractmethod
     def changed(self, robot: Robot, location: str) -> Robot:
-        """Change the robot; with neutral parameters it stays what it is.
-
-        Args:
-            robot: The robot without the effect.
-            location: One of its `locations`.
-
-        Returns:
-            The robot with the effect.
-        """
+        """Return the robot with the effect at one of its `locations`; neutral parameters leave it unchanged."""
 
 
 class AbstractChangedValues(AbstractModelChange):
-    """An effect that changes numbers of the robot.
+    """An effect that changes parameter values of the robot.
 
     A member provides `name`, `stage`, its parameters, `locations` and `values`.
     """
@@ -47,16 +39,13 @@ class AbstractChangedValues(AbstractModelChange):
 
     @abstractmethod
     def values(self, robot: Robot, location: str) -> dict[str, float]:
-        """Compute the changed numbers of the robot.
+        """Return the new values (SI) by parameter name, as for `Robot.with_values`.
 
         Args:
             robot: The robot without the effect.
             location: One of its `locations`.
-
-        Returns:
-            New values (SI) by parameter name, as for `Robot.with_values`.
         """
 
     def changed(self, robot: Robot, location: str) -> Robot:
-        """Put the changed numbers into the robot."""
+        """Return the robot with the new values."""
         return robot.with_values(self.values(robot, location), self.name)

@@ -1,4 +1,4 @@
-"""Effects that are torques at a motor: what they have in common, and what a motor offers them."""
+"""Effects at a motor: their common base, smooth torques, and the motor state they depend on."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class MotorState:
-    """What a torque at a motor may depend on.
+    """State and parameters that a torque at a motor may depend on.
 
     Attributes:
         position: Motor coordinate, on the side of the gear that the robot file uses [rad or m], SX.
-        angle: The same on the rotor's side: gear ratio times the position where the file states the arm's side
+        angle: The same on the rotor side: gear ratio times the position where the file states the arm side
             [rad or m], SX.
         speed: Rate of the motor coordinate [rad/s or m/s], SX.
-        torque: Torque that the motor gives now, behind saturation, gain and lag, disturbances included [Nm or N], SX.
-        own: States of the law itself, SX (n_states, 1).
+        torque: Torque of the motor, after saturation, gain and lag, disturbances included [Nm or N], SX.
+        own: Own states of the law, SX (n_states, 1).
         viscous_friction: Nominal viscous friction of the motor [Nm s/rad or N s/m].
     """
 
@@ -40,24 +40,16 @@ class MotorState:
 
 
 class AbstractMotorLaw(AbstractLaw):
-    """An effect with a law of its own at a motor."""
+    """An effect with a law at a motor."""
 
     def rates(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
-        """Evaluate the derivatives of the smooth own states.
-
-        Args:
-            motor: State of the motor.
-            values: Number or symbol of every parameter of the effect by name.
-
-        Returns:
-            Derivatives, SX (smooth_states, 1); zero where a member has none.
-        """
+        """Return the derivatives of the smooth own states, SX (smooth_states, 1); arguments as for `added`."""
         del motor, values
         return ca.SX.zeros(self.smooth_states)
 
 
 class AbstractMotorTorque(AbstractMotorLaw):
-    """A torque at a motor without jumps: it is part of the derivative of the state.
+    """A continuous torque at a motor, part of the derivative of the state.
 
     A member provides `name`, `stage`, `size`, its parameters and `added`, and `rates` where it has states of its own.
     """
@@ -68,12 +60,9 @@ class AbstractMotorTorque(AbstractMotorLaw):
 
     @abstractmethod
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
-        """Evaluate the law.
+        """Return the additional torque at the motor [Nm or N], SX (1, 1), linear in `motor.torque`.
 
         Args:
             motor: State of the motor.
-            values: Number or symbol of every parameter of the effect by name.
-
-        Returns:
-            Torque that is added at the motor [Nm or N], SX (1, 1); linear in `motor.torque`.
+            values: Value or symbol of every parameter of the effect, by name.
         """

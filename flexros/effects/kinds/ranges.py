@@ -1,4 +1,4 @@
-"""Where the true value of an effect's parameter may lie: bounds and starts of its search."""
+"""Ranges of an effect's parameters: bounds and initial values of a fit."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ Scale = Literal[
     "order",
     "phase",
 ]
-"""What the bounds of a range multiply: the largest torque, speed, motor angle or deflection of a gear in the log (of
-the joint in question), a quotient of two of them, or 1 with the unit 1, s, Hz, periods per turn, rad."""
+"""Scale of the bounds of a range: the largest torque, speed, motor angle or deflection of the gear in the log, for the
+joint in question, a quotient of two of them, or 1 with the unit 1, s, Hz, periods per turn, rad."""
 
 HIGHEST_ORDER = 10_000.0
-"""Highest order of a rotor that is looked for [periods per turn]: 50 per turn of a rotor whose angle counts behind a
-gear of 200 (chosen)."""
+"""Highest order of a rotor that is searched [periods per turn]: 50 per rotor turn, seen through a gear of 200
+(chosen)."""
 
 Entry = Literal["torque", "proportional torque", "gear", "encoder"]
-"""Where a harmonic of the rotor angle enters: as a torque at the motor, as a torque relative to that of the motor, as a
-deflection of the gear, or as an error of the encoder."""
+"""Entry of a harmonic of the rotor angle: a torque at the motor, a torque relative to that of the motor, a deflection
+of the gear, or an error of the encoder."""
 
 
 @dataclass(frozen=True)
 class HarmonicEntry:
-    """How an effect that repeats with the rotor angle enters.
+    """Entry of an effect that is periodic in the rotor angle.
 
     Attributes:
-        entry: Where it enters.
-        fixed: Parameters that make it enter there, with their values.
+        entry: The entry.
+        fixed: Parameters that select this entry, with their values.
         largest: Largest amplitude [unit of the effect's amplitude].
     """
 
@@ -50,14 +50,14 @@ class Range:
     """Range of a parameter.
 
     Attributes:
-        scale: What the bounds multiply.
-        low: Smallest size, as a multiple of the scale; above zero where the spacing is logarithmic.
-        high: Largest size, as a multiple of the scale.
-        starts: Number of starts between them: logarithmic, or where `signed` is set of both signs. Or the starts
-            themselves, as multiples of the scale.
-        signed: Whether the parameter may also be negative (the bounds hold of its magnitude).
-        source: Where the range comes from.
-        negative: Largest size of negative values of a signed parameter; None: as large as the positive ones.
+        scale: Scale of the bounds.
+        low: Smallest magnitude, as a multiple of the scale; above zero where the spacing is logarithmic.
+        high: Largest magnitude, as a multiple of the scale.
+        starts: Number of initial values between the bounds: logarithmic, of both signs where `signed` is set. Or the
+            initial values themselves, as multiples of the scale.
+        signed: Whether the parameter may also be negative; the bounds then apply to its magnitude.
+        source: Origin of the range.
+        negative: Largest magnitude of negative values of a signed parameter; None: that of positive ones.
     """
 
     scale: Scale

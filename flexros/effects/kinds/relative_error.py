@@ -1,4 +1,4 @@
-"""What the errors of model numbers have in common: a relative deviation."""
+"""Relative errors of parameters of the model."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class AbstractRelativeError(AbstractChangedValues):
-    """Numbers of the model that are wrong by one factor: value = (1 + relative) times nominal.
+    """Parameters of the model scaled by one factor: value = (1 + relative) times nominal.
 
     A member provides `name`, `stage`, `locations` and `scaled`.
     """
@@ -31,16 +31,8 @@ class AbstractRelativeError(AbstractChangedValues):
 
     @abstractmethod
     def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:
-        """List the numbers that are scaled.
-
-        Args:
-            robot: The robot without the effect.
-            location: One of its `locations`.
-
-        Returns:
-            Parameter names, as for `Robot.with_values`.
-        """
+        """Return the names of the scaled parameters at one of its `locations`, as for `Robot.with_values`."""
 
     def values(self, robot: Robot, location: str) -> dict[str, float]:
-        """Scale the numbers."""
+        """Return the scaled values."""
         return {name: (1 + self.relative) * robot.parameters[name].value for name in self.scaled(robot, location)}

@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 
 class AbstractSensor(AbstractMotorLaw):
-    """A change of what an encoder tells. Several at one motor act one after the other, by `rank`.
+    """A change of the encoder's measurement. Several at one motor act in series, in order of `rank`.
 
     A member provides `name`, `stage`, `size`, `rank`, its parameters and `read`.
     """
 
     rank: ClassVar[int]
-    """Place on the way from motor to log: periodic errors 0, quantization 1."""
+    """Order between motor and log: periodic errors 0, quantization 1."""
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the motors."""
@@ -31,13 +31,10 @@ class AbstractSensor(AbstractMotorLaw):
 
     @abstractmethod
     def read(self, position: ca.SX, angle: ca.SX, values: Mapping[str, Value]) -> ca.SX:
-        """Evaluate what is measured.
+        """Return the measured motor position [rad or m], SX (1, 1).
 
         Args:
             position: Motor position with noise and the errors of lower rank [rad or m], SX.
-            angle: True motor position on the rotor's side of the gear [rad or m], SX.
-            values: Number or symbol of every parameter of the effect by name.
-
-        Returns:
-            Measured motor position [rad or m], SX (1, 1).
+            angle: True motor position on the rotor side of the gear [rad or m], SX.
+            values: Value or symbol of every parameter of the effect, by name.
         """

@@ -1,4 +1,4 @@
-"""Effects on the tool pose alone: the robot moves as ever, but its tool is not where the geometry says."""
+"""Effects on the tool pose alone: errors of the geometry that leave the dynamics unchanged."""
 
 from __future__ import annotations
 
@@ -17,36 +17,27 @@ if TYPE_CHECKING:
 class AbstractToolError(AbstractLaw):
     """A change of the kinematics from which the tool pose is computed; the dynamics stay.
 
-    A member provides `name`, `stage`, `size`, its parameters, `locations` and `geometry`, and `offsets`
-    where coordinates are off.
+    A member provides `name`, `stage`, `size`, its parameters, `locations` and `geometry`, and for offsets of arm
+    coordinates `offsets`.
     """
 
     plain: ClassVar[bool] = True
 
     @abstractmethod
     def geometry(self, robot: Robot, location: str, values: Mapping[str, Value]) -> dict[str, Value]:
-        """Give deviations of the geometry.
+        """Return deviations of the geometry.
 
         Args:
-            robot: The robot, for its nominal numbers.
+            robot: The nominal robot.
             location: One of its `locations`.
-            values: Number or symbol of every parameter of the effect by name.
+            values: Value or symbol of every parameter of the effect, by name.
 
         Returns:
-            Deviations from the nominal numbers (SI) by parameter name, e.g. "body_2.length.x"; those of several effects
-            add up. Empty where the geometry stays.
+            Deviations from the nominal values (SI) by parameter name, e.g. "body_2.length.x"; those of several effects
+            add up. Empty where the geometry is nominal.
         """
 
     def offsets(self, robot: Robot, location: str, values: Mapping[str, Value]) -> dict[str, Value]:
-        """Give offsets of arm coordinates.
-
-        Args:
-            robot: The robot.
-            location: One of its `locations`.
-            values: Number or symbol of every parameter of the effect by name.
-
-        Returns:
-            What is added to arm coordinates before the pose is computed [rad or m], by name, e.g. "body_2.ry".
-        """
+        """Return offsets of arm coordinates in the pose [rad or m] by name, e.g. "body_2.ry"; see `geometry`."""
         del robot, location, values
         return {}

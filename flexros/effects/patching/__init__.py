@@ -1,1 +1,1 @@
-"""Effects put onto a robot: placement, patch files, patched robots."""
+"""Effects applied to a robot: placement, patch files, patched robots."""

@@ -1,4 +1,4 @@
-"""Patch of a robot: effects with fitted numbers on top of a robot file, as `patch.yaml` holds them."""
+"""Patch of a robot: effects with fitted parameters in addition to a robot file, the content of `patch.yaml`."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
 SYMMETRY, LEAST_EIGENVALUE = 1e-6, -1e-6
-"""Round-off that a covariance from a file may have, relative to the standard deviations (chosen)."""
+"""Round-off accepted in a covariance from a file, relative to the standard deviations (chosen)."""
 
 
 class PatchedValue(Settings):
-    """A number or choice of an effect; in YAML also the plain value."""
+    """A parameter value of an effect; in YAML also the plain value."""
 
     value: bool | float | str = Field(description="value in the SI unit of the parameter")
     std: float | None = Field(default=None, ge=0.0, description="its standard deviation, in the same unit")
@@ -38,7 +38,7 @@ class PatchedValue(Settings):
 
 
 class PatchedEffect(Settings):
-    """An effect at a place."""
+    """An effect at a location."""
 
     effect: str = Field(description="name of the effect")
     location: str = Field(description="joint, spring, body, 'tool', 'base' or 'all'")
@@ -46,7 +46,7 @@ class PatchedEffect(Settings):
 
 
 class Covariance(Settings):
-    """How the fitted numbers vary together."""
+    """Covariance of the fitted parameters."""
 
     names: tuple[str, ...] = Field(description="EFFECT@LOCATION.PARAMETER of each row")
     matrix: tuple[tuple[float, ...], ...] = Field(description="covariance, in the units of the parameters")
@@ -81,15 +81,15 @@ class Covariance(Settings):
 
 
 class Patch(Settings):
-    """Effects on top of a robot: the content of `patch.yaml`."""
+    """Effects of a robot: the content of `patch.yaml`."""
 
-    robot: str = Field(description="shipped robot, or path of a robot file or of another patch, relative to this file")
+    robot: str = Field(description="built-in robot, or path of a robot file or of another patch, relative to this file")
     robot_hash: str = Field(
-        default="", description="fingerprint of that robot when the patch was made; when left out it is not checked"
+        default="", description="fingerprint of that robot when the patch was made; not checked when left out"
     )
-    source: str = Field(default="", description="where the patch comes from")
-    effects: tuple[PatchedEffect, ...] = Field(description="effects, in the order in which they are put on the robot")
-    covariance: Covariance | None = Field(default=None, description="covariance of the fitted numbers")
+    source: str = Field(default="", description="origin of the patch")
+    effects: tuple[PatchedEffect, ...] = Field(description="effects, in the order in which they are applied")
+    covariance: Covariance | None = Field(default=None, description="covariance of the fitted parameters")
 
     @model_validator(mode="after")
     def _covariance_of_own_numbers(self) -> Patch:
@@ -104,20 +104,17 @@ class Patch(Settings):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Effects with places, e.g. "coulomb_friction@motor_1"; the second one alike ends in "#2"."""
+        """Effects with locations, e.g. "coulomb_friction@motor_1"; a second one of the same kind ends in "#2"."""
         return numbered(f"{one.effect}@{one.location}" for one in self.effects)
 
     def placed(self, source: str) -> tuple[PlacedEffect, ...]:
-        """Make the effects.
+        """Return the effects at their locations, in the order of the file; locations are checked on a robot.
 
         Args:
-            source: The file, for error texts.
-
-        Returns:
-            The effects at their places, in the order of the file; a place is checked when it meets a robot.
+            source: The file, for error messages.
 
         Raises:
-            InputError: Unknown effect or parameter, or a value that is not allowed.
+            InputError: Unknown effect or parameter, or a value out of bounds.
         """
         made = []
         for number, (name, one) in enumerate(zip(self.names, self.effects)):
@@ -138,11 +135,7 @@ class Patch(Settings):
 
 
 def numbered(names: Iterable[str]) -> tuple[str, ...]:
-    """Tell names alike apart: the second one ends in "#2", as for laws on a robot.
-
-    Args:
-        names: Names, some of them alike.
-    """
+    """Make names unique: a second equal name ends in "#2", as for laws on a robot."""
     alike: Counter[str] = Counter()
     result = []
     for name in names:
@@ -152,41 +145,24 @@ def numbered(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def is_patch(data: Mapping[str, Any]) -> bool:
-    """Tell a patch from a robot file by its keys.
-
-    Args:
-        data: Content of a YAML file.
-    """
+    """Return whether the content of a YAML file is a patch, not a robot file."""
     return "robot" in data or "effects" in data
 
 
 def named_robot(name: str, folder: Path) -> str:
-    """Give a robot that a file names as it is loaded: a path counts from the folder of the file.
-
-    Args:
-        name: Shipped name or path.
-        folder: Folder of the file that names it.
-    """
+    """Resolve a robot named in a file: a path is relative to the folder of the file; else a built-in robot."""
     return str(folder / name) if Path(name).suffix in (".yaml", ".yml") else name
 
 
 def name_from(given: str, folder: Path) -> str:
-    """Name a robot in a file that lies in a folder.
-
-    Args:
-        given: Shipped name or path as it is loaded from here.
-        folder: Folder of the file.
-
-    Returns:
-        The shipped name, or the path relative to the folder.
-    """
+    """Return the name by which a file in a folder refers to a robot: the built-in name, or the relative path."""
     if Path(given).suffix not in (".yaml", ".yml"):
         return given
     return Path(os.path.relpath(Path(given).resolve(), folder.resolve())).as_posix()
 
 
 def _laid_out(node: Any) -> Any:
-    """Set numbers with unit and rows of a matrix in one line each."""
+    """Put values with unit and rows of a matrix on one line each."""
     if isinstance(node, dict):
         block = CommentedMap((key, _laid_out(value)) for key, value in node.items())
         if "value" in node:

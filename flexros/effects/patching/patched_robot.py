@@ -1,4 +1,4 @@
-"""Loading a model: a shipped robot, a robot file, or a patch on top of one."""
+"""Loading a model: a built-in robot, a robot file, or a patch of one."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class PatchedRobot:
-    """A robot as its files state it: robot file and effects of patches on top.
+    """A robot as its files state it: robot file and effects of patches.
 
     Attributes:
         base: The robot of the robot file.
         placed: Effects of the patches, the innermost patch first; empty for a robot file.
-        source: Name or file that was given.
+        source: Name or file from which it was loaded.
     """
 
     base: Robot
@@ -42,7 +42,7 @@ class PatchedRobot:
         """The robot with the effects.
 
         Raises:
-            InputError: The robot has no such place.
+            InputError: The robot has no such location.
         """
         if not self.placed:
             return place_effects(self.base, ())
@@ -51,18 +51,18 @@ class PatchedRobot:
 
     @property
     def fingerprint(self) -> str:
-        """Fingerprint of robot file and effects; 16 hexadecimal digits, those of the robot where there is no effect."""
+        """Fingerprint of robot file and effects, 16 hexadecimal digits; without effects that of the robot."""
         if not self.placed:
             return self.base.model_hash
         text = "\n".join([self.base.model_hash, *map(str, self.placed)])
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def with_values(self, values: Mapping[str, float], source: str) -> PatchedRobot:
-        """Replace numbers of the robot file; the effects stay on top.
+        """Replace values of the robot file; the effects remain.
 
         Args:
             values: New values (SI) by parameter name, as for `Robot.with_values`.
-            source: Who asks for the change; opens the error text.
+            source: Origin of the change; prefix of error messages.
 
         Raises:
             InputError: A name is unknown or the new robot is not physical.
@@ -71,46 +71,32 @@ class PatchedRobot:
 
 
 def load_patched(name_or_path: str | Path) -> PatchedRobot:
-    """Load a model in its parts.
+    """Load robot file and effects of a model.
 
     Args:
-        name_or_path: Shipped robot, or path of a robot file or of a patch. A patch may be on top of another patch:
-            the effects add up.
-
-    Returns:
-        Robot file and effects.
+        name_or_path: Built-in robot, or path of a robot file or of a patch. A patch may apply to another patch: their
+            effects add up.
 
     Raises:
-        InputError: No such robot or file, a file that is not valid, a patch in a circle, or one for another robot.
+            InputError: Unknown robot, missing or invalid file, a circular patch, or a patch of another robot.
     """
     return _loaded(name_or_path, ())
 
 
 def load_model(name_or_path: str | Path) -> RobotWithEffects:
-    """Load a model: what is accepted wherever a robot is.
+    """Load a model as robot and laws of effects; a robot file has no laws.
 
     Args:
-        name_or_path: Shipped robot, or path of a robot file or of a patch.
-
-    Returns:
-        The robot with all that changes its model, and the laws of its effects; no laws for a robot file.
+        name_or_path: Built-in robot, or path of a robot file or of a patch.
 
     Raises:
-        InputError: As for `load_patched`, or the robot has no such place.
+        InputError: As for `load_patched`, or the robot has no such location.
     """
     return load_patched(name_or_path).model
 
 
 def fingerprint(robot: Robot, laws: Sequence[PlacedLaw]) -> str:
-    """Fingerprint robot and laws.
-
-    Args:
-        robot: The robot.
-        laws: Laws of effects on it.
-
-    Returns:
-        16 hexadecimal digits, those of the robot where there is no law.
-    """
+    """Return the fingerprint of robot and laws, 16 hexadecimal digits; without laws that of the robot."""
     if not laws:
         return robot.model_hash
     text = "\n".join([robot.model_hash, *(f"{law.name}:{law.effect!r}" for law in laws)])
@@ -123,16 +109,16 @@ def _loaded(name_or_path: str | Path, above: tuple[Path, ...]) -> PatchedRobot:
         return PatchedRobot(load_robot(name_or_path), (), str(name_or_path))
     if path.resolve() in above:
         files = " -> ".join(str(file) for file in (*above, path.resolve()))
-        raise InputError(f"{path}: the patch lies on itself ({files}); name a robot file as the robot of one of them")
+        raise InputError(f"{path}: the patch is circular ({files}); name a robot file as the robot of one of them")
     patch = validate(Patch, data, str(path))
     with source_named(f"{path}, key robot"):
         below = _loaded(named_robot(patch.robot, path.parent), (*above, path.resolve()))
     if patch.robot_hash and patch.robot_hash != below.fingerprint:
         raise InputError(
             f"{path}, key robot_hash: the patch was made for the robot {patch.robot} with fingerprint "
-            f"{patch.robot_hash}, but it has {below.fingerprint} now: its file was changed since; diagnose again with "
-            "the present file, or remove the key to use the patch all the same"
+            f"{patch.robot_hash}, but it has {below.fingerprint} now, because its file has changed; diagnose again "
+            "with the present file, or remove the key to use the patch anyway"
         )
     made = PatchedRobot(below.base, (*below.placed, *patch.placed(str(path))), str(path))
-    _ = made.model  # a place that the robot does not have is said here, with the file
+    _ = made.model  # reports a location that the robot does not have together with the file
     return made

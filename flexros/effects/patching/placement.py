@@ -1,4 +1,4 @@
-"""Effects put onto a robot: what of them is another robot, and what remains as laws at its places."""
+"""Effects applied to a robot: those that change its model, and those that remain laws at its locations."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PlacedLaw:
-    """A law at a place.
+    """A law at a location.
 
     Attributes:
-        name: Effect and place, e.g. "coulomb_friction@motor_1"; the second one alike ends in "#2".
+        name: Effect and location, e.g. "coulomb_friction@motor_1"; a second one of the same kind ends in "#2".
         effect: The effect.
-        location: The place: a motor, a spring, a body, "tool" or "base".
+        location: A motor, a spring, a body, "tool" or "base".
     """
 
     name: str
@@ -33,24 +33,24 @@ class PlacedLaw:
 
     @property
     def motor(self) -> int:
-        """Number of the motor at which the law sits (0-based); a law elsewhere has none."""
+        """Index of the motor of a law at a motor."""
         assert self.location.startswith("motor_"), self.name
         return int(self.location.removeprefix("motor_")) - 1
 
     @property
     def parameters(self) -> dict[str, float]:
-        """Numbers of the law by full name, e.g. "coulomb_friction@motor_1.level"."""
-        return {f"{self.name}.{key}": value for key, value in self.effect.numbers.items()}
+        """Parameter values of the law by full name, e.g. "coulomb_friction@motor_1.level"."""
+        return {f"{self.name}.{key}": value for key, value in self.effect.parameter_values.items()}
 
     def check_values(self, values: Mapping[str, float], source: str) -> None:
-        """Refuse numbers that the effect does not allow.
+        """Refuse values that the effect does not allow.
 
         Args:
-            values: New numbers by full name; names of other laws are passed over.
-            source: Who asks for them; opens the error text.
+            values: New values by full name; names of other laws are skipped.
+            source: Origin of the values; prefix of the error message.
 
         Raises:
-            InputError: Names the parameter, its value and what is allowed.
+            InputError: Names the parameter, its value and the allowed values.
         """
         own = {name.rpartition(".")[2]: value for name, value in values.items() if name in self.parameters}
         validate(type(self.effect), {**self.effect.model_dump(), **own}, f"{source}: {self.name}")
@@ -58,56 +58,50 @@ class PlacedLaw:
 
 @dataclass(frozen=True, eq=False)
 class RobotWithEffects:
-    """A robot with effects.
+    """A robot with effects, the model of a plant.
 
     Attributes:
-        robot: The robot with all that changes its model.
-        laws: Laws at its places, in the order in which they were given.
+        robot: The robot including all model changes.
+        laws: Laws at its locations, in the order given.
     """
 
     robot: Robot
     laws: tuple[PlacedLaw, ...]
 
     def with_effects(self, placed: Iterable[PlacedEffect]) -> RobotWithEffects:
-        """Put more effects on top; laws of one kind at one place get names of their own.
-
-        Args:
-            placed: Effects with their places.
+        """Add effects; laws of one kind at one location get distinct names.
 
         Raises:
-            InputError: The robot has no such place.
+            InputError: The robot has no such location.
         """
         known = [PlacedEffect(law.effect, law.location) for law in self.laws]
         return place_effects(self.robot, [*known, *placed])
 
 
 def place_effects(robot: Robot, placed: Iterable[PlacedEffect], *, as_laws: bool = False) -> RobotWithEffects:
-    """Put effects onto a robot; those that change its model act on what those before them left.
+    """Apply effects to a robot; model changes are applied one after the other.
 
     Args:
         robot: The robot without the effects.
-        placed: Effects with their places.
-        as_laws: Whether effects that can be both are laws, whose numbers can be free, and not another robot.
-
-    Returns:
-        Changed robot and laws.
+        placed: Effects with their locations.
+        as_laws: Whether effects that can be either are placed as laws, with free parameters, not as model changes.
 
     Raises:
-        InputError: The robot has no such place.
+        InputError: The robot has no such location.
     """
     laws: list[PlacedLaw] = []
-    alike: Counter[str] = Counter()
-    before = robot
+    counts: Counter[str] = Counter()
+    nominal = robot
     for given in placed:
         given.check_location(robot)
-        one = given.on(before)
-        lawful = as_laws and isinstance(one.effect, AbstractLaw) and bool(one.effect.numbers)
-        if isinstance(one.effect, AbstractModelChange) and one.effect.changes_model(one.location) and not lawful:
-            robot = one.effect.changed(robot, one.location)
+        effect, location = (resolved := given.on(nominal)).effect, resolved.location
+        as_law = as_laws and isinstance(effect, AbstractLaw) and bool(effect.parameter_values)
+        if isinstance(effect, AbstractModelChange) and effect.changes_model(location) and not as_law:
+            robot = effect.changed(robot, location)
             continue
-        assert isinstance(one.effect, AbstractLaw)
-        name = f"{one.effect.name}@{one.location}"
-        alike[name] += 1
-        name = name if alike[name] == 1 else f"{name}#{alike[name]}"
-        laws.append(PlacedLaw(name, one.effect, one.location))
+        assert isinstance(effect, AbstractLaw)
+        name = f"{effect.name}@{location}"
+        counts[name] += 1
+        name = name if counts[name] == 1 else f"{name}#{counts[name]}"
+        laws.append(PlacedLaw(name, effect, location))
     return RobotWithEffects(robot, tuple(laws))

@@ -64,5 +64,5 @@ class ArmForces:
                 location=law.location,
                 own=ca.SX(0, 1),
             )
-            total += law.effect.force(arm, law.effect.numbers)[: self.robot.n_arm]
+            total += law.effect.force(arm, law.effect.parameter_values)[: self.robot.n_arm]
         return total

@@ -40,7 +40,7 @@ def encoder_reading(robot: Robot, laws: Sequence[PlacedLaw], motor: int) -> ca.F
     for law in laws:
         effect = law.effect
         if law.location == robot.joint_names[motor] and isinstance(effect, AbstractSensor) and effect.rank == PERIODIC:
-            read = effect.read(read, turns * q, effect.numbers)
+            read = effect.read(read, turns * q, effect.parameter_values)
     return ca.Function("reading", [q, v], [read, ca.jtimes(read, q, v)])
 
 

@@ -106,13 +106,13 @@ class _Gear:
         gears, gear = [], self._nominal(deflection, rate, arm, (arm - arm_before) / self._step)
         for effect, states in zip(self._effects, own):  # each law sees what those before it made of the spring
             gears.append(replace(gear, own=states))
-            gear = effect.onward(gears[-1], effect.numbers)
+            gear = effect.onward(gears[-1], effect.parameter_values)
         added, beside, following, at_rest = ca.SX(0), ca.SX(0), [ca.SX(0, 1)], [ca.SX(0, 1)]
         for effect, gear in zip(self._effects, gears):
-            torques = effect.added(gear, effect.numbers)
+            torques = effect.added(gear, effect.parameter_values)
             added, beside = added + torques.arm, beside - torques.arm - torques.motor
             following.append(self._next(effect, gear))
-            at_rest.append(effect.rest(gear, effect.numbers))
+            at_rest.append(effect.rest(gear, effect.parameter_values))
         plain = self._spring(deflection) + self._damping * rate
         errors = [plain - needed, plain + added - needed]
         resting = [ca.substitute(error, before, deflection) for error in errors]
@@ -141,12 +141,12 @@ class _Gear:
         """Own states at the next sample: after the step that ends here, then those that are held through the next."""
         step = ca.SX(self._step)
         if effect.stepwise_states:
-            after = effect.after_step(gear, effect.numbers, step)
+            after = effect.after_step(gear, effect.parameter_values, step)
             gear = replace(gear, own=ca.vertcat(*_rows(gear.own, effect.smooth_states), after))
-        rates = _rows(effect.rates(gear, effect.numbers), effect.smooth_states)
+        rates = _rows(effect.rates(gear, effect.parameter_values), effect.smooth_states)
         ahead = [row + step * rate for row, rate in zip(_rows(gear.own, effect.smooth_states), rates)]
         if effect.stepwise_states:
-            ahead.append(effect.before_step(gear, effect.numbers, step))
+            ahead.append(effect.before_step(gear, effect.parameter_values, step))
         return ca.vertcat(ca.SX(0, 1), *ahead)
 
     def _followed(self, arm: FloatArray, needed: FloatArray, laws: bool) -> tuple[FloatArray, FloatArray]:

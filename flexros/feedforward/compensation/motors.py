@@ -58,7 +58,7 @@ def with_motor_laws(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], sam
         chain = [effect for effect in effects if isinstance(effect, AbstractCommandLaw)]
         for command in sorted(chain, key=lambda effect: -effect.rank):
             if command.rank == LAG:
-                motion = _ahead_of_lag(motion, number, command.numbers[command.size], sample_time)
+                motion = _ahead_of_lag(motion, number, command.parameter_values[command.size], sample_time)
             elif command.rank == GAIN:
                 motion = _scaled(motion, number, *_gain(command))
     return motion
@@ -87,7 +87,7 @@ class _Motor:
         forward, backward = np.zeros(len(self._rows[0])), np.zeros(len(self._rows[0]))
         for effect in effects:
             state = self._with_own(effect)
-            levels = effect.levels(state, effect.numbers)
+            levels = effect.levels(state, effect.parameter_values)
             ahead, back = self._values(effect, state, [levels.forward, levels.backward])
             forward, backward = forward + ahead, backward + back
         direction = self.direction
@@ -95,7 +95,7 @@ class _Motor:
 
     def bristle_friction(self, effect: AbstractBristleFriction) -> FloatArray:
         """Torque of a bristle, shape (n,): its law dz = dq - s0 z |dq| / g solved from sample to sample."""
-        bristle = effect.bristle(self._symbols[1], effect.numbers)
+        bristle = effect.bristle(self._symbols[1], effect.parameter_values)
         numbers = [ca.SX(bristle.level), ca.SX(bristle.stiffness), ca.SX(bristle.damping)]
         level, stiffness, damping = self._values(effect, self._state, numbers)
         z, moved, reach = np.zeros(len(level)), np.diff(self._rows[0]), level / stiffness
@@ -111,7 +111,7 @@ class _Motor:
         total = [np.zeros(len(self._rows[0])), np.ones(len(self._rows[0])), np.zeros(len(self._rows[0]))]
         for effect in effects:
             state = self._with_own(effect)
-            added = ca.SX(effect.added(state, effect.numbers))
+            added = ca.SX(effect.added(state, effect.parameter_values))
             slope = ca.jacobian(added, u)
             parts = self._values(effect, state, [ca.substitute(added, u, 0), slope, ca.jtimes(slope, q, v)])
             total = [sum_ + part for sum_, part in zip(total, parts)]
@@ -130,7 +130,7 @@ class _Motor:
 
     def _followed(self, effect: AbstractMotorLaw, state: MotorState) -> FloatArray:
         """Follow the own states of a law, which are slow against the samples, from zero on, shape (n, n_states)."""
-        rates = ca.densify(effect.rates(state, effect.numbers))
+        rates = ca.densify(effect.rates(state, effect.parameter_values))
         rate = ca.Function("rate", [*self._symbols, state.own], [rates])
         own = np.zeros((len(self._rows[0]), effect.n_states))
         for k in range(1, len(own)):
@@ -161,7 +161,7 @@ def _scaled(
 def _gain(effect: AbstractCommandLaw) -> tuple[float, float]:
     """Offset and slope of a law without memory that is linear in the torque."""
     torque = ca.SX.sym("torque")
-    passed = effect.passed(torque, ca.SX.zeros(effect.n_states), effect.numbers)
+    passed = effect.passed(torque, ca.SX.zeros(effect.n_states), effect.parameter_values)
     law = ca.Function("passed", [torque], [passed])
     offset = float(law(0.0))
     return offset, float(law(1.0)) - offset

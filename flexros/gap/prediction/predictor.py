@@ -212,7 +212,7 @@ class Predictor:
                     robot[name] += value - nominal[name]
             elif _is_law(candidate):
                 assert isinstance(placed.effect, AbstractLaw)
-                own = placed.effect.numbers
+                own = placed.effect.parameter_values
                 laws += dict.fromkeys(own, 0.0).values() if self._cut_off_before(candidate) else own.values()
         return np.array([*robot.values(), *laws])
 

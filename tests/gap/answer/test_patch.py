@@ -111,7 +111,7 @@ def test_two_orders_at_one_motor_stay_apart(tmp_path: Path) -> None:
     assert [one.parameters["order"].value for one in patch.effects] == [2.0, 6.0]
     assert patch.covariance is not None
     assert patch.covariance.names == names
-    assert [law.effect.numbers["order"] for law in load_model(tmp_path / "patch.yaml").laws] == [2.0, 6.0]
+    assert [law.effect.parameter_values["order"] for law in load_model(tmp_path / "patch.yaml").laws] == [2.0, 6.0]
 
 
 def test_numbers_that_the_log_hardly_tells_apart_have_a_possible_covariance(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Laws of the equations of motion, and slow oracles for all shipped robots."""
+"""Laws of the equations of motion, and slow oracles for all built-in robots."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_inverse_dynamics_agrees_with_pinocchio(robot: Robot) -> None:
 
 
 def _body_friction(robot: Robot, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Torque against the absolute rotation of the bodies; only planar shipped robots have it."""
+    """Torque against the absolute rotation of the bodies; only planar built-in robots have it."""
     coefficients = np.array([body.viscous_friction.value for body in robot.spec.bodies])
     if not coefficients.any():
         return np.zeros(robot.n_arm)

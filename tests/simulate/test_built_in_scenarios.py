@@ -1,4 +1,4 @@
-"""Every shipped scenario runs in this process, stays stable and does what its description says."""
+"""Every built-in scenario runs in this process, stays stable and does what its description says."""
 
 from __future__ import annotations
 
