@@ -25,7 +25,7 @@ def test_marked_commands_run(run_marked: Callable[[str, str], int], tmp_path: Pa
 def test_make_targets_exist() -> None:
     targets = set(re.findall(r"(?:^|`)make ([\w-]+)", README, re.MULTILINE))
     known = set(re.findall(r"^([\w-]+):", (CHECKOUT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
-    assert {"demo", "test", "lint", "bench"} <= targets <= known
+    assert {"demo", "test", "lint", "docs"} <= targets <= known
 
 
 def test_named_paths_exist() -> None:
