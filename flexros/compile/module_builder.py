@@ -1,19 +1,19 @@
 """Builds one machine-code module from SX functions and hand-written drivers.
 
-A driver is LLVM text that calls the functions directly, so a march over thousands of samples never goes through Python:
+A driver is LLVM text that calls the functions directly, so a loop over thousands of samples never returns to Python:
 
     builder = ModuleBuilder()
     f = builder.add_function(residual)              # casadi.Function -> symbol, here "residual"
     solve = add_lu_solver(builder, n=5)             # linear_solver.py: symbol of a dense LU solver
     builder.add_text(f'''
-    define i64 @march(i64 %n, ptr noalias %x, ptr noalias %out) {{
+    define i64 @run(i64 %n, ptr noalias %x, ptr noalias %out) {{
       ...
       call void @{f}(ptr %x, ptr %scratch)
       %ok = call i64 @{solve}(ptr %matrix, ptr %rhs)
       ...
     }}''')
     code = builder.build()                          # MachineCode: keeps the engine alive
-    march = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(code.address("march"))
+    run = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(code.address("run"))
 
 Conventions. `void @f(ptr in0, ..., ptr out0, ...)`: one pointer per input and per output, doubles column-major, dense,
 no output overlapping an input. With `lanes` = L every number is L adjacent doubles (`<L x double>`), arrays are

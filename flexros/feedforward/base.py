@@ -1,4 +1,4 @@
-"""What a feedforward method is and how one is found by its name."""
+"""Contract of a feedforward method, and the discovery of all methods."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ class AbstractFeedforward(ABC):
     How to add a method: write one file in `flexros/feedforward` with one final subclass; it is then found by its
     name in scenarios, in the direct simulation and in the feedforward node alike. It provides:
 
-    1. `name`, a class variable: the word by which specifications choose it.
+    1. `name`, a class variable: the value of `method` in a specification.
     2. `motions`, a generator of the motion in chunks. All chunks joined must not depend on the chunk size, bit for
        bit, because the feedforward node streams what the direct simulation computes at once.
-    3. `compensates_hold`, if its torque is not by default to be the mean over the interval in which it is held (see
+    3. `compensates_hold`, if its torque should not by default be the mean over the interval in which it is held (see
        `flexros.feedforward.hold`).
 
-    Friction, hold and tool pose are added by `compute_reference` and are no part of a method.
+    `compute_reference` adds friction, hold and tool pose; they are not part of a method.
     """
 
     name: ClassVar[str]
 
     def compensates_hold(self, specification: FeedforwardSpecification) -> bool:
-        """Tell whether the mean torque of the hold interval is the default of this method."""
+        """Return whether the mean torque over the hold interval is the default of this method."""
         del specification
         return True
 
@@ -52,8 +52,8 @@ class AbstractFeedforward(ABC):
             Successive parts of the motion; together as many samples as the problem has.
 
         Raises:
-            InputError: The problem does not suit the method.
-            RunError: The computation broke down on the way.
+            InputError: The problem does not fit the method.
+            RunError: The computation aborted at a sample.
         """
 
 

@@ -11,8 +11,8 @@ from flexros.feedforward.compensation.arm_forces import arm_forces
 from flexros.feedforward.minimum_phase import require_minimum_phase
 from flexros.feedforward.motion import Motion
 from flexros.feedforward.time_stepping.compiled import CompiledStepper
-from flexros.feedforward.time_stepping.consistent_start import consistent_start
 from flexros.feedforward.time_stepping.dae_equations import DaeEquations, build_equations
+from flexros.feedforward.time_stepping.initial_values import consistent_initial_values
 from flexros.feedforward.time_stepping.interpreted import InterpretedStepper
 from flexros.feedforward.time_stepping.step_functions import StepFunctions
 from flexros.feedforward.time_stepping.stepping import MAX_ITERATIONS, Stepper, newton_tolerance
@@ -28,33 +28,33 @@ if TYPE_CHECKING:
 
 
 class DaeFeedforward(AbstractFeedforward):
-    """Equations 8a to 8d marched by a backward difference formula; the torque follows from equation 2b.
+    """Equations 8a to 8d integrated by a backward difference formula; the torque follows from equation 2b.
 
-    Order 1 is backward Euler as published. Order 2 is the two-step formula, with the torque averaged over the time in
-    which it is held: both are needed, as either alone leaves an error of first order in the sample time (see
-    docs/decisions). The constraint Z = Gamma(q_a) itself is solved at every step, so nothing drifts off.
+    Order 1 is backward Euler as published. Order 2 is the two-step formula with the torque averaged over the time in
+    which it is held: either alone leaves an error of first order in the sample time (see docs/decisions). Each step
+    solves the constraint Z = Gamma(q_a) itself, so there is no constraint drift.
     """
 
     name: ClassVar[str] = "dae"
 
     def compensates_hold(self, specification: FeedforwardSpecification) -> bool:
-        """Tell whether the mean torque of the hold interval is the default: not as published."""
+        """Return whether the mean torque is the default: not for order 1, which is as published."""
         return specification.order > 1
 
     def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
-        """March through the samples; see `AbstractFeedforward.motions`."""
+        """Solve the samples in order; see `AbstractFeedforward.motions`."""
         robot, settings = problem.robot, problem.specification
         problem.require_square(problem.output)
         require_minimum_phase(problem)
-        equations, gamma, march = dae_march(
+        equations, gamma, stepper = dae_stepper(
             robot, problem.output, settings.order, problem.sample_time, settings.compiled, problem.laws
         )
-        start = consistent_start(robot, equations, problem.desired[0], problem.rigid_start)
-        tolerance = newton_tolerance(equations, gamma, start)
-        state = march.layout.at_rest(start)
+        initial = consistent_initial_values(robot, equations, problem.desired[0], problem.rigid_start)
+        tolerance = newton_tolerance(equations, gamma, initial)
+        state = stepper.layout.at_rest(initial)
         for first in range(0, problem.n_samples, chunk):
             outputs = problem.desired[first : first + chunk]
-            result = march.advance(state, outputs, tolerance)
+            result = stepper.advance(state, outputs, tolerance)
             if result.failed < len(outputs):
                 raise RunError(_failure(problem, first + result.failed))
             state = result.state
@@ -63,7 +63,7 @@ class DaeFeedforward(AbstractFeedforward):
 
 
 @lru_cache(maxsize=16)
-def dae_march(
+def dae_stepper(
     robot: Robot,
     output: str,
     order: int,
@@ -71,24 +71,24 @@ def dae_march(
     compiled: bool,
     laws: tuple[PlacedLaw, ...] = (),
 ) -> tuple[DaeEquations, float, Stepper]:
-    """Make the march of a robot, or return the one made before.
+    """Return the stepper of a robot; it is built once and cached.
 
     Args:
         robot: The robot.
         output: Name of the controlled output.
         order: Order of the backward difference formula, 1 or 2.
         sample_time: Step size [s].
-        compiled: Machine code, or the CasADi virtual machine.
+        compiled: Whether to use machine code; otherwise the CasADi virtual machine.
         laws: Laws of effects that are part of the arm's equations.
 
     Returns:
-        Equations of a step, leading coefficient gamma [1/s], and the march.
+        Equations of a step, leading coefficient gamma [1/s], and the stepper.
     """
     geometry = ToolGeometry.of(robot, laws) if laws else None
     equations = build_equations(robot.model, output, geometry=geometry, forces=arm_forces(robot, laws))
     functions = StepFunctions.of(equations, order, sample_time)
-    march: Stepper = CompiledStepper(equations, functions) if compiled else InterpretedStepper(equations, functions)
-    return equations, functions.gamma, march
+    stepper: Stepper = CompiledStepper(equations, functions) if compiled else InterpretedStepper(equations, functions)
+    return equations, functions.gamma, stepper
 
 
 def _failure(problem: FeedforwardProblem, sample: int) -> str:

@@ -1,4 +1,4 @@
-"""Gear stiffness of a flexible-joint model that stands for all springs of the arm."""
+"""Gear stiffness of a flexible-joint model equivalent to all springs of the arm."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ if TYPE_CHECKING:
 
 
 def equivalent_compliance(robot: Robot, state: FloatArray, output: str | None = None) -> FloatArray:
-    """Compliance of each gear that accounts for the springs of the directions without motor.
+    """Compute the compliance of each gear, including the springs of the directions without motor.
 
-    A force F at the controlled output bends all springs, K dq_a = Gamma_a^T F, and moves the output by
+    A force F at the controlled output deflects all springs, K dq_a = Gamma_a^T F, and moves the output by
     Gamma_a K^-1 Gamma_a^T F. With elastic directions rigid, the same output is moved by the gears through
     J = Gamma_a restricted to the actuated directions. Seen in gear coordinates the static compliance is
 
         C = J^-1 Gamma_a K^-1 Gamma_a^T J^-T,
 
-    that is 1/k of each gear plus the part of the other springs that moves the output as this gear does. The
-    flexible-joint model can only hold its diagonal, which is exact where C is diagonal. For E12 at its start C is
-    diagonal with 1/k_1 and 1/k_2 + (0.2 / 1.2)^2 / k_3: body 3 deflects the tool exactly along the motion of gear 2.
-    The thesis only says "computed to include k_3 in the best possible way"; this reading is chosen.
+    that is 1/k of each gear plus the contribution of the other springs in the direction of this gear. The
+    flexible-joint model represents the diagonal only, which is exact where C is diagonal. For E12 at its initial pose C
+    is diagonal with 1/k_1 and 1/k_2 + (0.2 / 1.2)^2 / k_3: body 3 deflects the tool exactly along the motion of gear 2.
+    The thesis states only "computed to include k_3 in the best possible way"; this interpretation is chosen.
 
     Args:
         robot: The robot.
         state: Equilibrium at which the springs are linearised, shape (2 n_coordinates,).
-        output: Name of the controlled output; default: the one that the robot's file names.
+        output: Name of the controlled output; default: that of the robot file.
 
     Returns:
-        Diagonal of C [rad/Nm or m/N], zero where a stiff gear has no compliance to add, shape (M,).
+        Diagonal of C [rad/Nm or m/N], zero for a stiff gear without contribution, shape (M,).
 
     Raises:
-        InputError: The output cannot be moved by the gears there, or a spring has no stiffness.
+        InputError: A spring has no stiffness there.
     """
     model, n = robot.model, robot.n_arm
     q, rest = ca.SX.sym("q", robot.n_coordinates), ca.SX.zeros(robot.n_coordinates)
@@ -64,7 +64,7 @@ def equivalent_compliance(robot: Robot, state: FloatArray, output: str | None = 
 
 
 def gear_compliance(robot: Robot, state: FloatArray, output: str, given: Mapping[str, float]) -> FloatArray:
-    """Compliance of each gear: as given by the user, else the equivalent one.
+    """Return the compliance of each gear: as given by the user, else the equivalent one.
 
     Args:
         robot: The robot.
@@ -83,9 +83,9 @@ def gear_compliance(robot: Robot, state: FloatArray, output: str, given: Mapping
             raise unknown_name("motor", name, robot.joint_names, "feedforward.stiffness")
     missing = [name for name in robot.joint_names if name not in given]
     compliance = equivalent_compliance(robot, state, output) if missing else np.zeros(robot.n_motors)
-    for number, name in enumerate(robot.joint_names):
+    for motor, name in enumerate(robot.joint_names):
         if name in given:
-            compliance[number] = 1.0 / given[name]
-        if number in robot.stiff_motors:
-            compliance[number] = 0.0
+            compliance[motor] = 1.0 / given[name]
+        if motor in robot.stiff_motors:
+            compliance[motor] = 0.0
     return compliance

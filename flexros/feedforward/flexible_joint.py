@@ -1,4 +1,4 @@
-"""Feedforward of the flexible-joint robot by flatness; directions without motor are taken as rigid."""
+"""Feedforward of the flexible-joint robot by flatness; directions without motor are rigid."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class FlexibleJointFeedforward(AbstractFeedforward):
     name: ClassVar[str] = "flexible_joint"
 
     def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
-        """Compute the motion at once and hand it out in chunks; see `AbstractFeedforward.motions`."""
+        """Compute the whole motion and yield it in chunks; see `AbstractFeedforward.motions`."""
         robot = problem.robot
         arm = RigidArm(robot, problem.laws)
         gears = problem.gear_motion(4)

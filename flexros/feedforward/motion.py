@@ -1,4 +1,4 @@
-"""Results of feedforward: the motion of the model, and the reference made from it."""
+"""Results of feedforward: the motion of the model, and the reference computed from it."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Motion and torque of the model at the sampling instants, before friction and hold are accounted for.
+    """Motion and torque of the model at the sampling instants, before compensation of friction and hold.
 
     Attributes:
         arm_position: Arm coordinates q_a [rad or m], shape (n, N).
         motor_position: Encoder positions [rad or m], shape (n, M).
         motor_velocity: Encoder velocities [rad/s or m/s], shape (n, M).
         torque: Motor torque at the instant [Nm or N], shape (n, M).
-        load: The part of it that does not accelerate the motor's own inertia [Nm or N], shape (n, M).
+        load: Torque without the part that accelerates the motor's own inertia [Nm or N], shape (n, M).
         momentum: Momentum of the motor's own inertia [Nms or Ns], zero behind stiff gears, shape (n, M). The torque is
-            load plus rate of change of the momentum.
+            the load plus the rate of change of the momentum.
     """
 
     arm_position: FloatArray
@@ -56,7 +56,7 @@ class Motion:
         return Motion(*(getattr(self, field.name)[first:stop] for field in fields(self)))
 
     def joined(self, after: Motion) -> Motion:
-        """Return this motion with another one behind it."""
+        """Return this motion followed by another one."""
         return Motion.concatenate([self, after])
 
     @staticmethod
@@ -67,14 +67,14 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """References and feedforward torque of every sample; one row per sampling instant.
+    """References and feedforward torque, one row per sampling instant.
 
     Attributes:
         time: Sampling instants, counted from the start of the motion [s], shape (n,).
-        motor_position: Encoder position that the feedback is to hold [rad or m], shape (n, M).
+        motor_position: Encoder position that the feedback controls to [rad or m], shape (n, M).
         motor_velocity: Its rate [rad/s or m/s], shape (n, M).
         torque: Motor torque to add to the feedback, held from its instant to the next [Nm or N], shape (n, M).
-        output: Controlled output as commanded [m or rad], shape (n, n_out).
+        output: Commanded value of the controlled output [m or rad], shape (n, n_out).
         tool_pose: Commanded tool pose: x, y, z [m] and quaternion x, y, z, w, shape (n, 7).
     """
 
@@ -88,19 +88,12 @@ class Reference:
     def __post_init__(self) -> None:
         lengths = {field.name: len(getattr(self, field.name)) for field in fields(self)}
         if len(set(lengths.values())) != 1:
-            raise ValueError(f"all parts of a reference need one row per sample, but have {lengths}")
+            raise ValueError(f"the arrays of a reference need the same number of rows, but have {lengths}")
 
     def __len__(self) -> int:
         return len(self.time)
 
     @staticmethod
     def concatenate(chunks: Sequence[Reference]) -> Reference:
-        """Join successive chunks.
-
-        Args:
-            chunks: References that follow each other in time, at least one.
-
-        Returns:
-            One reference with all rows.
-        """
+        """Join successive chunks, at least one."""
         return Reference(*(np.concatenate([getattr(chunk, f.name) for chunk in chunks]) for f in fields(Reference)))

@@ -20,7 +20,7 @@ class NoFeedforward(AbstractFeedforward):
     name: ClassVar[str] = "none"
 
     def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
-        """Compute the motion at once and hand it out in chunks; see `AbstractFeedforward.motions`."""
+        """Compute the whole motion and yield it in chunks; see `AbstractFeedforward.motions`."""
         arm = RigidArm(problem.robot)
         gears = problem.gear_motion(2)
         yield from arm.inverse_dynamics(gears).without_torque().chunks(chunk)

@@ -1,4 +1,4 @@
-"""What a feedforward method works on: robot, trajectory and settings, sampled."""
+"""Input of a feedforward method: robot, trajectory and settings, with sampled quantities derived from them."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ if TYPE_CHECKING:
     from flexros.trajectory.trajectory import Trajectory
 
 REST_TOLERANCE = 1e-9
-"""Largest initial speed and acceleration, relative to the largest on the way, that still counts as rest."""
+"""Largest initial speed and acceleration, relative to the largest along the trajectory, that is taken as rest."""
 
 
 @dataclass(frozen=True, eq=False)
 class FeedforwardProblem:
-    """All that a method may use.
+    """Input of a method.
 
     Attributes:
-        robot: The model that the feedforward believes in.
+        robot: The model that the feedforward uses.
         trajectory: Desired motion, in tool coordinates or in gear coordinates of the rigid arm.
         specification: Settings of the method.
         sample_time: Distance of the sampling instants [s].
         n_samples: Number of instants, the first at 0.
-        near: Arm coordinates near which the start pose is sought [rad or m], shape (N,); None: the robot's home pose.
+        near: Arm coordinates near which the initial pose is sought [rad or m], shape (N,); None: the robot's home pose.
         laws: Laws of effects that are part of the arm's equations: forces on it, and errors of its kinematics.
     """
 
@@ -48,12 +48,12 @@ class FeedforwardProblem:
 
     @cached_property
     def tool(self) -> ToolGeometry:
-        """Where the tool is for given arm coordinates."""
+        """Kinematics of the tool, with errors by laws."""
         return ToolGeometry.of(self.robot, self.laws)
 
     @cached_property
     def output(self) -> str:
-        """Name of the controlled output: as asked for, else that of the trajectory, else that of the robot's file."""
+        """Name of the controlled output: that of the specification, else of the trajectory, else of the robot file."""
         given = None if self.trajectory.joints else self.trajectory.output
         return self.specification.output or given or self.robot.controlled
 
@@ -64,7 +64,7 @@ class FeedforwardProblem:
 
     @cached_property
     def desired(self) -> FloatArray:
-        """Desired output [m or rad], shape (n, n_out); that of the rigid arm where the trajectory is for another one.
+        """Desired output [m or rad], shape (n, n_out); that of the rigid arm if the trajectory has another output.
 
         Raises:
             InputError: The trajectory does not start at rest.
@@ -78,12 +78,12 @@ class FeedforwardProblem:
             if initial > REST_TOLERANCE * max(largest, 1.0):
                 raise InputError(
                     f"the trajectory starts with a {word} of {initial:g} (largest component), but feedforward starts "
-                    "from rest; let it begin with zero speed and acceleration"
+                    "from rest; give it zero initial speed and acceleration"
                 )
         return np.asarray(motion[0])
 
     def gear_motion(self, derivatives: int, time: FloatArray | None = None) -> FloatArray:
-        """Give the motion of the gears of the rigid arm.
+        """Compute the motion of the gears of the rigid arm.
 
         Args:
             derivatives: Highest time derivative, 0 to 4.
@@ -93,7 +93,7 @@ class FeedforwardProblem:
             Gear coordinates and derivatives [rad or m, per s^k], shape (derivatives + 1, n, M).
 
         Raises:
-            InputError: Out of reach or singular; the message names the place.
+            InputError: Out of reach or singular; the message names the point of the path.
         """
         time = self.time if time is None else time
         if self.trajectory.joints:
@@ -110,12 +110,12 @@ class FeedforwardProblem:
         return np.asarray(joint_derivatives(self.trajectory, kinematics, near, time, derivatives))
 
     def arm_position(self, gears: FloatArray) -> FloatArray:
-        """Arm coordinates [rad or m], shape (n, N), from gear coordinates, shape (n, M); elastic directions at zero."""
+        """Return arm coordinates (n, N) for gear coordinates (n, M) [rad or m]; elastic directions are zero."""
         return self.robot.arm_from_gears(gears)
 
     @cached_property
     def commanded_pose(self) -> FloatArray:
-        """Commanded tool pose, that of the rigid arm on the trajectory, whatever the method, shape (n, 7)."""
+        """Commanded tool pose: that of the rigid arm on the trajectory, for every method, shape (n, 7)."""
         arm = self.arm_position(self.gear_motion(0)[0])
         return np.array(self.tool.pose()(arm.T), dtype=float).T
 
@@ -125,10 +125,7 @@ class FeedforwardProblem:
         return np.asarray(self.arm_position(self.gear_motion(0, np.zeros(1))[0])[0])
 
     def require_square(self, output: str) -> None:
-        """Demand that an output has as many components as there are motors.
-
-        Args:
-            output: Name of the output.
+        """Check that an output has as many components as the robot has motors.
 
         Raises:
             InputError: The numbers differ, or there is no such output.
@@ -141,6 +138,6 @@ class FeedforwardProblem:
             )
 
     def _rigid_kinematics(self, output: str) -> ca.Function:
-        """Output as a function of the gear coordinates theta (M,), elastic directions at zero."""
+        """Return an output as a function of the gear coordinates theta (M,), with elastic directions at zero."""
         theta = ca.SX.sym("theta", self.robot.n_motors)
         return ca.Function("gamma", [theta], [self.tool.output(output, self.robot.arm_from_gears(theta))])

@@ -1,4 +1,4 @@
-"""The one way to a reference: method, friction, hold and tool pose put together, at once or in chunks."""
+"""References from method, friction, effects, hold and tool pose; at once or in chunks."""
 
 from __future__ import annotations
 
@@ -36,20 +36,20 @@ def compute_reference(
     """Compute references and feedforward torques of all samples.
 
     Args:
-        robot: The model that the feedforward believes in.
+        robot: The model that the feedforward uses.
         trajectory: Desired motion; after its end the last point is held.
         specification: Method and its settings.
         sample_time: Sample time T of the feedback [s].
         duration: Time to cover [s]; the samples are 0, T, 2 T, ... up to and including `duration`.
-        near: Arm coordinates near which the start pose is sought [rad or m], shape (N,); default: the home pose.
-        laws: Laws of effects that the reference makes up for, see `flexros.feedforward.compensation.compensation`.
+        near: Arm coordinates near which the initial pose is sought [rad or m], shape (N,); default: the home pose.
+        laws: Laws of effects to compensate, see `flexros.feedforward.compensation.compensation`.
 
     Returns:
         The reference, floor(duration / T) + 1 samples.
 
     Raises:
-        InputError: Settings, trajectory and robot do not go together.
-        RunError: The method broke down on the way.
+        InputError: Settings, trajectory and robot are inconsistent.
+        RunError: The method aborted at a sample.
     """
     chunks = reference_chunks(robot, trajectory, specification, sample_time, duration, near=near, laws=laws)
     return Reference.concatenate(list(chunks))
@@ -68,36 +68,36 @@ def reference_chunks(
     """Compute references chunk by chunk, for streaming; joined they equal `compute_reference` bit for bit.
 
     Args:
-        robot: The model that the feedforward believes in.
+        robot: The model that the feedforward uses.
         trajectory: Desired motion; after its end the last point is held.
         specification: Method and its settings.
         sample_time: Sample time T of the feedback [s].
         duration: Time to cover [s].
         chunk: Largest number of samples per chunk.
-        near: Arm coordinates near which the start pose is sought [rad or m], shape (N,); default: the home pose.
-        laws: Laws of effects that the reference makes up for, see `flexros.feedforward.compensation.compensation`.
+        near: Arm coordinates near which the initial pose is sought [rad or m], shape (N,); default: the home pose.
+        laws: Laws of effects to compensate, see `flexros.feedforward.compensation.compensation`.
 
     Yields:
         Successive parts of the reference.
 
     Raises:
-        InputError: Settings, trajectory and robot do not go together.
-        RunError: The method broke down on the way.
+        InputError: Settings, trajectory and robot are inconsistent.
+        RunError: The method aborted at a sample.
     """
     if not sample_time > 0.0:
-        raise InputError(f"the sample time of the feedforward is {sample_time:g} s, but must be positive; correct it")
+        raise InputError(f"the sample time of the feedforward is {sample_time:g} s, but must be positive")
     if not duration >= 0.0:
-        raise InputError(f"the duration of the feedforward is {duration:g} s, but must not be negative; correct it")
+        raise InputError(f"the duration of the feedforward is {duration:g} s, but must not be negative")
     if chunk < 1:
-        raise InputError(f"the chunk of the feedforward is {chunk} samples, but must be at least 1; correct it")
+        raise InputError(f"the chunk of the feedforward is {chunk} samples, but must be at least 1")
     n_samples = int(np.floor(duration / sample_time + 1e-6)) + 1
     method = feedforward_method(specification.method)
     hold = specification.hold_compensation
     hold = method.compensates_hold(specification) if hold is None else hold
     delays = motor_delays(robot, laws)
     ahead = samples_ahead(sample_time, max(delays)) if hold else 0
-    of_arm = laws_of_the_arm(laws)
-    problem = FeedforwardProblem(robot, trajectory, specification, sample_time, n_samples + ahead, near, of_arm)
+    arm_laws = laws_of_the_arm(laws)
+    problem = FeedforwardProblem(robot, trajectory, specification, sample_time, n_samples + ahead, near, arm_laws)
     motions = _with_friction(method.motions(problem, chunk), specification)
     if laws and specification.method != "none":
         motions = compensated(Motion.concatenate(list(motions)), robot, laws, sample_time).chunks(chunk)
@@ -116,7 +116,7 @@ def reference_chunks(
 
 
 def _held(motion: Motion, n: int, sample_time: float, delays: tuple[float, ...]) -> FloatArray:
-    """Mean torque while a command acts, with the delay of each motor, shape (n, M)."""
+    """Compute the mean torque while a command acts, with the delay of each motor, shape (n, M)."""
     torque = np.empty((n, len(delays)))
     for motor, delay in enumerate(delays):
         rows, column = slice(0, n + samples_ahead(sample_time, delay)), slice(motor, motor + 1)
@@ -125,7 +125,7 @@ def _held(motion: Motion, n: int, sample_time: float, delays: tuple[float, ...])
 
 
 def _with_friction(motions: Iterator[Motion], specification: FeedforwardSpecification) -> Iterator[Motion]:
-    """Add the friction that the settings state."""
+    """Add the friction torque of the settings."""
     for motion in motions:
         if specification.friction is None:
             yield motion
@@ -134,7 +134,7 @@ def _with_friction(motions: Iterator[Motion], specification: FeedforwardSpecific
 
 
 def _with_samples_ahead(motions: Iterator[Motion], ahead: int) -> Iterator[tuple[Motion, int]]:
-    """Give each part of the motion with `ahead` samples beyond it, and its length without them."""
+    """Yield each part of the motion with `ahead` samples beyond it, and its length without them."""
     waiting: Motion | None = None
     for part in motions:
         motion = part if waiting is None else waiting.joined(part)

@@ -1,4 +1,4 @@
-"""Feedforward of the rigid robot: computed torque of arm and motors, all springs taken as rigid."""
+"""Feedforward of the rigid robot: computed torque of arm and motors, all springs rigid."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class RigidFeedforward(AbstractFeedforward):
     name: ClassVar[str] = "rigid"
 
     def motions(self, problem: FeedforwardProblem, chunk: int) -> Iterator[Motion]:
-        """Compute the motion at once and hand it out in chunks; see `AbstractFeedforward.motions`."""
+        """Compute the whole motion and yield it in chunks; see `AbstractFeedforward.motions`."""
         arm = RigidArm(problem.robot, problem.laws)
         gears = problem.gear_motion(2)
         yield from arm.inverse_dynamics(gears).chunks(chunk)

@@ -1,4 +1,4 @@
-"""The arm with its elastic directions rigid: torques of a motion of the gears, with exact derivatives."""
+"""Inverse dynamics of the arm with its elastic directions rigid, with exact derivatives."""
 
 from __future__ import annotations
 
@@ -35,31 +35,28 @@ class RigidArm:
         self._theta = [ca.SX.sym(f"theta_{k}", robot.n_motors) for k in range(MAX_DERIVATIVES + 1)]
 
     def _derivative(self, expression: ca.SX) -> ca.SX:
-        """Time derivative by directional derivatives along the derivatives of theta."""
+        """Return the time derivative, by directional derivatives along the derivatives of theta."""
         pairs = zip(self._theta, self._theta[1:])
         return sum((ca.jtimes(expression, low, high) for low, high in pairs), start=ca.SX.zeros(expression.shape[0]))
 
     def _coordinates(self, theta: ca.SX, motor: ca.SX) -> ca.SX:
-        """All coordinates [q_a, q_m] from gear coordinates and motor coordinates."""
+        """Return all coordinates [q_a, q_m] for gear coordinates and motor coordinates."""
         robot = self._robot
         return ca.vertcat(robot.arm_from_gears(theta), *[motor[number] for number in robot.flexible_motors])
 
     def inverse_dynamics(self, motion: FloatArray, compliance: FloatArray | None = None) -> Motion:
-        """Motor motion and torque for a motion of the gears, rigid or through a compliance.
+        """Compute motor motion and torque for a motion of the gears, rigid or with a compliance.
 
         With M(theta) theta'' + n(theta, theta') = tau and the gears' compliance C = K^-1,
 
             q_m = theta + C tau,     u = tau + M_m q_m''     (Moberg 2007, eq. 5.4 and 5.5),
 
-        where tau'' follows exactly by directional derivatives of the symbolic tau. A motor's own viscous friction,
-        where the model has it, is added. Without compliance the gears are rigid.
+        where tau'' follows exactly by directional derivatives of the symbolic tau. The viscous friction of a motor in
+        the model is added. Without compliance the gears are rigid.
 
         Args:
             motion: theta and its derivatives, shape (5, n, M), or (3, n, M) without compliance.
             compliance: C of each gear [rad/Nm or m/N], zero for stiff gears, shape (M,).
-
-        Returns:
-            The motion.
         """
         robot, model, theta = self._robot, self._robot.model, self._theta
         rest = [self._coordinates(part, part) for part in theta[:3]]
@@ -76,10 +73,10 @@ class RigidArm:
         )
         inertia = model.motor_inertia(model.parameter_values)
         torque, load, momentum = ca.SX(tau), ca.SX(tau), ca.SX.zeros(robot.n_motors)
-        for place, number in enumerate(robot.flexible_motors):
-            torque[number] += drive[place]
-            load[number] = torque[number] - inertia[place] * motor[2][number]
-            momentum[number] = inertia[place] * motor[1][number]
+        for i, number in enumerate(robot.flexible_motors):
+            torque[number] += drive[i]
+            load[number] = torque[number] - inertia[i] * motor[2][number]
+            momentum[number] = inertia[i] * motor[1][number]
         encoders = [model.encoder(self._coordinates(gear, part)) for gear, part in zip(theta, motor[:2])]
         results = [robot.arm_from_gears(theta[0]), *encoders, torque, load, momentum]
         evaluate = ca.Function(

@@ -1,4 +1,4 @@
-"""Settings of the feedforward, as a scenario or a node parameter file gives them."""
+"""Settings of the feedforward in a scenario or a node parameter file."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flexros.config.settings import Settings
 
 
 class FrictionCompensation(Settings):
-    """Friction of the motors that the feedforward torque makes up for; one value, or one per motor."""
+    """Motor friction that the feedforward torque compensates; one value, or one per motor."""
 
     viscous: NotNegativePerMotor = Field(0.0, description="[Nm s/rad, or N s/m]")
     coulomb: NotNegativePerMotor = Field(0.0, description="level [Nm, or N]")
@@ -33,7 +33,7 @@ class FeedforwardSpecification(Settings):
     order: Literal[1, 2] = Field(
         2, description="order of the DAE method: 1 = backward Euler as published, 2 = second order; dae only"
     )
-    output: str | None = Field(None, description="controlled output of the robot; default: the one that its file names")
+    output: str | None = Field(None, description="controlled output of the robot; default: that of its file")
     friction: FrictionCompensation | None = Field(None, description="friction added to the motor torque; default: none")
     stiffness: dict[str, Positive] = Field(
         default_factory=dict,
@@ -42,12 +42,14 @@ class FeedforwardSpecification(Settings):
     hold_compensation: bool | None = Field(
         None,
         description="torque as the mean over the time in which it acts, delay included, instead of its value at the "
-        "instant; default: yes, but not for dae of order 1, which stays as published",
+        "instant; default: true, except for dae of order 1, which is as published",
     )
     zero_dynamics_poses: Annotated[int, Field(ge=1)] = Field(
-        5, description="number of poses along the path at which the zero dynamics are checked before marching; dae only"
+        5, description="number of poses along the path at which the zero dynamics are checked; dae only"
     )
-    compiled: bool = Field(True, description="march in machine code; false: in the CasADi virtual machine; dae only")
+    compiled: bool = Field(
+        True, description="time stepping in machine code; false: in the CasADi virtual machine; dae only"
+    )
 
     @model_validator(mode="after")
     def _settings_in_use(self) -> FeedforwardSpecification:

@@ -1,4 +1,4 @@
-"""Where the tool is for given arm coordinates: as the robot file says, or with known errors of the kinematics."""
+"""Kinematics of the tool: that of the robot file, or with known kinematic errors."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class ToolGeometry:
     """Kinematics of the tool.
 
     Attributes:
-        robot: Robot with the true lengths; only its kinematics count.
-        offsets: What is added to the arm coordinates before [rad or m], length N.
+        robot: Robot with the true lengths; only its kinematics are used.
+        offsets: Added to the arm coordinates before the kinematics [rad or m], length N.
     """
 
     robot: Robot
@@ -30,11 +30,11 @@ class ToolGeometry:
 
     @classmethod
     def of(cls, robot: Robot, laws: Sequence[PlacedLaw] = ()) -> ToolGeometry:
-        """Put the errors of the kinematics into the geometry of a robot.
+        """Return the geometry of a robot with kinematic errors.
 
         Args:
             robot: The robot.
-            laws: Laws on it; those that are no errors of the tool are passed over.
+            laws: Laws on it; those that are not tool errors are skipped.
         """
         offsets, lengths = dict.fromkeys(robot.arm_names, 0.0), dict[str, float]()
         for law in laws:
@@ -48,7 +48,7 @@ class ToolGeometry:
         return cls(robot.with_values(lengths, "errors of the kinematics"), tuple(offsets.values()))
 
     def output(self, name: str, q_a: ca.SX) -> ca.SX:
-        """Evaluate an output; one that is no pose, such as joint coordinates, has no part in the errors.
+        """Evaluate an output; errors do not affect one that is not a pose, such as joint coordinates.
 
         Args:
             name: Name of the output.
@@ -63,13 +63,13 @@ class ToolGeometry:
         model = self.robot.model
         function = model.output(name)
         is_pose = bool(self.robot.spec.outputs[name].pose)
-        value: ca.SX = function(self._moved(q_a) if is_pose else q_a, model.parameter_values)
+        value: ca.SX = function(self._with_offsets(q_a) if is_pose else q_a, model.parameter_values)
         return value
 
     def pose(self) -> ca.Function:
-        """Tool pose [x y z qx qy qz qw] from arm coordinates, as a CasADi function."""
+        """Return the tool pose [x y z qx qy qz qw] for arm coordinates, as a CasADi function."""
         q_a, model = ca.SX.sym("q_a", self.robot.n_arm), self.robot.model
-        return ca.Function("tool_pose", [q_a], [model.tool_pose(self._moved(q_a), model.parameter_values)])
+        return ca.Function("tool_pose", [q_a], [model.tool_pose(self._with_offsets(q_a), model.parameter_values)])
 
-    def _moved(self, q_a: ca.SX) -> ca.SX:
+    def _with_offsets(self, q_a: ca.SX) -> ca.SX:
         return q_a + ca.DM(self.offsets) if any(self.offsets) else q_a

@@ -3,7 +3,7 @@
 Prints one JSON list. Peers: fsolve with finite differences on equations 8a and 8d, as published; CasADi's
 own Newton solver inside its virtual machine; and the index-1 form (7a to 7d, 7h) by LSODA, whose output drifts.
 
-E12 with every body cut into 20 pieces has 60 arm coordinates. On its tool it is marched without the check of the zero
+E12 with every body cut into 20 pieces has 60 arm coordinates. On its tool it is computed without the check of the zero
 dynamics: bending makes it non-minimum phase, with unstable zeros so fast (1e4 1/s) that the difference formulas damp
 them at this sample time. On its gear coordinates it is minimum phase.
 """
@@ -26,8 +26,8 @@ from flexros.feedforward.problem import FeedforwardProblem
 from flexros.feedforward.reference import compute_reference
 from flexros.feedforward.specification import FeedforwardSpecification
 from flexros.feedforward.time_stepping.compiled import CompiledStepper
-from flexros.feedforward.time_stepping.consistent_start import consistent_start
 from flexros.feedforward.time_stepping.dae_equations import DaeEquations, arm_residual, build_equations
+from flexros.feedforward.time_stepping.initial_values import consistent_initial_values
 from flexros.feedforward.time_stepping.interpreted import InterpretedStepper
 from flexros.feedforward.time_stepping.step_functions import StepFunctions
 from flexros.feedforward.time_stepping.stepping import SteppingResult, newton_tolerance
@@ -90,7 +90,7 @@ class Case:
 
     @cached_property
     def start(self) -> FloatArray:
-        return consistent_start(self.robot, self.equations, self.problem.desired[0], self.problem.rigid_start)
+        return consistent_initial_values(self.robot, self.equations, self.problem.desired[0], self.problem.rigid_start)
 
 
 def seconds(work: Callable[[], object], repeats: int) -> float:
@@ -103,22 +103,22 @@ def seconds(work: Callable[[], object], repeats: int) -> float:
     return min(times)
 
 
-def march_rows(case: Case) -> Iterator[dict[str, Any]]:
-    """Time the compiled march of both orders, and the making of it."""
+def stepper_rows(case: Case) -> Iterator[dict[str, Any]]:
+    """Time the compiled stepper of both orders, and its compilation."""
     desired = case.problem.desired
     for order in (1, 2):
         begin = time.perf_counter()
         equations = build_equations(case.robot.model, case.output)
         functions = StepFunctions.of(equations, order, T)
-        march = CompiledStepper(equations, functions)
+        stepper = CompiledStepper(equations, functions)
         made = time.perf_counter() - begin
         tolerance = newton_tolerance(equations, functions.gamma, case.start)
-        state = march.layout.at_rest(case.start)
+        state = stepper.layout.at_rest(case.start)
 
         def run(
-            march: CompiledStepper = march, state: FloatArray = state, tolerance: FloatArray = tolerance
+            stepper: CompiledStepper = stepper, state: FloatArray = state, tolerance: FloatArray = tolerance
         ) -> SteppingResult:
-            return march.advance(state, desired, tolerance)
+            return stepper.advance(state, desired, tolerance)
 
         result = run()
         assert result.failed == len(desired)
@@ -132,7 +132,7 @@ def march_rows(case: Case) -> Iterator[dict[str, Any]]:
 
 
 def reference_rows(case: Case) -> Iterator[dict[str, Any]]:
-    """Time a whole reference with everything: zero dynamics, start, march, hold, tool pose, compiled already."""
+    """Time a whole reference with everything: zero dynamics, start, stepper, hold, tool pose, compiled already."""
     specification = FeedforwardSpecification(output=case.output)
 
     def run() -> object:
@@ -143,12 +143,12 @@ def reference_rows(case: Case) -> Iterator[dict[str, Any]]:
 
 
 def interpreted_rows(case: Case) -> Iterator[dict[str, Any]]:
-    """Time the same march with Python around the virtual machine: the fallback."""
+    """Time the same stepping by Python and the virtual machine: the fallback."""
     functions = StepFunctions.of(case.equations, 1, T)
-    march = InterpretedStepper(case.equations, functions)
+    stepper = InterpretedStepper(case.equations, functions)
     tolerance = newton_tolerance(case.equations, functions.gamma, case.start)
     n = 400 if case.name == "e12" else 100
-    took = seconds(lambda: march.advance(march.layout.at_rest(case.start), case.problem.desired[:n], tolerance), 2)
+    took = seconds(lambda: stepper.advance(stepper.layout.at_rest(case.start), case.problem.desired[:n], tolerance), 2)
     yield row(case.name, "DAE step, order 1, interpreted fallback", 1e6 * took / n, "us")
 
 
@@ -190,10 +190,10 @@ def virtual_machine_rows(case: Case) -> Iterator[dict[str, Any]]:
     new = solver(q + T * v, q, v, Z)
     step = ca.Function("step", [state, Z], [ca.vertcat(new, (new - q) / T)])
     n = 800 if case.name == "e12" else 100
-    march = step.mapaccum(n)
+    accumulated = step.mapaccum(n)
     start, outputs = np.concatenate([case.start, np.zeros(nq)]), case.problem.desired[:n].T
-    last = march(start, outputs).full()[:nq, -1]
-    took = seconds(lambda: march(start, outputs), 3)
+    last = accumulated(start, outputs).full()[:nq, -1]
+    took = seconds(lambda: accumulated(start, outputs), 3)
     yield row(case.name, "DAE step, order 1, CasADi virtual machine (fast_newton, mapaccum)", 1e6 * took / n, "us")
     functions = StepFunctions.of(case.equations, 1, T)
     ours = CompiledStepper(case.equations, functions)
@@ -224,10 +224,10 @@ def main() -> None:
     e12, six_axis = Case.e12(load_robot("e12"), "e12"), Case.six_axis()
     fine = subdivided_e12(PIECES)
     plan: list[tuple[Case, tuple[Callable[[Case], Iterator[dict[str, Any]]], ...]]] = [
-        (e12, (march_rows, reference_rows, interpreted_rows, fsolve_rows, virtual_machine_rows, index_one_rows)),
-        (six_axis, (march_rows, reference_rows, interpreted_rows, fsolve_rows, virtual_machine_rows)),
-        (Case.e12(fine, "e12, 60 arm coordinates, tool"), (march_rows,)),
-        (Case.e12(fine, "e12, 60 arm coordinates, gears", "joints"), (march_rows, reference_rows)),
+        (e12, (stepper_rows, reference_rows, interpreted_rows, fsolve_rows, virtual_machine_rows, index_one_rows)),
+        (six_axis, (stepper_rows, reference_rows, interpreted_rows, fsolve_rows, virtual_machine_rows)),
+        (Case.e12(fine, "e12, 60 arm coordinates, tool"), (stepper_rows,)),
+        (Case.e12(fine, "e12, 60 arm coordinates, gears", "joints"), (stepper_rows, reference_rows)),
     ]
     rows = [one for case, parts in plan for part in parts for one in part(case)]
     print(json.dumps(rows, indent=1))

@@ -77,12 +77,10 @@ def test_what_the_feedforward_cannot_make_up_for_is_said(flexros: Flexros, tmp_p
     options = ("--transport", "direct", "--out", str(bag), "--set", f"feedforward_model={patch}")
     ended = flexros("run", "smooth_dae2", *options)
     assert ended.code == 0
-    sentence = (
-        "the feedforward knows of extra_mode@tool but does not make up for it: it has a motion of its own, which "
-        "inverse dynamics of the arm do not hold"
-    )
-    assert ended.err == f"flexros: {sentence}\n"
-    assert json.loads((bag / "provenance.json").read_text())["warnings"] == [sentence]
+    (warning,) = json.loads((bag / "provenance.json").read_text())["warnings"]
+    assert "extra_mode@tool" in warning
+    assert "not compensated" in warning
+    assert ended.err == f"flexros: {warning}\n"
 
 
 def test_scenarios_are_listed(flexros: Flexros) -> None:

@@ -23,10 +23,10 @@ def test_driver_calls_a_function_without_leaving_machine_code() -> None:
         block.emit(f"call void @{turn}(ptr %x, ptr {scratch})")
         for k in range(2):
             block.store(block.load(scratch, k), "%x", k)
-    builder.add_text(f"define void @march(i64 %n, ptr %x) {{\nentry:\n{block.text()}\n  ret void\n}}")
+    builder.add_text(f"define void @run(i64 %n, ptr %x) {{\nentry:\n{block.text()}\n  ret void\n}}")
     code = builder.build()
     state = np.array([0.3, 0.4])
-    ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p)(code.address("march"))(3, state.ctypes.data)
+    ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p)(code.address("run"))(3, state.ctypes.data)
     expected = np.array([0.3, 0.4])
     for _ in range(3):
         expected = np.array([np.cos(expected[1]), np.sin(expected[0])])

@@ -23,7 +23,7 @@ def test_output_drifts(e12: Robot, smooth: Trajectory) -> None:
         output_drift(e12, "tool", solve_index_one(problem, "LSODA", rtol, rtol).arm_position, problem.desired)
         for rtol in (1e-6, 1e-9)
     ]
-    assert drift[0] > 1e-7  # the march keeps 5e-15
+    assert drift[0] > 1e-7  # time stepping of the DAE keeps 5e-15
     assert drift[1] < drift[0]
 
 

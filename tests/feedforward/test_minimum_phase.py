@@ -17,7 +17,7 @@ def test_circle_test_is_minimum_phase(e12: Robot, circle: Trajectory) -> None:
     require_minimum_phase(problem_of(e12, circle, 5e-4, 0.4))  # raises where it is not
 
 
-def test_six_axis_pose_is_refused_before_marching() -> None:
+def test_six_axis_pose_is_refused_before_time_stepping() -> None:
     robot = load_robot("six_axis")
     path = joint_trajectory(robot, [0.1] * 6, 1.0)
     sentence = (

@@ -30,5 +30,5 @@ def test_friction_adds_to_torque_and_load_alone() -> None:
 
 def test_rows_of_a_reference_must_match() -> None:
     rows = np.zeros((3, 2))
-    with pytest.raises(ValueError, match=r"one row per sample, but have .*'torque': 2"):
+    with pytest.raises(ValueError, match=r"number of rows, but have .*'torque': 2"):
         Reference(np.zeros(3), rows, rows, rows[:2], rows, np.zeros((3, 7)))

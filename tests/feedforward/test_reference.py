@@ -123,7 +123,7 @@ def test_commanded_pose_does_not_depend_on_the_method(scenario: str) -> None:
         np.testing.assert_allclose(pose, poses[0], atol=1e-12)
 
 
-def test_commanded_pose_of_a_tool_path_with_another_output_lies_on_the_path() -> None:
+def test_commanded_pose_of_a_tool_path_with_another_output_is_on_the_path() -> None:
     settings = {
         "robot": "six_axis",
         "trajectory": {

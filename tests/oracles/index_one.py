@@ -1,4 +1,4 @@
-"""The index-1 form of the inverse dynamics by a library integrator, beside which the marched DAE is measured."""
+"""The index-1 form of the inverse dynamics by a library integrator: the oracle of the DAE feedforward."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 
 from flexros.compile.compiled_function import CompiledFunction, compile_function
 from flexros.errors import InputError, RunError
-from flexros.feedforward.time_stepping.consistent_start import consistent_start
 from flexros.feedforward.time_stepping.dae_equations import build_equations
+from flexros.feedforward.time_stepping.initial_values import consistent_initial_values
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -72,7 +72,7 @@ def solve_index_one(
     problem.require_square(problem.output)
     right_hand_side = _right_hand_side(robot.model, problem.output)
     equations = build_equations(robot.model, problem.output)
-    start = consistent_start(robot, equations, problem.desired[0], problem.rigid_start)
+    start = consistent_initial_values(robot, equations, problem.desired[0], problem.rigid_start)
     state = np.concatenate([start, np.zeros_like(start)])
     _, _, pivot = right_hand_side(state, np.zeros(robot.n_motors))
     if not pivot[0] > RANK_TOLERANCE:

@@ -10,7 +10,7 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.errors import InputError, RunError
-from flexros.feedforward.time_stepping import stepping as march_room
+from flexros.feedforward.time_stepping import stepping as stepping_module
 from flexros.feedforward.time_stepping.compiled import CompiledStepper
 from flexros.scenario.experiment import Experiment, bytes_per_sample
 from flexros.scenario.scenario import Scenario, load_scenario
@@ -187,10 +187,12 @@ def test_effect_equals_the_same_number_among_the_values() -> None:
 
 def test_feedforward_that_fails_at_rest_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
     def give_up(
-        march: CompiledStepper, state: FloatArray, outputs: FloatArray, tolerance: FloatArray
-    ) -> march_room.MarchResult:
+        stepper: CompiledStepper, state: FloatArray, outputs: FloatArray, tolerance: FloatArray
+    ) -> stepping_module.SteppingResult:
         n = len(outputs)
-        return march_room.MarchResult(state, np.zeros((n, 5)), np.zeros((n, 5, 2)), np.zeros(n, dtype=np.int64), 3)
+        return stepping_module.SteppingResult(
+            state, np.zeros((n, 5)), np.zeros((n, 5, 2)), np.zeros(n, dtype=np.int64), 3
+        )
 
     monkeypatch.setattr(CompiledStepper, "advance", give_up)
     experiment = Experiment.prepare(scenario(feedforward={"method": "dae"}))

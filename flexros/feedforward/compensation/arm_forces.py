@@ -1,4 +1,4 @@
-"""Forces on the arm beside those of the robot's model, by effects that depend on its motion alone."""
+"""Forces on the arm in addition to those of the robot's model, by effects that depend on its motion alone."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 
 def acts_at_once(law: PlacedLaw) -> bool:
-    """Tell whether a law is a force on the arm without a motion of its own."""
+    """Return whether a law is a force on the arm without states of its own."""
     return isinstance(law.effect, AbstractArmLaw) and not law.effect.n_states
 
 
 def arm_forces(robot: Robot, laws: Sequence[PlacedLaw]) -> ArmForces | None:
-    """Collect the laws that act at once; None where there are none."""
+    """Collect the laws without states; None if there are none."""
     own = tuple(law for law in laws if acts_at_once(law))
     return ArmForces(robot, own) if own else None
 
@@ -33,7 +33,7 @@ class ArmForces:
 
     Attributes:
         robot: The robot.
-        laws: Laws on it that act at once.
+        laws: Laws on it without states.
     """
 
     robot: Robot

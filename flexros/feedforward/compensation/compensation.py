@@ -1,4 +1,4 @@
-"""Making up for effects that are laws beside the robot's model: what the reference changes, and what it cannot."""
+"""Compensation of effects in addition to the robot's model: delays, look-ahead, and the order of the laws."""
 
 from __future__ import annotations
 
@@ -25,32 +25,32 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 RATES = 3
-"""Samples beyond the present one on which rates of change of rates of change by central differences depend."""
+"""Samples beyond the present one on which second derivatives by central differences depend."""
 
 
 def compensated(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], sample_time: float) -> Motion:
     """Change a motion such that a robot with the effects follows the path of the one without.
 
-    Effects that change the model are part of the robot and thereby of its motion. The laws are undone from the arm to
-    the command: gear, motor, encoder.
+    Effects that change the model are part of the robot and therefore of its motion. The laws are inverted from the arm
+    to the command: gear, motor, encoder.
 
     Args:
         motion: The whole motion of the robot without the laws.
         robot: That robot.
-        laws: Laws on it; one that is switched off changes nothing.
+        laws: Laws on it; a neutral one is skipped.
         sample_time: Distance of the samples [s].
 
     Returns:
-        The motion with the laws; what `uncompensated` names is left out.
+        The motion with the laws, without those that `uncompensated` names.
     """
     active = [law for law in laws if not law.effect.neutral]
     motion = with_gear_laws(motion, robot, active, sample_time)
     motion = with_motor_laws(motion, robot, active, sample_time)
-    return _as_encoders_tell(motion, robot, active)
+    return _as_encoders_read(motion, robot, active)
 
 
 def motor_delays(robot: Robot, laws: Sequence[PlacedLaw]) -> tuple[float, ...]:
-    """Give the time until a command acts, of each motor.
+    """Return the time until a command acts, for each motor.
 
     Args:
         robot: The robot, with the delay of all motors.
@@ -67,22 +67,22 @@ def motor_delays(robot: Robot, laws: Sequence[PlacedLaw]) -> tuple[float, ...]:
 
 
 def look_ahead(robot: Robot, laws: Sequence[PlacedLaw], sample_time: float) -> int:
-    """Number of samples beyond the present one that a reference may depend on.
+    """Return the number of samples beyond the present one that a reference may depend on.
 
     Args:
         robot: The robot, with the delay of all motors.
-        laws: Laws on it that are made up for.
+        laws: Laws on it that are compensated.
         sample_time: Distance of the samples [s].
 
     Returns:
-        Samples that the hold looks ahead; with laws also those of a jump that is led through and of a rate of change.
+        Samples of the hold; with laws also those of the smoothing of a jump and of derivatives.
     """
     ahead = samples_ahead(sample_time, max(motor_delays(robot, laws)))
     return ahead + ceil(SMOOTHING_TIME / sample_time) + RATES if laws else ahead
 
 
 def laws_of_the_arm(laws: Sequence[PlacedLaw]) -> tuple[PlacedLaw, ...]:
-    """Pick the laws that are part of the arm's equations: forces on it, and errors of its kinematics."""
+    """Select the laws that are part of the arm's equations: forces on it, and errors of its kinematics."""
     return tuple(
         law
         for law in laws
@@ -90,8 +90,8 @@ def laws_of_the_arm(laws: Sequence[PlacedLaw]) -> tuple[PlacedLaw, ...]:
     )
 
 
-def _as_encoders_tell(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw]) -> Motion:
-    """Turn motor positions into what encoders with periodic errors read there."""
+def _as_encoders_read(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw]) -> Motion:
+    """Convert motor positions to the readings of encoders with periodic errors."""
     position, velocity = motion.motor_position.copy(), motion.motor_velocity.copy()
     for number in range(robot.n_motors):
         rows = [ca.DM(array[np.newaxis, :, number]) for array in (position, velocity)]

@@ -1,4 +1,4 @@
-"""What encoders with periodic errors read where a motor stands, and where it stands for a reading."""
+"""Readings of encoders with periodic errors as a function of motor position, and the inverse."""
 
 from __future__ import annotations
 
@@ -17,19 +17,20 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 PERIODIC = 0
-"""Place of periodic errors on the way from motor to log, see `AbstractSensor.rank`; quantization comes after."""
+"""Rank of periodic errors between motor and log, see `AbstractSensor.rank`; quantization follows."""
 
-PASSES = 200
-"""Most passes to find the position of a reading; each shrinks the error by the slope of the periodic error (chosen)."""
+MAX_ITERATIONS = 200
+"""Largest number of iterations to find the position of a reading; each reduces the error by the slope of the periodic
+error (chosen)."""
 
 
 def encoder_reading(robot: Robot, laws: Sequence[PlacedLaw], motor: int) -> ca.Function:
-    """Make the function from position to reading of one motor, without noise and quantization.
+    """Return the function from position to reading of one motor, without noise and quantization.
 
     Args:
         robot: The robot.
-        laws: Laws on it; those that are no periodic errors of this motor's encoder are passed over.
-        motor: Number of the motor (0-based).
+        laws: Laws on it; those that are not periodic errors of this motor's encoder are skipped.
+        motor: Index of the motor (0-based).
 
     Returns:
         (position, speed) -> (reading, rate of the reading) [rad or m, per s], scalars.
@@ -45,7 +46,7 @@ def encoder_reading(robot: Robot, laws: Sequence[PlacedLaw], motor: int) -> ca.F
 
 
 def position_of_reading(robot: Robot, laws: Sequence[PlacedLaw], reading: FloatArray) -> FloatArray:
-    """Find where the motors stand when their encoders have a reading.
+    """Compute the motor positions for given encoder readings, by fixed-point iteration.
 
     Args:
         robot: The robot.
@@ -58,9 +59,9 @@ def position_of_reading(robot: Robot, laws: Sequence[PlacedLaw], reading: FloatA
     position = np.array(reading, dtype=float)
     for motor, wanted in enumerate(reading):
         function = encoder_reading(robot, laws, motor)
-        for _ in range(PASSES):
-            missing = float(wanted) - float(function(position[motor], 0.0)[0])
-            position[motor] += missing
-            if abs(missing) <= np.finfo(float).eps * max(1.0, abs(wanted)):
+        for _ in range(MAX_ITERATIONS):
+            error = float(wanted) - float(function(position[motor], 0.0)[0])
+            position[motor] += error
+            if abs(error) <= np.finfo(float).eps * max(1.0, abs(wanted)):
                 break
     return position

@@ -1,4 +1,4 @@
-"""Friction of the motors as a torque to be added by the feedforward."""
+"""Friction compensation: the torque that the feedforward adds."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ def friction_torque(friction: FrictionCompensation, velocity: FloatArray) -> Flo
     """Evaluate viscous, Coulomb and Stribeck friction at the reference speed.
 
     tau_f = viscous v + (coulomb + stribeck exp(-(v / v_s)^2)) tanh(v / v_0), after Moberg (2007), section 3.2.6, with
-    the sign smoothed (chosen): a reference that rests exactly would otherwise switch the torque on round-off. Friction
-    acts between motor and gear, so the compensation adds to the motor torque and leaves the solution of the DAE as
-    it is (Paper B, section 7).
+    the sign smoothed (chosen): otherwise a reference at rest would switch the torque by round-off. Friction acts
+    between motor and gear, so the compensation adds to the motor torque and does not change the solution of the DAE
+    (Paper B, section 7).
 
     Args:
         friction: Coefficients.
@@ -32,7 +32,7 @@ def friction_torque(friction: FrictionCompensation, velocity: FloatArray) -> Flo
         Torque [Nm or N], shape (n, M).
 
     Raises:
-        InputError: A coefficient has neither one value nor one per motor.
+        InputError: A coefficient has neither one value nor one value per motor.
     """
     n_motors = velocity.shape[1]
     values = {name: per_motor(f"feedforward.friction.{name}", getattr(friction, name), n_motors) for name in NAMES}

@@ -1,4 +1,4 @@
-"""Making up for effects at the motors: friction, ripple, bias, gain and lag."""
+"""Compensation of effects at the motors: friction, ripple, bias, gain and lag."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ SMOOTHING = 1e-3
 """Speed at which the smoothed sign of dry friction reaches tanh(1), relative to the largest of the motion (chosen)."""
 
 GAIN, LAG = 1, 2
-"""Places on the way from command to motor that can be undone, see `AbstractCommandLaw.rank`."""
+"""Ranks of laws between command and motor that can be inverted, see `AbstractCommandLaw.rank`."""
 
 
 def with_motor_laws(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], sample_time: float) -> Motion:
-    """Add what the motors need beyond the motion's torque, so that effects at them take it away again.
+    """Change the torques such that the effects at the motors cancel the change.
 
-    The order is that of the effects, from the motor back to the command: friction and other torques at the motor, then
-    lag, then gain. Effects of other kinds are passed over.
+    The effects are inverted from the motor back to the command: friction and other torques at the motor, then lag, then
+    gain. Effects of other kinds are skipped.
 
     Args:
-        motion: The whole motion, with the torques that are to arrive.
+        motion: The whole motion, with the torques that the motors must produce.
         robot: The robot.
         laws: Laws on it.
         sample_time: Distance of the samples [s].
 
     Returns:
-        The motion with the torques to be commanded.
+        The motion with the torques to command.
     """
     for number, name in enumerate(robot.joint_names):
         motor = _Motor(motion, robot, number, sample_time)
@@ -65,7 +65,7 @@ def with_motor_laws(motion: Motion, robot: Robot, laws: Sequence[PlacedLaw], sam
 
 
 class _Motor:
-    """A motor along its planned motion, for laws that see its state."""
+    """A motor along its planned motion: evaluates laws that depend on its state."""
 
     def __init__(self, motion: Motion, robot: Robot, number: int, sample_time: float) -> None:
         self._rows = [array[:, number] for array in (motion.motor_position, motion.motor_velocity, motion.torque)]
@@ -77,13 +77,13 @@ class _Motor:
 
     @property
     def direction(self) -> FloatArray:
-        """Sign of the speed, smoothed: a reference that rests would otherwise switch friction on round-off."""
+        """Smoothed sign of the speed: otherwise a reference at rest would switch friction by round-off."""
         speed = self._rows[1]
         largest = float(np.abs(speed).max())
         return np.tanh(speed / (SMOOTHING * largest)) if largest > 0 else np.zeros_like(speed)
 
     def dry_friction(self, effects: Sequence[AbstractDryFriction]) -> FloatArray:
-        """Sum of the levels against the direction of motion, with the smoothed sign, shape (n,)."""
+        """Compute the torque against dry friction: sum of the levels times the smoothed sign, shape (n,)."""
         forward, backward = np.zeros(len(self._rows[0])), np.zeros(len(self._rows[0]))
         for effect in effects:
             state = self._with_own(effect)
@@ -94,7 +94,7 @@ class _Motor:
         return np.where(direction > 0, np.maximum(forward, 0), np.maximum(backward, 0)) * direction
 
     def bristle_friction(self, effect: AbstractBristleFriction) -> FloatArray:
-        """Torque of a bristle, shape (n,): its law dz = dq - s0 z |dq| / g solved from sample to sample."""
+        """Compute the torque of a bristle, shape (n,): dz = dq - s0 z |dq| / g, solved exactly over each sample."""
         bristle = effect.bristle(self._symbols[1], effect.parameter_values)
         numbers = [ca.SX(bristle.level), ca.SX(bristle.stiffness), ca.SX(bristle.damping)]
         level, stiffness, damping = self._values(effect, self._state, numbers)
@@ -106,7 +106,7 @@ class _Motor:
         return stiffness * z + damping * _rate(z, self._sample_time)
 
     def smooth_torques(self, effects: Sequence[AbstractMotorTorque]) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Offset and slope of u + added(u), linear in the torque u, and the rate of change of the slope, each (n,)."""
+        """Compute offset and slope of u + added(u), linear in u, and the slope's time derivative, each shape (n,)."""
         q, v, u = self._symbols
         total = [np.zeros(len(self._rows[0])), np.ones(len(self._rows[0])), np.zeros(len(self._rows[0]))]
         for effect in effects:
@@ -121,15 +121,15 @@ class _Motor:
         return replace(self._state, own=ca.SX.sym("own", effect.n_states))
 
     def _values(self, effect: AbstractMotorLaw, state: MotorState, outputs: list[ca.SX]) -> list[FloatArray]:
-        """Evaluate functions of the motor's state for all samples: an array of shape (n,) each."""
+        """Evaluate functions of the motor's state for all samples; each array has the shape (n,)."""
         n, size = len(self._rows[0]), state.own.numel()
-        function = ca.Function("law", [*self._symbols, state.own], [ca.densify(ca.SX(one)) for one in outputs])
-        own = self._followed(effect, state) if size else np.zeros((n, 0))
+        function = ca.Function("law", [*self._symbols, state.own], [ca.densify(ca.SX(output)) for output in outputs])
+        own = self._integrated(effect, state) if size else np.zeros((n, 0))
         values = function.call([*(ca.DM(row[np.newaxis]) for row in self._rows), ca.DM(own.T)])
         return [np.broadcast_to(np.array(value, dtype=float).ravel(), (n,)) for value in values]
 
-    def _followed(self, effect: AbstractMotorLaw, state: MotorState) -> FloatArray:
-        """Follow the own states of a law, which are slow against the samples, from zero on, shape (n, n_states)."""
+    def _integrated(self, effect: AbstractMotorLaw, state: MotorState) -> FloatArray:
+        """Integrate the own states of a law from zero by Euler steps, shape (n, n_states); they are slow."""
         rates = ca.densify(effect.rates(state, effect.parameter_values))
         rate = ca.Function("rate", [*self._symbols, state.own], [rates])
         own = np.zeros((len(self._rows[0]), effect.n_states))
@@ -148,18 +148,22 @@ def _added(motion: Motion, motor: int, torque: FloatArray) -> Motion:
 
 
 def _scaled(
-    motion: Motion, motor: int, offset: FloatArray | float, slope: FloatArray | float, turning: FloatArray | float = 0.0
+    motion: Motion,
+    motor: int,
+    offset: FloatArray | float,
+    slope: FloatArray | float,
+    slope_rate: FloatArray | float = 0.0,
 ) -> Motion:
-    """Solve offset + slope u = wanted for the torque u of a motor; `turning` is the rate of change of the slope."""
+    """Solve offset + slope u = torque for the command u of a motor; `slope_rate` is the slope's time derivative."""
     torque, load, momentum = (array.copy() for array in (motion.torque, motion.load, motion.momentum))
     torque[:, motor] = (torque[:, motor] - offset) / slope
-    load[:, motor] = (load[:, motor] - offset) / slope + momentum[:, motor] * turning / np.square(slope)
+    load[:, motor] = (load[:, motor] - offset) / slope + momentum[:, motor] * slope_rate / np.square(slope)
     momentum[:, motor] /= slope
     return replace(motion, torque=torque, load=load, momentum=momentum)
 
 
 def _gain(effect: AbstractCommandLaw) -> tuple[float, float]:
-    """Offset and slope of a law without memory that is linear in the torque."""
+    """Return offset and slope of a memoryless law that is linear in the torque."""
     torque = ca.SX.sym("torque")
     passed = effect.passed(torque, ca.SX.zeros(effect.n_states), effect.parameter_values)
     law = ca.Function("passed", [torque], [passed])
@@ -168,10 +172,10 @@ def _gain(effect: AbstractCommandLaw) -> tuple[float, float]:
 
 
 def _ahead_of_lag(motion: Motion, motor: int, time_constant: float, sample_time: float) -> Motion:
-    """Lead that a first-order lag takes away: u = T + t dT/dt for the wanted torque T.
+    """Invert a first-order lag with time constant t: u = T + t dT/dt for the required torque T.
 
-    The second part is a rate of change, so it goes where the rate of change of the momentum is: its mean over the time
-    in which the command is held follows from both ends.
+    The second term is a time derivative, so t T is added to the momentum: the mean of its derivative over the time in
+    which the command is held follows from both ends.
     """
     torque, momentum = motion.torque.copy(), motion.momentum.copy()
     momentum[:, motor] += time_constant * torque[:, motor]
@@ -180,5 +184,5 @@ def _ahead_of_lag(motion: Motion, motor: int, time_constant: float, sample_time:
 
 
 def _rate(values: FloatArray, sample_time: float) -> FloatArray:
-    """Rate of change by central differences, shape (n,); zero of a single sample."""
+    """Compute the time derivative by central differences, shape (n,); zero for a single sample."""
     return np.asarray(np.gradient(values, sample_time)) if len(values) > 1 else np.zeros_like(values)

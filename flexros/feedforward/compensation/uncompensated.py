@@ -1,4 +1,4 @@
-"""What a feedforward knows of its robot but cannot make up for, in words."""
+"""Report of the effects in a feedforward's model that it does not compensate."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ if TYPE_CHECKING:
     from flexros.feedforward.specification import FeedforwardSpecification
     from flexros.robot import Robot
 
-MADE_UP_FOR = (AbstractBristleFriction, AbstractDryFriction, AbstractMotorTorque, AbstractToolError)
-"""Kinds of effects that are always made up for."""
+COMPENSATED = (AbstractBristleFriction, AbstractDryFriction, AbstractMotorTorque, AbstractToolError)
+"""Kinds of effects that are always compensated."""
 
 
 def uncompensated(robot: Robot, laws: Sequence[PlacedLaw], specification: FeedforwardSpecification) -> tuple[str, ...]:
-    """Say which effects of its model a feedforward does not make up for.
+    """List the effects of its model that a feedforward does not compensate.
 
     Args:
-        robot: The robot as the feedforward knows it.
+        robot: The robot in the feedforward's model.
         laws: Laws of effects on it.
         specification: Method and its settings.
 
     Returns:
-        A sentence for each such effect; none where the method is "none", which makes up for nothing.
+        One sentence for each such effect; none if the method is "none", which compensates nothing.
     """
     if specification.method == "none":
         return ()
@@ -46,28 +46,28 @@ def uncompensated(robot: Robot, laws: Sequence[PlacedLaw], specification: Feedfo
     hold = feedforward_method(specification.method).compensates_hold(specification) if hold is None else hold
     reasons = {law.name: _reason(robot, law, hold) for law in laws if not law.effect.neutral}
     return tuple(
-        f"the feedforward knows of {name} but does not make up for it: {reason}"
+        f"the feedforward model has {name}, which is not compensated: {reason}"
         for name, reason in reasons.items()
         if reason
     )
 
 
 def _reason(robot: Robot, law: PlacedLaw, hold: bool) -> str:
-    """Say why a law is not made up for; empty where it is."""
+    """Return why a law is not compensated; empty if it is."""
     effect = law.effect
     if isinstance(effect, AbstractCommandLaw) and effect.rank not in (GAIN, LAG):
-        return "no command gets more torque through a limit; slow the motion down"
+        return "no command exceeds a torque limit; slow the motion down"
     if isinstance(effect, Delay) and not hold:
-        return "it acts ahead of time with hold_compensation alone; set feedforward.hold_compensation to true"
+        return "only hold_compensation anticipates it; set feedforward.hold_compensation to true"
     if isinstance(effect, AbstractSensor) and effect.rank != PERIODIC:
-        return "what the encoder loses is not known ahead of time"
+        return "the error of the encoder is not known in advance"
     if isinstance(effect, AbstractGearLaw):
         motors = [robot.joint_names[number] for number in robot.flexible_motors]
         gears = [robot.arm_names[robot.gear_rows[number]] for number in robot.flexible_motors]
         if law.location not in (*motors, *gears):
-            return "it lies in a spring without motor"
-        return "the motors act on the arm beside their gears" if robot.spec.inertial_coupling else ""
+            return "it is in a spring without motor"
+        return "the motors act on the arm in addition to their gears" if robot.spec.inertial_coupling else ""
     if isinstance(effect, AbstractArmLaw) and not acts_at_once(law):
-        return "it has a motion of its own, which inverse dynamics of the arm do not hold"
-    known = (*MADE_UP_FOR, AbstractArmLaw, AbstractCommandLaw, AbstractSensor, Delay)
-    return "" if isinstance(effect, known) else "the feedforward does not know this kind of effect"
+        return "it has states of its own, which the inverse dynamics of the arm do not include"
+    known = (*COMPENSATED, AbstractArmLaw, AbstractCommandLaw, AbstractSensor, Delay)
+    return "" if isinstance(effect, known) else "the feedforward has no compensation for this kind of effect"

@@ -1,1 +1,1 @@
-"""The DAE of the feedforward, stepped through time: equations, start, interpreted and compiled steps."""
+"""Time stepping of the DAE of the feedforward: equations, initial values, interpreted and compiled steps."""

@@ -1,4 +1,4 @@
-"""The march as machine code: the loop over samples and Newton's iteration run without Python."""
+"""Time stepping in machine code: the loop over samples and Newton's iteration run without Python."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 DRIVER = Template("""
-define i64 @march(i64 %n, ptr %state, ptr %outputs, ptr %tolerance, ptr %z, ptr %motors, ptr %iterations) nounwind {
+define i64 @advance(i64 %n, ptr %state, ptr %outputs, ptr %tolerance, ptr %z, ptr %motors, ptr %iterations) nounwind {
 entry:
   %prediction = alloca double, i64 $n_prediction, align 64
   %x_a = alloca double, i64 $n_unknowns, align 64
@@ -112,13 +112,15 @@ end:
   ret i64 %k
 }
 """)
-"""`i64 @march(n, state, outputs, tolerance, z, motors, iterations)`: the march in LLVM text; returns the samples done.
+"""`i64 @advance(n, state, outputs, tolerance, z, motors, iterations)`: time stepping as LLVM text.
 
-Newton's iteration renews the factors, corrects x (two buffers take turns) and ends as `InterpretedMarch` does."""
+It returns the number of solved samples. Newton's iteration renews the factors, corrects x (the two buffers x_a and x_b
+alternate) and ends by the criterion of `InterpretedStepper`. The new state is built in `after` and copied at the end of
+a sample only, so that a failed sample leaves the state of the last solved one."""
 
 
 class CompiledStepper:
-    """Fast march; the code is kept alive by the object, calls release the interpreter lock.
+    """Fast time stepping. The object keeps the machine code alive; calls release the interpreter lock.
 
     Args:
         equations: One step of the DAE.
@@ -136,22 +138,22 @@ class CompiledStepper:
         builder.add_text(_driver(self.layout, self._n_motors, lu))
         self._code = builder.build()
         prototype = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, *[ctypes.c_void_p] * 6)
-        self._march = prototype(self._code.address("march"))
+        self._advance = prototype(self._code.address("advance"))
 
     def advance(self, state: FloatArray, outputs: FloatArray, tolerance: FloatArray) -> SteppingResult:
-        """March over samples; see `flexros.feedforward.time_stepping.stepping.March.advance`."""
+        """Solve successive samples; see `flexros.feedforward.time_stepping.stepping.Stepper.advance`."""
         n, state = len(outputs), np.array(state, dtype=np.float64)
         outputs = np.ascontiguousarray(outputs, dtype=np.float64)
         tolerance = np.ascontiguousarray(tolerance, dtype=np.float64)
         z, motors = np.zeros((n, self.layout.n_unknowns)), np.zeros((n, 5, self._n_motors))
         iterations = np.zeros(n, dtype=np.int64)
         arrays = (state, outputs, tolerance, z, motors, iterations)
-        failed = self._march(n, *(array.ctypes.data for array in arrays))
+        failed = self._advance(n, *(array.ctypes.data for array in arrays))
         return SteppingResult(state, z, motors, iterations, int(failed))
 
 
 def _driver(layout: StepLayout, n_motors: int, lu: LuRoutines) -> str:
-    """Fill the sizes of a robot into the driver."""
+    """Return the driver with the sizes of a robot."""
     nz, nq = layout.n_unknowns, layout.n_coordinates
     return DRIVER.substitute(
         n_prediction=nz + 2 * nq,

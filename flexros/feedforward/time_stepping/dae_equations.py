@@ -54,32 +54,34 @@ class DaeEquations:
 def arm_residual(
     model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX, u: ca.SX, forces: ArmForces | None = None
 ) -> ca.SX:
-    """Missing force in the arm's equation (2a), zero for a motion that the model allows.
+    """Compute the residual force of the arm's equation (2a), zero for a motion that the model allows.
 
     Args:
         model: The robot's equations.
         q: Coordinates [q_a, q_m], SX.
         v: Rates, SX.
         a: Accelerations, SX.
-        u: Motor torques, SX (M, 1); only those behind stiff gears matter.
+        u: Motor torques, SX (M, 1); only those behind stiff gears are used.
         forces: Forces of effects on the arm; default: none.
 
     Returns:
         M_a a_a - c - g - tau_a, SX (N, 1).
     """
     n, p = model.n_arm, model.parameter_values
-    beside = ca.SX.zeros(n) if forces is None else forces.of(q[:n], v[:n])
+    effect_force = ca.SX.zeros(n) if forces is None else forces.of(q[:n], v[:n])
     if model.specification.inertial_coupling:
-        return (model.mass_matrix(q, p) @ a - model.force(q, v, u, ca.SX.zeros(6), p))[:n] - beside
-    need = model.arm_inverse_dynamics(q[:n], v[:n], a[:n], p) - model.transmission_force(q[:n], v[:n], q[n:], v[n:], p)
-    for number in model.chain.stiff_motors:
-        arm = model.chain.gear_rows[number]
-        need[arm] += model.chain.motor(number).inertia.value * a[arm] - u[number]
-    return need - beside
+        return (model.mass_matrix(q, p) @ a - model.force(q, v, u, ca.SX.zeros(6), p))[:n] - effect_force
+    residual = model.arm_inverse_dynamics(q[:n], v[:n], a[:n], p) - model.transmission_force(
+        q[:n], v[:n], q[n:], v[n:], p
+    )
+    for motor in model.chain.stiff_motors:
+        arm = model.chain.gear_rows[motor]
+        residual[arm] += model.chain.motor(motor).inertia.value * a[arm] - u[motor]
+    return residual - effect_force
 
 
 def motor_torque(model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
-    """Torque of the motors behind flexible gears from the motor equation (2b).
+    """Compute the torque of the motors behind flexible gears from the motor equation (2b).
 
     Args:
         model: The robot's equations.
@@ -110,10 +112,10 @@ def build_equations(
 
     Args:
         model: The robot's equations, all parameters numbers.
-        output: Name of the controlled output; default: the one that the robot's file names.
+        output: Name of the controlled output; default: that of the robot file.
         exact: Exact Newton matrix, or M gamma^2 + D gamma + K with exact output rows; default: exact up to
             `LARGE_MODEL` arm coordinates.
-        geometry: Where the tool is; default: where the robot's file says.
+        geometry: Kinematics of the tool; default: that of the robot file.
         forces: Forces of effects on the arm; default: none.
 
     Returns:
@@ -128,8 +130,8 @@ def build_equations(
     z = z_0 + x
     q, v, a = z[:nq], v_0 + gamma * x[:nq], a_0 + gamma**2 * x[:nq]
     u = ca.SX.zeros(model.n_motors)
-    for place, number in enumerate(stiff):
-        u[number] = z[nq + place]
+    for i, motor in enumerate(stiff):
+        u[motor] = z[nq + i]
     if geometry is None:
         value = model.output(output)(q[:n], model.parameter_values)
     else:
@@ -150,34 +152,35 @@ def build_equations(
 
 
 def _motor_motion(model: SymbolicModel, q: ca.SX, v: ca.SX, a: ca.SX, u: ca.SX) -> list[ca.SX]:
-    """Torque, load, momentum, encoder position and rate of all motors; u holds the torque of stiff gears."""
+    """Compute torque, load, momentum, encoder position and rate of all motors; u holds the torque of stiff gears."""
     n = model.n_arm
     torque, load, momentum = ca.SX(u), ca.SX(u), ca.SX.zeros(model.n_motors)
     inertia = model.motor_inertia(model.parameter_values)
     from_motor = motor_torque(model, q, v, a)
-    for place, number in enumerate(model.chain.flexible_motors):
-        torque[number] = from_motor[place]
-        load[number] = from_motor[place] - inertia[place] * a[n + place]
-        momentum[number] = inertia[place] * v[n + place]
+    for i, motor in enumerate(model.chain.flexible_motors):
+        torque[motor] = from_motor[i]
+        load[motor] = from_motor[i] - inertia[i] * a[n + i]
+        momentum[motor] = inertia[i] * v[n + i]
     coordinates = ca.SX.sym("q", model.n_coordinates)
     speed = ca.jacobian(model.encoder(coordinates), coordinates) @ v
     return [torque, load, momentum, model.encoder(q), speed]
 
 
 def _mass_based_matrix(model: SymbolicModel, x: ca.SX, q: ca.SX, gamma: ca.SX, weight: ca.SX, output: ca.SX) -> ca.SX:
-    """M gamma^2 + D gamma + K with exact output rows: leaves out how M, c and g change with position and speed."""
+    """Compute M gamma^2 + D gamma + K with exact output rows; neglects how M, c and g depend on position and speed."""
     n, nq, p = model.n_arm, model.n_coordinates, model.parameter_values
-    place, rate = ca.SX.sym("q", nq), ca.SX.sym("v", nq)
-    springs = -model.transmission_force(place[:n], rate[:n], place[n:], rate[n:], p)
-    K = ca.substitute(ca.jacobian(springs, place), place, q)
+    # the springs get symbols of their own, since q and v are expressions of x by which nothing can be differentiated
+    position, rate = ca.SX.sym("q", nq), ca.SX.sym("v", nq)
+    springs = -model.transmission_force(position[:n], rate[:n], position[n:], rate[n:], p)
+    K = ca.substitute(ca.jacobian(springs, position), position, q)
     D = ca.jacobian(springs, rate)
     M = model.mass_matrix(q, p)[:n, :]
     rows = ca.horzcat(M * gamma**2 + D * gamma + K, ca.SX.zeros(n, x.shape[0] - nq))
-    for column, number in enumerate(model.chain.stiff_motors):
-        rows[model.chain.gear_rows[number], nq + column] = -1
+    for column, motor in enumerate(model.chain.stiff_motors):
+        rows[model.chain.gear_rows[motor], nq + column] = -1
     return ca.vertcat(weight * rows, ca.jacobian(output, x))
 
 
 def _function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
-    """Make a dense function with common subexpressions shared."""
+    """Return a dense function with common subexpressions eliminated."""
     return ca.Function(name, inputs, [ca.densify(ca.SX(value)) for value in outputs], {"cse": True})

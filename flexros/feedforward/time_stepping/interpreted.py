@@ -1,4 +1,4 @@
-"""March by the CasADi virtual machine and NumPy: cross-check and fallback of the compiled march."""
+"""Time stepping by the CasADi virtual machine and NumPy: cross-check and fallback of the compiled one."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class InterpretedStepper:
-    """Slow march with the same iteration as the compiled one.
+    """Slow time stepping with the same iteration as the compiled one.
 
     Args:
         equations: One step of the DAE.
@@ -36,7 +36,7 @@ class InterpretedStepper:
         self._functions = functions
 
     def advance(self, state: FloatArray, outputs: FloatArray, tolerance: FloatArray) -> SteppingResult:
-        """March over samples; see `flexros.feedforward.time_stepping.stepping.March.advance`."""
+        """Solve successive samples; see `flexros.feedforward.time_stepping.stepping.Stepper.advance`."""
         layout, f = self.layout, self._functions
         n, state = len(outputs), state.copy()
         z, motors = np.zeros((n, layout.n_unknowns)), np.zeros((n, 5, self._n_motors))

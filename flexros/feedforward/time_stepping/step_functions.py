@@ -1,4 +1,4 @@
-"""All arithmetic of one marching step as CasADi functions, so that interpreted and compiled march share it."""
+"""Difference formulas, and the arithmetic of one time step as CasADi functions, for both steppers."""
 
 from __future__ import annotations
 
@@ -7,10 +7,35 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 
-from flexros.feedforward.time_stepping.backward_difference import FORMULAS
-
 if TYPE_CHECKING:
     from flexros.feedforward.time_stepping.dae_equations import DaeEquations
+
+
+@dataclass(frozen=True)
+class BackwardDifference:
+    """Backward difference formula h v_k = D q_k + curvature D^2 q_k, with D q_k = q_k - q_{k-1} and D^2 = D D.
+
+    Order 1 is backward Euler (Moberg 2007, Paper B, section 7). Order 2 stays convergent for equations of high index at
+    constant step size (K. Brenan, S. Campbell, L. Petzold, Numerical Solution of Initial-Value Problems in
+    Differential-Algebraic Equations, 1996, section 3.2). It needs no start-up step of lower order: the motion begins at
+    rest in equilibrium, so all earlier differences are zero.
+
+    Attributes:
+        order: Order of convergence.
+        curvature: Coefficient of the second difference: 0 for order 1, 1/2 for order 2.
+    """
+
+    order: int
+    curvature: float
+
+    @property
+    def leading(self) -> float:
+        """Coefficient of the new value q_k, so that gamma = leading / h."""
+        return 1.0 + self.curvature
+
+
+FORMULAS = {1: BackwardDifference(order=1, curvature=0.0), 2: BackwardDifference(order=2, curvature=0.5)}
+"""The formulas by order."""
 
 
 @dataclass(frozen=True)
@@ -21,11 +46,11 @@ class StepFunctions:
     are v and its first difference, shape (2 n_coordinates,); `prediction` is [z_0, v_0, a_0].
 
     Attributes:
-        predict: (differences, rates) -> prediction, and x = 0 to start from.
+        predict: (differences, rates) -> prediction, and x = 0 as initial value.
         residual: (x, prediction, Z) -> residual of the step.
         newton_matrix: (x, prediction) -> its derivative by x.
         correct: (x, correction, inverse tolerance) -> x - correction, and the size of the correction: the sum of its
-            magnitudes in units of the tolerance (a sum passes NaN on, a maximum would lose it).
+            magnitudes in units of the tolerance (a sum propagates NaN, a maximum would lose it).
         finish: (x, prediction, differences, rates) -> differences and rates after the step, z, and the results of
             `DaeEquations.motion` from u on, one after the other, shape (5 M,).
         gamma: Leading coefficient of the difference formula over the step size [1/s].
@@ -40,7 +65,7 @@ class StepFunctions:
 
     @classmethod
     def of(cls, equations: DaeEquations, order: int, sample_time: float) -> StepFunctions:
-        """Put order and step size into the equations.
+        """Build the functions for an order and a step size.
 
         Args:
             equations: One step of the DAE.
@@ -57,6 +82,8 @@ class StepFunctions:
         x, prediction = ca.SX.sym("x", nz), ca.SX.sym("prediction", nz + 2 * nq)
         split = (prediction[:nz], prediction[nz : nz + nq], prediction[nz + nq :])
         Z = ca.SX.sym("Z", equations.n_motors)
+        # the correction x is added last to z and to each difference, so all of them are predicted from the third
+        # difference of the step before, held constant
         second = differences[2 * nz : 3 * nz] + differences[3 * nz :]
         first = differences[nz : 2 * nz] + second
         v_0 = (first + formula.curvature * second)[:nq] / sample_time
@@ -83,5 +110,5 @@ class StepFunctions:
 
 
 def _function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
-    """Make a dense function with common subexpressions shared."""
+    """Return a dense function with common subexpressions eliminated."""
     return ca.Function(name, inputs, [ca.densify(ca.SX(value)) for value in outputs], {"cse": True})

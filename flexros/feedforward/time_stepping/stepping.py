@@ -1,4 +1,4 @@
-"""Marching the DAE through the samples: state in, state out."""
+"""Contract of time stepping: state, result and tolerance; state in, state out."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ MAX_ITERATIONS = 30
 """Iterations after which a step counts as failed."""
 
 CHORD_ITERATIONS = 4
-"""Iterations with the matrix of an earlier step; from then on it is renewed at every iteration."""
+"""Number of iterations with the matrix of an earlier step; after them it is renewed at every iteration."""
 
 STALE_ITERATIONS = 3
-"""A step that took more iterations than this has the matrix renewed at the next."""
+"""After a step with more iterations than this, the next step renews the matrix."""
 
 FLOOR_FACTOR = 100.0
-"""Corrections below this many tolerances that no longer halve with a fresh matrix count as round-off too."""
+"""Corrections below this many tolerances that no longer halve with a fresh matrix are taken as round-off too."""
 
 ROUND_OFF = 2.0**-52
 """Relative spacing of the floating-point numbers."""
@@ -29,16 +29,16 @@ ROUND_OFF = 2.0**-52
 
 @dataclass(frozen=True)
 class StepLayout:
-    """Places in the flat state vector of a march.
+    """Offsets in the flat state vector of a stepper.
 
     The state holds z and its first three backward differences, v and its first difference, the factors of the Newton
-    matrix, and whether they are due for renewal. The factors belong to the state because Newton's path depends on them:
-    with them in the state, the result does not depend on how the march is cut into chunks.
+    matrix, and the flag that they are to be renewed. Newton's iterates depend on the factors: with them in the state,
+    the result does not depend on how the samples are divided into chunks.
 
     Attributes:
         n_unknowns: Number of unknowns z.
         n_coordinates: Number of rates v.
-        n_factors: Numbers that the factorised matrix takes.
+        n_factors: Length of the factorised matrix with its pivots.
     """
 
     n_unknowns: int
@@ -66,7 +66,7 @@ class StepLayout:
         return self.stale + 1
 
     def at_rest(self, z: FloatArray) -> FloatArray:
-        """Make the state of a robot that has always been at rest.
+        """Return the state of a robot that has always been at rest.
 
         Args:
             z: Unknowns in equilibrium, shape (n_unknowns,).
@@ -82,16 +82,16 @@ class StepLayout:
 
 @dataclass(frozen=True)
 class SteppingResult:
-    """What a march over n samples gives.
+    """Solution over n samples.
 
     Attributes:
-        state: State to go on from, shape (MarchLayout.size,).
+        state: State after the last solved sample, shape (StepLayout.size,).
         z: Solutions, shape (n, n_unknowns).
         motors: Motor torque [Nm or N], load [Nm or N], momentum [Nms or Ns], encoder position [rad or m] and its
             rate at the samples, shape (n, 5, M); see `flexros.feedforward.motion.Motion`.
         iterations: Newton iterations of each sample, shape (n,).
-        failed: Number of the first sample at which Newton's iteration did not converge, from which on all rows are
-            void; n if there is none.
+        failed: Index of the first sample at which Newton's iteration did not converge; n if all converged. All rows
+            from it on are invalid.
     """
 
     state: FloatArray
@@ -102,15 +102,15 @@ class SteppingResult:
 
 
 class Stepper(Protocol):
-    """Solver of the DAE for a given robot, order and sample time."""
+    """Time stepping of the DAE for a given robot, order and sample time."""
 
     layout: StepLayout
 
     def advance(self, state: FloatArray, outputs: FloatArray, tolerance: FloatArray) -> SteppingResult:
-        """March over samples.
+        """Solve successive samples.
 
         Args:
-            state: State before the first of them, shape (layout.size,); left as it is.
+            state: State before the first of them, shape (layout.size,); not changed.
             outputs: Desired outputs [m or rad], shape (n, n_out).
             tolerance: Inverse size of the corrections that end Newton's iteration, see `newton_tolerance`.
 
@@ -119,24 +119,24 @@ class Stepper(Protocol):
         """
 
 
-def newton_tolerance(equations: DaeEquations, gamma: float, start: FloatArray) -> FloatArray:
-    """Size of a correction that round-off alone causes, per unknown.
+def newton_tolerance(equations: DaeEquations, gamma: float, initial: FloatArray) -> FloatArray:
+    """Compute the size of a correction that round-off alone causes, per unknown.
 
-    A round-off of the output Gamma(q_a) - Z moves the unknowns by the inverse Newton matrix times it; a solution cannot
-    be better than that, and Newton's iteration is carried on until it is as good.
+    A round-off error of the output Gamma(q_a) - Z changes the unknowns by the inverse Newton matrix times the error. A
+    solution cannot be more accurate than that; Newton's iteration continues until it is as accurate.
 
     Args:
         equations: One step of the DAE.
         gamma: Leading coefficient of the difference formula over the step size [1/s].
-        start: Unknowns z at the start, shape (n_unknowns,).
+        initial: Unknowns z at the start, shape (n_unknowns,).
 
     Returns:
         Inverse of the largest correction that ends the iteration, shape (n_unknowns,).
     """
     rest, zero = np.zeros(equations.n_coordinates), np.zeros(equations.n_unknowns)
-    matrix = np.array(equations.newton_matrix(zero, start, rest, rest, gamma, 1.0 / gamma**2))
-    output = np.array(equations.residual(zero, start, rest, rest, gamma, 0.0, np.zeros(equations.n_motors))).ravel()
+    matrix = np.array(equations.newton_matrix(zero, initial, rest, rest, gamma, 1.0 / gamma**2))
+    output = np.array(equations.residual(zero, initial, rest, rest, gamma, 0.0, np.zeros(equations.n_motors))).ravel()
     noise = ROUND_OFF * np.maximum(1.0, np.abs(output))
     noise[: equations.n_arm] = 0.0
     moved = np.abs(np.linalg.inv(matrix)) @ noise
-    return np.asarray(1.0 / (4.0 * moved + ROUND_OFF * (1.0 + np.abs(start))))
+    return np.asarray(1.0 / (4.0 * moved + ROUND_OFF * (1.0 + np.abs(initial))))

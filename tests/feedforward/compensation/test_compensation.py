@@ -111,7 +111,7 @@ def test_hysteresis_starts_and_stays_unloaded_while_the_robot_rests(e12: Robot, 
     np.testing.assert_allclose(rests.motor_position, plain.motor_position, atol=1e-9)
 
 
-def test_gears_of_motors_that_act_on_the_arm_beside_them_are_left_alone(smooth: Trajectory) -> None:
+def test_gears_of_motors_that_also_act_on_the_arm_are_skipped(smooth: Trajectory) -> None:
     coupled = edited_robot("e12", lambda data: data.update(inertial_coupling=True))
     plain, known = references(coupled, smooth, "transmission_error@motor_1:amplitude=0.001")
     assert np.array_equal(known.motor_position, plain.motor_position)

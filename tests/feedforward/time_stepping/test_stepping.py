@@ -1,4 +1,4 @@
-"""The compiled march beside slow oracles: the CasADi virtual machine, and SciPy's fsolve on plain formulas."""
+"""Compiled time stepping against slow oracles: the CasADi virtual machine, and SciPy's fsolve on plain formulas."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ STEP = 1e-3
 START = np.array([0, 0.3, 0, 0, 0.3])
 
 
-def marches(robot: Robot, order: int, exact: bool = True) -> tuple[CompiledStepper, InterpretedStepper, FloatArray]:
+def steppers(robot: Robot, order: int, exact: bool = True) -> tuple[CompiledStepper, InterpretedStepper, FloatArray]:
     equations = build_equations(robot.model, exact=exact)
     functions = StepFunctions.of(equations, order, STEP)
     tolerance = newton_tolerance(equations, functions.gamma, START)
@@ -57,7 +57,7 @@ def by_fsolve(robot: Robot, outputs: FloatArray) -> tuple[FloatArray, FloatArray
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_compiled_equals_interpreted(order: int, e12: Robot) -> None:
-    compiled, interpreted, tolerance = marches(e12, order)
+    compiled, interpreted, tolerance = steppers(e12, order)
     outputs = smooth_circle(np.arange(200) * STEP + 0.3) - smooth_circle(np.array(0.3)) + smooth_circle(np.array(0.0))
     fast = compiled.advance(compiled.layout.at_rest(START), outputs, tolerance)
     slow = interpreted.advance(interpreted.layout.at_rest(START), outputs, tolerance)
@@ -67,7 +67,7 @@ def test_compiled_equals_interpreted(order: int, e12: Robot) -> None:
 
 
 def test_backward_euler_equals_fsolve(e12: Robot) -> None:
-    compiled, _, tolerance = marches(e12, 1)
+    compiled, _, tolerance = steppers(e12, 1)
     outputs = smooth_circle(np.arange(0, 120) * STEP)
     fast = compiled.advance(compiled.layout.at_rest(START), outputs, tolerance)
     positions, torques = by_fsolve(e12, outputs)
@@ -77,34 +77,34 @@ def test_backward_euler_equals_fsolve(e12: Robot) -> None:
 
 @pytest.mark.parametrize("kind", [0, 1])
 def test_state_resumes_bit_for_bit(kind: int, e12: Robot) -> None:
-    *both, tolerance = marches(e12, 2)
-    march: Stepper = both[kind]
+    *both, tolerance = steppers(e12, 2)
+    stepper: Stepper = both[kind]
     outputs = smooth_circle(np.arange(60) * STEP)
-    whole = march.advance(march.layout.at_rest(START), outputs, tolerance)
-    first = march.advance(march.layout.at_rest(START), outputs[:23], tolerance)
-    second = march.advance(first.state, outputs[23:], tolerance)
+    whole = stepper.advance(stepper.layout.at_rest(START), outputs, tolerance)
+    first = stepper.advance(stepper.layout.at_rest(START), outputs[:23], tolerance)
+    second = stepper.advance(first.state, outputs[23:], tolerance)
     np.testing.assert_array_equal(np.concatenate([first.motors, second.motors]), whole.motors)
     np.testing.assert_array_equal(second.state, whole.state)
 
 
 @pytest.mark.parametrize("kind", [0, 1])
 def test_state_is_left_as_it_was(kind: int, e12: Robot) -> None:
-    *both, tolerance = marches(e12, 1)
-    march: Stepper = both[kind]
-    state = march.layout.at_rest(START)
+    *both, tolerance = steppers(e12, 1)
+    stepper: Stepper = both[kind]
+    state = stepper.layout.at_rest(START)
     before = state.copy()
-    march.advance(state, smooth_circle(np.arange(10) * STEP), tolerance)
+    stepper.advance(state, smooth_circle(np.arange(10) * STEP), tolerance)
     np.testing.assert_array_equal(state, before)
 
 
 @pytest.mark.parametrize("kind", [0, 1])
 @pytest.mark.parametrize("wrong", [10.0, np.nan])
 def test_failed_step_is_told(kind: int, wrong: float, e12: Robot) -> None:
-    *both, tolerance = marches(e12, 1)
-    march: Stepper = both[kind]
+    *both, tolerance = steppers(e12, 1)
+    stepper: Stepper = both[kind]
     outputs = smooth_circle(np.arange(10) * STEP)
     outputs[6] = wrong
-    result = march.advance(march.layout.at_rest(START), outputs, tolerance)
+    result = stepper.advance(stepper.layout.at_rest(START), outputs, tolerance)
     assert result.failed == 6
     assert result.iterations[6] > MAX_ITERATIONS
     assert np.all(np.isfinite(result.z[:6]))
@@ -114,14 +114,14 @@ def test_mass_based_matrix_gives_the_same_solution(e12: Robot) -> None:
     outputs = smooth_circle(np.arange(400) * STEP)
     results = []
     for exact in (True, False):
-        compiled, _, tolerance = marches(e12, 2, exact)
+        compiled, _, tolerance = steppers(e12, 2, exact)
         results.append(compiled.advance(compiled.layout.at_rest(START), outputs, tolerance))
     np.testing.assert_allclose(results[1].z, results[0].z, atol=2e-11)
     assert results[1].iterations.mean() < results[0].iterations.mean() + 1.0
 
 
 def test_few_iterations_are_needed(e12: Robot) -> None:
-    compiled, _, tolerance = marches(e12, 2)
+    compiled, _, tolerance = steppers(e12, 2)
     result = compiled.advance(compiled.layout.at_rest(START), smooth_circle(np.arange(800) * STEP), tolerance)
     assert result.iterations.mean() < 3.5
     assert result.iterations.max() <= 6

@@ -1,4 +1,4 @@
-"""Consistent initial values of the DAE: rest under gravity with the tool where the path begins."""
+"""Consistent initial values of the DAE: rest under gravity with the tool at the start of the path."""
 
 from __future__ import annotations
 
@@ -18,17 +18,19 @@ LARGEST_STEP = 0.2
 TOLERANCE = 1e-14
 
 
-def consistent_start(robot: Robot, equations: DaeEquations, output: FloatArray, rigid: FloatArray) -> FloatArray:
+def consistent_initial_values(
+    robot: Robot, equations: DaeEquations, output: FloatArray, rigid: FloatArray
+) -> FloatArray:
     """Solve the equations of motion and the output equation for rest.
 
     All explicit and hidden constraints are met: the trajectory starts with zero speed and acceleration, so rest in
-    equilibrium has the derivatives that they demand.
+    equilibrium satisfies their derivatives.
 
     Args:
         robot: The robot.
         equations: One step of the DAE; with gamma = 0 it describes rest.
         output: Controlled output at the start [m or rad], shape (n_out,).
-        rigid: Arm coordinates of the rigid arm there [rad or m], shape (N,); where the search begins.
+        rigid: Arm coordinates of the rigid arm there [rad or m], shape (N,); initial value of the search.
 
     Returns:
         Unknowns z = [q_a, q_m, torque of stiff gears] in equilibrium, shape (n_unknowns,).
@@ -65,7 +67,7 @@ def consistent_start(robot: Robot, equations: DaeEquations, output: FloatArray, 
 
 
 def _stiffness_scale(equations: DaeEquations, z: FloatArray) -> float:
-    """Largest stiffness [Nm/rad or N/m], which makes the arm's equations comparable with that of the output."""
+    """Return the largest stiffness [Nm/rad or N/m], the scale of the arm's equations relative to the output's."""
     rest, zero = np.zeros(equations.n_coordinates), np.zeros(equations.n_unknowns)
     matrix = np.array(equations.newton_matrix(zero, z, rest, rest, 0.0, 1.0))
     return float(np.max(np.abs(matrix[: equations.n_arm]))) or 1.0
