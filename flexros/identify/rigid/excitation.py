@@ -1,4 +1,4 @@
-"""Whether a motion is rich enough for all base parameters, and which of them it does not show."""
+"""Excitation of a motion: the base parameters that it excites, and the reasons for the others."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ if TYPE_CHECKING:
     from flexros.identify.rigid.base_parameters import BaseParameters
 
 LARGEST_CONDITION = 100.0
-"""Condition number up to which a motion counts as rich enough (M. Gautier and W. Khalil, 1992)."""
+"""Largest condition number of a sufficiently exciting motion (M. Gautier and W. Khalil, 1992)."""
 
 _LEAST_SHARE = 0.02
-"""Share of a column that the others must leave unexplained, else its parameter is not estimated (chosen)."""
+"""Smallest share of a column unexplained by the others for its parameter to be estimated (chosen)."""
 
 _ALIKE = 0.1
-"""Share that a column must have in explaining another to be named beside it (chosen)."""
+"""Smallest coefficient of a column in explaining another for its parameter to be named (chosen)."""
 
 
 @dataclass(frozen=True)
 class NotExcited:
-    """A base parameter that the motion does not show on its own.
+    """A base parameter that the motion does not excite on its own.
 
     Attributes:
         name: Its name.
-        reason: Why, in words.
+        reason: The reason as text.
     """
 
     name: str
@@ -38,10 +38,10 @@ class NotExcited:
 
 @dataclass(frozen=True)
 class Excitation:
-    """What a motion shows.
+    """Base parameters that a motion excites.
 
     Attributes:
-        shown: Places of the base parameters that can be estimated.
+        shown: Indices of the base parameters that can be estimated.
         not_excited: The others.
     """
 
@@ -50,28 +50,25 @@ class Excitation:
 
 
 def judge_excitation(H: FloatArray, base: BaseParameters) -> Excitation:
-    """Find the base parameters that a motion shows.
+    """Determine the base parameters that a motion excites; the others keep their nominal value in the regression.
 
     Args:
         H: Regressor of the base parameters, rows weighted, shape (n, M, r).
         base: The base parameters.
-
-    Returns:
-        The verdict. A parameter that is not shown keeps its nominal value in the regression.
     """
     columns = H.reshape(-1, H.shape[2])
     shown = independent_columns(columns, _LEAST_SHARE)
     size = np.linalg.norm(columns, axis=0)
     scaled = columns[:, shown] / size[shown]
     missing = []
-    for place in range(H.shape[2]):
-        if place in shown:
+    for column in range(H.shape[2]):
+        if column in shown:
             continue
-        if size[place] <= 1e-12 * size.max():
-            missing.append(NotExcited(base.names[place], "nothing in the motion depends on it"))
+        if size[column] <= 1e-12 * size.max():
+            missing.append(NotExcited(base.names[column], "nothing in the motion depends on it"))
             continue
-        share = np.linalg.lstsq(scaled, columns[:, place] / size[place], rcond=None)[0]
+        share = np.linalg.lstsq(scaled, columns[:, column] / size[column], rcond=None)[0]
         order = [k for k in np.argsort(-np.abs(share)) if abs(share[k]) > _ALIKE][:3]
         names = ", ".join(base.names[shown[k]] for k in order)
-        missing.append(NotExcited(base.names[place], f"in this motion it acts like {names}"))
+        missing.append(NotExcited(base.names[column], f"in this motion it acts like {names}"))
     return Excitation(tuple(shown), tuple(missing))

@@ -1,4 +1,4 @@
-"""The rigid model of a robot from a log, and how well it predicts the torques of others."""
+"""Rigid model of a robot from a log, and its torque error on other logs."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class TorqueError:
-    """How far the torque of the model is off in one log.
+    """Torque error of the model on one log.
 
     Attributes:
         label: Name of the log.
         total: 100 |tau - H pi| / |tau| over all motors [%].
         motors: The same of each motor [%], shape (M,); NaN where the torque is zero throughout.
-        rows: Decimated rows that it was taken over.
+        rows: Number of decimated rows.
     """
 
     label: str
@@ -47,22 +47,22 @@ class RigidFit:
 
     Attributes:
         robot: The robot with its nominal values.
-        settings: How it was identified.
+        settings: Settings of the regression.
         base: The base parameters, r of them.
-        values: Their values, shape (r,); nominal where the motion does not show them.
-        covariance: Covariance of the values, shape (r, r); zero where the motion does not show them.
-        excitation: Which base parameters the motion shows, k of them.
-        factor: Triangular factors of [H, tau] of each motor, which stand for all rows, shape (r + 1, M, r + 1).
+        values: Their values, shape (r,); nominal where the motion does not excite them.
+        covariance: Covariance of the values, shape (r, r); zero where the motion does not excite them.
+        excitation: Base parameters that the motion excites, k of them.
+        factor: Triangular factors of [H, tau] of each motor, which represent all rows, shape (r + 1, M, r + 1).
         information: Normal matrix H' W H of all base parameters, shape (r, r).
-        condition: Condition number of the scaled regressor of those that it shows.
+        condition: Condition number of the scaled regressor of the excited ones.
         error: Torque error on the log itself.
-        error_with_hold: What the total error [%] would be with delay and hold of the command; None where the torque was
-            measured or `hold` was set.
-        cutoff: Corner of the low-pass for the positions [Hz].
+        error_with_hold: Total error [%] with delay and hold of the command; None where the torque was measured or
+            `hold` was set.
+        cutoff: Cut-off of the low-pass for the positions [Hz].
         rate: Rate after decimation [Hz].
-        measured_torque: Whether the torque was measured, else it is the command.
+        measured_torque: Whether the torque was measured; else it is the command.
         moving: Which motors moved, shape (M,).
-        warnings: What was noticed, one sentence each.
+        warnings: Warnings, one sentence each.
     """
 
     robot: Robot
@@ -84,17 +84,17 @@ class RigidFit:
 
     @property
     def deviation(self) -> FloatArray:
-        """Standard deviations of the values, shape (r,); zero where the motion does not show them."""
+        """Standard deviations of the values, shape (r,); zero where the motion does not excite them."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
     def hidden(self) -> tuple[int, ...]:
-        """Places of the base parameters that the motion does not show."""
-        return tuple(place for place in range(len(self.values)) if place not in self.excitation.shown)
+        """Indices of the base parameters that the motion does not excite."""
+        return tuple(index for index in range(len(self.values)) if index not in self.excitation.shown)
 
     @property
     def leakage(self) -> FloatArray:
-        """What an error of the nominal values of the hidden ones adds to the shown ones, shape (k, r - k)."""
+        """Sensitivity of the excited parameters to errors of the hidden nominal ones, shape (k, r - k)."""
         shown, hidden = list(self.excitation.shown), list(self.hidden)
         at = self.information
         size = np.sqrt(np.diag(at)[shown])
@@ -108,7 +108,7 @@ class RigidFit:
 
     @property
     def rich_enough(self) -> bool:
-        """Whether the motion shows every base parameter, and well conditioned."""
+        """Whether the motion excites every base parameter, with a good condition number."""
         return not self.excitation.not_excited and self.condition <= LARGEST_CONDITION
 
 
@@ -121,20 +121,17 @@ def fit_rigid(
 ) -> RigidFit:
     """Identify the rigid model of a robot from a log (Moberg 2007, eq. 4.11 to 4.13).
 
-    Gears and elastic directions are taken as locked, so the motion should not excite the resonances.
+    Gears and elastic directions are treated as locked, so the motion should not excite the resonances.
 
     Args:
         log: The log; needs motor positions and a torque.
         robot: The robot.
-        settings: How; default: `RigidSettings()`.
-        label: Name of the log in texts.
-        progress: Called with the share of the log that is in the regression.
-
-    Returns:
-        The fit.
+        settings: Settings of the regression; default: `RigidSettings()`.
+        label: Name of the log in messages.
+        progress: Called with the processed share of the log.
 
     Raises:
-        InputError: The log does not fit the robot, has gaps, is too short, or has no motion or no torque.
+        InputError: The log does not match the robot, has gaps, is too short, or has no motion or no torque.
     """
     settings = settings or RigidSettings()
     regressor = RigidRegressor(robot, settings.asymmetric)
@@ -151,7 +148,7 @@ def fit_rigid(
 def _fit(
     rows: RegressionRows, factor: FloatArray, robot: Robot, settings: RigidSettings, base: BaseParameters, label: str
 ) -> RigidFit:
-    """Estimate what the motion shows."""
+    """Estimate the excited parameters."""
     n, r = len(rows.torque), len(base.leading)
     H = factor[:, :, :r]
     size = np.linalg.norm(factor[:, :, r], axis=0) / np.sqrt(n)
@@ -188,7 +185,7 @@ def _fit(
 def _solve(
     H: FloatArray, torque: FloatArray, n: int, base: BaseParameters, shown: list[int]
 ) -> tuple[FloatArray, Solution]:
-    """Values of all base parameters, nominal for those that are not shown, and the regression of the others."""
+    """Values of all base parameters, nominal for those that are not excited, and the regression of the others."""
     values = base.nominal.copy()
     values[shown] = 0.0
     solution = weighted_least_squares(H[:, :, shown], torque - H @ values, n)
@@ -199,7 +196,7 @@ def _solve(
 def _residual(
     rows: RegressionRows, values: FloatArray, shown: list[int], solution: Solution
 ) -> tuple[FloatArray, FloatArray]:
-    """Torque that is left, shape (n, M), and its products with the weighted regressor, shape (n, k)."""
+    """Residual torque, shape (n, M), and its products with the weighted regressor, shape (n, k)."""
     residual, moments = [], []
     for H, torque in rows.blocks():
         residual.append(torque - H @ values)
@@ -222,14 +219,14 @@ def cross_test(
     Args:
         fit: The fit.
         log: A log of the same robot.
-        label: Name of the log in texts.
-        progress: Called with the share of the log that was predicted.
+        label: Name of the log in messages.
+        progress: Called with the processed share of the log.
 
     Returns:
         The torque error, filtered as in the fit.
 
     Raises:
-        InputError: The log does not fit the robot, has gaps, is too short, or has no motion or no torque.
+        InputError: The log does not match the robot, has gaps, is too short, or has no motion or no torque.
     """
     settings = fit.settings.model_copy(update={"cutoff": fit.cutoff})
     regressor = RigidRegressor(fit.robot, settings.asymmetric)

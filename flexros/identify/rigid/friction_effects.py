@@ -1,4 +1,4 @@
-"""Friction that a robot file has no place for, as effects for a run."""
+"""Identified friction that a robot file cannot hold, as effects for a run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from flexros.identify.rigid.fit import RigidFit
 
 _SIGNIFICANT = 2.0
-"""Deviations from zero from which on a value counts as present (chosen)."""
+"""Deviations from zero above which a value is significant (chosen)."""
 
 _LARGEST_ASYMMETRY = 2.0
 """Largest asymmetry that effects have: one direction without friction."""
@@ -21,10 +21,10 @@ _LARGEST_ASYMMETRY = 2.0
 
 @dataclass(frozen=True)
 class FrictionOutsideFile:
-    """What was identified of friction but does not go into the robot file.
+    """Identified friction that is not part of the robot file.
 
     Attributes:
-        values: Coulomb friction and offset by parameter name [Nm or N], as far as the log shows them.
+        values: Coulomb friction and offset by parameter name [Nm or N], where the log excites them.
         effects: Effects that represent them, as NAME@LOCATION:parameter=value.
         means: Viscous friction of the file that is the mean of two directions, one sentence each.
     """
@@ -35,22 +35,19 @@ class FrictionOutsideFile:
 
 
 def friction_outside_file(fit: RigidFit) -> FrictionOutsideFile:
-    """Find the friction that goes into no robot file.
+    """Collect the identified friction that a robot file cannot hold.
 
     The effect `coulomb_friction` has a level F and an asymmetry a, so F (1 + a/2) forward and F (1 - a/2) backward: an
     offset is half the difference of the directions.
-
-    Args:
-        fit: The fit.
     """
-    found = {
+    excited = {
         name: (float(value), float(deviation))
-        for place, (name, value, deviation) in enumerate(zip(fit.base.names, fit.values, fit.deviation, strict=True))
-        if place in fit.excitation.shown
+        for index, (name, value, deviation) in enumerate(zip(fit.base.names, fit.values, fit.deviation, strict=True))
+        if index in fit.excitation.shown
     }
     values = {
         name: value
-        for name, (value, deviation) in found.items()
+        for name, (value, deviation) in excited.items()
         if ("coulomb" in name or name.endswith("torque_offset")) and abs(value) > _SIGNIFICANT * deviation
     }
     effects, means = [], []
@@ -58,7 +55,7 @@ def friction_outside_file(fit: RigidFit) -> FrictionOutsideFile:
         effect = _coulomb_effect(motor, values)
         if effect:
             effects.append(effect)
-        pair = [found.get(f"{motor}.viscous_friction_{direction}") for direction in ("forward", "backward")]
+        pair = [excited.get(f"{motor}.viscous_friction_{direction}") for direction in ("forward", "backward")]
         if pair[0] is not None and pair[1] is not None:
             forward, backward = pair[0][0], pair[1][0]
             means.append(
@@ -69,7 +66,7 @@ def friction_outside_file(fit: RigidFit) -> FrictionOutsideFile:
 
 
 def _coulomb_effect(motor: str, values: Mapping[str, float]) -> str:
-    """Effect of a motor; empty where its Coulomb friction was not identified or is no friction."""
+    """Effect of a motor; empty where its Coulomb friction was not identified or is not positive."""
     level, offset = values.get(f"{motor}.coulomb_friction", 0.0), values.get(f"{motor}.torque_offset", 0.0)
     forward, backward = (values.get(f"{motor}.coulomb_friction_{way}", 0.0) for way in ("forward", "backward"))
     if forward or backward:

@@ -1,4 +1,4 @@
-"""The robot file with what the rigid regression tells about its parameters."""
+"""Robot file with the parameters of a rigid regression."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from flexros.identify.rigid.fit import RigidFit
 
 _LEAST_EFFECT = 1e-9
-"""Relative change of a parameter below which the regression says nothing about it (chosen: round-off)."""
+"""Relative change of a parameter below which the regression does not affect it (chosen: round-off)."""
 
 _MISSED = 1e-3
-"""Relative difference from which a base parameter counts as not met, where its deviation is smaller (chosen)."""
+"""Relative difference above which a base parameter is not met, where its deviation is smaller (chosen)."""
 
 _INERTIAL = ("inertia_at_joint", "first_moment", "mass")
-"""Kinds of parameters that a body can only have together."""
+"""Kinds of inertial parameters, which a body has only together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,12 +35,11 @@ class IdentifiedRobot:
 
     Attributes:
         values: New value and relative standard deviation by parameter name.
-        left_out: Why parameters were left at their nominal values, by name of the body, or of the parameter where
-            that stands for itself.
-        not_met: Base parameters that the file gives another value than was identified, since what was left out is
-            missing: that value by name.
-        base_values: Values of all base parameters in the file, shape (r,); of what a file has no place for, such as
-            Coulomb friction, those that were identified.
+        left_out: Reasons for nominal values, by name of the body, or of the parameter where it is not inertial.
+        not_met: Base parameters whose value in the file differs from the identified one because of left-out parameters:
+            the value in the file by name.
+        base_values: Values of all base parameters in the file, shape (r,); identified values of parameters that a file
+            cannot hold, such as Coulomb friction.
     """
 
     values: Mapping[str, IdentifiedValue]
@@ -50,18 +49,12 @@ class IdentifiedRobot:
 
 
 def identified_values(fit: RigidFit) -> IdentifiedRobot:
-    """Bring base parameters back to parameters of the robot file.
+    """Convert base parameters to parameters of the robot file, with their relative standard deviations.
 
-    Base parameters are combinations, so many files give the identified torques: the most likely one is taken, by the
-    tolerances of the nominal values (`prior_factor`). Its single numbers therefore rest on the nominal ones, and their
-    deviations are those of the regression and, in the directions that it does not tell, of the nominal values.
-    What would be impossible, such as a body of negative inertia, is left as it is, and the others changed instead.
-
-    Args:
-        fit: The fit.
-
-    Returns:
-        Values with their relative standard deviations.
+    Base parameters are combinations, so many files give the identified torques; the most likely one according to the
+    tolerances of the nominal values (`prior_factor`) is chosen. Its single parameters therefore depend on the nominal
+    ones. Their deviations are those of the regression and, in the directions that it does not determine, of the nominal
+    values. Infeasible values, such as a negative inertia, stay nominal, and the others are changed instead.
     """
     left_out: dict[str, str] = {}
     while True:
@@ -74,26 +67,18 @@ def identified_values(fit: RigidFit) -> IdentifiedRobot:
 
 
 def identified_yaml(fit: RigidFit, identified: IdentifiedRobot) -> str:
-    """Write the robot file with the identified values, their source and their tolerances.
-
-    Args:
-        fit: The fit.
-        identified: What goes into the file.
-
-    Returns:
-        Text of the file.
-    """
+    """Return the text of the robot file with the identified values, their source and their tolerances."""
     source = f"identified by FlexROS, rigid regression of {fit.error.label}"
     return identified_file(fit.robot, identified.values, source)
 
 
 def _most_likely_change(fit: RigidFit, left_out: Collection[str]) -> FloatArray:
-    """Matrix from changes of the k base parameters that are shown to the most likely changes, shape (P, k).
+    """Matrix from changes of the k excited base parameters to the most likely changes, shape (P, k).
 
-    Base parameters for which too few parameters are left come as near as they can, in units of their likely changes.
+    Base parameters for which too few parameters remain are approximated, in units of their likely changes.
     """
     factor = prior_factor(fit.robot, fit.base)
-    factor[~np.any(fit.base.combination != 0, axis=0)] = 0.0  # no motion shows these
+    factor[~np.any(fit.base.combination != 0, axis=0)] = 0.0  # no motion excites these
     seen = _seen(fit)
     unit = np.linalg.norm(seen @ factor, axis=1)
     factor[[_group(parameter.name) in left_out for parameter in fit.base.standard]] = 0.0
@@ -102,7 +87,7 @@ def _most_likely_change(fit: RigidFit, left_out: Collection[str]) -> FloatArray:
 
 
 def _seen(fit: RigidFit) -> FloatArray:
-    """Combinations of parameters that the regression takes for base parameters, shape (k, P)."""
+    """Combinations of parameters that the regression attributes to base parameters, shape (k, P)."""
     shown, hidden = list(fit.excitation.shown), list(fit.hidden)
     seen: FloatArray = fit.base.combination[shown] + fit.leakage @ fit.base.combination[hidden]
     return seen
@@ -116,7 +101,7 @@ def _change(fit: RigidFit, share: FloatArray) -> FloatArray:
 
 
 def _covariance(fit: RigidFit, share: FloatArray) -> FloatArray:
-    """Covariance of all parameters, shape (P, P): what the regression leaves open is as uncertain as before it."""
+    """Covariance of all parameters, shape (P, P): undetermined directions keep their prior uncertainty."""
     shown = list(fit.excitation.shown)
     left_open = (np.eye(len(share)) - share @ _seen(fit)) @ prior_factor(fit.robot, fit.base)
     covariance: FloatArray = share @ fit.covariance[np.ix_(shown, shown)] @ share.T + left_open @ left_open.T
@@ -126,57 +111,57 @@ def _covariance(fit: RigidFit, share: FloatArray) -> FloatArray:
 def _values(
     fit: RigidFit, share: FloatArray, left_out: Collection[str]
 ) -> tuple[dict[str, IdentifiedValue], dict[str, str]]:
-    """Numbers of the robot file that depend on what was estimated, and why others are impossible."""
+    """Parameters of the robot file that depend on estimates, and the reasons why others are infeasible."""
     change, covariance = _change(fit, share), _covariance(fit, share)
     values: dict[str, IdentifiedValue] = {}
     refused: dict[str, str] = {}
     groups: dict[str, list[int]] = {}
-    for place, parameter in enumerate(fit.base.standard):
-        groups.setdefault(_group(parameter.name), []).append(place)
-    for group, places in groups.items():
+    for index, parameter in enumerate(fit.base.standard):
+        groups.setdefault(_group(parameter.name), []).append(index)
+    for group, members in groups.items():
         if group in left_out:
             continue
         try:
-            found = _of_group(fit, group, places, change, covariance, share)
-            fit.robot.with_values({name: entry.value for name, entry in found.items()}, "the regression")
+            new_values = _of_group(fit, group, members, change, covariance, share)
+            fit.robot.with_values({name: entry.value for name, entry in new_values.items()}, "the regression")
         except ZeroDivisionError:
             refused[group] = "its mass is zero, so its first moment gives no centre of mass"
         except InputError as error:
             refused[group] = str(error)
         else:
-            values.update(found)
+            values.update(new_values)
     return values, refused
 
 
 def _of_group(
-    fit: RigidFit, group: str, places: list[int], change: FloatArray, covariance: FloatArray, share: FloatArray
+    fit: RigidFit, group: str, members: list[int], change: FloatArray, covariance: FloatArray, share: FloatArray
 ) -> dict[str, IdentifiedValue]:
-    """Numbers that follow from the parameters at some places, those alone that depend on what was estimated."""
-    names = [fit.base.standard[place].name for place in places]
-    own = np.array([fit.base.standard[place].nominal for place in places]) + change[places]
-    value = _numbers(fit, group, names, own)
-    slopes = np.zeros((len(value), len(places)))
-    block = covariance[np.ix_(places, places)]
-    largest = float(np.max(np.abs(own))) or 1.0
-    for place, step in enumerate(1e-5 * np.maximum(np.abs(own), 1e-3 * largest)):
-        if block[place, place] > 0:
-            side = np.zeros(len(own))
-            side[place] = step
-            above, below = (list(_numbers(fit, group, names, own + s).values()) for s in (side, -side))
-            slopes[:, place] = (np.array(above) - np.array(below)) / (2 * step)
+    """File parameters of a group of regression parameters, as far as they depend on estimates."""
+    names = [fit.base.standard[member].name for member in members]
+    standard = np.array([fit.base.standard[member].nominal for member in members]) + change[members]
+    value = _file_parameters(fit, group, names, standard)
+    slopes = np.zeros((len(value), len(members)))
+    block = covariance[np.ix_(members, members)]
+    largest = float(np.max(np.abs(standard))) or 1.0
+    for column, step in enumerate(1e-5 * np.maximum(np.abs(standard), 1e-3 * largest)):
+        if block[column, column] > 0:
+            side = np.zeros(len(standard))
+            side[column] = step
+            above, below = (list(_file_parameters(fit, group, names, standard + s).values()) for s in (side, -side))
+            slopes[:, column] = (np.array(above) - np.array(below)) / (2 * step)
     variance = np.einsum("ij,jk,ik->i", slopes, block, slopes)
     deviation = np.sqrt(np.maximum(variance, 0.0))
     shown = list(fit.excitation.shown)
-    reach = np.max(np.abs(slopes @ share[places]) * fit.deviation[shown], axis=1, initial=0.0)
+    reach = np.max(np.abs(slopes @ share[members]) * fit.deviation[shown], axis=1, initial=0.0)
     return {
-        name: IdentifiedValue(number, float(spread) / max(abs(number), 1e-300))
-        for (name, number), spread, effect in zip(value.items(), deviation, reach, strict=True)
-        if effect > _LEAST_EFFECT * max(abs(number), 1e-300)
+        name: IdentifiedValue(result, float(spread) / max(abs(result), 1e-300))
+        for (name, result), spread, effect in zip(value.items(), deviation, reach, strict=True)
+        if effect > _LEAST_EFFECT * max(abs(result), 1e-300)
     }
 
 
 def _base_values(fit: RigidFit, share: FloatArray) -> FloatArray:
-    """Values of the base parameters in the file, shape (r,); as identified where a file has no place for them."""
+    """Values of the base parameters in the file, shape (r,); as identified where a file cannot hold them."""
     got = fit.base.nominal.copy()
     got[list(fit.excitation.shown)] += _seen(fit) @ _change(fit, share)
     groups = [_group(name) for name in fit.base.names]
@@ -185,45 +170,45 @@ def _base_values(fit: RigidFit, share: FloatArray) -> FloatArray:
 
 
 def _not_met(fit: RigidFit, got: FloatArray) -> dict[str, float]:
-    """Values in the file of base parameters that it misses by more than their deviation, the worst first."""
+    """Values in the file of base parameters that differ by more than their deviation, the worst first."""
     missed = np.zeros(len(fit.values), bool)
     shown = list(fit.excitation.shown)
     size = np.maximum(np.maximum(np.abs(fit.values), np.abs(fit.base.nominal)), 1e-300)
     distance = np.abs(got - fit.values)
     missed[shown] = (distance > np.maximum(fit.deviation, _MISSED * size))[shown]
-    places = sorted(np.flatnonzero(missed), key=lambda place: -distance[place] / size[place])
-    return {fit.base.names[place]: float(got[place]) for place in places}
+    worst_first = sorted(np.flatnonzero(missed), key=lambda index: -distance[index] / size[index])
+    return {fit.base.names[index]: float(got[index]) for index in worst_first}
 
 
 def _group(name: str) -> str:
-    """Name of what is possible or impossible as a whole: a body's inertial parameters, else a number of its own."""
+    """Name of the group that is feasible as a whole: the inertial parameters of a body, or one parameter."""
     owner, _, kind = name.partition(".")
     if owner.startswith("body") and kind.split(".")[0] in _INERTIAL:
         return owner
     return f"{owner}.viscous_friction" if kind.startswith("viscous_friction") else name
 
 
-def _numbers(fit: RigidFit, group: str, names: list[str], own: FloatArray) -> dict[str, float]:
-    """Numbers of the robot file from the parameters of a group; friction is the mean of both directions."""
+def _file_parameters(fit: RigidFit, group: str, names: list[str], standard: FloatArray) -> dict[str, float]:
+    """Parameters of the robot file from those of a group; friction is the mean of both directions."""
     if "." in group:
-        return {group: float(np.mean(own))} if group in fit.robot.parameters else {}
-    return _of_body(fit, group, dict(zip(names, own.tolist(), strict=True)))
+        return {group: float(np.mean(standard))} if group in fit.robot.parameters else {}
+    return _of_body(fit, group, dict(zip(names, standard.tolist(), strict=True)))
 
 
-def _of_body(fit: RigidFit, body: str, own: Mapping[str, float]) -> dict[str, float]:
+def _of_body(fit: RigidFit, body: str, standard: Mapping[str, float]) -> dict[str, float]:
     """Mass, centre of mass and inertia about it from the parameters at the joint."""
-    mass = own[f"{body}.mass"]
-    moment = np.array([own[f"{body}.first_moment.{axis}"] for axis in "xyz"])
+    mass = standard[f"{body}.mass"]
+    moment = np.array([standard[f"{body}.first_moment.{axis}"] for axis in "xyz"])
     if mass == 0 and np.any(moment):
         raise ZeroDivisionError
     center = moment / mass if mass else moment
-    at_joint = {entry: own[f"{body}.inertia_at_joint.{entry}"] for entry in INERTIA_COMPONENTS}
+    at_joint = {entry: standard[f"{body}.inertia_at_joint.{entry}"] for entry in INERTIA_COMPONENTS}
     about_center = inertia_at_joint(at_joint, mass, center, sign=-1.0)
-    for entry in INERTIA_COMPONENTS:  # what no motion shows stays as it is about the centre, wherever that moves
+    for entry in INERTIA_COMPONENTS:  # what no motion excites stays nominal about the centre, even if that moves
         if f"{body}.inertia_at_joint.{entry}" in fit.base.without_effect:
             about_center[entry] = fit.robot.parameters[f"{body}.inertia.{entry}"].value
     return {
         f"{body}.mass": mass,
-        **{f"{body}.center_of_mass.{axis}": float(center[place]) for place, axis in enumerate("xyz")},
+        **{f"{body}.center_of_mass.{axis}": float(component) for axis, component in zip("xyz", center, strict=True)},
         **{f"{body}.inertia.{entry}": value for entry, value in about_center.items()},
     }

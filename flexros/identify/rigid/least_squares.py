@@ -1,4 +1,4 @@
-"""Weighted least squares with standard deviations that allow for correlated residuals (Moberg 2007, eq. 4.13)."""
+"""Weighted least squares with standard deviations for correlated residuals (Moberg 2007, eq. 4.13)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 _MOST_ROUNDS = 20
-"""Largest number of times that the weights are renewed (chosen; few are needed)."""
+"""Largest number of reweightings (chosen; few are needed)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,17 +35,13 @@ class Solution:
 def weighted_least_squares(H: FloatArray, y: FloatArray, n: int) -> Solution:
     """Solve tau = H pi, each motor weighted by its own residual.
 
-    pi = (H' W H)^-1 H' W tau (eq. 4.13 with weights W). The first solution, with equal weights, gives the weights of
-    the second, and so on until they stay.
+    pi = (H' W H)^-1 H' W tau (eq. 4.13 with weights W). The solution with equal weights gives the weights of the next
+    one, until the weights converge.
 
     Args:
-        H: Regressor, shape (m, M, k), of full rank; the n rows of every motor or what an orthogonal transformation
-            makes of them.
+        H: Regressor, shape (m, M, k), of full rank; the n rows of every motor or an orthogonal transformation of them.
         y: Torques [Nm or N], shape (m, M).
         n: Number of rows of each motor before the transformation.
-
-    Returns:
-        The solution.
     """
     rows, motors, k = H.shape
     deviation = np.ones(motors)
@@ -66,15 +62,14 @@ def weighted_least_squares(H: FloatArray, y: FloatArray, n: int) -> Solution:
 
 
 def covariance(solution: Solution, moments: FloatArray, residual: FloatArray) -> FloatArray:
-    """Covariance of the parameters that allows for correlated residuals (W. K. Newey and K. D. West, 1987).
+    """Covariance of the parameters for correlated residuals (W. K. Newey and K. D. West, 1987).
 
-    Residuals are correlated over time wherever the model is not complete, and the usual formula would then promise too
-    much.
+    Residuals are correlated over time wherever the model is incomplete; the usual formula would then be too optimistic.
 
     Args:
         solution: The solution.
         moments: Products of regressor and weighted residual, summed over the motors, shape (n, k).
-        residual: Torque that is left [Nm or N], shape (n, M).
+        residual: Residual torque [Nm or N], shape (n, M).
 
     Returns:
         Shape (k, k).
@@ -103,8 +98,8 @@ def condition_number(H: FloatArray, deviation: FloatArray) -> float:
 def correlation_length(residual: FloatArray) -> int:
     """Number of samples over which residuals are correlated.
 
-    Twice the first lag at which the autocorrelation of any motor is gone, at least the 4 (n / 100)^(2/9) of Newey and
-    West (1994), at most a tenth of the record (chosen).
+    Twice the first lag at which the autocorrelation of every motor has vanished, at least the 4 (n / 100)^(2/9) of
+    Newey and West (1994), at most a tenth of the record (chosen).
 
     Args:
         residual: Shape (n, M).
@@ -123,14 +118,14 @@ def correlation_length(residual: FloatArray) -> int:
 
 
 def long_run(moments: FloatArray, lags: int) -> FloatArray:
-    """Sum the covariances of rows over all lags, those of longer lags with less weight (Bartlett's).
+    """Sum the covariances of rows over all lags, with Bartlett weights.
 
     Args:
         moments: Shape (n, k).
         lags: Number of lags.
 
     Returns:
-        Shape (k, k). The sum over lags is a convolution, done by Fourier transforms: long logs have thousands of lags.
+        Shape (k, k). The sum is a convolution, computed by Fourier transforms: long logs have thousands of lags.
     """
     weights = 1 - np.abs(np.arange(-lags, lags + 1)) / (lags + 1)
     smooth = oaconvolve(moments, weights[:, None], mode="full", axes=0)[lags : lags + len(moments)]

@@ -34,7 +34,7 @@ class RigidRegressor:
 
     Attributes:
         robot: The robot.
-        parameters: What the columns belong to, length P.
+        parameters: Parameters of the columns, length P.
     """
 
     def __init__(self, robot: Robot, asymmetric: bool = False) -> None:
@@ -44,19 +44,19 @@ class RigidRegressor:
         self._columns = self._all_columns(asymmetric)
         self._functions: dict[tuple[int, ...], ca.Function] = {}
 
-    def matrix(self, q: FloatArray, v: FloatArray, a: FloatArray, places: Sequence[int] | None = None) -> FloatArray:
+    def matrix(self, q: FloatArray, v: FloatArray, a: FloatArray, columns: Sequence[int] | None = None) -> FloatArray:
         """Evaluate the regressor.
 
         Args:
             q: Motor positions [rad or m], shape (n, M).
             v: Speeds, shape (n, M).
             a: Accelerations, shape (n, M).
-            places: Which columns, k of them; default: all.
+            columns: Indices of k columns; default: all.
 
         Returns:
             H, shape (n, M, k).
         """
-        chosen = tuple(range(len(self.parameters)) if places is None else places)
+        chosen = tuple(range(len(self.parameters)) if columns is None else columns)
         n, motors = q.shape
         H = np.empty((-(-n // _CHUNK) * _CHUNK, motors, len(chosen)))
         motion = np.zeros((3, len(H), motors))
@@ -64,24 +64,24 @@ class RigidRegressor:
         buffer, evaluate = cast("tuple[Any, Callable[[], None]]", self._function(chosen).buffer())
         for first in range(0, n, _CHUNK):
             rows = slice(first, first + _CHUNK)
-            for number, signal in enumerate(motion[:, rows]):
-                buffer.set_arg(number, signal.data)
+            for argument, signal in enumerate(motion[:, rows]):
+                buffer.set_arg(argument, signal.data)
             buffer.set_res(0, H[rows].data)
             evaluate()
         return H[:n]
 
-    def _function(self, places: tuple[int, ...]) -> ca.Function:
-        """Function from (q, v, a) of a chunk, side by side, to some columns of its rows, one after the other."""
-        if places not in self._functions:
-            wanted = ca.vec(ca.densify(self._columns[:, list(places)]).T)
-            one = ca.Function("regressor", list(self._motion), [wanted], {"cse": True})
-            self._functions[places] = one.map(_CHUNK)
-        return self._functions[places]
+    def _function(self, columns: tuple[int, ...]) -> ca.Function:
+        """Function from (q, v, a) of a chunk to the rows of some columns."""
+        if columns not in self._functions:
+            rows = ca.vec(ca.densify(self._columns[:, list(columns)]).T)
+            sample = ca.Function("regressor", list(self._motion), [rows], {"cse": True})
+            self._functions[columns] = sample.map(_CHUNK)
+        return self._functions[columns]
 
     def _all_columns(self, asymmetric: bool) -> ca.SX:
         """Columns of all parameters as symbols, shape (M, P)."""
         robot = self.robot
-        column = {parameter.name: place for place, parameter in enumerate(self.parameters)}
+        column = {parameter.name: index for index, parameter in enumerate(self.parameters)}
         H = ca.SX(robot.n_motors, len(self.parameters))
         H[:, [column[_linear_name(name)] for name in _body_names(robot)]] = _body_columns(robot, *self._motion)
         coupled = robot.flexible_motors if robot.spec.inertial_coupling else ()
@@ -98,26 +98,26 @@ class RigidRegressor:
 
 
 def _friction_columns(v: ca.SX, asymmetric: bool) -> dict[str, ca.SX]:
-    """What the friction of a motor multiplies at its speed."""
+    """Columns of the friction of a motor at its speed."""
     if not asymmetric:
         return dict(zip(FRICTION, (v, ca.sign(v), ca.SX(1.0)), strict=True))
-    found = {}
+    columns = {}
     for direction, moving in (("forward", v > 0), ("backward", v < 0)):
-        found[f"viscous_friction_{direction}"] = v * moving
-        found[f"coulomb_friction_{direction}"] = ca.sign(v) * moving
-    return found
+        columns[f"viscous_friction_{direction}"] = v * moving
+        columns[f"coulomb_friction_{direction}"] = ca.sign(v) * moving
+    return columns
 
 
 def _body_names(robot: Robot) -> list[str]:
-    """Names of the robot's parameters whose derivatives are columns of the bodies."""
+    """Names of the robot parameters whose derivatives are columns of the bodies."""
     kinds = [
         *[f"inertia.{entry}" for entry in INERTIA_COMPONENTS],
         *[f"center_of_mass.{axis}" for axis in "xyz"],
         "mass",
     ]
     names = [f"body_{index + 1}" for index in range(len(robot.spec.bodies))]
-    rubbing = [f"{name}.viscous_friction" for name in names if robot.parameters[f"{name}.viscous_friction"].value]
-    return [*[f"{name}.{kind}" for name in names for kind in kinds], *rubbing]
+    friction = [f"{name}.viscous_friction" for name in names if robot.parameters[f"{name}.viscous_friction"].value]
+    return [*[f"{name}.{kind}" for name in names for kind in kinds], *friction]
 
 
 def _linear_name(name: str) -> str:
@@ -139,12 +139,12 @@ def _body_columns(robot: Robot, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
 def _rotor_columns(robot: Robot, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
     """Columns of the rotors behind flexible gears, with their coupling to the arm."""
     flexible = robot.flexible_motors
-    model = robot.symbolic([f"motor_{number + 1}.inertia" for number in flexible])
+    model = robot.symbolic([f"motor_{motor + 1}.inertia" for motor in flexible])
     p = ca.SX.sym("p", len(flexible))
-    whole = [ca.vertcat(robot.arm_from_gears(x), *[x[number] for number in flexible]) for x in (q, v, a)]
+    whole = [ca.vertcat(robot.arm_from_gears(x), *[x[motor] for motor in flexible]) for x in (q, v, a)]
     force = model.force(whole[0], whole[1], ca.SX.zeros(robot.n_motors), ca.SX.zeros(6), p)
-    need = model.mass_matrix(whole[0], p) @ whole[2] - force
-    tau = need[list(robot.gear_rows)]
-    for place, number in enumerate(flexible):
-        tau[number] += need[robot.n_arm + place]
+    torque = model.mass_matrix(whole[0], p) @ whole[2] - force
+    tau = torque[list(robot.gear_rows)]
+    for row, motor in enumerate(flexible):
+        tau[motor] += torque[robot.n_arm + row]
     return ca.jacobian(tau, p)

@@ -1,4 +1,4 @@
-"""The result of a rigid regression as a record for programs."""
+"""JSON record of a rigid regression."""
 
 from __future__ import annotations
 
@@ -27,16 +27,13 @@ def result_record(
     cross_tests: Sequence[TorqueError],
     logs: Mapping[str, Mapping[str, Any]],
 ) -> dict[str, Any]:
-    """Put a fit and its cross-tests into a record of numbers and texts.
+    """Return a fit and its cross-tests as a record, ready for JSON.
 
     Args:
         fit: The fit.
-        verdict: What is made of it.
-        cross_tests: Torque errors in other logs.
+        verdict: The verdict on it.
+        cross_tests: Torque errors on other logs.
         logs: Provenance of all logs by name.
-
-    Returns:
-        The record, to be written as JSON.
     """
     identified, outside = verdict.identified, friction_outside_file(fit)
     return {
@@ -92,19 +89,19 @@ def _identified_values(fit: RigidFit, identified: IdentifiedRobot) -> dict[str, 
 
 def _parameters(fit: RigidFit) -> list[dict[str, Any]]:
     rows = []
-    for place, name in enumerate(fit.base.names):
-        shown = place in fit.excitation.shown
-        value, deviation = float(fit.values[place]), float(fit.deviation[place])
+    for index, name in enumerate(fit.base.names):
+        shown = index in fit.excitation.shown
+        value, deviation = float(fit.values[index]), float(fit.deviation[index])
         rows.append(
             {
                 "name": name,
-                "words": fit.base.words(place),
-                "combination": fit.base.parts(place),
+                "words": fit.base.words(index),
+                "combination": fit.base.parts(index),
                 "value": value,
                 "std": deviation if shown else None,
                 "relative_std_percent": 100 * deviation / abs(value) if shown and value else None,
-                "unit": fit.base.units[place],
-                "nominal": float(fit.base.nominal[place]),
+                "unit": fit.base.units[index],
+                "nominal": float(fit.base.nominal[index]),
                 "estimated": shown,
             }
         )

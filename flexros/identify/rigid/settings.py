@@ -8,10 +8,12 @@ from flexros.config.settings import Settings
 
 
 class RigidSettings(Settings):
-    """How positions become speeds and accelerations, and what friction is sought."""
+    """Low-pass, friction model and hold of the rigid regression."""
 
     cutoff: float | None = Field(
-        None, gt=0, description="of the low-pass for the positions [Hz]; default: a tenth of the rate, at most 100 Hz"
+        None,
+        gt=0,
+        description="cut-off of the low-pass for the positions [Hz]; default: a tenth of the rate, up to 100",
     )
     asymmetric: bool = Field(False, description="viscous and Coulomb friction by direction of motion, without offset")
     hold: bool = Field(
@@ -19,5 +21,5 @@ class RigidSettings(Settings):
     )
 
     def cutoff_at(self, rate: float) -> float:
-        """Return the cut-off [Hz] at a sampling rate [Hz]; the default is chosen."""
+        """Return the cut-off [Hz] at a sampling rate [Hz]."""
         return min(rate / 10, 100.0) if self.cutoff is None else self.cutoff

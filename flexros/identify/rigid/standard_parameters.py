@@ -1,4 +1,4 @@
-"""Parameters in which the torque of a rigid robot is linear: inertial parameters of the bodies, rotors, friction."""
+"""Standard parameters of a rigid robot, in which its torque is linear: bodies, rotors, friction."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 FRICTION = ("viscous_friction", "coulomb_friction", "torque_offset")
-"""Friction of a motor: viscous, Coulomb, and what the torque is off at any speed."""
+"""Friction of a motor: viscous, Coulomb, and torque offset."""
 
 ASYMMETRIC_FRICTION = (
     "viscous_friction_forward",
@@ -31,10 +31,10 @@ class StandardParameter:
     """One parameter in which the torque is linear.
 
     Attributes:
-        name: Place and quantity, e.g. "body_2.first_moment.x" or "motor_1.coulomb_friction".
-        words: What it is.
+        name: Location and quantity, e.g. "body_2.first_moment.x" or "motor_1.coulomb_friction".
+        words: Description.
         unit: SI unit.
-        nominal: Value by the robot file; friction that the file does not know is 0.
+        nominal: Nominal value; 0 for friction that the robot file does not contain.
     """
 
     name: str
@@ -47,8 +47,8 @@ def standard_parameters(robot: Robot, asymmetric: bool = False) -> tuple[Standar
     """List the parameters of a robot, from base to tool.
 
     The inertial parameters of a body are its inertia at the joint L = I + m (c'c E - c c'), its first moment m c and
-    its mass m (thesis 4.2.1: not the link parameters themselves, of which the torque is no linear function). They come
-    in the order in which they shall stand for those that cannot be told from them, see `base_parameters`.
+    its mass m (thesis 4.2.1: not the link parameters themselves, in which the torque is not linear). Of parameters
+    that cannot be distinguished, the first in this order represents the others, see `base_parameters`.
 
     Args:
         robot: The robot, all gears and elastic directions locked.
@@ -58,22 +58,22 @@ def standard_parameters(robot: Robot, asymmetric: bool = False) -> tuple[Standar
         Parameters: first the bodies, each followed by the inertia of its motor, then the friction of all motors, then
         that of bodies where the robot file gives one.
     """
-    found: list[StandardParameter] = []
+    parameters: list[StandardParameter] = []
     motor = 0
     for index, body in enumerate(robot.spec.bodies):
         name = f"body_{index + 1}"
-        found += _of_body(robot, name)
+        parameters += _of_body(robot, name)
         for axis, direction in body.directions.items():
             if direction.motor is not None:
                 motor += 1
                 unit = unit_of("inertia", axis.startswith("r"))
                 value = robot.parameters[f"motor_{motor}.inertia"].value
-                found.append(
+                parameters.append(
                     StandardParameter(f"motor_{motor}.inertia", f"inertia of motor_{motor} at the arm", unit, value)
                 )
-    for number in range(robot.n_motors):
-        found += _friction(robot, number, asymmetric)
-    return (*found, *_body_friction(robot))
+    for index in range(robot.n_motors):
+        parameters += _friction(robot, index, asymmetric)
+    return (*parameters, *_body_friction(robot))
 
 
 def _of_body(robot: Robot, name: str) -> list[StandardParameter]:
@@ -92,9 +92,9 @@ def _of_body(robot: Robot, name: str) -> list[StandardParameter]:
         ],
         *[
             StandardParameter(
-                f"{name}.first_moment.{axis}", f"mass times centre {axis} of {name}", "kg m", float(moment[place])
+                f"{name}.first_moment.{axis}", f"mass times centre {axis} of {name}", "kg m", float(moment[row])
             )
-            for place, axis in enumerate("xyz")
+            for row, axis in enumerate("xyz")
         ],
         StandardParameter(f"{name}.mass", f"mass of {name}", "kg", mass),
     ]
@@ -113,18 +113,18 @@ def _body_friction(robot: Robot) -> list[StandardParameter]:
     ]
 
 
-def _friction(robot: Robot, number: int, asymmetric: bool) -> list[StandardParameter]:
-    motor = robot.motors[number]
+def _friction(robot: Robot, index: int, asymmetric: bool) -> list[StandardParameter]:
+    motor = robot.motors[index]
     name = motor.name
     units = {"viscous": motor.unit("damping"), "coulomb": motor.torque_unit}
     viscous = robot.parameters[f"{name}.viscous_friction"].value
-    found = []
+    parameters = []
     for kind in ASYMMETRIC_FRICTION if asymmetric else FRICTION:
         first, _, rest = kind.partition("_")
         unit = units.get(first, units["coulomb"])
         words = f"{first} {rest.replace('_', ' ')} of {name}"
-        found.append(StandardParameter(f"{name}.{kind}", words, unit, viscous if first == "viscous" else 0.0))
-    return found
+        parameters.append(StandardParameter(f"{name}.{kind}", words, unit, viscous if first == "viscous" else 0.0))
+    return parameters
 
 
 def inertia_at_joint(inertia: dict[str, float], mass: float, center: FloatArray, sign: float = 1.0) -> dict[str, float]:
@@ -140,5 +140,5 @@ def inertia_at_joint(inertia: dict[str, float], mass: float, center: FloatArray,
         Components [kg m2] by name.
     """
     shift = mass * (center @ center * np.eye(3) - np.outer(center, center))
-    places = {entry: ("xyz".index(entry[0]), "xyz".index(entry[1])) for entry in INERTIA_COMPONENTS}
-    return {entry: float(inertia[entry] + sign * shift[place]) for entry, place in places.items()}
+    elements = {entry: ("xyz".index(entry[0]), "xyz".index(entry[1])) for entry in INERTIA_COMPONENTS}
+    return {entry: float(inertia[entry] + sign * shift[element]) for entry, element in elements.items()}

@@ -1,4 +1,4 @@
-"""Whether a rigid fit is good for a robot file, in one sentence."""
+"""Verdict on a rigid fit: usable for a robot file or not, in one sentence."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ if TYPE_CHECKING:
     from flexros.identify.rigid.fit import RigidFit
 
 LARGEST_ERROR = 20.0
-"""Share of the torque [%] that may be left unexplained; from more no robot file is made (chosen)."""
+"""Largest unexplained share of the torque [%] for which a robot file is written (chosen)."""
 
 _MOST_MISSED = 0.5
-"""Share of the estimated base parameters that no possible robot has; from more no robot file is made (chosen)."""
+"""Largest share of estimated base parameters that no feasible robot attains for which a file is written (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """What is to be made of a fit.
+    """Verdict on a fit.
 
     Attributes:
-        usable: Whether the fit explains the torque well enough and a possible robot does so, too.
-        sentence: It in words.
-        identified: The possible robot; without values when the fit itself is not usable.
-        file_error: Share of the torque that the values in the robot file leave unexplained [%]; None without a search.
+        usable: Whether the fit explains the torque well enough, and a physically feasible robot does so, too.
+        sentence: The verdict as a sentence.
+        identified: The feasible robot; without values when the fit itself is not usable.
+        file_error: Unexplained share of the torque with the values of the robot file [%]; None without a search.
     """
 
     usable: bool
@@ -35,14 +35,10 @@ class Verdict:
 
 
 def judge_fit(fit: RigidFit) -> Verdict:
-    """Judge a fit by the torque that it leaves unexplained, and look for a possible robot if it is good enough.
+    """Judge a fit by its unexplained torque, and search a physically feasible robot if it is good enough.
 
-    Args:
-        fit: The fit.
-
-    Returns:
-        The verdict. The search for a possible robot takes no more rounds than the robot has bodies and motors, as each
-        leaves another one of them at its nominal values.
+    The search takes at most as many rounds as the robot has bodies and motors, as each round leaves another one of them
+    at its nominal values.
     """
     if fit.error.total > LARGEST_ERROR:
         return Verdict(
@@ -58,20 +54,20 @@ def judge_fit(fit: RigidFit) -> Verdict:
     if error > LARGEST_ERROR or missed > _MOST_MISSED * estimated:
         return Verdict(
             False,
-            f"the rigid model leaves {fit.error.total:.3g} % of the torque unexplained, but with values that no "
-            f"possible robot has (the nearest one misses {missed} of {estimated} and leaves {error:.3g} %): "
+            f"the rigid model leaves {fit.error.total:.3g} % of the torque unexplained, but with infeasible values "
+            f"(the nearest feasible robot misses {missed} of {estimated} and leaves {error:.3g} %): "
             f"{_reason(fit)}",
             identified,
             error,
         )
     sentence = f"the rigid model leaves {fit.error.total:.3g} % of the torque unexplained"
     if identified.not_met:
-        sentence += f", the robot file {error:.3g} %, since not all identified values are possible"
+        sentence += f", the robot file {error:.3g} %, since not all identified values are feasible"
     return Verdict(True, sentence, identified, error)
 
 
 def _reason(fit: RigidFit) -> str:
-    """Say what most likely is amiss and what to do."""
+    """State the most likely cause and the remedy."""
     if fit.error_with_hold is not None and fit.error_with_hold < min(LARGEST_ERROR, fit.error.total):
         return (
             f"with delay and hold of the command it would be {fit.error_with_hold:.3g} %; pair positions with the "

@@ -57,7 +57,7 @@ def test_values_that_no_robot_can_have(emps, fourier_motion, rigid_log) -> None:
     assert "body_1" in verdict.identified.left_out
     assert list(verdict.identified.not_met) == ["body_1.mass"]
     assert verdict.usable  # the nominal mass explains the torque just as well
-    assert verdict.sentence.endswith("%, since not all identified values are possible")
+    assert verdict.sentence.endswith("%, since not all identified values are feasible")
 
 
 def test_values_most_of_which_no_robot_can_have(elbow, fourier_motion, rigid_log) -> None:
@@ -68,4 +68,4 @@ def test_values_most_of_which_no_robot_can_have(elbow, fourier_motion, rigid_log
     assert not verdict.usable
     assert verdict.file_error is not None
     assert verdict.file_error < 20  # the nominal robot, which is the real one here
-    assert "with values that no possible robot has (the nearest one misses 9 of 13 and leaves 0.0" in verdict.sentence
+    assert "with infeasible values (the nearest feasible robot misses 9 of 13 and leaves 0.0" in verdict.sentence
