@@ -87,7 +87,7 @@ def pictures() -> dict[str, str]:
     Returns:
         SVG text by file name.
     """
-    axis = TwoMassAxis.shipped()
+    axis = TwoMassAxis.builtin()
     rng = np.random.default_rng(1)
     noise = NOISE * rng.standard_normal((AT_REST, 1))
     u, y = axis.closed_loop(chirp(AT_REST, axis.sample_time), np.hstack([np.zeros_like(noise), noise]))

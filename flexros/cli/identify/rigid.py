@@ -145,7 +145,7 @@ def _print_robot_file(record: Mapping[str, Any]) -> None:
     )
     _say_some(
         [
-            f"not met by the robot file: {name}, which is {value:.6g} there, since no possible robot was found with it"
+            f"not met by the robot file: {name}, which is {value:.6g} there, since no feasible robot has it"
             for name, value in record["not_met"].items()
         ]
     )

@@ -1,4 +1,4 @@
-"""Levels of noise, of odd and even nonlinear distortion and of time variation, as they lie over frequency."""
+"""Levels of noise, of odd and even nonlinear distortion and of time variation over frequency."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ if TYPE_CHECKING:
 class Distortion:
     """Levels of the outputs that a linear, time-invariant, noise-free system would not show.
 
-    Every level is the rms amplitude of a sinusoid at one line, referred to the output: what the torque carries at that
-    line was led through the best linear approximation and taken off (Schoukens et al. 2005; closed loop).
+    Every level is the rms amplitude of a sinusoid at one line, referred to the output: the response to the torque at
+    that line, by the best linear approximation, is subtracted (Schoukens et al. 2005; closed loop).
 
     Attributes:
         frequency: Excited lines [Hz], shape (F,).
         output: Amplitude of the output [unit of the quantity], shape (F, n_y); the level to compare with.
         noise: Noise of the mean over the periods of an experiment, shape (F, n_y); NaN where there is one period only.
         total: Noise and stochastic nonlinear distortion, from blocks, shape (F, n_y); NaN with one block only.
-        time_variation: Change from period to period beyond the noise beside the lines, shape (F, n_y); NaN if unknown.
+        time_variation: Change from period to period beyond the noise at neighbouring lines, shape (F, n_y); NaN if
+            unknown.
         odd_frequency: Odd detection lines [Hz], shape (D,).
         odd: Level at odd detection lines, shape (D, n_y).
         odd_noise: Noise there, shape (D, n_y).
@@ -45,11 +46,7 @@ class Distortion:
     even_noise: FloatArray
 
     def differentiated(self, order: int) -> Distortion:
-        """Return the levels of the outputs differentiated `order` times (negative: integrated).
-
-        Args:
-            order: Number of differentiations.
-        """
+        """Return the levels of the outputs differentiated `order` times (negative: integrated)."""
         at = {"odd": self.odd_frequency, "even": self.even_frequency}
         changed = {}
         for field in fields(self):

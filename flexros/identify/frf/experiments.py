@@ -1,4 +1,4 @@
-"""Samples of experiments at one position, as arrays: what every estimator starts from."""
+"""Samples of experiments at one position, as arrays: the input of every estimator."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ class Experiments:
         sample_time: T_s [s].
         periodic: Whether the records are whole periods in steady state.
         excited: Excited lines, multiples of one over a record, shape (F,).
-        odd_detection: Odd lines left out, shape (D,).
-        even_detection: Even lines left out, shape (E,).
+        odd_detection: Odd lines left empty, shape (D,).
+        even_detection: Even lines left empty, shape (E,).
         block: Block of each experiment, shape (m,).
         input_names: Length n_u.
         output_names: Length n_y.
         input_units: "Nm" or "N", length n_u.
         coordinate_units: "rad" or "m", length n_y.
-        quantity: What the outputs are.
+        quantity: Quantity of the outputs.
         gears: Gear angles of the position [rad or m], shape (M,).
-        label: What it is called in errors and warnings, e.g. "position 3".
+        label: Name in errors and warnings, e.g. "position 3".
     """
 
     inputs: FloatArray
@@ -76,7 +76,7 @@ class Experiments:
         quantity: Quantity = "position",
         label: str = "the record",
     ) -> Experiments:
-        """Take plain arrays, of one input and output or of several.
+        """Create experiments from plain arrays, of one input and output or of several.
 
         Args:
             inputs: Shape (m, n, n_u); (m, n) or (n,) for one input.
@@ -86,13 +86,13 @@ class Experiments:
             n_periods: Number of whole periods or records of equal length in the n samples.
             periodic: Whether these are whole periods in steady state.
             lines: Excited lines, multiples of one over the period; default: all within the band.
-            band: Lowest and highest frequency wanted [Hz]; default: from line 1 to just below the Nyquist frequency.
+            band: Lowest and highest frequency [Hz]; default: from line 1 to just below the Nyquist frequency.
             block: Block of each experiment, shape (m,); default: as many experiments in each block as inputs.
-            quantity: What the outputs are.
-            label: What the record is called in errors.
+            quantity: Quantity of the outputs.
+            label: Name of the record in errors.
 
         Raises:
-            InputError: Shapes do not fit together, or no line is within the band.
+            InputError: Shapes do not match, or no line is within the band.
         """
         u, y = _stack(inputs, "inputs"), _stack(outputs, "outputs")
         r = None if reference is None else _stack(reference, "reference")
@@ -106,7 +106,7 @@ class Experiments:
         excited = _lines(lines, band, n // n_periods, sample_time)
         inside = np.arange(excited[0], excited[-1] + 1)
         rest = np.setdiff1d(inside, excited)
-        number = np.arange(m) // n_u if block is None else np.asarray(block, dtype=np.int64)
+        blocks = np.arange(m) // n_u if block is None else np.asarray(block, dtype=np.int64)
         return cls(
             inputs=u,
             outputs=y,
@@ -117,7 +117,7 @@ class Experiments:
             excited=excited,
             odd_detection=rest[rest % 2 == 1],
             even_detection=rest[rest % 2 == 0],
-            block=number,
+            block=blocks,
             input_names=tuple(f"motor_{i + 1}" for i in range(n_u)),
             output_names=tuple(f"motor_{i + 1}" for i in range(y.shape[2])),
             input_units=("Nm",) * n_u,
@@ -155,7 +155,7 @@ class Experiments:
         total_error: ComplexArray | None = None,
         distortion: Distortion | None = None,
     ) -> FrequencyResponse:
-        """Put an estimate together with what is known of its experiments; arguments as of `FrequencyResponse`."""
+        """Combine an estimate with the data of its experiments; arguments as of `FrequencyResponse`."""
         return FrequencyResponse(
             frequency=frequency,
             response=response,
@@ -178,7 +178,7 @@ class Experiments:
 
 
 def _stack(array: ArrayLike, name: str) -> FloatArray:
-    """Bring samples to the shape (m, n, width)."""
+    """Reshape samples to (m, n, width)."""
     samples = np.asarray(array, dtype=float)
     if samples.ndim not in (1, 2, 3):
         raise InputError(f"{name} have {samples.ndim} dimensions, allowed are (n,), (m, n) and (m, n, width)")

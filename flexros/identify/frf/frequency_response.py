@@ -1,4 +1,4 @@
-"""The frequency response function of one position, with everything that says how far it can be trusted."""
+"""Frequency response function of one position with its covariance, distortion levels and warnings."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ class FrequencyResponse:
         total_error: The same with stochastic nonlinear distortion, from the variation over blocks; None with one block.
         input_inverse: W^H W summed over all experiments and blocks, (U U^H)^-1 for the least-squares estimate
             [(unit of input)^-2], shape (F, n_u, n_u).
-        degrees_of_freedom: Complex degrees of freedom behind each total_error (noise_error where that is None); the
-            covariance is pooled over neighbouring lines already, and what these share is counted once.
+        degrees_of_freedom: Complex degrees of freedom of each total_error (noise_error where that is None); the
+            covariance is pooled over neighbouring lines, and lines shared by two errors are counted once.
         input_names: Names of the inputs, length n_u.
         output_names: Names of the outputs, length n_y.
         input_units: Units of the inputs, "Nm" or "N", length n_u.
@@ -50,9 +50,9 @@ class FrequencyResponse:
         sample_time: T_s [s].
         n_periods: Recorded whole periods per experiment.
         n_blocks: Blocks of experiments.
-        quantity: What the outputs are.
-        distortion: Levels of noise, odd and even distortion and time variation; None where nothing tells them.
-        warnings: What was found in the record, one sentence each.
+        quantity: Quantity of the outputs.
+        distortion: Levels of noise, odd and even distortion and time variation; None where unknown.
+        warnings: Findings in the record, one sentence each.
     """
 
     frequency: FloatArray
@@ -133,7 +133,7 @@ class FrequencyResponse:
             C_E [(unit of output)^2], shape (F, n_y, n_y).
 
         Raises:
-            InputError: The record has too few blocks (total) or periods (noise) to tell.
+            InputError: The record has too few blocks (total) or periods (noise).
         """
         error = {"total": self.total_error, "noise": self.noise_error}[kind]
         if error is None:
@@ -170,7 +170,7 @@ class FrequencyResponse:
 
     def frd(self) -> control.FrequencyResponseData:
         """Return the response as python-control FrequencyResponseData over w [rad/s]."""
-        import control  # here, because it loads slowly
+        import control  # deferred: slow to import
 
         response = np.moveaxis(self.response, 0, 2)
         names = {"inputs": list(self.input_names), "outputs": list(self.output_names)}

@@ -1,4 +1,4 @@
-"""The frequency responses of all positions of a log."""
+"""Frequency responses of all positions of a log."""
 
 from __future__ import annotations
 
@@ -41,16 +41,16 @@ def estimate_responses(
     Args:
         log: The log.
         plan: The plan of its experiment, e.g. from `plan_of_log`.
-        settings: How.
-        robot: The nominal robot: torque limits, and order, signs, level and delay of the joints, are then checked too.
+        settings: Settings of the estimation.
+        robot: The nominal robot: torque limits, and order, signs, level and delay of the joints are checked as well.
         start_stamp: Stamp of the plan's sample 0 [ns]; default: 1 s for logs of FlexROS, else the first measurement.
-        progress: Called with positions done and their number.
+        progress: Called with the number of completed positions and their total number.
 
     Returns:
         One response per position that was visited, in the order of the plan's positions.
 
     Raises:
-        InputError: The record would give a wrong response; the sentence says where and why.
+        InputError: The record would give a wrong response; the message names place and cause.
     """
     chosen = FrfSettings() if settings is None else settings
     aligned = align(log, plan, start_stamp)
@@ -59,26 +59,26 @@ def estimate_responses(
     visited = sorted({segment.position for segment in segments})
     responses = []
     for done, position in enumerate(visited):
-        mine = [segment for segment in segments if segment.position == position]
-        experiments = experiments_of(aligned, plan, mine, robot)
+        recorded_periods = [segment for segment in segments if segment.position == position]
+        experiments = experiments_of(aligned, plan, recorded_periods, robot)
         response = frequency_response_of(experiments, chosen, robot).as_quantity("acceleration")
         responses.append(replace(response, warnings=(*aligned.warnings, *warnings, *response.warnings)))
         if progress is not None:
             progress(done + 1, len(visited))
-    told = tuple(model_warnings(responses, robot))
-    return tuple(replace(response, warnings=response.warnings + told) for response in responses)
+    warnings_of_model = tuple(model_warnings(responses, robot))
+    return tuple(replace(response, warnings=response.warnings + warnings_of_model) for response in responses)
 
 
 def experiments_of(
     aligned: AlignedLog, plan: ExperimentPlan, segments: list[Segment], robot: Robot | None = None
 ) -> Experiments:
-    """Cut the recorded periods of one position out of a log.
+    """Extract the recorded periods of one position from a log.
 
     Args:
         aligned: The signals.
         plan: The plan.
         segments: The recorded periods, all of one position.
-        robot: The nominal robot, which knows units; None: rotating motors.
+        robot: The nominal robot, for units; None: rotary motors.
 
     Returns:
         The samples of all its experiments.
@@ -113,7 +113,7 @@ def experiments_of(
 def _complete(
     plan: ExperimentPlan, aligned: AlignedLog, stopped_at: int | None, partial: bool
 ) -> tuple[list[Segment], list[str]]:
-    """Return the segments to use: all, or where a part suffices those of blocks that ended as planned in the log."""
+    """Return the segments to use: all, or with `partial` those of blocks that ended as planned in the log."""
     segments = list(plan.segments)
     if not partial:
         _check_not_stopped(plan, stopped_at)
@@ -135,18 +135,18 @@ def _complete(
             f"{(min(ends.values()) - 1) * plan.sample_time:.3f} s; record longer"
         )
     n_cut = sum(stop > end for stop in ends.values())
-    return used, [f"{why} before its plan; {n_cut} blocks that are not complete were left out"] if n_cut else []
+    return used, [f"{why} before its plan; {n_cut} incomplete blocks were left out"] if n_cut else []
 
 
 def _stopped_at(log: Log) -> int | None:
-    """Give the first sample that may differ from the plan because the user stopped the experiment."""
+    """Return the first sample that may differ from the plan because the user stopped the experiment."""
     stopped = log.provenance.get("stopped")
     sample = stopped.get("stopped_at_sample") if isinstance(stopped, Mapping) else None
     return sample if isinstance(sample, int) and sample >= 0 else None
 
 
 def _check_not_stopped(plan: ExperimentPlan, stopped_at: int | None) -> None:
-    """Refuse a log whose experiment was stopped before its last recorded period."""
+    """Reject a log whose experiment was stopped before its last recorded period."""
     complete = sum(stopped_at is None or segment.stop <= stopped_at for segment in plan.segments)
     if stopped_at is None or complete == len(plan.segments):
         return

@@ -1,4 +1,4 @@
-"""Position, velocity, acceleration: the three forms in which a response of a motor may be written."""
+"""Position, velocity, acceleration: the possible outputs of the frequency response of a motor."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray
 
 Quantity = Literal["position", "velocity", "acceleration"]
-"""What the output of a frequency response is."""
+"""Output quantity of a frequency response."""
 
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 """In the order of derivatives: position is the derivative of order 0."""
@@ -21,7 +21,7 @@ _PER_TIME = ("", "/s", "/s²")
 
 
 def derivative_order(quantity: str) -> int:
-    """Return how often position was differentiated: 0 for position, 1 for velocity, 2 for acceleration.
+    """Return the number of differentiations of position: 0 for position, 1 for velocity, 2 for acceleration.
 
     Args:
         quantity: Name of the quantity.
@@ -35,7 +35,7 @@ def derivative_order(quantity: str) -> int:
 
 
 def differentiation(frequency: FloatArray, order: int) -> ComplexArray:
-    """Return (j w)^order, which turns one quantity into another exactly.
+    """Return (j w)^order, which converts one quantity to another exactly.
 
     Args:
         frequency: Frequencies [Hz], shape (F,).

@@ -1,4 +1,4 @@
-"""How frequency responses are estimated: everything a user may choose, with its default."""
+"""Settings of the estimation of frequency responses."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from pydantic import Field
 from flexros.config.settings import Settings
 
 Average = Literal["joint", "arithmetic", "logarithmic"]
-"""How blocks are put together."""
+"""How blocks are combined."""
 
 Method = Literal["auto", "periodic", "local_polynomial", "smoothing"]
-"""How samples become a response."""
+"""How samples are converted to a response."""
 
 DataWindow = Literal["boxcar", "bartlett", "hann"]
 """Weight of the samples over a record."""
 
 
 class FrfSettings(Settings):
-    """Choices of the estimation of frequency responses."""
+    """Settings of the estimation of frequency responses."""
 
     partial: bool = Field(
         False,
-        description="use the complete blocks of a log that ends, or was stopped, before its plan; else it is refused",
+        description="use the complete blocks of a log that ends, or was stopped, before its plan; else it is rejected",
     )
     method: Method = Field(
         "auto",
@@ -39,7 +39,7 @@ class FrfSettings(Settings):
         "auto", description="auto: use the reference of the log as instrument where it has one; unknown: never"
     )
     drift_degree: Annotated[int, Field(ge=0, le=5)] = Field(
-        2, description="degree of the polynomial of a slow motion that is taken off whole periods; 0: nothing"
+        2, description="degree of the polynomial of a slow motion that is subtracted from whole periods; 0: none"
     )
     pool_lines: Annotated[int, Field(ge=0, le=50)] = Field(
         3, description="neighbours on either side over which error covariances are pooled"
@@ -51,7 +51,7 @@ class FrfSettings(Settings):
         4, description="degrees of freedom left for the noise in each local fit; more of them widen its band"
     )
     thinned: bool = Field(
-        True, description="keep only lines of records that are not periodic whose estimates are nearly independent"
+        True, description="keep only lines of non-periodic records whose estimates are nearly independent"
     )
     rest_samples: Annotated[int, Field(ge=1)] = Field(
         1, description="samples at rest at either end of a record over which its end values are averaged"

@@ -17,7 +17,7 @@ CHIRP_AMPLITUDE = 1.0
 """Amplitude of the motor speed reference [rad/s] (chosen)."""
 
 NOISE = 2e-5
-"""Measurement noise of the motor position, rms [rad] (chosen; the thesis shows it as very high)."""
+"""Measurement noise of the motor position, rms [rad] (chosen; very high in the thesis)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +27,8 @@ class TwoMassAxis:
     Attributes:
         continuous: A and B of the continuous-time model, shapes (4, 4) and (4, 1).
         transition: State to the next sample, shape (4, 4).
-        entry: Held torque to the next state, shape (4,).
-        motor: Motor position of a state, shape (4,).
+        entry: Input matrix of the held torque, shape (4,).
+        motor: Output vector of the motor position, shape (4,).
         sample_time: T_s [s].
     """
 
@@ -39,8 +39,8 @@ class TwoMassAxis:
     sample_time: float
 
     @classmethod
-    def shipped(cls) -> TwoMassAxis:
-        """Take the shipped robot `two_mass`."""
+    def builtin(cls) -> TwoMassAxis:
+        """Return the axis of the built-in robot `two_mass`."""
         from scipy.linalg import expm  # here, because it loads slowly
 
         from flexros.robot import load_robot
@@ -67,7 +67,7 @@ class TwoMassAxis:
         return np.asarray(s * _resolvent(A, B[:, 0], self.motor, s))
 
     def sampled_speed_response(self, frequency: FloatArray) -> ComplexArray:
-        """Return the response of the sampled model with zero-order hold, times j w as the estimates are.
+        """Return the response of the sampled model with zero-order hold, times j w like the estimates.
 
         Args:
             frequency: Frequencies [Hz], shape (F,).
@@ -86,8 +86,8 @@ class TwoMassAxis:
 
         Args:
             speed_reference: r [rad/s], shape (n,) or (n, number of runs).
-            noise: Added to the measured motor position [rad], shape (n, number of runs); none: no noise.
-            torque: Disturbance at the motor that no command shows [Nm], shape as for the noise; none: no disturbance.
+            noise: Added to the measured motor position [rad], shape (n, number of runs); default: none.
+            torque: Disturbance torque at the motor [Nm], not in the command, shape as for the noise; default: none.
 
         Returns:
             Torque command u [Nm] and measured motor position y [rad], shape (n, number of runs) each.

@@ -80,7 +80,7 @@ def test_no_robot_file_where_no_possible_robot_comes_near(flexros, tmp_path: Pat
     ended = flexros("identify", "rigid", log, "--model", "emps", "--out", str(out), "--cutoff", "50")
     assert ended.code == 2
     assert "no robot file was written: the rigid model leaves 0.0" in ended.err
-    assert "but with values that no possible robot has (the nearest one misses 1 of 4 and leaves" in ended.err
+    assert "but with infeasible values (the nearest feasible robot misses 1 of 4 and leaves" in ended.err
     assert ended.err.count("\n") == 1
     assert [file.name for file in out.iterdir()] == ["rigid.json"]
     assert not json.loads((out / "rigid.json").read_text())["verdict"]["usable"]

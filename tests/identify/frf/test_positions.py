@@ -82,7 +82,7 @@ def test_log_cut_short_is_refused_or_used_as_far_as_complete(recorded: Recorded)
         estimate_responses(short, recorded.plan)
     first, second = estimate_responses(short, recorded.plan, FrfSettings(partial=True))
     assert (first.n_blocks, second.n_blocks) == (2, 1)
-    assert "the log ends before its plan; 1 blocks that are not complete were left out" in second.warnings
+    assert "the log ends before its plan; 1 incomplete blocks were left out" in second.warnings
 
 
 def test_log_without_a_complete_block_is_refused(recorded: Recorded) -> None:
@@ -104,7 +104,7 @@ def test_motion_after_a_stop_is_not_taken_for_the_plan(recorded: Recorded) -> No
     log = stopped(recorded, segments[-1].stop - 1)
     first, second = estimate_responses(log, recorded.plan, FrfSettings(partial=True))
     assert (first.n_blocks, second.n_blocks) == (2, 1)
-    assert "the experiment was stopped before its plan; 1 blocks that are not complete were left out" in second.warnings
+    assert "the experiment was stopped before its plan; 1 incomplete blocks were left out" in second.warnings
     whole = estimate_responses(recorded.log, recorded.plan)
     np.testing.assert_array_equal(first.response, whole[0].response)
 
@@ -161,7 +161,7 @@ def test_commands_that_end_early_are_named_or_used_as_far_as_complete(recorded: 
         estimate_responses(early, recorded.plan)
     first, second = estimate_responses(early, recorded.plan, FrfSettings(partial=True))
     assert (first.n_blocks, second.n_blocks) == (2, 1)
-    assert "the commands of the log end before its plan; 1 blocks that are not complete were left out" in first.warnings
+    assert "the commands of the log end before its plan; 1 incomplete blocks were left out" in first.warnings
     earlier = with_commands(recorded.log, slice(0, segments[0].stop))
     with pytest.raises(InputError, match="too short a log: its commands end at .*, before the first block is complete"):
         estimate_responses(earlier, recorded.plan, FrfSettings(partial=True))

@@ -18,7 +18,7 @@ BAND = (1.5, 48.0)
 
 @pytest.fixture(scope="module")
 def axis() -> TwoMassAxis:
-    return TwoMassAxis.shipped()
+    return TwoMassAxis.builtin()
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Covariance of the output error E = Y - G U of one experiment: of noise from periods, of everything from blocks."""
+"""Covariance of the output error E = Y - G U of one experiment: noise from periods, total from blocks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flexros.identify.frf.estimate.period_spectra import PeriodSpectra
 
 CONDITION = 1e10
-"""Largest condition of a response that is still inverted to refer errors to the input (chosen)."""
+"""Largest condition number of a response that is inverted to refer errors to the input (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class ErrorCovariance:
 
     Attributes:
         noise: From the variation over periods, shape (F, n_y, n_y); None with one period.
-        total: From the variation over experiments and blocks, shape (F, n_y, n_y); None where none is spare.
+        total: From the variation over experiments and blocks, shape (F, n_y, n_y); None without spare ones.
         degrees_of_freedom: Complex degrees of freedom of total, of noise where that is None; 0 where both are.
     """
 
@@ -35,33 +35,33 @@ class ErrorCovariance:
     degrees_of_freedom: float
 
 
-def error_covariance(spectra: PeriodSpectra, found: MatrixEstimate, order: int, pool_lines: int) -> ErrorCovariance:
+def error_covariance(spectra: PeriodSpectra, estimate: MatrixEstimate, order: int, pool_lines: int) -> ErrorCovariance:
     """Estimate the error covariances at the excited lines.
 
-    In closed loop the noise is in U as well as in Y; what is not explained is E = Y - G U (Pintelon & Schoukens 2012,
-    chapter 2), so E and not Y is looked at. Its covariance C follows from the period means, E_hat = Y - G U =
-    E (I - W U), by E[E_hat E_hat^H] = C tr((I - W U)(I - W U)^H).
+    In closed loop the noise is in U as well as in Y; the unexplained part is E = Y - G U (Pintelon & Schoukens 2012,
+    chapter 2), so the covariance of E and not that of Y is estimated. Its covariance C follows from the period means,
+    E_hat = Y - G U = E (I - W U), by E[E_hat E_hat^H] = C tr((I - W U)(I - W U)^H).
 
     The degrees of freedom count neighbouring lines as independent, as noise and stochastic distortion in steady state
-    are. A transient that has not died out is smooth over the lines, so that fewer are left: of 14 for two motors and
+    are. A transient that has not decayed is smooth over the lines, so that fewer remain: of 14 for two motors and
     two blocks, repeated simulations of scenario identify_e12 without detection lines show 14 and 15 (motors 1 and 2)
     after 8 transient periods, but 4 and 7 after 2.
 
     Args:
         spectra: Spectra at the excited lines.
-        found: The estimate of G from them.
-        order: How often the outputs are differentiated positions.
+        estimate: The estimate of G from them.
+        order: Derivative order of the outputs with respect to position.
         pool_lines: Neighbours on either side over which to pool.
     """
-    forms = flattenings(found.response, spectra.frequency, order)
+    forms = flattenings(estimate.response, spectra.frequency, order)
     width = windows(len(spectra.lines), pool_lines).shape[1]
-    noise, noise_degrees = noise_scatter(spectra, found.response), 0.0
+    noise, noise_degrees = noise_scatter(spectra, estimate.response), 0.0
     if noise is not None:
         noise_degrees = float(width * spectra.input.shape[0] * (spectra.n_periods - 1))
         following = _following(noise, pool_lines)
         noise = pooled(noise, forms, pool_lines, noise_degrees / width)
         forms = forms if following is None else [*forms, following]
-    scatter, degrees = _total_scatter(spectra, found)
+    scatter, degrees = _total_scatter(spectra, estimate)
     if scatter is None:
         return ErrorCovariance(noise, None, noise_degrees)
     return ErrorCovariance(noise, pooled(scatter, forms, pool_lines, degrees), width * degrees)
@@ -70,8 +70,8 @@ def error_covariance(spectra: PeriodSpectra, found: MatrixEstimate, order: int, 
 def noise_scatter(spectra: PeriodSpectra, response: ComplexArray) -> ComplexArray | None:
     """Return the noise covariance of the mean over periods, line by line; None with a single period.
 
-    Periods count as independent. At the lowest lines of a robot in closed loop they are not: noise moves the axis, and
-    what leaks at the end of one period comes back at the start of the next, so that the mean is better than this says.
+    Periods are treated as independent. At the lowest lines of a robot in closed loop they are not: noise moves the
+    axis, and leakage at the end of one period returns at the start of the next, so that the mean is more accurate.
 
     Args:
         spectra: Spectra at some lines.
@@ -99,13 +99,13 @@ def output_error(spectra: PeriodSpectra, response: ComplexArray) -> ComplexArray
     return np.asarray(spectra.output - np.einsum("lij,mplj->mpli", response, spectra.input))
 
 
-def _total_scatter(spectra: PeriodSpectra, found: MatrixEstimate) -> tuple[ComplexArray | None, float]:
+def _total_scatter(spectra: PeriodSpectra, estimate: MatrixEstimate) -> tuple[ComplexArray | None, float]:
     experiments, inputs = spectra.input.shape[0], spectra.input.shape[3]
     if experiments <= inputs:
         return None, 0.0
     U = np.moveaxis(spectra.input.mean(axis=1), 0, 2)
-    error = np.moveaxis(output_error(spectra, found.response).mean(axis=1), 0, 2)
-    rest = np.eye(experiments) - found.weights @ U
+    error = np.moveaxis(output_error(spectra, estimate.response).mean(axis=1), 0, 2)
+    rest = np.eye(experiments) - estimate.weights @ U
     square = rest @ adjoint(rest)
     trace = np.einsum("fii->f", square).real
     degrees = trace**2 / np.einsum("fij,fji->f", square, square).real
@@ -114,7 +114,7 @@ def _total_scatter(spectra: PeriodSpectra, found: MatrixEstimate) -> tuple[Compl
 
 
 def _following(noise: ComplexArray, half: int) -> ComplexArray | None:
-    """Return the form in which an error that is distributed over the lines as the noise between periods is flat."""
+    """Return the transformation for errors that are distributed over the lines like the noise between periods."""
     variance = np.einsum("fii->fi", noise).real
     smooth = variance[windows(len(variance), min(half, 1))].mean(axis=1)
     if not np.all(smooth > 0):
@@ -123,12 +123,12 @@ def _following(noise: ComplexArray, half: int) -> ComplexArray | None:
 
 
 def flattenings(response: ComplexArray, frequency: FloatArray, order: int) -> list[ComplexArray]:
-    """Return the forms in which an error may be flat: as position, and referred to the input.
+    """Return the transformations under which an error may be flat: as position, and referred to the input.
 
     Args:
         response: G, shape (F, n_y, n_u).
         frequency: Frequencies [Hz], shape (F,).
-        order: How often the outputs are differentiated positions.
+        order: Derivative order of the outputs with respect to position.
 
     Returns:
         Stacks of matrices that the error is multiplied by, each of shape (F, n_y, n_y).

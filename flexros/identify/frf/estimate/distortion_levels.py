@@ -1,4 +1,4 @@
-"""How much of the output is noise, odd and even nonlinear distortion, and change in time."""
+"""Levels of noise, odd and even nonlinear distortion, and time variation in the output."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def distortion_levels(
     error: ErrorCovariance,
     pool_lines: int,
 ) -> Distortion:
-    """Tell the levels from excited and detection lines (Schoukens, Pintelon, Dobrowiecki & Rolain 2005).
+    """Estimate the levels from excited and detection lines (Schoukens, Pintelon, Dobrowiecki & Rolain 2005).
 
-    In closed loop the torque carries harmonics at detection lines too. So the output is referred to the torque there
-    through the best linear approximation, interpolated between excited lines, before it is judged: E = Y - G U.
+    In closed loop the torque has harmonics at detection lines, too. The response to the torque at these lines, by the
+    best linear approximation interpolated between excited lines, is therefore subtracted: E = Y - G U.
 
     Args:
         spectra: Spectra at the excited and detection lines.
@@ -39,11 +39,11 @@ def distortion_levels(
         error: Error covariances there.
         pool_lines: Neighbours on either side over which levels of time variation are pooled.
     """
-    mine = spectra.at(excited)
-    output = _rms(mine.output.mean(axis=1))
+    at_excited = spectra.at(excited)
+    output = _rms(at_excited.output.mean(axis=1))
     unknown = np.full(output.shape, np.nan)
     return Distortion(
-        frequency=mine.frequency,
+        frequency=at_excited.frequency,
         output=output,
         noise=unknown if error.noise is None else _deviation(error.noise),
         total=unknown if error.total is None else _deviation(error.total),
@@ -59,7 +59,7 @@ def interpolated(response: ComplexArray, frequency: FloatArray, at: FloatArray) 
     Args:
         response: Response, shape (F, n_y, n_u).
         frequency: Its frequencies [Hz], increasing, shape (F,).
-        at: Frequencies [Hz] at which it is wanted, shape (L,).
+        at: Frequencies [Hz] of the result, shape (L,).
 
     Returns:
         Response, shape (L, n_y, n_u).
@@ -72,13 +72,13 @@ def interpolated(response: ComplexArray, frequency: FloatArray, at: FloatArray) 
 def _level(
     kind: str, spectra: PeriodSpectra, excited: IntArray, lines: IntArray, response: ComplexArray
 ) -> dict[str, FloatArray]:
-    mine = spectra.at(lines)
-    there = interpolated(response, spectra.at(excited).frequency, mine.frequency)
-    noise = noise_scatter(mine, there) if len(lines) else None
-    level = _rms(output_error(mine, there).mean(axis=1))
+    detection = spectra.at(lines)
+    response_there = interpolated(response, spectra.at(excited).frequency, detection.frequency)
+    noise = noise_scatter(detection, response_there) if len(lines) else None
+    level = _rms(output_error(detection, response_there).mean(axis=1))
     unknown = np.full(level.shape, np.nan)
     return {
-        f"{kind}_frequency": mine.frequency,
+        f"{kind}_frequency": detection.frequency,
         kind: level,
         f"{kind}_noise": unknown if noise is None else _deviation(noise),
     }
@@ -87,18 +87,18 @@ def _level(
 def _time_variation(
     spectra: PeriodSpectra, excited: IntArray, detection: IntArray, response: ComplexArray, pool_lines: int
 ) -> FloatArray:
-    """Return what changes from period to period at excited lines beyond the change at the lines beside them.
+    """Return the change from period to period at excited lines beyond that at neighbouring detection lines.
 
-    Noise is at all lines alike; only a system that changes makes excited lines, and these alone, vary more.
+    Noise is alike at all lines; only time variation increases the variance at excited lines, and only there.
     """
-    mine, beside = spectra.at(excited), spectra.at(detection)
-    change = noise_scatter(mine, response)
+    at_excited, at_detection = spectra.at(excited), spectra.at(detection)
+    change = noise_scatter(at_excited, response)
     if change is None or len(detection) < 2:
         return np.full((len(excited), spectra.output.shape[3]), np.nan)
-    floor = noise_scatter(beside, interpolated(response, mine.frequency, beside.frequency))
+    floor = noise_scatter(at_detection, interpolated(response, at_excited.frequency, at_detection.frequency))
     assert floor is not None
     changes, floors = (_pooled_variance(variance, pool_lines) for variance in (change, floor))
-    floors = np.array([np.interp(mine.frequency, beside.frequency, column) for column in floors.T]).T
+    floors = np.array([np.interp(at_excited.frequency, at_detection.frequency, column) for column in floors.T]).T
     return np.asarray(np.sqrt(np.maximum(changes - floors, 0.0) * spectra.n_periods))
 
 

@@ -1,4 +1,4 @@
-"""Taking the drift of a slow motion off recorded whole periods, exactly whatever the periodic part is."""
+"""Removal of the drift of a slow motion from recorded whole periods, exact for any periodic part."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ if TYPE_CHECKING:
 
 
 def without_drift(samples: FloatArray, n_periods: int, degree: int, excited_lines: IntArray) -> FloatArray:
-    """Take a polynomial trend off a periodic signal on a slow motion.
+    """Subtract a polynomial trend from a periodic signal on a slow motion.
 
-    With two periods or more, the trend p is fitted to what differs between the periods, x(t + T) - x(t) =
-    p(t + T) - p(t): the least-squares fit of p beside a periodic part that is free at every sample. With a single
+    With two periods or more, the trend p is fitted to the difference between the periods, x(t + T) - x(t) =
+    p(t + T) - p(t): the least-squares fit of p with a periodic part that is free at every sample. With a single
     period, it is fitted at the lines that are not excited, where a periodic part of excited lines is zero.
 
-    Noise differs between the periods too, and the polynomial takes part of it at the lowest lines: with two periods,
+    Noise differs between the periods too, and the polynomial absorbs part of it at the lowest lines: with two periods,
     degree 2 and white noise the noise covariance of line 1 is 0.6 of the true one, that of line 2 already 0.93; with
-    four periods nothing of it is left.
+    four periods the effect vanishes.
 
     Args:
         samples: Samples of whole periods, shape (n_periods N, n).
         n_periods: Number of periods.
-        degree: Degree of the trend; 0 leaves the samples as they are, because the mean is no drift.
-        excited_lines: Multiples of one over the period where the periodic part lies, shape (F,); used with one period.
+        degree: Degree of the trend; 0 returns the samples unchanged, because the mean is not drift.
+        excited_lines: Multiples of one over the period of the periodic part, shape (F,); used with one period.
 
     Returns:
         Samples without the trend (its value in the middle of the record is kept), shape (n_periods N, n).
@@ -53,13 +53,13 @@ def trend_powers(n: int, degree: int) -> FloatArray:
 
 
 def _off_periodic(samples: FloatArray, n_periods: int) -> FloatArray:
-    """Take the mean over periods off every phase of the period, shape (n_periods N, n)."""
+    """Subtract the mean over periods from every phase of the period, shape (n_periods N, n)."""
     folded = samples.reshape(n_periods, -1, samples.shape[1])
     return np.asarray((folded - folded.mean(axis=0)).reshape(samples.shape))
 
 
 def _off_lines(samples: FloatArray, excited_lines: IntArray) -> FloatArray:
-    """Take mean and excited lines out of a single period, shape (N, n)."""
+    """Subtract mean and excited lines from a single period, shape (N, n)."""
     spectrum = np.fft.rfft(samples, axis=0)
     spectrum[0] = 0
     spectrum[excited_lines] = 0

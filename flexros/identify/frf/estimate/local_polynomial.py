@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray, IntArray
 
 WORST_CONDITION = 1e12
-"""Largest condition of a local fit with columns scaled to equal size (chosen)."""
+"""Largest condition number of a local fit with columns scaled to equal size (chosen)."""
 
 ANCHORS = 20
-"""Fits that are compared with their neighbours to find what overlapping fits share (chosen)."""
+"""Number of fits that are compared with their neighbours to estimate the overlap of residuals (chosen)."""
 
 
 def local_polynomial(
@@ -31,7 +31,7 @@ def local_polynomial(
     """Estimate G at chosen lines of records of any kind (Pintelon & Schoukens 2012, chapter 7).
 
     Near line k the spectra of m experiments follow Y(k + r) = G(k + r) U(k + r) + T(k + r) + E(k + r); G and the
-    transients T (one per experiment: leakage and memory of what was before) are smooth, so both are polynomials of r.
+    transients T (one per experiment: leakage and memory of the past) are smooth, so both are polynomials of r.
     In closed loop with a known reference, the same is done from R to [Y; U], and G = G_yr G_ur^-1: noise that the
     controller feeds back into U then causes no bias.
 
@@ -39,7 +39,7 @@ def local_polynomial(
         inputs: U at L successive lines, shape (L, n_u, m).
         outputs: Y, shape (L, n_y, m).
         reference: R, shape (L, n_u, m), or None.
-        at: Places among the L lines where G is wanted, shape (F,).
+        at: Indices among the L lines at which G is estimated, shape (F,).
         degree: Degree of the polynomials.
         spare: Degrees of freedom left for the noise in each fit.
 
@@ -47,7 +47,7 @@ def local_polynomial(
         Estimates at these lines.
 
     Raises:
-        InputError: There are too few lines, or the inputs are not excited well enough there.
+        InputError: There are too few lines, or the inputs are insufficiently excited there.
     """
     n_u, m = inputs.shape[1:]
     half = half_width(n_u, m, degree, spare)
@@ -61,7 +61,7 @@ def local_polynomial(
     response, error, inverse = [], [], []
     degrees = width * m - (degree + 1) * (n_u + m)
     overlap = _Overlap(width, m)
-    for number, k in enumerate(at):
+    for index, k in enumerate(at):
         first = int(np.clip(k - half, 0, len(inputs) - width))
         rows = slice(first, first + width)
         pseudo, rest = _fit(source[rows], np.arange(first, first + width) - k, degree)
@@ -72,12 +72,12 @@ def local_polynomial(
         response.append(G)
         error.append(unexplained @ adjoint(unexplained) / degrees)
         inverse.append(adjoint(B) @ B)
-        overlap.add(first, rest, anchor=number % max(len(at) // ANCHORS, 1) == 0)
+        overlap.add(first, rest, anchor=index % max(len(at) // ANCHORS, 1) == 0)
     return LineEstimate(np.array(response), np.array(error), np.array(inverse), float(degrees), overlap.shared)
 
 
 class _Overlap:
-    """How much of their scatter local fits share whose lines overlap: tr(P Q) over tr(P), P and Q their residuals."""
+    """Shared scatter of local fits whose lines overlap: tr(P Q) over tr(P), with their residual projections P and Q."""
 
     def __init__(self, width: int, m: int) -> None:
         self.width, self.m = width, m
@@ -86,7 +86,7 @@ class _Overlap:
 
     def add(self, first: int, rest: ComplexArray, anchor: bool) -> None:
         """Add the fit over the lines from `first` on; others are compared with those that are anchors."""
-        self.anchors = [each for each in self.anchors if 0 <= first - each[0] < self.width]
+        self.anchors = [anchor_fit for anchor_fit in self.anchors if 0 <= first - anchor_fit[0] < self.width]
         if anchor:
             self.anchors.append((first, rest))
         for before, other in self.anchors:
@@ -103,7 +103,7 @@ class _Overlap:
 
 
 def half_width(n_u: int, m: int, degree: int, spare: int) -> int:
-    """Return the neighbours on either side that a local fit needs.
+    """Return the number of neighbours on either side that a local fit needs.
 
     Args:
         n_u: Number of inputs.
@@ -116,12 +116,12 @@ def half_width(n_u: int, m: int, degree: int, spare: int) -> int:
 
 
 def _unfolded(spectra: ComplexArray) -> ComplexArray:
-    """Put the lines of all experiments behind each other, shape (n, width m) for (width, n, m)."""
+    """Concatenate the lines of all experiments, shape (n, width m) for (width, n, m)."""
     return np.asarray(np.moveaxis(spectra, 1, 0).reshape(spectra.shape[1], -1))
 
 
 def _fit(source: ComplexArray, offset: IntArray, degree: int) -> tuple[ComplexArray, ComplexArray]:
-    """Return the right pseudo-inverse of the regressors and the projection on what they leave unexplained."""
+    """Return the right pseudo-inverse of the regressors and the projection on their residual."""
     width, _, m = source.shape
     powers: FloatArray = (offset / max(np.max(np.abs(offset)), 1))[:, None] ** np.arange(degree + 1)
     transient = np.einsum("ws,em->sewm", powers, np.eye(m)).reshape((degree + 1) * m, width * m)
@@ -130,7 +130,7 @@ def _fit(source: ComplexArray, offset: IntArray, degree: int) -> tuple[ComplexAr
     size = np.linalg.norm(regressors, axis=1)
     if not np.all(size > 0) or np.linalg.cond(regressors / size[:, None]) > WORST_CONDITION:
         raise InputError(
-            "no excitation: the inputs cannot be told apart from the transients within the lines of a local "
+            "no excitation: the inputs cannot be separated from the transients within the lines of a local "
             "polynomial; excite all inputs at more lines of the band, lower polynomial_degree, or set method to "
             "periodic for whole periods"
         )

@@ -63,8 +63,8 @@ def estimate(
         outputs: Y, shape (F, n_y, m).
         reference: R, shape (F, n_r, m), n_r >= n_u; None where it is not known.
         block: Block of each experiment, shape (m,).
-        average: How blocks are put together.
-        frequency: Frequencies [Hz], shape (F,); named in errors.
+        average: How blocks are combined.
+        frequency: Frequencies [Hz], shape (F,), for messages.
 
     Raises:
         InputError: There are too few independent experiments.
@@ -77,7 +77,7 @@ def estimate(
 
 
 def right_inverse(inputs: ComplexArray, reference: ComplexArray | None) -> ComplexArray:
-    """Return W with U W = I: U^H (U U^H)^-1, or with a reference the same through the part of U that it made.
+    """Return W with U W = I: U^H (U U^H)^-1, or with a reference the same for the part of U that it causes.
 
     Args:
         inputs: U, shape (F, n_u, m).
@@ -93,24 +93,24 @@ def right_inverse(inputs: ComplexArray, reference: ComplexArray | None) -> Compl
 
 
 def check_independent(inputs: ComplexArray, frequency: FloatArray) -> None:
-    """Refuse experiments that do not excite all inputs independently.
+    """Reject experiments that do not excite all inputs independently.
 
     Args:
         inputs: U, shape (F, n_u, m).
         frequency: Frequencies [Hz], shape (F,).
 
     Raises:
-        InputError: Fewer experiments than inputs, or the inputs hang together.
+        InputError: Fewer experiments than inputs, or linearly dependent inputs.
     """
     n_u, m = inputs.shape[1:]
     if m < n_u:
         raise InputError(
-            f"{m} experiments cannot tell the response to {n_u} inputs, at least {n_u} are needed; "
+            f"{m} experiments cannot determine the response to {n_u} inputs, at least {n_u} are needed; "
             "record a block of as many experiments as there are motors"
         )
     size = np.linalg.norm(inputs, axis=2, keepdims=True)
     if not np.all(size > 0):
-        k, motor = (int(place) for place in np.argwhere(size[:, :, 0] == 0)[0])
+        k, motor = (int(index) for index in np.argwhere(size[:, :, 0] == 0)[0])
         raise InputError(
             f"no excitation: input {motor + 1} is zero at {frequency[k]:g} Hz; excite every motor at every line"
         )
@@ -131,15 +131,15 @@ def _mean_of_blocks(
     logarithmic: bool,
     frequency: FloatArray,
 ) -> MatrixEstimate:
-    numbers = np.unique(block)
+    blocks = np.unique(block)
     weights = np.zeros((len(inputs), inputs.shape[2], inputs.shape[1]), dtype=complex)
     responses = []
-    for number in numbers:
-        mine = block == number
-        check_independent(inputs[:, :, mine], frequency)
-        part = right_inverse(inputs[:, :, mine], None if reference is None else reference[:, :, mine])
-        responses.append(outputs[:, :, mine] @ part)
-        weights[:, mine] = part / len(numbers)
+    for value in blocks:
+        members = block == value
+        check_independent(inputs[:, :, members], frequency)
+        part = right_inverse(inputs[:, :, members], None if reference is None else reference[:, :, members])
+        responses.append(outputs[:, :, members] @ part)
+        weights[:, members] = part / len(blocks)
     mean = logarithmic_mean(np.array(responses)) if logarithmic else np.mean(responses, axis=0)
     return MatrixEstimate(mean, weights)
 
@@ -147,7 +147,7 @@ def _mean_of_blocks(
 def logarithmic_mean(responses: ComplexArray) -> ComplexArray:
     """Return exp(mean(log G)), entry by entry, with log G = log|G| + j arg G (geometric mean).
 
-    The argument of each entry is taken relative to the arithmetic mean, so that no jump of 2 pi enters.
+    The argument of each entry is taken relative to the arithmetic mean, so that it has no jump of 2 pi.
 
     Args:
         responses: Responses to average over, shape (B, F, n_y, n_u).

@@ -1,4 +1,4 @@
-"""Frequency response from records that are not periodic: chirp, burst, or whatever a log holds."""
+"""Frequency response from non-periodic records: chirp, burst, or any other log."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ if TYPE_CHECKING:
 
 
 def without_line(samples: FloatArray, rest_samples: int = 1) -> FloatArray:
-    """Take the straight line through its two ends off a record.
+    """Subtract the straight line through the two ends of a record.
 
     For a record from rest to rest this is exact wherever the motion ends: the differences of a sampled signal that
-    starts and ends at rest have finite length, so their transform has no leakage, and taking a line off is the same as
-    transforming the differences and dividing by 1 - exp(-j w T_s), at all lines but 0.
+    starts and ends at rest have finite length, so their transform has no leakage, and subtracting a line is the same as
+    transforming the differences and dividing by 1 - exp(-j w T_s), at all lines except 0.
 
     Args:
         samples: One record, shape (N, n).
         rest_samples: Samples at either end over which the first and the last value are averaged.
 
     Returns:
-        The record less the line, shape (N, n).
+        The record minus the line, shape (N, n).
     """
     n = len(samples)
     slope = (samples[-rest_samples:].mean(axis=0) - samples[:rest_samples].mean(axis=0)) / n
@@ -43,29 +43,29 @@ def without_line(samples: FloatArray, rest_samples: int = 1) -> FloatArray:
 def record_response(experiments: Experiments, settings: FrfSettings) -> FrequencyResponse:
     """Estimate the response by local polynomials, or by smoothed spectra where the settings say so.
 
-    Every record counts as an experiment of its own, with a transient of its own.
+    Every record is treated as an experiment of its own, with its own transient.
 
     Args:
         experiments: Samples of the records.
-        settings: How.
+        settings: Settings of the estimation.
 
     Returns:
         The response, in the quantity of the outputs, at lines whose estimates are nearly independent. Its total error
-        is what the response leaves unexplained within a record; a noise error cannot be told from it.
+        is the residual within a record; a noise error cannot be separated from it.
     """
     check_lines(experiments.excited, experiments.period)
-    found, lines = _line_estimate(experiments, settings)
+    estimate, lines = _line_estimate(experiments, settings)
     frequency = lines / (experiments.period * experiments.sample_time)
-    error, degrees = found.error, found.degrees_of_freedom
+    error, degrees = estimate.error, estimate.degrees_of_freedom
     if error is not None:
-        forms = flattenings(found.response, frequency, derivative_order(experiments.quantity))
+        forms = flattenings(estimate.response, frequency, derivative_order(experiments.quantity))
         error = pooled(error, forms, settings.pool_lines, degrees)
-        degrees = pooled_degrees(degrees, lines, settings.pool_lines, found.shared)
-    return experiments.response(frequency, found.response, found.input_inverse, degrees, total_error=error)
+        degrees = pooled_degrees(degrees, lines, settings.pool_lines, estimate.shared)
+    return experiments.response(frequency, estimate.response, estimate.input_inverse, degrees, total_error=error)
 
 
 def _line_estimate(experiments: Experiments, settings: FrfSettings) -> tuple[LineEstimate, IntArray]:
-    """Return the estimate and the lines where it is."""
+    """Return the estimate and its lines."""
     m = experiments.inputs.shape[0] * experiments.n_periods
     n_u, smoothing = experiments.inputs.shape[2], settings.method == "smoothing"
     margin = settings.smoothing // 2
@@ -93,11 +93,11 @@ def _line_estimate(experiments: Experiments, settings: FrfSettings) -> tuple[Lin
 
 
 def independent_spacing(half: int, degree: int) -> int:
-    """Return after how many lines local fits are nearly independent: the width over the variance gain of the middle.
+    """Return the distance in lines of nearly independent local fits: width over variance gain of the centre.
 
     Args:
         half: Neighbours on either side of a local fit.
-        degree: Degree of its polynomials; the value in the middle of a quadratic fit has 9/4 of the variance of a mean.
+        degree: Degree of its polynomials; the centre of a quadratic fit has 9/4 of the variance of a mean.
     """
     return max(1, round((2 * half + 1) / (1.0 if degree < 2 else 2.25)))
 
@@ -105,7 +105,7 @@ def independent_spacing(half: int, degree: int) -> int:
 def _spectra(samples: FloatArray, experiments: Experiments, settings: FrfSettings, band: IntArray) -> ComplexArray:
     """Transform all records of all experiments, shape (F, n, m P).
 
-    A window that ends in zeros needs no line taken off, whose slope would rest on the noise of the two ends.
+    A window that ends in zeros needs no line subtracted, whose slope would depend on the noise of the two ends.
     """
     period, n = experiments.period, samples.shape[2]
     records = samples.reshape(-1, period, n)

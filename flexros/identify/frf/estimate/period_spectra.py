@@ -51,15 +51,15 @@ class PeriodSpectra:
         Args:
             lines: Lines that are all in `lines`, shape (K,).
         """
-        places = np.searchsorted(self.lines, lines)
-        assert np.array_equal(self.lines[places], lines)
-        reference = None if self.reference is None else self.reference[:, :, places]
+        rows = np.searchsorted(self.lines, lines)
+        assert np.array_equal(self.lines[rows], lines)
+        reference = None if self.reference is None else self.reference[:, :, rows]
         return PeriodSpectra(
-            self.lines[places],
+            self.lines[rows],
             self.period,
             self.sample_time,
-            self.input[:, :, places],
-            self.output[:, :, places],
+            self.input[:, :, rows],
+            self.output[:, :, rows],
             reference,
             self.block,
         )
@@ -68,7 +68,7 @@ class PeriodSpectra:
 def amplitudes(samples: FloatArray, n_periods: int, lines: IntArray) -> ComplexArray:
     """Transform each period: X = 2/N sum x(t_n) exp(-j 2 pi l n / N), n = 0 ... N - 1.
 
-    This is (4.3) of Moberg (2007) scaled so that a cosine of amplitude a gives |X| = a.
+    This is (4.3) of Moberg (2007), scaled so that a cosine of amplitude a gives |X| = a.
 
     Args:
         samples: Samples of n_periods whole periods of N samples, shape (n_periods N, n).
@@ -79,7 +79,7 @@ def amplitudes(samples: FloatArray, n_periods: int, lines: IntArray) -> ComplexA
         Amplitudes, shape (P, L, n).
 
     Raises:
-        InputError: The samples are no whole periods, or a line is at or above the Nyquist frequency.
+        InputError: The samples are not whole periods, or a line is at or above the Nyquist frequency.
     """
     if n_periods < 1 or len(samples) % n_periods or not len(samples):
         raise InputError(
@@ -92,7 +92,7 @@ def amplitudes(samples: FloatArray, n_periods: int, lines: IntArray) -> ComplexA
 
 
 def check_lines(lines: IntArray, period: int) -> None:
-    """Refuse lines that samples cannot carry.
+    """Reject lines above the Nyquist frequency.
 
     Args:
         lines: Multiples of one over the period, shape (L,).

@@ -1,4 +1,4 @@
-"""Frequency response from whole periods in steady state: no leakage, noise and distortion told apart."""
+"""Frequency response from whole periods in steady state: no leakage; noise and distortion are separated."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def spectra_of(experiments: Experiments, settings: FrfSettings) -> PeriodSpectra
 
     Args:
         experiments: Samples of whole periods.
-        settings: How.
+        settings: Settings of the estimation.
 
     Returns:
         Spectra at the excited and detection lines.
@@ -62,35 +62,35 @@ def periodic_response(
 
     Args:
         experiments: Samples of whole periods.
-        settings: How.
-        spectra: What `spectra_of` returned for them; made here when left out.
+        settings: Settings of the estimation.
+        spectra: Result of `spectra_of`; default: computed here.
 
     Returns:
         The response, in the quantity of the outputs.
     """
     spectra = spectra_of(experiments, settings) if spectra is None else spectra
-    mine = spectra.at(experiments.excited)
+    excited = spectra.at(experiments.excited)
     U, Y, R = (
         None if part is None else np.moveaxis(part.mean(axis=1), 0, 2)
-        for part in (mine.input, mine.output, mine.reference)
+        for part in (excited.input, excited.output, excited.reference)
     )
     assert U is not None
     assert Y is not None
-    found = estimate(U, Y, R, mine.block, settings.average, mine.frequency)
-    error = error_covariance(mine, found, derivative_order(experiments.quantity), settings.pool_lines)
+    result = estimate(U, Y, R, excited.block, settings.average, excited.frequency)
+    error = error_covariance(excited, result, derivative_order(experiments.quantity), settings.pool_lines)
     levels = distortion_levels(
         spectra,
         experiments.excited,
         experiments.odd_detection,
         experiments.even_detection,
-        found.response,
+        result.response,
         error,
         settings.pool_lines,
     )
     return experiments.response(
-        mine.frequency,
-        found.response,
-        found.input_inverse,
+        excited.frequency,
+        result.response,
+        result.input_inverse,
         error.degrees_of_freedom,
         noise_error=error.noise,
         total_error=error.total,

@@ -1,4 +1,4 @@
-"""Pooling error covariances over neighbouring lines, so that few blocks give enough degrees of freedom."""
+"""Pooling of error covariances over neighbouring lines, for sufficient degrees of freedom with few blocks."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray, IntArray
 
 CLEARLY = 3.0
-"""Gain in log-likelihood over the lines beside a line from which another form is believed (chosen)."""
+"""Gain in log-likelihood over the neighbouring lines from which another flattening is chosen (chosen)."""
 
 SINGULAR = -15.0
-"""Log det of a matrix of correlations, per dimension, below which it counts as singular."""
+"""Log det of a matrix of correlations, per dimension, below which it is singular."""
 
 
 def windows(n_lines: int, half: int) -> IntArray:
@@ -32,34 +32,34 @@ def windows(n_lines: int, half: int) -> IntArray:
     return np.asarray(first[:, None] + np.arange(width))
 
 
-def pooled_degrees(degrees: float, places: IntArray, half: int, shared: FloatArray) -> float:
-    """Return the degrees of freedom of a mean over neighbouring covariances, which may rest on the same lines in part.
+def pooled_degrees(degrees: float, lines: IntArray, half: int, shared: FloatArray) -> float:
+    """Return the degrees of freedom of a mean over neighbouring covariances, which may partly use the same lines.
 
     The variance of the mean of w covariances of nu degrees each is 1/w^2 sum_ij r_ij / nu, with the correlation r_ij of
     their scatters.
 
     Args:
         degrees: Complex degrees of freedom nu of each covariance.
-        places: Lines of the covariances, increasing, shape (F,).
+        lines: Lines of the covariances, increasing, shape (F,).
         half: Neighbours on either side over which the mean is taken.
         shared: Correlation r of the scatters 0, 1, 2 ... lines apart, shape (K,), zero beyond; [1] if independent.
 
     Returns:
         Complex degrees of freedom, the median over the lines.
     """
-    mine = places[windows(len(places), half)]
-    apart = np.abs(mine[:, :, None] - mine[:, None, :])
+    neighbours = lines[windows(len(lines), half)]
+    apart = np.abs(neighbours[:, :, None] - neighbours[:, None, :])
     correlation = np.append(shared, 0.0)[np.minimum(apart, len(shared))]
-    return float(degrees * mine.shape[1] ** 2 / np.median(correlation.sum(axis=(1, 2))))
+    return float(degrees * neighbours.shape[1] ** 2 / np.median(correlation.sum(axis=(1, 2))))
 
 
 def pooled(scatter: ComplexArray, flattenings: Sequence[ComplexArray], half: int, degrees: float = 1.0) -> ComplexArray:
     """Average covariances over neighbouring lines where they are flattest.
 
     An error covariance may change fast with frequency: encoder noise is flat in position, torque disturbances and
-    friction are flat referred to the input, a transient that has not died out follows the noise between periods. Each
-    flattening T is tried, C_k = T_k^-1 mean(T_l S_l T_l^H) T_k^-H over the lines l beside line k, and for each line the
-    one that explains the scatter beside it clearly best (Gaussian likelihood) is taken.
+    friction are flat referred to the input, a transient that has not decayed follows the noise between periods. Each
+    flattening T is evaluated, C_k = T_k^-1 mean(T_l S_l T_l^H) T_k^-H over the neighbours l of line k, and each line
+    uses the one that explains the neighbouring scatter clearly best (Gaussian likelihood).
 
     Args:
         scatter: Unbiased covariance of each line, shape (F, n, n).
@@ -73,15 +73,15 @@ def pooled(scatter: ComplexArray, flattenings: Sequence[ComplexArray], half: int
     """
     if half == 0 or len(scatter) == 1:
         return scatter
-    places = windows(len(scatter), half)
+    neighbours = windows(len(scatter), half)
     covariances, misfits = [], []
-    for number, flattening in enumerate(flattenings):
+    for index, flattening in enumerate(flattenings):
         flat = flattening @ scatter @ adjoint(flattening)
-        mean = flat[places].mean(axis=1)
+        mean = flat[neighbours].mean(axis=1)
         back: ComplexArray = np.asarray(np.linalg.inv(flattening), dtype=complex)
         covariances.append(back @ mean @ adjoint(back))
-        volume = 2.0 * np.log(abs(np.linalg.det(back)))[places].sum(axis=1)
-        misfits.append(degrees * (_log_volume(mean) * places.shape[1] + volume) + (CLEARLY if number else 0.0))
+        volume = 2.0 * np.log(abs(np.linalg.det(back)))[neighbours].sum(axis=1)
+        misfits.append(degrees * (_log_volume(mean) * neighbours.shape[1] + volume) + (CLEARLY if index else 0.0))
     best = np.argmin(misfits, axis=0)
     return np.asarray(np.array(covariances)[best, np.arange(len(scatter))])
 

@@ -1,4 +1,4 @@
-"""One call from samples to a frequency response, whatever the samples are, with all checks before and after."""
+"""Frequency response of experiments of any kind, with all checks before and after."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def frequency_response_of(
 
     Args:
         experiments: The samples, e.g. `Experiments.of(inputs, outputs, sample_time)`.
-        settings: How; default: whole periods where the records are, else local polynomials.
-        robot: The nominal robot: its torque limits and the order of its joints are then checked too.
+        settings: Settings; default: periodic estimation for whole periods, else local polynomials.
+        robot: The nominal robot: its torque limits and the order of its joints are checked as well.
 
     Returns:
         The response, in the quantity of the outputs, with warnings.

@@ -1,4 +1,4 @@
-"""Windows over time and over frequency for records that are not periodic."""
+"""Windows over time and over frequency for non-periodic records."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class LineEstimate:
-    """Response at some lines with the covariance of what it leaves unexplained at a line.
+    """Response at some lines with the covariance of its residual at a line.
 
     Attributes:
         response: G, shape (F, n_y, n_u).
-        error: Covariance of Y - G U at one line of one experiment, shape (F, n_y, n_y); None where nothing is spare.
-        input_inverse: So that cov(vec G) = conj(input_inverse) kron error, shape (F, n_u, n_u).
-        degrees_of_freedom: Complex degrees of freedom behind each error.
-        shared: Correlation between the scatters of two errors 0, 1, 2 ... lines apart, which rest on the same lines in
-            part, shape (K,); zero beyond.
+        error: Covariance of Y - G U at one line of one experiment, shape (F, n_y, n_y); None without spare degrees.
+        input_inverse: Such that cov(vec G) = conj(input_inverse) kron error, shape (F, n_u, n_u).
+        degrees_of_freedom: Complex degrees of freedom of each error.
+        shared: Correlation between the scatters of two errors 0, 1, 2 ... lines apart, which partly use the same lines,
+            shape (K,); zero beyond.
     """
 
     response: ComplexArray
@@ -34,14 +34,10 @@ class LineEstimate:
     degrees_of_freedom: float
     shared: FloatArray
 
-    def at(self, places: IntArray) -> LineEstimate:
-        """Return the estimates at some of the lines.
-
-        Args:
-            places: Their places, shape (K,).
-        """
-        error = None if self.error is None else self.error[places]
-        return replace(self, response=self.response[places], error=error, input_inverse=self.input_inverse[places])
+    def at(self, rows: IntArray) -> LineEstimate:
+        """Return the estimates at some of the lines, by index, shape (K,)."""
+        error = None if self.error is None else self.error[rows]
+        return replace(self, response=self.response[rows], error=error, input_inverse=self.input_inverse[rows])
 
 
 def triangular(length: int) -> FloatArray:
@@ -78,7 +74,7 @@ def smoothed_estimate(
     """Estimate G = S_yu S_uu^-1 from spectra smoothed over neighbouring lines; with a reference, S_yr S_ur^-1.
 
     With the window of length 1 and one experiment this is the ratio (4.5) of Moberg (2007). Smoothing lowers the
-    variance and widens what is narrow: a resonance or antiresonance looks more damped (figure 4.6).
+    variance and widens narrow peaks: a resonance or antiresonance appears more damped (figure 4.6).
 
     Args:
         inputs: U at successive lines, shape (F, n_u, m).

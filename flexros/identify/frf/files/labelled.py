@@ -14,23 +14,20 @@ if TYPE_CHECKING:
     import xarray
 
 SEPARATOR = ";"
-"""Between the sentences and units in text attributes."""
+"""Separator of the sentences and units in text attributes."""
 
 _ERRORS = ("noise_error", "total_error")
 
 
 def dataset_of(response: FrequencyResponse) -> xarray.Dataset:
-    """Label a frequency response.
-
-    Args:
-        response: The response.
+    """Convert a frequency response to labelled arrays.
 
     Returns:
         Variables response (frequency, output, input), noise_error and total_error (frequency, output, output_2),
         input_inverse (frequency, input, input_2), standard deviations, gears and motor_position (motor), and the
         distortion levels as distortion_*; units in the attributes.
     """
-    import xarray as xr  # here, because it loads slowly
+    import xarray as xr  # deferred: slow to import
 
     units = {
         "input_units": SEPARATOR.join(response.input_units),
@@ -71,7 +68,7 @@ def dataset_of(response: FrequencyResponse) -> xarray.Dataset:
 
 
 def _distortion_variables(distortion: Distortion, coordinates: dict[str, object]) -> dict[str, object]:
-    """Label the levels; each kind of line has a frequency axis of its own."""
+    """Label the levels; each kind of line has its own frequency axis."""
     variables: dict[str, object] = {}
     for field in fields(distortion):
         kind = field.name.split("_")[0]
@@ -85,13 +82,9 @@ def _distortion_variables(distortion: Distortion, coordinates: dict[str, object]
 
 
 def response_of(dataset: xarray.Dataset) -> FrequencyResponse:
-    """Rebuild the frequency response from its labelled arrays, the inverse of `dataset_of`.
-
-    Args:
-        dataset: What `dataset_of` returned, or a file gave back.
-    """
+    """Rebuild the frequency response from its labelled arrays, the inverse of `dataset_of`."""
     attributes = dataset.attrs
-    text = str(attributes.get("warnings", ""))  # an empty attribute does not come back from netCDF
+    text = str(attributes.get("warnings", ""))  # netCDF drops empty attributes
     units = dataset["response"].attrs
     return FrequencyResponse(
         frequency=dataset["frequency"].to_numpy(),

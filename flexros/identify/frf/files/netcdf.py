@@ -1,4 +1,4 @@
-"""Frequency responses in files: netCDF by SciPy's writer, with real and imaginary parts apart."""
+"""Frequency responses in netCDF files, with separate real and imaginary parts."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ _REAL, _IMAG = "_real", "_imaginary"
 def save_responses(responses: Sequence[FrequencyResponse], path: Path | str) -> None:
     """Write responses to a netCDF file, whole or not at all.
 
-    Every name in the file ends with the number of the response; attributes of a response are those of its `gears`.
+    Every name in the file ends with the index of the response; attributes of a response are those of its `gears`.
 
     Args:
         responses: One per position.
-        path: The file; one that exists is replaced once the new one is complete.
+        path: The file; an existing one is replaced once the new one is complete.
 
     Raises:
-        InputError: There is none, or the file cannot be written.
+        InputError: There are no responses, or the file cannot be written.
     """
-    import xarray as xr  # here, because it loads slowly
+    import xarray as xr  # deferred: slow to import
 
     file = Path(path)
     if not responses:
@@ -48,15 +48,12 @@ def save_responses(responses: Sequence[FrequencyResponse], path: Path | str) -> 
 
 
 def load_responses(path: Path | str) -> tuple[FrequencyResponse, ...]:
-    """Read what `save_responses` wrote.
-
-    Args:
-        path: The file.
+    """Read the responses that `save_responses` wrote.
 
     Raises:
-        InputError: It cannot be read, or holds something else.
+        InputError: The file cannot be read, or has other content.
     """
-    import xarray as xr  # here, because it loads slowly
+    import xarray as xr  # deferred: slow to import
 
     file = Path(path)
     try:
@@ -74,14 +71,14 @@ def load_responses(path: Path | str) -> tuple[FrequencyResponse, ...]:
         )
     try:
         return tuple(response_of(_with_complex(_single(whole, n))) for n in range(int(whole.attrs["n_responses"])))
-    except Exception as error:  # what is missing or has another shape shows anywhere
+    except Exception as error:  # missing parts and wrong shapes fail in many ways
         raise InputError(
             f"'{file}' is damaged ({type(error).__name__}: {error}); give a file written by flexros identify frf"
         ) from error
 
 
 def _without_complex(dataset: xarray.Dataset) -> xarray.Dataset:
-    """Split complex variables into their parts."""
+    """Split complex variables into real and imaginary parts."""
     for name in [str(key) for key, values in dataset.data_vars.items() if np.iscomplexobj(values)]:
         values = dataset[name]
         parts = {name + _REAL: values.real, name + _IMAG: values.imag}
@@ -92,7 +89,7 @@ def _without_complex(dataset: xarray.Dataset) -> xarray.Dataset:
 
 
 def _with_complex(dataset: xarray.Dataset) -> xarray.Dataset:
-    """Join the parts again."""
+    """Join real and imaginary parts."""
     names = [str(key).removesuffix(_REAL) for key in dataset.data_vars if str(key).endswith(_REAL)]
     for name in names:
         real, imaginary = dataset[name + _REAL], dataset[name + _IMAG]
@@ -110,7 +107,7 @@ def _numbered(dataset: xarray.Dataset, number: int) -> xarray.Dataset:
 
 def _single(whole: xarray.Dataset, number: int) -> xarray.Dataset:
     ending = f"_{number}"
-    mine = whole[[name for name in whole.data_vars if str(name).endswith(ending)]]
-    mine = mine.rename({name: str(name).removesuffix(ending) for name in {*mine.variables, *mine.dims}})
-    mine.attrs = dict(mine["gears"].attrs)
-    return mine
+    single = whole[[name for name in whole.data_vars if str(name).endswith(ending)]]
+    single = single.rename({name: str(name).removesuffix(ending) for name in {*single.variables, *single.dims}})
+    single.attrs = dict(single["gears"].attrs)
+    return single

@@ -99,5 +99,5 @@ def test_too_short_a_record_is_refused() -> None:
 
 def test_input_without_excitation_is_refused() -> None:
     U = np.zeros((30, 1, 1), dtype=complex)
-    with pytest.raises(InputError, match="no excitation: the inputs cannot be told apart from the transients"):
+    with pytest.raises(InputError, match="no excitation: the inputs cannot be separated from the transients"):
         local_polynomial(U, U, None, np.array([15]))

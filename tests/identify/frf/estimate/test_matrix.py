@@ -53,7 +53,7 @@ def test_logarithmic_mean_is_geometric_and_does_not_jump_in_phase() -> None:
 
 def test_too_few_experiments_are_refused() -> None:
     U = np.ones((2, 3, 2), dtype=complex)
-    with pytest.raises(InputError, match="2 experiments cannot tell the response to 3 inputs, at least 3 are needed"):
+    with pytest.raises(InputError, match="2 experiments .* 3 inputs, at least 3 are needed"):
         estimate(U, U, None, BLOCK[:2], "joint", FREQUENCY)
 
 

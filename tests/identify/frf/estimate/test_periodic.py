@@ -19,7 +19,7 @@ SLOW_SPEED = 0.05
 
 @pytest.fixture(scope="module")
 def axis() -> TwoMassAxis:
-    return TwoMassAxis.shipped()
+    return TwoMassAxis.builtin()
 
 
 def record(axis: TwoMassAxis, runs: int, noise: float, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
