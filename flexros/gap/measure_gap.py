@@ -1,4 +1,4 @@
-"""The gap numbers alone: how far a model is from a log, and how far it is once it is repaired."""
+"""The gap numbers alone: the prediction errors of a model in a log, before and after a repair."""
 
 from __future__ import annotations
 
@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from flexros.blas_threads import one_blas_thread
-from flexros.gap.answer.decision import doubted
 from flexros.gap.candidates.tolerance import tolerance_of
+from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.held_out.prediction_gap import errors_ahead, gap_numbers
 from flexros.gap.held_out.rounding import over_expected_floor, unknown_rounding
 from flexros.gap.residuals.fit_data import fit_data
-from flexros.gap.search.candidate_fits import Search
-from flexros.gap.search.model_probability import evidence_of
+from flexros.gap.search.model_probability import allowing_for_doubt, compare
 from flexros.gap.settings import DiagnosisSettings
 
 if TYPE_CHECKING:
@@ -48,31 +47,34 @@ def measure_gap(
     tolerance: Mapping[str, float] | None = None,
     settings: DiagnosisSettings | None = None,
 ) -> MeasuredGap:
-    """Measure how far a model is from a log.
+    """Measure the gap between a model and a log.
 
-    Nothing but what is known with a tolerance only is fitted, so the whole log counts as held-out data.
+    Only tolerated deviations are fitted, so the whole log counts as held-out data.
 
     Args:
         record: The log.
         model: The nominal model.
         repaired: The same model with a patch on it; None for the nominal one alone.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; default: those of the robot file.
-        settings: Numbers of the diagnosis.
+        settings: Settings of the diagnosis.
 
     Returns:
-        The numbers: `before` and `noise_floor`, with a repaired model the others too.
+        The gap numbers: `before` and `noise_floor`, with a repaired model the others too.
     """
-    data = fit_data(record, model, settings or DiagnosisSettings())
-    before, significant = _errors(model, data, tolerance or {})
+    settings = settings or DiagnosisSettings()
+    data = fit_data(record, model, settings)
+    before, significant = _errors(model, data, tolerance or {}, settings)
     after = None
     if repaired is not None:
-        after, significant = _errors(repaired, data, tolerance or {})
+        after, significant = _errors(repaired, data, tolerance or {}, settings)
     return MeasuredGap(gap_numbers(before, after, record.sample_time), significant)
 
 
-def _errors(model: RobotWithEffects, data: FitData, tolerance: Mapping[str, float]) -> tuple[AheadErrors, bool]:
-    """Predict with a model; also tells whether it leaves more than noise and tolerance, or lacks a rounding."""
-    found = Search(model, data, tolerance_of(model.robot, tolerance)).nothing()
-    errors = over_expected_floor(errors_ahead(found, data), model, data)
-    significant = doubted(evidence_of(data, found), data).significant(found)
-    return errors, significant or bool(unknown_rounding(model, data.measurement))
+def _errors(
+    model: RobotWithEffects, data: FitData, tolerance: Mapping[str, float], settings: DiagnosisSettings
+) -> tuple[AheadErrors, bool]:
+    """Return the prediction errors of a model, and whether they show more than noise, tolerance and known rounding."""
+    null = fit_null(data, model, tolerance_of(model.robot, tolerance), settings.fit)
+    errors = over_expected_floor(errors_ahead(null.fit, data), model, data)
+    comparison = allowing_for_doubt(compare(data, null.fit, settings=settings.ranking), data)
+    return errors, comparison.significant(null.fit) or bool(unknown_rounding(model, data.measurement))

@@ -47,7 +47,7 @@ class RankedCandidate:
         probability: That this effect is part of the truth [1].
         holdout_gain: The gain on the log that it was not fitted to [1]; None where not computed.
         remainder: Share of the excess over the noise floor that it leaves in the fit log [1]; None where not computed.
-        beside: Effects that were in the model together with it, found before.
+        together_with: The other effects of the explanation that these figures are of.
     """
 
     effect: str
@@ -58,7 +58,7 @@ class RankedCandidate:
     probability: float
     holdout_gain: float | None = None
     remainder: float | None = None
-    beside: tuple[EffectLocation, ...] = ()
+    together_with: tuple[EffectLocation, ...] = ()
 
     @property
     def score(self) -> float:
@@ -98,7 +98,7 @@ class DiagnosisResult:
         holdout: The log for the final check; None where none could be set aside.
         before: The nominal model, with what lies within its tolerance fitted.
         ranking: All effects that competed, by probability, the first one first.
-        nothing: Probability that no effect is there [1].
+        null_probability: Probability that no effect is there [1].
         after: The model with the causes; None where none was found.
         rival: The best explanation that was not chosen; None where there is none.
         patch: The effects that repair the model, with their fitted numbers; empty where none was found.
@@ -107,10 +107,10 @@ class DiagnosisResult:
         excess: All places that were looked at for a gap, significant or not: per joint and band over the regime "all",
             and per joint and regime over the whole band.
         signals: The gap by signal, on held-out data, and in closed loop where reference and controller are known.
-        evidence: What the pictures of the effects' signatures are computed from: the fitted log with the predictions
+        signature_data: What the pictures of the effects' signatures are computed from: the fitted log with the predictions
             of the nominal and the repaired model, states included; None leaves these pictures out.
         tolerance: Parameters that were moved within their tolerance, in standard deviations of it [1].
-        cannot_tell: What this log could not tell, a sentence each.
+        limits: What the signals of this log cannot show, a sentence each.
         settings: Settings of the diagnosis, for the provenance.
         timings: Time that each stage took [s], by its name.
     """
@@ -121,7 +121,7 @@ class DiagnosisResult:
     holdout: Record | None
     before: Explanation
     ranking: tuple[RankedCandidate, ...] = ()
-    nothing: float = 0.0
+    null_probability: float = 0.0
     after: Explanation | None = None
     rival: Explanation | None = None
     patch: tuple[PlacedEffect, ...] = ()
@@ -129,8 +129,8 @@ class DiagnosisResult:
     covariance: FloatArray | None = None
     excess: tuple[Excess, ...] = ()
     signals: tuple[SignalGap, ...] = ()
-    evidence: SignatureData | None = None
+    signature_data: SignatureData | None = None
     tolerance: Mapping[str, float] = field(default_factory=dict)
-    cannot_tell: tuple[str, ...] = ()
+    limits: tuple[str, ...] = ()
     settings: Mapping[str, Any] = field(default_factory=dict)
     timings: Mapping[str, float] = field(default_factory=dict)

@@ -122,8 +122,8 @@ def test_probabilities_of_the_ranking_are_shares(single: DiagnosisResult, pair: 
     for result in (single, pair):
         probabilities = [one.probability for one in result.ranking]
         assert probabilities == sorted(probabilities, reverse=True)
-        assert all(0 <= one <= 1 for one in (*probabilities, result.nothing))
-        assert result.nothing < 1e-6
+        assert all(0 <= one <= 1 for one in (*probabilities, result.null_probability))
+        assert result.null_probability < 1e-6
 
 
 def test_covariance_belongs_to_the_numbers_in_their_units(pair: DiagnosisResult) -> None:

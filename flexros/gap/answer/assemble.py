@@ -1,214 +1,299 @@
-"""From findings to the answer: causes, ranking, warnings, and all of it put together."""
+"""The answer of a diagnosis, put together: causes, ranking, gap numbers, warnings."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from flexros.effects.encoder_quantization import EncoderQuantization
-from flexros.gap.answer.decision import place_of
-from flexros.gap.answer.limits import cannot_tell
-from flexros.gap.fit.estimates import covariance_of, parameters_of, placed
-from flexros.gap.held_out.predictions import signature_evidence
+from flexros.gap.answer.decision import (
+    best_rival,
+    effect_location,
+    groups_of,
+    held_out_gain,
+    probability_of,
+    rank_key,
+    repair_of,
+    rivals_of,
+    verdict_of,
+)
+from flexros.gap.answer.limits import identifiability_limits
+from flexros.gap.candidates.candidate import name_of
+from flexros.gap.fit.estimates import covariance_of, parameters_of, placed_effects
+from flexros.gap.held_out.prediction_gap import closed_fraction, errors_ahead, gap_numbers
+from flexros.gap.held_out.predictions import prediction_of, signature_evidence
+from flexros.gap.held_out.rounding import over_expected_floor
+from flexros.gap.held_out.signal_gaps import signal_gaps
 from flexros.gap.next_experiment.choose import next_experiment
-from flexros.gap.result import DiagnosisResult, RankedCandidate
+from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate
 from flexros.gap.schema import Cause, CauseParameter, Diagnosis
-from flexros.gap.search.forward_selection import LIKELY
 from flexros.provenance import versions
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from flexros.effects import PlacedEffect
     from flexros.gap.answer.decision import Findings
     from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.held_out.prediction_gap import AheadErrors
+    from flexros.gap.prediction.predicted_log import PredictedLog
     from flexros.gap.progress import Stages
-    from flexros.gap.residuals.fit_data import FitData
-    from flexros.gap.result import Explanation
-    from flexros.gap.schema import NextExperiment
+    from flexros.gap.schema import GapNumbers, NextExperiment, Verdict
+    from flexros.gap.settings import DiagnosisSettings
     from flexros.gap.where.find import Where
     from flexros.record.quantization import Quantization
 
-CONFIRMED = 5
-"""Effects, the first of the ranking, whose gain in the held-out log is computed, a second each at most (chosen)."""
 STEP_ERROR = 1e-3
-"""Relative standard deviation of a step that is read off a lattice [1] (chosen)."""
+"""Relative standard deviation of a quantization step that is read off the levels of a log [1]."""
+LOW_FRACTION, LEAST_GAP = 0.5, 2.0
+"""Closed fraction below which, and gap above which, it is warned that the explanation may not hold elsewhere [1]."""
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOutErrors:
+    """Prediction errors in the held-out log, 0.1 s ahead.
+
+    Attributes:
+        before: Of the nominal model, over the floor that it expects.
+        after: Of the chosen explanation; None where nothing repairs the model.
+        rival: Of the best other explanation; None where there is none.
+        alone: Of single candidates, by effect@location.
+        null: Of the nominal model, over the floor of the log.
+    """
+
+    before: AheadErrors
+    after: AheadErrors | None
+    rival: AheadErrors | None
+    alone: Mapping[str, AheadErrors]
+    null: AheadErrors
 
 
 def result_of(
-    found: Findings,
-    before: Explanation,
-    places: Where | None,
-    settings: Mapping[str, Any],
+    findings: Findings,
+    null_prediction: PredictedLog,
+    excess: Where | None,
+    settings: DiagnosisSettings,
     stages: Stages,
 ) -> DiagnosisResult:
     """Put the answer together.
 
     Args:
-        found: What was found.
-        before: The nominal model and what it predicts.
-        places: Where the gap shows; None where it was not looked for.
+        findings: The fits of one log, checked on another.
+        null_prediction: What the nominal model predicts of the fitted log.
+        excess: Where the gap shows; None where that was not computed.
         settings: Settings of the diagnosis.
-        stages: Told how far the answer is; its timings go into the result.
+        stages: Progress of the diagnosis; its timings go into the result.
     """
-    explanations, evidence = found.explanations, found.explanations.evidence
-    chosen = explanations.chosen
-    rival = found.best_rival
-    names, covariance = covariance_of(chosen, found.data)
-    after = found.explanation(chosen) if found.patch else None
-    tolerated = chosen.theta[chosen.predictor.n_effect :]
+    explanations, model = findings.explanations, findings.model
+    chosen, rival, verdict = explanations.chosen, best_rival(explanations), verdict_of(findings)
+    patch, errors = repair_of(findings), _held_out_errors(findings)
+    names, covariance = covariance_of(chosen, findings.data)
+    before = _explanation(explanations.null, findings, null_prediction)
+    after = _explanation(chosen, findings) if patch else None
+    probabilities = dict(zip(explanations.rivals, explanations.probabilities))
+    recorded = {**settings.model_dump(mode="json"), **findings.tolerance}
     return DiagnosisResult(
-        diagnosis=_diagnosis(found, places, settings, stages),
-        robot=found.model.robot,
-        record=found.data.record,
-        holdout=found.held.record,
+        diagnosis=_diagnosis(findings, verdict, errors, excess, recorded, stages),
+        robot=model.robot,
+        record=findings.data.record,
+        holdout=findings.held.record,
         before=before,
-        ranking=_ranking(found),
-        nothing=next(
-            float(p) for one, p in zip(explanations.rivals, explanations.probabilities) if one is evidence.nothing
-        ),
+        ranking=_ranking(findings, verdict),
+        null_probability=float(probabilities[explanations.null]),
         after=after,
-        rival=None if rival is None else found.explanation(rival),
-        patch=found.patch,
+        rival=None if rival is None else _explanation(rival, findings),
+        patch=patch,
         covariance_of=names,
         covariance=covariance if len(names) else None,
-        excess=() if places is None else places.mapped,
-        signals=found.signals,
-        evidence=signature_evidence(found.model, found.data, evidence.nothing, before, after),
-        tolerance={name: float(value) for name, value in zip(chosen.predictor.tolerance.names, tolerated)},
-        cannot_tell=cannot_tell(found),
-        settings=settings,
+        excess=() if excess is None else excess.mapped,
+        signals=signal_gaps(model.robot, errors.before, errors.after, errors.rival),
+        signature_data=signature_evidence(model, findings.data, explanations.null, before, after),
+        tolerance={name: float(value) for name, value in zip(chosen.predictor.tolerance.names, chosen.deviations)},
+        limits=identifiability_limits(findings.data.record, model.robot),
+        settings=recorded,
         timings=stages.timings,
     )
 
 
-def _diagnosis(found: Findings, places: Where | None, settings: Mapping[str, Any], stages: Stages) -> Diagnosis:
+def _explanation(fit: CandidateFit, findings: Findings, fitted: PredictedLog | None = None) -> Explanation:
+    """Predict both logs with a fitted model; `fitted` is its prediction of the fitted log where that is known."""
+    return Explanation(
+        name_of(fit.hypothesis),
+        fitted or prediction_of(fit, findings.data),
+        prediction_of(fit, findings.held),
+        placed_effects(fit),
+    )
+
+
+def _held_out_errors(findings: Findings) -> HeldOutErrors:
+    """Predict the held-out log with each model that the answer compares, once."""
+    explanations, held = findings.explanations, findings.held
+    null, rival = explanations.null, best_rival(explanations)
+    repaired = explanations.detected or bool(findings.quantizations)
+    compared = (explanations.chosen, *rivals_of(explanations, findings.settings)) if explanations.detected else ()
+    singles = {next(iter(fit.names)): fit for fit in reversed(explanations.rivals) if len(fit.hypothesis) == 1}
+    alone = {name: singles[name] for fit in compared for name in fit.names if name in singles}
+    fits = [null, *([explanations.chosen] if repaired else []), *([] if rival is None else [rival]), *alone.values()]
+    errors = {fit: errors_ahead(fit, held) for fit in dict.fromkeys(fits)}
+    return HeldOutErrors(
+        before=over_expected_floor(errors[null], findings.model, held),
+        after=errors[explanations.chosen] if repaired else None,
+        rival=None if rival is None else errors[rival],
+        alone={name: errors[fit] for name, fit in alone.items()},
+        null=errors[null],
+    )
+
+
+def _diagnosis(
+    findings: Findings,
+    verdict: Verdict,
+    errors: HeldOutErrors,
+    excess: Where | None,
+    settings: Mapping[str, Any],
+    stages: Stages,
+) -> Diagnosis:
     """Put together what is written into diagnosis.json."""
+    sample_time = findings.held.record.sample_time
+    gap = gap_numbers(errors.before, errors.after, sample_time, errors.rival)
+    warnings = (*_record_warnings(findings), *_sensor_warnings(findings), *_answer_warnings(findings, gap))
     return Diagnosis(
         schema=1,
-        verdict=found.verdict,
-        causes=_causes(found),
-        ambiguity_groups=found.groups(),
-        where=() if places is None else places.locations,
-        gap=found.gap,
-        next_experiment=_next(found, stages) if settings.get("next_experiment") else None,
-        warnings=tuple(dict.fromkeys((*_of_logs(found), *_of_sensors(found.data), *_warnings(found)))),
+        verdict=verdict,
+        causes=_causes(findings, verdict, errors),
+        ambiguity_groups=groups_of(findings.explanations, findings.settings),
+        where=() if excess is None else excess.locations,
+        gap=gap,
+        next_experiment=_next(findings, verdict, stages) if settings["next_experiment"] else None,
+        warnings=tuple(dict.fromkeys(warnings)),
         provenance={
-            "log": found.data.record.name,
-            "holdout": found.held.record.name,
-            "robot": found.model.robot.name,
-            "robot_hash": found.model.robot.model_hash,
+            "log": findings.data.record.name,
+            "holdout": findings.held.record.name,
+            "robot": findings.model.robot.name,
+            "robot_hash": findings.model.robot.model_hash,
             **versions(),
             **dict(settings),
         },
     )
 
 
-def _causes(found: Findings) -> tuple[Cause, ...]:
+def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors) -> tuple[Cause, ...]:
     """List the effects of the chosen explanation and of its rivals."""
-    explanations = found.explanations
-    causes = {name: _rounding(found, one) for name, one in found.quantized_by_name.items()}
+    explanations = findings.explanations
+    causes = {name: _rounding(one, findings, errors) for name, one in findings.quantized.items()}
     if not explanations.detected:
         return tuple(causes.values())
-    for one in (explanations.chosen, *found.rivals):
-        numbers = parameters_of(one, found.data)
-        for candidate, parameters in zip(one.predictor.hypothesis, numbers):
-            if candidate.name not in causes:
-                alone = next((single for single in explanations.rivals if single.names == {candidate.name}), None)
-                causes[candidate.name] = Cause(
+    for fit in (explanations.chosen, *rivals_of(explanations, findings.settings)):
+        for candidate, parameters in zip(fit.hypothesis, parameters_of(fit, findings.data)):
+            name = candidate.name
+            if name not in causes:
+                causes[name] = Cause(
                     effect=candidate.effect.name,
                     location=candidate.location,
-                    probability=found.probability(candidate.name),
+                    probability=probability_of(name, findings, verdict),
                     parameters=parameters,
-                    closed_fraction=None if alone is None else found.closed(alone),
+                    closed_fraction=_closed(errors.alone.get(name), findings, errors),
                 )
-    return tuple(causes[name] for name in sorted(causes, key=found.order))
+    return tuple(causes[name] for name in sorted(causes, key=lambda name: rank_key(name, findings, verdict)))
 
 
-def _rounding(found: Findings, one: Quantization) -> Cause:
+def _closed(after: AheadErrors | None, findings: Findings, errors: HeldOutErrors) -> float | None:
+    """Return the share of the gap that a model closes on held-out data; None where the gap does not show there."""
+    share = None if after is None else closed_fraction(errors.before, after, findings.held.record.sample_time)
+    return None if share is None else share.value
+
+
+def _rounding(quantization: Quantization, findings: Findings, errors: HeldOutErrors) -> Cause:
     """State the rounding of an encoder, which is read off the log."""
-    robot = found.model.robot
+    motor = findings.model.robot.motors[quantization.motor]
+    step = CauseParameter(
+        value=quantization.step, std=STEP_ERROR * quantization.step, unit=motor.position_unit
+    )
     return Cause(
         effect=EncoderQuantization.name,
-        location=robot.joint_names[one.motor],
+        location=motor.name,
         probability=1.0,
-        parameters={
-            "step": CauseParameter(
-                value=one.step, std=STEP_ERROR * one.step, unit=robot.motors[one.motor].position_unit
-            )
-        },
-        closed_fraction=found.closed(found.explanations.evidence.nothing),
+        parameters={"step": step},
+        closed_fraction=_closed(errors.null, findings, errors),
     )
 
 
-def _ranking(found: Findings) -> tuple[RankedCandidate, ...]:
-    """List every effect in its best explanation, the first few with the gain where they were not fitted."""
-    ranked = sorted(_candidates(found), key=lambda pair: found.order(f"{pair[0].effect}@{pair[0].location}"))
+def _ranking(findings: Findings, verdict: Verdict) -> tuple[RankedCandidate, ...]:
+    """List every effect in its best explanation, the first few with their gain in the held-out log."""
+    ranked = sorted(
+        _candidates(findings, verdict),
+        key=lambda pair: rank_key(f"{pair[0].effect}@{pair[0].location}", findings, verdict),
+    )
     return tuple(
-        replace(one, holdout_gain=found.held_gain(fit)) if place < CONFIRMED else one
-        for place, (one, fit) in enumerate(ranked)
+        replace(candidate, holdout_gain=held_out_gain(fit, findings))
+        if index < findings.settings.confirmed
+        else candidate
+        for index, (candidate, fit) in enumerate(ranked)
     )
 
 
-def _candidates(found: Findings) -> list[tuple[RankedCandidate, CandidateFit]]:
+def _candidates(findings: Findings, verdict: Verdict) -> list[tuple[RankedCandidate, CandidateFit]]:
     """List every effect with its best explanation."""
-    explanations, evidence = found.explanations, found.explanations.evidence
+    explanations, comparison = findings.explanations, findings.explanations.comparison
     best: dict[str, tuple[RankedCandidate, CandidateFit]] = {}
-    for one, probability in zip(explanations.rivals, explanations.probabilities):
-        if all(candidate.name in best for candidate in one.predictor.hypothesis):
+    for fit, probability in zip(explanations.rivals, explanations.probabilities):
+        if fit.names <= best.keys():
             continue
-        numbers = parameters_of(one, found.data if probability > LIKELY else None)
-        for candidate, parameters in zip(one.predictor.hypothesis, numbers):
+        exact = probability > findings.settings.likely
+        for candidate, parameters in zip(fit.hypothesis, parameters_of(fit, findings.data if exact else None)):
             if candidate.name in best:
                 continue
-            others = tuple(place_of(other.name) for other in one.predictor.hypothesis if other is not candidate)
+            others = (other.name for other in fit.hypothesis if other is not candidate)
             ranked = RankedCandidate(
                 effect=candidate.effect.name,
                 location=candidate.location,
                 parameters=parameters,
-                gain=evidence.gain(one),
-                penalty=evidence.penalty(one),
-                probability=found.probability(candidate.name),
-                remainder=evidence.left(one),
-                beside=others,
+                gain=comparison.gain(fit),
+                penalty=comparison.penalty(fit),
+                probability=probability_of(candidate.name, findings, verdict),
+                remainder=comparison.remainder(fit),
+                together_with=tuple(effect_location(other) for other in others),
             )
-            best[candidate.name] = (ranked, one)
+            best[candidate.name] = (ranked, fit)
     return list(best.values())
 
 
-def _next(found: Findings, stages: Stages) -> NextExperiment | None:
-    """Choose the experiment that separates the explanations that are left."""
-    if found.verdict != "ambiguous":
+def _next(findings: Findings, verdict: Verdict, stages: Stages) -> NextExperiment | None:
+    """Choose the experiment that separates the remaining explanations."""
+    if verdict != "ambiguous":
         return None
-    survivors = [placed(one) for one in (found.explanations.chosen, *found.rivals)]
+    explanations = findings.explanations
+    survivors: list[tuple[PlacedEffect, ...]] = [
+        placed_effects(fit) for fit in (explanations.chosen, *rivals_of(explanations, findings.settings))
+    ]
     return next_experiment(
-        found.model,
+        findings.model,
         survivors,
-        tool_measured=found.data.tool is not None,
-        tolerance=found.tolerance,
+        tool_measured=findings.data.tool is not None,
+        tolerance=findings.tolerance,
         progress=lambda share: stages.inner("next experiment", share),
     )
 
 
-def _of_logs(found: Findings) -> list[str]:
-    """Give the warnings of the log, and those that only the held-out one has."""
-    fitted, held = found.data.record.warnings, found.held.record.warnings
-    return [*fitted, *(f"held-out log: {text}" for text in held if text not in fitted)]
+def _record_warnings(findings: Findings) -> tuple[str, ...]:
+    """Return the warnings of the fitted log, and those that only the held-out one has."""
+    fitted, held = findings.data.record.warnings, findings.held.record.warnings
+    return (*fitted, *(f"held-out log: {text}" for text in held if text not in fitted))
 
 
-def _of_sensors(data: FitData) -> tuple[str, ...]:
-    """Give the warnings of encoders and tool tracker."""
-    return data.measurement.warnings if data.tool is None else (*data.measurement.warnings, *data.tool.warnings)
+def _sensor_warnings(findings: Findings) -> tuple[str, ...]:
+    """Return the warnings of encoders and tool tracker."""
+    data = findings.data
+    return (*data.measurement.warnings, *(() if data.tool is None else data.tool.warnings))
 
 
-def _warnings(found: Findings) -> list[str]:
-    """Say what limits the answer."""
-    explanations = found.explanations
-    left = explanations.left
-    warnings = []
-    if explanations.detected and left > 0 and explanations.evidence.adequate(explanations.chosen):
-        warnings.append(f"the explanation leaves {100 * left:.2g} % of the gap in the fitted log, more than noise does")
-    gap = found.gap
-    if gap.closed_fraction is not None and gap.closed_fraction < 0.5 and gap.before > 2:
+def _answer_warnings(findings: Findings, gap: GapNumbers) -> list[str]:
+    """Return what limits the answer."""
+    explanations, remainder, warnings = findings.explanations, findings.explanations.remainder, []
+    if explanations.detected and remainder > 0 and explanations.comparison.adequate(explanations.chosen):
+        warnings.append(
+            f"the explanation leaves {100 * remainder:.2g} % of the gap in the fitted log, more than noise does"
+        )
+    if gap.closed_fraction is not None and gap.closed_fraction < LOW_FRACTION and gap.before > LEAST_GAP:
         warnings.append(
             f"on held-out data the explanation closes only {100 * gap.closed_fraction:.0f} % of the gap: it may not "
             "hold beyond the fitted log"

@@ -1,225 +1,204 @@
-"""What was found in a log: verdict, rivals, groups, probabilities, and how far the gap shrinks."""
+"""The decision: verdict, rivals, groups and probabilities, from the fits of one log and their check on another."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.effects import PlacedEffect
 from flexros.effects.encoder_quantization import EncoderQuantization
-from flexros.gap.candidates.candidate import name_of
-from flexros.gap.fit.estimates import placed
-from flexros.gap.held_out.prediction_gap import closed_fraction, errors_ahead, gap_numbers
-from flexros.gap.held_out.predictions import prediction_of
-from flexros.gap.held_out.rounding import over_expected_floor, unknown_rounding
-from flexros.gap.held_out.signal_gaps import signal_gaps
-from flexros.gap.result import Explanation
+from flexros.effects.kinds.base import PlacedEffect
+from flexros.gap.fit.estimates import placed_effects
+from flexros.gap.held_out.rounding import unknown_rounding
 from flexros.gap.schema import EffectLocation
-from flexros.gap.search.forward_selection import RIVAL
-from flexros.gap.search.model_probability import FORM_ELSEWHERE, ModelComparison, evidence_of
+from flexros.gap.search.model_probability import RANKING, ModelComparison, allowing_for_doubt, compare
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.effects import RobotWithEffects
     from flexros.gap.fit.least_squares import CandidateFit
-    from flexros.gap.held_out.prediction_gap import AheadErrors
     from flexros.gap.residuals.fit_data import FitData
-    from flexros.gap.result import SignalGap
-    from flexros.gap.schema import GapNumbers, Verdict
+    from flexros.gap.schema import Verdict
     from flexros.gap.search.forward_selection import Explanations
+    from flexros.gap.settings import RankingSettings
     from flexros.record.quantization import Quantization
-
-PART_OF_UNKNOWN = 0.1
-"""How often the best known effect is part of a gap that it does not explain [1] (development seeds: 3 of 39)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """What was found in a log, with the log that was set aside.
+    """Fits of one log, and what the held-out log says of them.
 
     Attributes:
         model: The nominal model.
-        data: The log that was fitted to.
-        held: The log that was set aside.
-        explanations: All fits.
+        data: The fitted log.
+        held: The held-out log.
+        explanations: All fits, and the chosen one.
+        held_comparison: The nominal model on the held-out log.
+        held_chosen: The chosen explanation on the held-out log.
+        quantizations: Encoders whose rounding matters and is not in the nominal model.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; those of the robot file where left out.
+        settings: Thresholds and costs.
     """
 
     model: RobotWithEffects
     data: FitData
     held: FitData
     explanations: Explanations
+    held_comparison: ModelComparison
+    held_chosen: CandidateFit
+    quantizations: tuple[Quantization, ...] = ()
     tolerance: Mapping[str, float] = field(default_factory=dict)
-    _errors: dict[CandidateFit, AheadErrors] = field(default_factory=dict, init=False)
-    _held_fits: dict[CandidateFit, CandidateFit] = field(default_factory=dict, init=False)
+    settings: RankingSettings = RANKING
 
-    def explanation(self, one: CandidateFit) -> Explanation:
-        """Predict both logs with a fitted model."""
-        return Explanation(
-            name_of(one.predictor.hypothesis), prediction_of(one, self.data), prediction_of(one, self.held), placed(one)
-        )
+    @property
+    def quantized(self) -> dict[str, Quantization]:
+        """The same encoders by effect@location."""
+        names = self.model.robot.joint_names
+        return {f"{EncoderQuantization.name}@{names[one.motor]}": one for one in self.quantizations}
 
-    @cached_property
-    def verdict(self) -> Verdict:
-        """The answer in a word."""
-        found = self.explanations
-        if not found.detected:
-            if doubted(found.evidence, self.data).significant(found.chosen) or self.held_out_gap:
-                return "unknown_effect"
-            return "explained" if self.quantized else "no_gap"
-        elsewhere = self._on_held(found.chosen)
-        if not (found.evidence.adequate(found.chosen) and self._held_evidence.adequate(elsewhere, FORM_ELSEWHERE)):
+
+def findings_of(
+    model: RobotWithEffects,
+    data: FitData,
+    held: FitData,
+    explanations: Explanations,
+    *,
+    tolerance: Mapping[str, float] | None = None,
+    settings: RankingSettings = RANKING,
+) -> Findings:
+    """Evaluate the nominal model and the chosen explanation on the held-out log; arguments as in `Findings`."""
+    return Findings(
+        model=model,
+        data=data,
+        held=held,
+        explanations=explanations,
+        held_comparison=compare(held, on_held_out(explanations.null, held), settings=settings),
+        held_chosen=on_held_out(explanations.chosen, held),
+        quantizations=unknown_rounding(model, data.measurement),
+        tolerance=dict(tolerance or {}),
+        settings=settings,
+    )
+
+
+def on_held_out(fit: CandidateFit, held: FitData) -> CandidateFit:
+    """Evaluate the sum of squares of a fit in the held-out log, infinite where the prediction diverges."""
+    squares = float(np.sum(fit.residual(held) ** 2))
+    return replace(fit, chi2=squares if np.isfinite(squares) else np.inf)
+
+
+def held_out_gap(findings: Findings) -> bool:
+    """Return whether the nominal model leaves more than noise in the held-out log."""
+    comparison = allowing_for_doubt(findings.held_comparison, findings.held)
+    return comparison.significant(comparison.null)
+
+
+def held_out_gain(fit: CandidateFit, findings: Findings) -> float:
+    """Return twice the gain in log-likelihood over the nominal model in the held-out log [1]; -inf if it diverges."""
+    held = on_held_out(fit, findings.held)
+    return findings.held_comparison.gain(held) if np.isfinite(held.chi2) else -np.inf
+
+
+def verdict_of(findings: Findings) -> Verdict:
+    """Return the verdict."""
+    explanations, comparison = findings.explanations, findings.explanations.comparison
+    if not explanations.detected:
+        fitted = allowing_for_doubt(comparison, findings.data)
+        if fitted.significant(explanations.chosen) or held_out_gap(findings):
             return "unknown_effect"
-        return "ambiguous" if len(self.rivals) else "explained"
-
-    @cached_property
-    def held_out_gap(self) -> bool:
-        """Whether the nominal model leaves more than noise in the held-out log."""
-        return doubted(self._held_evidence, self.held).significant(self._held_evidence.nothing)
-
-    @cached_property
-    def held_out_left(self) -> float:
-        """Share of the gap that the explanation leaves in the held-out log [1]."""
-        return self._held_evidence.left(self._on_held(self.explanations.chosen))
-
-    def held_gain(self, one: CandidateFit) -> float:
-        """Return twice the gain in log-likelihood over the nominal model in the held-out log; -inf if it runs away."""
-        held = self._on_held(one)
-        return self._held_evidence.gain(held) if np.isfinite(held.chi2) else -np.inf
-
-    @cached_property
-    def _held_evidence(self) -> ModelComparison:
-        """The nominal model on the held-out log."""
-        nothing = self._on_held(self.explanations.evidence.nothing)
-        return evidence_of(self.held, nothing)
-
-    def _on_held(self, one: CandidateFit) -> CandidateFit:
-        """Take the sum of squares of a fit from the held-out log, with the numbers of the fitted one."""
-        if one not in self._held_fits:
-            residual = self.held.residuals(one.predictor, one.theta[:, None])
-            squares = float(np.sum(residual**2))
-            self._held_fits[one] = replace(one, chi2=squares if np.isfinite(squares) else np.inf)
-        return self._held_fits[one]
-
-    @cached_property
-    def quantized(self) -> tuple[Quantization, ...]:
-        """Encoders whose rounding matters and is not in the nominal model."""
-        return unknown_rounding(self.model, self.data.measurement)
-
-    @cached_property
-    def quantized_by_name(self) -> dict[str, Quantization]:
-        """The same by effect and place."""
-        names = self.model.robot.joint_names
-        return {f"{EncoderQuantization.name}@{names[one.motor]}": one for one in self.quantized}
-
-    @cached_property
-    def rivals(self) -> tuple[CandidateFit, ...]:
-        """Explanations within a factor of the chosen one, with other effects."""
-        found = self.explanations
-        if not found.detected:
-            return ()
-        of_chosen = dict(zip(found.rivals, found.probabilities))[found.chosen]
-        return tuple(
-            one
-            for one, probability in zip(found.rivals, found.probabilities)
-            if one is not found.chosen and probability * RIVAL >= of_chosen
-        )
-
-    @cached_property
-    def best_rival(self) -> CandidateFit | None:
-        """The best explanation with other effects than the chosen one."""
-        found = self.explanations
-        if not found.detected:
-            return None
-        return next((one for one in found.rivals if one is not found.chosen), None)
-
-    def groups(self) -> tuple[tuple[EffectLocation, ...], ...]:
-        """Collect effects that stand for one another in rival explanations."""
-        mine = {candidate.name: candidate for candidate in self.explanations.chosen.predictor.hypothesis}
-        groups: dict[str, list[EffectLocation]] = {}
-        for rival in self.rivals:
-            theirs = {candidate.name: candidate for candidate in rival.predictor.hypothesis}
-            for name in mine.keys() - theirs.keys():
-                group = groups.setdefault(name, [place_of(mine[name].name)])
-                group += [
-                    place_of(other) for other in sorted(theirs.keys() - mine.keys()) if place_of(other) not in group
-                ]
-        return tuple(tuple(group) for group in groups.values() if len(group) > 1)
-
-    def probability(self, name: str) -> float:
-        """Add up the probabilities of all explanations that contain an effect at a place.
-
-        Where none explains the gap, it is the probability that the effect is a part of it all the same.
-        """
-        pairs = zip(self.explanations.rivals, self.explanations.probabilities)
-        among = sum(p for one, p in pairs if name in one.names)
-        return float(min(1.0, among) * (PART_OF_UNKNOWN if self.verdict == "unknown_effect" else 1.0))
-
-    def order(self, name: str) -> tuple[float, float, float]:
-        """Order effects at places: by probability to the hundredth, then by what is lost without them.
-
-        What is lost is the rise of the mean squared prediction error when the chosen explanation does without it; for
-        the rounding of an encoder, of which a lattice leaves no doubt, its variance over that of the noise.
-        """
-        rounded = self.quantized_by_name.get(name)
-        if rounded is not None:
-            return -1.0, -(rounded.step**2) / 12 / float(self.model.robot.encoder_noise[rounded.motor]) ** 2, -1.0
-        found, level = self.explanations, self.explanations.evidence.level
-        rest = found.chosen.names - {name}
-        without = min(level(one) for one in found.rivals if one.names <= rest)
-        lost = without - level(found.chosen) if name in found.chosen.names else 0.0
-        probability = self.probability(name)
-        return -round(probability, 2), -lost, -probability
-
-    def errors(self, one: CandidateFit) -> AheadErrors:
-        """Predict the held-out log a tenth of a second ahead with a fitted model."""
-        if one not in self._errors:
-            self._errors[one] = errors_ahead(one, self.held)
-        return self._errors[one]
-
-    @cached_property
-    def patch(self) -> tuple[PlacedEffect, ...]:
-        """The effects that repair the model."""
-        names = self.model.robot.joint_names
-        rounding = tuple(PlacedEffect(EncoderQuantization(step=one.step), names[one.motor]) for one in self.quantized)
-        return (*placed(self.explanations.chosen), *rounding)
-
-    @cached_property
-    def errors_before(self) -> AheadErrors:
-        """Errors of the nominal model on held-out data, over the floor that it expects."""
-        return over_expected_floor(self.errors(self.explanations.evidence.nothing), self.model, self.held)
-
-    @cached_property
-    def signals(self) -> tuple[SignalGap, ...]:
-        """The gap of each motor in its own unit, on held-out data."""
-        chosen = self.explanations.chosen if self.patch else None
-        after, rival = (None if one is None else self.errors(one) for one in (chosen, self.best_rival))
-        return signal_gaps(self.model.robot, self.errors_before, after, rival)
-
-    def closed(self, one: CandidateFit) -> float | None:
-        """Compute the share of the gap that a model closes on held-out data; None where the gap does not show there."""
-        share = closed_fraction(self.errors_before, self.errors(one), self.held.record.sample_time)
-        return None if share is None else share.value
-
-    @cached_property
-    def gap(self) -> GapNumbers:
-        """How far the gap shrinks on held-out data."""
-        repaired = self.explanations.detected or self.quantized
-        after = self.errors(self.explanations.chosen) if repaired else None
-        rival = self.errors(self.best_rival) if repaired and self.best_rival is not None else None
-        return gap_numbers(self.errors_before, after, self.held.record.sample_time, rival)
+        return "explained" if findings.quantizations else "no_gap"
+    confirmed = findings.held_comparison.adequate(findings.held_chosen, elsewhere=True)
+    if not (comparison.adequate(explanations.chosen) and confirmed):
+        return "unknown_effect"
+    return "ambiguous" if rivals_of(explanations, findings.settings) else "explained"
 
 
-def doubted(evidence: ModelComparison, data: FitData) -> ModelComparison:
-    """Allow for noise that is a little other than declared: alone it is no gap."""
-    return replace(evidence, floor_error=float(np.hypot(evidence.floor_error, data.measurement.doubt)))
+def rivals_of(explanations: Explanations, settings: RankingSettings = RANKING) -> tuple[CandidateFit, ...]:
+    """List the explanations with other effects whose probability is within a factor of that of the chosen one."""
+    if not explanations.detected:
+        return ()
+    probabilities = dict(zip(explanations.rivals, explanations.probabilities))
+    chosen = explanations.chosen
+    return tuple(
+        fit
+        for fit, probability in probabilities.items()
+        if fit is not chosen and probability * settings.rival >= probabilities[chosen]
+    )
 
 
-def place_of(name: str) -> EffectLocation:
+def best_rival(explanations: Explanations) -> CandidateFit | None:
+    """Return the most probable explanation with other effects than the chosen one; None where nothing was detected."""
+    if not explanations.detected:
+        return None
+    return next((fit for fit in explanations.rivals if fit is not explanations.chosen), None)
+
+
+def groups_of(
+    explanations: Explanations, settings: RankingSettings = RANKING
+) -> tuple[tuple[EffectLocation, ...], ...]:
+    """Collect the effects that replace one another in rival explanations."""
+    chosen = [candidate.name for candidate in explanations.chosen.hypothesis]
+    groups: dict[str, list[str]] = {}
+    for rival in rivals_of(explanations, settings):
+        others = sorted(rival.names - set(chosen))
+        for name in chosen:
+            if name not in rival.names:
+                group = groups.setdefault(name, [name])
+                group += [other for other in others if other not in group]
+    return tuple(tuple(effect_location(name) for name in group) for group in groups.values() if len(group) > 1)
+
+
+def probability_of(name: str, findings: Findings, verdict: Verdict) -> float:
+    """Add up the probabilities of all explanations that contain an effect at a location [1].
+
+    Where none explains the gap, return the probability that the effect is part of it all the same.
+
+    Args:
+        name: Name of the candidate, effect@location.
+        findings: The fits.
+        verdict: Their verdict.
+    """
+    explanations = findings.explanations
+    pairs = zip(explanations.rivals, explanations.probabilities)
+    total = float(min(1.0, sum(probability for fit, probability in pairs if name in fit.names)))
+    return total * (findings.settings.part_of_unknown if verdict == "unknown_effect" else 1.0)
+
+
+def rank_key(name: str, findings: Findings, verdict: Verdict) -> tuple[float, float, float]:
+    """Return the sort key of an effect: by probability to the hundredth, then by what is lost without it.
+
+    Lost is the rise of the mean squared prediction error when the chosen explanation does without it; for the rounding
+    of an encoder, which is certain, its variance over that of the noise.
+
+    Args:
+        name: Name of the candidate, effect@location.
+        findings: The fits.
+        verdict: Their verdict.
+    """
+    quantization = findings.quantized.get(name)
+    if quantization is not None:
+        noise = float(findings.model.robot.encoder_noise[quantization.motor])
+        return -1.0, -(quantization.step**2) / 12 / noise**2, -1.0
+    explanations, level = findings.explanations, findings.explanations.comparison.level
+    chosen = explanations.chosen
+    rest = chosen.names - {name}
+    without = min(level(fit) for fit in explanations.rivals if fit.names <= rest)
+    lost = without - level(chosen) if name in chosen.names else 0.0
+    probability = probability_of(name, findings, verdict)
+    return -round(probability, 2), -lost, -probability
+
+
+def repair_of(findings: Findings) -> tuple[PlacedEffect, ...]:
+    """Return the effects that repair the model: those of the chosen explanation, and the rounding of encoders."""
+    names = findings.model.robot.joint_names
+    rounding = (
+        PlacedEffect(EncoderQuantization(step=one.step), names[one.motor]) for one in findings.quantizations
+    )
+    return (*placed_effects(findings.explanations.chosen), *rounding)
+
+
+def effect_location(name: str) -> EffectLocation:
     """Split the name of a candidate, effect@location."""
     effect, _, location = name.partition("@")
     return EffectLocation(effect=effect, location=location)

@@ -1,4 +1,4 @@
-"""What a log cannot tell, whatever the fit: limits of motor encoder and commanded torque."""
+"""Identifiability limits of a log: what its signals cannot show, whatever the fit."""
 
 from __future__ import annotations
 
@@ -7,47 +7,44 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from flexros.gap.answer.decision import Findings
+    from flexros.record.record import Record
+    from flexros.robot import Robot
 
 TESTED = 0.6
-"""Share of the torque limit below which a motor has not shown what it does under load [1] (chosen)."""
+"""Share of the torque limit below which a motor was not tested under load [1]."""
 HIGHEST = 0.4
-"""Frequency over the sampling rate up to which a log tells anything [1] (chosen)."""
+"""Frequency over the sampling rate up to which a log is informative [1]."""
 
 
-def cannot_tell(found: Findings) -> tuple[str, ...]:
-    """Say what the signals of a log cannot tell.
+def identifiability_limits(record: Record, robot: Robot) -> tuple[str, ...]:
+    """State what the signals of a log cannot show, a sentence each.
 
     Args:
-        found: What was found, with log and model.
-
-    Returns:
-        Sentences.
+        record: The log.
+        robot: The nominal robot.
     """
-    record, robot = found.data.record, found.model.robot
-    told = []
+    limits = []
     if record.tool is None:
-        told.append(
-            "The tool was not measured: errors of lengths and angles of the arm (kinematic_error) cannot be seen, and "
-            "the motion behind the last motor is known through the motors only."
+        limits.append(
+            "The tool was not measured: errors of lengths and angles of the arm (kinematic_error) do not show, and the "
+            "motion behind the last motor is known through the motors only."
         )
     if not record.measured_torque:
-        told.append(
+        limits.append(
             "The torque is the commanded one: a wrong torque constant differs from a wrong inertia only through what "
             "does not scale with torque (springs, dampers, friction, gravity)."
         )
-    limits = robot.torque_limits
-    reached = np.max(np.abs(record.torque), axis=0)
-    for name, limit, most in zip(robot.joint_names, limits, reached):
-        if np.isfinite(limit) and most < TESTED * limit:
-            told.append(
-                f"{name} was given at most {100 * most / limit:.0f} % of its torque limit: a saturation above that, "
-                "and stiffness at higher loads, are not tested."
+    largest = np.max(np.abs(record.torque), axis=0)
+    for name, limit, torque in zip(robot.joint_names, robot.torque_limits, largest):
+        if np.isfinite(limit) and torque < TESTED * limit:
+            limits.append(
+                f"{name} reached at most {100 * torque / limit:.0f} % of its torque limit: saturation above that, and "
+                "stiffness at higher loads, are not tested."
             )
-    told.append(
+    limits.append(
         f"Nothing is known above {HIGHEST / record.sample_time:.0f} Hz, and a lag far below "
         f"{record.sample_time * 1e3:g} ms looks like a delay."
     )
     if not np.any(robot.spec.gravity.value):
-        told.append("Without gravity, errors of masses and of inertias cannot be told apart.")
-    return tuple(told)
+        limits.append("Without gravity, errors of masses and of inertias cannot be separated.")
+    return tuple(limits)

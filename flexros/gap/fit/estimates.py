@@ -1,57 +1,145 @@
-"""The numbers of a fit in the units of its effects, with their covariance."""
+"""Estimates of a fit: the parameters of its effects in their units, with their covariance."""
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
-from flexros.gap.fit.parameter_covariance import parameter_covariance
-from flexros.gap.fit.units import unit_of_parameter
+from flexros.gap.fit.least_squares import linearise
 from flexros.gap.schema import CauseParameter
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.effects import PlacedEffect
+    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.residuals.fit_data import FitData
+    from flexros.robot import Robot
+
+FEWEST_LINES = 12
+"""Least number of lines of a periodogram that are averaged, half of them to each side [1]."""
+BANDS = 12
+"""Frequency bands with windows of their own, each up to twice the frequency of the last [1]."""
+_UNIT = re.compile(r"\[([^\]]+)\]")
 
 
-def placed(one: CandidateFit) -> tuple[PlacedEffect, ...]:
-    """Return the effects of a fit with their numbers."""
-    values = one.predictor.values(one.theta)
-    return tuple(candidate.placed(numbers) for candidate, numbers in zip(one.predictor.hypothesis, values))
+def placed_effects(fit: CandidateFit) -> tuple[PlacedEffect, ...]:
+    """Return the effects of a fit with their fitted parameters."""
+    values = fit.predictor.values(fit.theta)
+    return tuple(candidate.placed(parameters) for candidate, parameters in zip(fit.hypothesis, values))
 
 
-def covariance_of(one: CandidateFit, data: FitData | None = None) -> tuple[tuple[str, ...], FloatArray]:
-    """Compute the covariance of the fitted numbers of the effects, in their units.
+def parameters_of(fit: CandidateFit, data: FitData | None = None) -> list[dict[str, CauseParameter]]:
+    """Return the parameters of every effect of a fit with their standard deviations; arguments as `covariance_of`."""
+    _, covariance = covariance_of(fit, data)
+    deviations = iter(np.sqrt(np.maximum(np.diag(covariance), 0.0)))
+    values = fit.predictor.values(fit.theta)
+    return [
+        {
+            name: CauseParameter(
+                value=value, std=float(next(deviations)), unit=unit_of_parameter(candidate, name, fit.predictor.robot)
+            )
+            for name, value in parameters.items()
+        }
+        for candidate, parameters in zip(fit.hypothesis, values)
+    ]
+
+
+def covariance_of(fit: CandidateFit, data: FitData | None = None) -> tuple[tuple[str, ...], FloatArray]:
+    """Compute the covariance of the parameters of the effects, in their units.
 
     Args:
-        one: The fit.
-        data: The log that it was fitted to; without it errors that are not white do not count, which is quick.
+        fit: The fit.
+        data: The log that it was fitted to; None for the quick covariance, which holds for white residuals.
 
     Returns:
         Names, e.g. "coulomb_friction@motor_1.level", and covariance, shape (p, p).
     """
-    number = one.predictor.n_effect
-    whole = np.linalg.pinv(one.information) if data is None else parameter_covariance(one, data)
-    covariance = whole[:number, :number]
-    slopes = one.predictor.slopes(one.theta)
-    names = tuple(f"{candidate.name}.{free.name}" for candidate in one.predictor.hypothesis for free in candidate.free)
-    return names, covariance * np.outer(slopes, slopes)
+    n_effect = fit.predictor.n_effect
+    whole = np.linalg.pinv(fit.information) if data is None else fit_covariance(fit, data)
+    slopes = fit.predictor.slopes(fit.theta)
+    names = tuple(f"{candidate.name}.{free.name}" for candidate in fit.hypothesis for free in candidate.free)
+    return names, whole[:n_effect, :n_effect] * np.outer(slopes, slopes)
 
 
-def parameters_of(one: CandidateFit, data: FitData | None = None) -> list[dict[str, CauseParameter]]:
-    """Return the numbers of every effect of a fit with their standard deviations."""
-    _, covariance = covariance_of(one, data)
-    spread = iter(np.sqrt(np.maximum(np.diag(covariance), 0.0)))
-    values = one.predictor.values(one.theta)
-    return [
-        {
-            name: CauseParameter(
-                value=value, std=float(next(spread)), unit=unit_of_parameter(candidate, name, one.predictor.robot)
-            )
-            for name, value in numbers.items()
-        }
-        for candidate, numbers in zip(one.predictor.hypothesis, values)
-    ]
+def fit_covariance(fit: CandidateFit, data: FitData) -> FloatArray:
+    """Compute the covariance of all parameters of a fit (White 1980, Huber 1967: the sandwich).
+
+    The predictor of constant gain whitens neither the noise nor what a model leaves: the residuals r have a spectrum S,
+    low where the predictor follows the noise, high where something is left. With the derivatives J of the residuals and
+    their transforms J(f),
+
+        cov = H^-1 (sum_f J(f)^* S(f) J(f) / n + P) H^-1,    H = J'J + P,
+
+    with the prior P of the tolerated deviations. With S = 1 this is H^-1.
+
+    Args:
+        fit: The fit, at its minimum.
+        data: The log that it was fitted to.
+
+    Returns:
+        Covariance in the units of the fit, shape (n_fitted, n_fitted).
+    """
+    line = linearise(fit.predictor, data, fit.theta)
+    J, r = line.slopes, line.residual
+    meat = line.information - J.T @ J  # the prior
+    n, M = data.spread.shape
+    for motor in range(M):
+        rows = slice(motor * n, (motor + 1) * n)
+        transform = np.fft.rfft(J[rows], axis=0)
+        spectrum = smoothed(np.abs(np.fft.rfft(r[rows])) ** 2) / max(int(np.isfinite(data.spread[:, motor]).sum()), 1)
+        weight = np.full(len(spectrum), 2.0)
+        weight[0] = 1.0
+        weight[-1] = 1.0 if n % 2 == 0 else 2.0
+        meat += np.real(np.conj(transform).T @ (transform * (weight * spectrum)[:, None])) / n
+    meat += J[M * n :].T @ J[M * n :]
+    inverse = np.linalg.pinv(line.information)
+    covariance: FloatArray = inverse @ meat @ inverse
+    return covariance
+
+
+def smoothed(periodogram: FloatArray) -> FloatArray:
+    """Average a periodogram over windows that widen with the frequency.
+
+    Args:
+        periodogram: Power of each line from zero frequency on, shape (n,).
+
+    Returns:
+        The average around each line, shape (n,).
+    """
+    result = np.array(periodogram, dtype=float)
+    begin, width = 0, FEWEST_LINES
+    for _ in range(BANDS):
+        end = min(len(periodogram), 4 * width)
+        around = uniform_filter1d(periodogram, min(width, len(periodogram)), mode="reflect")
+        result[begin:end] = around[begin:end]
+        if end == len(periodogram):
+            break
+        begin, width = end, 2 * width
+    else:
+        result[begin:] = uniform_filter1d(periodogram, width, mode="reflect")[begin:]
+    return result
+
+
+def unit_of_parameter(candidate: Candidate, name: str, robot: Robot) -> str:
+    """Return the SI unit of a parameter of a candidate.
+
+    The descriptions of parameters state it in brackets, for rotary and linear motion as in "[rad or m]".
+
+    Args:
+        candidate: The candidate, whose location is rotary or linear.
+        name: Name of the parameter.
+        robot: The robot.
+    """
+    text = candidate.effect.model_fields[name].description or ""
+    found = _UNIT.search(text)
+    units = (found.group(1) if found else "1").split(" or ")
+    return units[-1] if len(units) > 1 and not _rotary(candidate.location, robot) else units[0]
+
+
+def _rotary(location: str, robot: Robot) -> bool:
+    rotary = {motor.name: motor.rotary for motor in robot.motors} | {joint.name: joint.rotary for joint in robot.joints}
+    return rotary.get(location, True)

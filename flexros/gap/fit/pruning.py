@@ -1,4 +1,4 @@
-"""Numbers of an effect that the log does not show: they are left neutral."""
+"""Pruning: parameters of an effect that the log does not show are left neutral."""
 
 from __future__ import annotations
 
@@ -15,48 +15,48 @@ if TYPE_CHECKING:
     from flexros.gap.fit.least_squares import CandidateFit
 
 
-def without_least_number(one: CandidateFit) -> tuple[Hypothesis, FloatArray] | None:
-    """Leave the number out that is least clearly other than neutral.
+def without_least_parameter(fit: CandidateFit) -> tuple[Hypothesis, FloatArray] | None:
+    """Leave out the parameter whose difference from neutral is the least significant.
 
-    Without a number x the sum of squares rises by about x^2 i(x) (Wald 1943), with the information i(x) that is left
-    when all other numbers follow; it is zero where the log does not determine x. Only numbers of both signs are neutral
-    at zero; phases are not, nor is the last number that an effect is there by.
+    Without a parameter x the sum of squares rises by about x^2 i(x) (Wald 1943), where i(x) is the information that is
+    left when all other parameters are free; it is zero where the log does not determine x. Only parameters of both
+    signs are neutral at zero. Phases are not, nor is the parameter without which the effect vanishes.
 
     Args:
-        one: The fit.
+        fit: The fit.
 
     Returns:
-        The effects with one number less, and the others' numbers to start from, shape (n_fitted - 1,); None where
-        every number is needed.
+        The candidates with one parameter less, and an initial value of the others, shape (n_fitted - 1,); None where
+        every parameter is needed.
     """
-    hypothesis, values = one.predictor.hypothesis, one.predictor.values(one.theta)
-    columns = [(effect, number) for effect, candidate in enumerate(hypothesis) for number in range(len(candidate.free))]
-    may_go = [_may_go(hypothesis[effect], number, values[effect]) for effect, number in columns]
+    hypothesis, values = fit.hypothesis, fit.predictor.values(fit.theta)
+    columns = [(effect, index) for effect, candidate in enumerate(hypothesis) for index in range(len(candidate.free))]
+    may_go = [_may_go(hypothesis[effect], index, values[effect]) for effect, index in columns]
     if not any(may_go):
         return None
-    costs = [
-        one.theta[column] ** 2 * _own_information(one.information, column) if may else np.inf
+    rises = [
+        fit.theta[column] ** 2 * _own_information(fit.information, column) if may else np.inf
         for column, may in enumerate(may_go)
     ]
-    column = int(np.argmin(costs))
-    effect, number = columns[column]
+    column = int(np.argmin(rises))
+    effect, index = columns[column]
     free = hypothesis[effect].free
-    leaner = replace(hypothesis[effect], free=(*free[:number], *free[number + 1 :]))
-    return (*hypothesis[:effect], leaner, *hypothesis[effect + 1 :]), np.delete(one.theta, column)
+    pruned = replace(hypothesis[effect], free=(*free[:index], *free[index + 1 :]))
+    return (*hypothesis[:effect], pruned, *hypothesis[effect + 1 :]), np.delete(fit.theta, column)
 
 
-def _may_go(candidate: Candidate, number: int, values: dict[str, float]) -> bool:
-    """Tell whether an effect is one without a number, which is zero then."""
-    name = candidate.free[number].name
-    if not candidate.free[number].signed or candidate.effect.ranges[name].scale == "phase":
+def _may_go(candidate: Candidate, index: int, values: dict[str, float]) -> bool:
+    """Return whether an effect remains one with a parameter at zero."""
+    name = candidate.free[index].name
+    if not candidate.free[index].signed or candidate.effect.ranges[name].scale == "phase":
         return False
     without = candidate.placed({**values, name: 0.0}).effect
     return isinstance(without, AbstractLaw) and not without.neutral
 
 
-def _own_information(information: FloatArray, number: int) -> float:
-    """Return the information on a number when all others are free: what Schur's complement leaves of it."""
-    rest = np.delete(np.arange(len(information)), number)
-    shared = information[rest, number]
+def _own_information(information: FloatArray, index: int) -> float:
+    """Return the information on a parameter when all others are free (Schur complement)."""
+    rest = np.delete(np.arange(len(information)), index)
+    shared = information[rest, index]
     follow = np.linalg.lstsq(information[np.ix_(rest, rest)], shared, rcond=1e-12)[0]
-    return max(float(information[number, number] - shared @ follow), 0.0)
+    return max(float(information[index, index] - shared @ follow), 0.0)

@@ -1,4 +1,4 @@
-"""What a change of a number of the robot takes over from tolerated deviations that were strained to stand for it."""
+"""Moves a parameter change from tolerated deviations, which have a prior penalty, to a candidate on that parameter."""
 
 from __future__ import annotations
 
@@ -16,66 +16,68 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Relief:
+class Takeover:
     """A candidate in place of tolerated deviations.
 
     Attributes:
-        price: Sum of the squared deviations that it takes over, in standard deviations [1].
-        start: Numbers of the candidate that do the same, as the fit moves them, shape (n_free,).
-        theta: Numbers of the fit without these deviations, shape (n_fitted,).
+        gain: Sum of the squared deviations that it takes over, in standard deviations [1].
+        start: Parameters of the candidate with the same effect, in the units of the fit, shape (n_free,).
+        theta: Parameters of the fit without these deviations, shape (n_fitted,).
     """
 
-    price: float
+    gain: float
     start: FloatArray
     theta: FloatArray
 
 
-def relief(candidate: Candidate, found: CandidateFit) -> Relief | None:
-    """Put a candidate in place of the tolerated deviations of the same numbers.
+def takeover(candidate: Candidate, fit: CandidateFit) -> Takeover | None:
+    """Replace the tolerated deviations of the parameters that a candidate changes.
 
-    The candidate and these deviations do the same to the robot, so that the data do not tell them apart: all that the
-    candidate gains is the price of the deviations. Directions taken at another point are not equal enough to show it.
+    The candidate and these deviations change the robot in the same way, so that the data cannot separate them: all that
+    the candidate gains is the prior penalty of the deviations. Directions that were linearised elsewhere do not show
+    it, as they are not equal enough.
 
     Args:
-        candidate: An effect at a place.
-        found: A fit without it.
+        candidate: The candidate.
+        fit: A fit without it.
 
     Returns:
-        What it takes over; None where it is no common factor on tolerated numbers.
+        The replacement; None where the candidate is no common factor on tolerated parameters.
     """
-    predictor = found.predictor
+    predictor = fit.predictor
     if not issubclass(candidate.effect, AbstractChangedValues) or len(candidate.free) != 1:
         return None
     effect = candidate.typical().effect
     assert isinstance(effect, AbstractChangedValues)
     changed = effect.values(predictor.robot, candidate.location).keys()
-    mine = np.array([name in changed for name in predictor.tolerance.names], dtype=bool)
-    if not mine.any():
+    replaced = np.array([name in changed for name in predictor.tolerance.names], dtype=bool)
+    if not replaced.any():
         return None
     n = predictor.n_effect
-    factor = float(np.exp(np.mean((np.array(predictor.tolerance.deviations) * found.theta[n:])[mine])))
+    logarithms = np.array(predictor.tolerance.deviations) * fit.deviations
+    factor = float(np.exp(np.mean(logarithms[replaced])))
     (free,) = candidate.free
-    theta = found.theta.copy()
-    theta[n:][mine] = 0.0
-    return Relief(float(np.sum(found.theta[n:][mine] ** 2)), np.array([free.encode(factor - 1)]), theta)
+    theta = fit.theta.copy()
+    theta[n:][replaced] = 0.0
+    return Takeover(float(np.sum(fit.deviations[replaced] ** 2)), np.array([free.encode(factor - 1)]), theta)
 
 
-def with_relief(
-    candidate: Candidate, first: CandidateFit, promise: float, start: FloatArray
+def with_takeover(
+    candidate: Candidate, fit: CandidateFit, gain: float, start: FloatArray
 ) -> tuple[float, FloatArray]:
-    """Say what a candidate promises beside a fit and where to start: in place of tolerated deviations if that is more.
+    """Choose how a candidate is added to a fit: in place of tolerated deviations where that gains more.
 
     Args:
-        candidate: An effect at a place.
-        first: A fit without it.
-        promise: Fall of the sum of squares that linear theory promises.
-        start: Numbers of the candidate that go with this promise, as the fit moves them, shape (n_free,).
+        candidate: The candidate.
+        fit: A fit without it.
+        gain: Fall of the sum of squares that linear theory predicts [1].
+        start: Initial value of the candidate that goes with it, in the units of the fit, shape (n_free,).
 
     Returns:
-        The promise, and numbers of both together, shape (n_fitted,).
+        The gain [1], and the initial value of both together, shape (n_fitted,).
     """
-    theta, eased = first.theta, relief(candidate, first)
-    if eased is not None and eased.price > promise:
-        promise, start, theta = eased.price, eased.start, eased.theta
-    n = first.predictor.n_effect
-    return promise, np.concatenate([theta[:n], start, theta[n:]])
+    theta, replacement = fit.theta, takeover(candidate, fit)
+    if replacement is not None and replacement.gain > gain:
+        gain, start, theta = replacement.gain, replacement.start, replacement.theta
+    n = fit.predictor.n_effect
+    return gain, np.concatenate([theta[:n], start, theta[n:]])

@@ -58,8 +58,8 @@ def speaks_for(one: RankedCandidate, result: DiagnosisResult) -> tuple[str, ...]
     told = []
     if one.score > 0:
         gain, cost = number(one.gain, 4), number(one.penalty, 3)
-        if one.beside:
-            both = listed([named(place) for place in one.beside])
+        if one.together_with:
+            both = listed([named(place) for place in one.together_with])
             told.append(
                 f"Together with {both} it raises twice the log-likelihood by {gain}, the parameters cost {cost}."
             )
@@ -88,8 +88,8 @@ def speaks_against(one: RankedCandidate, result: DiagnosisResult) -> tuple[str, 
         told.append(f"Its gain of {number(one.gain, 3)} does not pay for its parameters ({number(one.penalty, 3)}).")
     behind = first.score - one.score
     if behind > _DECISIVE:
-        best = listed([named(first), *(named(place) for place in first.beside)])
-        told.append(f"{capital(best)} gain{'s' * (not first.beside)} {number(behind, 4)} more.")
+        best = listed([named(first), *(named(place) for place in first.together_with)])
+        told.append(f"{capital(best)} gain{'s' * (not first.together_with)} {number(behind, 4)} more.")
     if one.holdout_gain is not None and one.holdout_gain <= 0:
         told.append("It does not predict the data that it has not seen any better than the nominal model does.")
     if one.remainder is not None and one.remainder > _LEAVES_MUCH:
@@ -104,8 +104,8 @@ def speaks_against(one: RankedCandidate, result: DiagnosisResult) -> tuple[str, 
     rivals = dict.fromkeys(named(place) for group in groups for place in group if not _same(one, place))
     if rivals:
         told.append(f"This log cannot tell it from {first_few(list(rivals), 'or')}.")
-    if one.probability < result.nothing:
-        told.append(f"That there is {NOTHING} is more probable ({share_words(result.nothing)}).")
+    if one.probability < result.null_probability:
+        told.append(f"That there is {NOTHING} is more probable ({share_words(result.null_probability)}).")
     return tuple(told)
 
 

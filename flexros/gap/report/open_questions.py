@@ -33,7 +33,7 @@ class OpenQuestionsSection(AbstractSection["DiagnosisResult"]):
 
     def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
         """Return the limits, the experiment and the tolerances that were used."""
-        limits = tuple(Paragraph(text, "against") for text in result.cannot_tell)
+        limits = tuple(Paragraph(text, "against") for text in result.limits)
         experiment = result.diagnosis.next_experiment
         if experiment is None:
             following: tuple[Block, ...] = (Paragraph(_NOTHING_TO_RUN[result.diagnosis.verdict]),)

@@ -57,7 +57,7 @@ def _sentence(result: DiagnosisResult) -> str:
 def _picture(result: DiagnosisResult) -> Picture:
     ranked = result.ranking[:_MOST_BARS]
     names = [*(capital(named(one)) for one in ranked), capital(NOTHING)]
-    values = [*(one.probability for one in ranked), result.nothing]
+    values = [*(one.probability for one in ranked), result.null_probability]
     colours = [*(_colour(one, result.diagnosis) for one in ranked), _NONE]
     figure = _bars(names, values, colours)
     more = len(result.ranking) - len(ranked)
@@ -108,7 +108,7 @@ def _table(ranking: Sequence[RankedCandidate]) -> TextTable:
     unseen = any(one.holdout_gain is not None for one in ranking)
     rows = tuple(
         (
-            capital(named(one)) + (f" (beside {listed([named(place) for place in one.beside])})" if one.beside else ""),
+            capital(named(one)) + (f" (beside {listed([named(place) for place in one.together_with])})" if one.together_with else ""),
             parameters_words(one.parameters),
             _short(one.probability),
             number(one.gain, 4),

@@ -36,7 +36,7 @@ def signature_pictures(one: RankedCandidate, result: DiagnosisResult) -> tuple[P
     Returns:
         Its pictures, the clearest first; none where the log cannot show it.
     """
-    evidence = result.evidence
+    evidence = result.signature_data
     if evidence is None:
         return ()
     pictures = (kind().picture(evidence, one.location) for kind in pictures_for(one.effect))

@@ -56,7 +56,7 @@ def ranking_table(result: DiagnosisResult) -> Table:
         left = "-" if one.remainder is None else share_words(one.remainder)
         cells = (capital(named(one)), share_words(one.probability), number(one.score, 4), left)
         table.add_row(*map(Text, (*cells, clear_words(one.parameters))))
-    table.add_row("Nothing", share_words(result.nothing), "0", "100 %", "")
+    table.add_row("Nothing", share_words(result.null_probability), "0", "100 %", "")
     return table
 
 

@@ -1,292 +1,308 @@
-"""The search for causes: every effect at every place against "nothing", then pairs, each fitted to the log."""
+"""Fits of candidates to one log: each alone, then in addition to the best explanations."""
 
 from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from flexros.effects import effects
 from flexros.effects.kinds.tool_error import AbstractToolError
+from flexros.errors import unknown_name
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.scales import scales_of
-from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.estimates import placed
-from flexros.gap.fit.least_squares import EXACTLY, CandidateFit, Linearised, best_of, chi2_of, fit, linearise, starts_of
-from flexros.gap.fit.pruning import without_least_number
-from flexros.gap.fit.screening import promises
-from flexros.gap.fit.tolerance_takeover import with_relief
-from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.search.harmonic_candidates import harmonic_candidates, other_orders
+from flexros.gap.fit.estimates import placed_effects
+from flexros.gap.fit.least_squares import CandidateFit, Linearised, best_of, chi2_of, fit, initial_values, linearise
+from flexros.gap.fit.pruning import without_least_parameter
+from flexros.gap.fit.screening import predicted_gains
+from flexros.gap.fit.tolerance_takeover import with_takeover
+from flexros.gap.search.harmonic_candidates import harmonic_candidates, neighbouring_orders
+from flexros.gap.settings import DiagnosisSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.effects import RobotWithEffects
-    from flexros.gap.candidates.candidate import Candidate, Hypothesis
+    from flexros.effects import AbstractEffect
+    from flexros.gap.candidates.candidate import Candidate
     from flexros.gap.candidates.scales import Scales
+    from flexros.gap.fit.null_fit import NullFit
+    from flexros.gap.prediction.predictor import Predictor
     from flexros.gap.residuals.fit_data import FitData
 
-FALLING = 0.5
-"""A fit goes on as long as some iterations lower its sum of squares to less than this share (chosen)."""
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-NULL, FEW, SOME, MANY = 60, 4, 5, 20
-"""Iterations of the fit of the nominal model; of others at first, of several together, and of the best (chosen)."""
-SETTLED = 3
-"""A fit that needs no more iterations than this needs no second start (chosen)."""
-FINISHED = 6
-"""Fits that are carried to their end (chosen)."""
-SECONDS = 5
-"""Effects that are fitted beside each of them: those that promise most to linear theory (chosen)."""
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Search:
-    """Searches one log.
+    """What the fits of candidates to one log have in common.
 
     Attributes:
-        model: The nominal model.
-        data: Log and weights.
-        tolerance: Numbers of the robot that are known with a tolerance only.
-        progress: Called with the name of the stage and the share of it that is done.
+        null: The fitted nominal model, with log and weights.
+        null_residual: Its weighted prediction errors, shape (n_values,).
+        tolerance_slopes: Derivatives of these errors to the tolerated deviations, shape (n_values, n_tolerated); None
+            where nothing is tolerated.
+        scales: Largest torques, speeds and deflections of the log.
+        distance: Sum of the squares by which the weighted prediction errors of two fits differ.
+        settings: Settings of the diagnosis.
         threads: Fits at the same time.
-        tolerance_slopes: Derivatives of the prediction errors of the nominal model to its tolerated deviations, from
-            the fit of single effects on, shape (n_values, n_tolerated); None where nothing is tolerated.
+        progress: Called with the name of a step and the share of it that is done.
     """
 
-    model: RobotWithEffects
-    data: FitData
-    tolerance: Tolerance = field(default_factory=Tolerance)
+    null: NullFit
+    null_residual: FloatArray
+    tolerance_slopes: FloatArray | None
+    scales: Scales
+    distance: Callable[[CandidateFit, CandidateFit], float]
+    settings: DiagnosisSettings
+    threads: int
     progress: Callable[[str, float], None] | None = None
-    threads: int = field(default_factory=lambda: os.cpu_count() or 1)
-    tolerance_slopes: FloatArray | None = None
-    _distances: dict[frozenset[CandidateFit], float] = field(default_factory=dict, init=False, repr=False)
 
-    def predictor(self, hypothesis: Hypothesis) -> Predictor:
-        """Build the predictor of a hypothesis for this log."""
-        record = self.data.record
-        return Predictor(
-            self.model, hypothesis, self.tolerance, record.sample_time, measured_torque=record.measured_torque
+    @property
+    def data(self) -> FitData:
+        """Log and weights."""
+        return self.null.data
+
+    def candidates(self) -> tuple[Candidate, ...]:
+        """List the candidates that come from the ranges of effects; those of harmonics follow from a fit."""
+        tool = self.data.tool is not None
+        return tuple(
+            candidate
+            for candidate in list_candidates(self.null.model.robot, self.scales)
+            if self._competes(candidate.effect) and (tool or not issubclass(candidate.effect, AbstractToolError))
         )
 
-    def nothing(self) -> CandidateFit:
-        """Fit the nominal model; what moves is what is known with a tolerance only.
+    def harmonics(self, fit: CandidateFit) -> tuple[Candidate, ...]:
+        """List the candidates with the orders of the rotors at which the residuals of a fit repeat."""
+        if not any(self._competes(effect) for effect in effects().values() if effect.harmonics):
+            return ()
+        robot, settings = self.null.model.robot, self.settings.search
+        found = harmonic_candidates(robot, self.data, fit.residual(self.data), fit.states(self.data), settings)
+        return tuple(candidate for candidate in found if self._competes(candidate.effect))
 
-        The frame of a tool tracker is estimated again with it, which the data of the search have from then on.
-        """
-        predictor = self.predictor(())
-        found = fit(predictor, self.data, np.zeros(predictor.n_fitted), NULL)
-        if self.data.tool is None or not predictor.n_fitted:
-            return found
-        self.data = self.data.tool_seen_by(predictor, found.theta)
-        return fit(predictor, self.data, found.theta, NULL)
+    def _competes(self, effect: type[AbstractEffect]) -> bool:
+        return not self.settings.search.effects or effect.name in self.settings.search.effects
 
-    def states(self, found: CandidateFit) -> FloatArray:
-        """Predict the states of a fitted hypothesis, shape (n, n_states)."""
-        prediction = self.data.predict(found.predictor, found.theta[:, None], record_states=True)
-        assert prediction.states is not None
-        states: FloatArray = prediction.states[:, :, 0].copy()
-        return states
-
-    def residual(self, found: CandidateFit) -> FloatArray:
-        """Weigh the prediction errors of a fitted hypothesis, shape (M n,)."""
-        residual: FloatArray = self.data.residuals(found.predictor, found.theta[:, None])[:, 0].copy()
-        return residual
-
-    def distance(self, one: CandidateFit, other: CandidateFit) -> float:
-        """Return the sum of the squares by which the weighted prediction errors of two fits differ [1]."""
-        pair = frozenset((one, other))
-        if pair not in self._distances:
-            self._distances[pair] = float(np.sum((self.residual(one) - self.residual(other)) ** 2))
-        return self._distances[pair]
-
-    def scales(self, found: CandidateFit) -> Scales:
-        """Take the largest torques, speeds and deflections from the log."""
-        return scales_of(self.model.robot, self.states(found), self.data.record.torque)
-
-    def candidates(self, sizes: Scales) -> tuple[Candidate, ...]:
-        """List what may be there by ranges: all but what repeats with the turning of a rotor.
-
-        Args:
-            sizes: Largest torques, speeds and deflections of the log.
-        """
-        tool = self.data.tool is not None
-        among = list_candidates(self.model.robot, sizes)
-        return tuple(one for one in among if tool or not issubclass(one.effect, AbstractToolError))
-
-    def waves(self, found: CandidateFit) -> tuple[Candidate, ...]:
-        """List what may be there by the orders of rotors that the errors of what was found repeat with.
-
-        Args:
-            found: What was found.
-        """
-        return harmonic_candidates(self.model.robot, self.data, self.residual(found), self.states(found))
-
-    def singles(self, nothing: CandidateFit, among: Sequence[Candidate]) -> list[CandidateFit]:
+    def singles(self, candidates: Sequence[Candidate]) -> list[CandidateFit]:
         """Fit every candidate alone: all for a few iterations, the best ones to the end.
 
-        An effect that extends simpler ones starts from their fits, and only where one of those is worth anything.
+        An effect that extends simpler ones starts from their fits, and only where one of those gains anything.
 
         Args:
-            nothing: The fitted nominal model.
-            among: The candidates.
+            candidates: The candidates.
 
         Returns:
             Fits, the best first.
         """
-        deviations = nothing.theta[nothing.predictor.n_effect :]
-        if len(deviations):
-            self.tolerance_slopes = linearise(nothing.predictor, self.data, nothing.theta).slopes
-
-        def one(candidate: Candidate) -> CandidateFit:
-            predictor = self.predictor((candidate,))
-            starts = starts_of(predictor)
-            starts[predictor.n_effect :] = deviations[:, None]
-            return self._from_grid(predictor, starts)
-
-        found = self._parallel(
-            "single effects", one, [candidate for candidate in among if not candidate.effect.extends]
-        )
+        simple = [candidate for candidate in candidates if not candidate.effect.extends]
+        fits = self._parallel("single effects", self._single, simple)
         worth = float(np.log(self.data.n_values))
-        simple = [fitted for fitted in found if nothing.chi2 - fitted.chi2 > worth]
-        pairs = [(candidate, fitted) for candidate in among for fitted in simple if _extends(candidate, fitted)]
-        found += self._parallel("richer effects", lambda pair: self._extended(*pair), pairs)
-        return self._visible(self._finished(found))
+        gaining = [fit for fit in fits if self.null.fit.chi2 - fit.chi2 > worth]
+        pairs = [(candidate, fit) for candidate in candidates for fit in gaining if _extends(candidate, fit)]
+        fits += self._parallel("richer effects", lambda pair: self._extended(*pair), pairs)
+        return self._visible(self._finished(fits))
 
-    def _visible(self, found: Sequence[CandidateFit]) -> list[CandidateFit]:
-        """Leave out fits of rich effects that are no more than a simpler one, which is fitted as well."""
-        robot = self.model.robot
-        noise = dict(zip(robot.joint_names, robot.encoder_noise))
-        least = float(robot.encoder_noise.min())
-        return [one for one in found if all(put.effect.visible(noise.get(put.location, least)) for put in placed(one))]
+    def _single(self, candidate: Candidate) -> CandidateFit:
+        """Fit a candidate from its own initial values."""
+        predictor = self.null.predictor((candidate,))
+        starts = initial_values(predictor, self.settings.fit.most_starts)
+        starts[predictor.n_effect :] = self.null.fit.deviations[:, None]
+        return self._from_grid(predictor, starts)
 
     def _extended(self, candidate: Candidate, simple: CandidateFit) -> CandidateFit:
-        """Fit an effect from the numbers of a simpler one that it contains."""
+        """Fit a candidate from the parameters of a simpler effect that it contains."""
         values = simple.predictor.values(simple.theta)[0]
-        shared = candidate.effect.extends[simple.predictor.hypothesis[0].effect.name]
-        predictor = self.predictor((candidate,))
-        starts = starts_of(predictor)
-        for number, free in enumerate(candidate.free):
+        shared = candidate.effect.extends[simple.hypothesis[0].effect.name]
+        predictor = self.null.predictor((candidate,))
+        starts = initial_values(predictor, self.settings.fit.most_starts)
+        for index, free in enumerate(candidate.free):
             if free.name in shared:
-                starts[number] = free.encode(values[shared[free.name]])
-        starts[predictor.n_effect :] = simple.theta[simple.predictor.n_effect :, None]
+                starts[index] = free.encode(values[shared[free.name]])
+        starts[predictor.n_effect :] = simple.deviations[:, None]
         return self._from_grid(predictor, np.unique(starts, axis=1))
 
     def _from_grid(self, predictor: Predictor, starts: FloatArray) -> CandidateFit:
-        """Fit from the best start for a few iterations, and from the second best where it is not far worse."""
+        """Fit from the best initial value, and from the second best unless that converges at once."""
         sums = chi2_of(predictor, self.data, starts)
         order = np.argsort(sums)[:2]
-        first = self._fallen(predictor, starts[:, order[0]], sums[order[0]])
-        if len(order) < 2 or (first.converged and first.iterations <= SETTLED):
-            return first
-        return best_of([first, self._fallen(predictor, starts[:, order[1]], sums[order[1]])])
+        best = self._while_steep(predictor, starts[:, order[0]], sums[order[0]])
+        if len(order) < 2 or (best.converged and best.iterations <= self.settings.search.settled):
+            return best
+        return best_of([best, self._while_steep(predictor, starts[:, order[1]], sums[order[1]])])
 
-    def _fallen(self, predictor: Predictor, start: FloatArray, before: float) -> CandidateFit:
-        """Fit for a few iterations, and on while the sum of squares falls steeply: it says nothing yet of its end."""
-        one = self._quick(predictor, start)
-        for _ in range(MANY // FEW):
-            if one.converged or not one.chi2 < FALLING * before:
+    def _while_steep(self, predictor: Predictor, start: FloatArray, chi2: float) -> CandidateFit:
+        """Fit for a few iterations, and on while the sum of squares falls steeply, as its minimum is still unknown."""
+        candidate_fit = self._quick(predictor, start)
+        for _ in range(self.settings.fit.final_iterations // self.settings.fit.first_iterations):
+            if candidate_fit.converged or not candidate_fit.chi2 < self.settings.search.steep * chi2:
                 break
-            before, one = one.chi2, self._quick(predictor, one.theta)
-        return one
-
-    def _finished(self, found: Sequence[CandidateFit]) -> list[CandidateFit]:
-        """Carry the best fits to their end, those after the first one as long as there is hope."""
-        ranked = sorted(found, key=lambda one: one.chi2)
-        best = [self._continued(one, np.inf) for one in ranked[:1]]
-        rival = min((one.chi2 for one in best), default=np.inf)
-        best += self._parallel("best effects", lambda one: self._continued(one, rival), ranked[1:FINISHED])
-        return sorted([*best, *ranked[FINISHED:]], key=lambda one: one.chi2)
+            chi2, candidate_fit = candidate_fit.chi2, self._quick(predictor, candidate_fit.theta)
+        return candidate_fit
 
     def _quick(self, predictor: Predictor, start: FloatArray) -> CandidateFit:
-        """Fit for a few iterations, with derivatives to tolerated deviations as they are without effects."""
-        return fit(predictor, self.data, start, FEW, self.tolerance_slopes)
+        """Fit for a few iterations, with the tolerance slopes of the nominal model."""
+        return self._fit(predictor, start, self.settings.fit.first_iterations, quick=True)
 
-    def _continued(self, one: CandidateFit, rival: float) -> CandidateFit:
-        """Carry a fit to its end, from the best order of a rotor near its own."""
-        starts = other_orders(one, self.data.record)
-        if starts.shape[1]:
-            nearest = np.argsort(chi2_of(one.predictor, self.data, starts))[:2]
-            one = best_of([one, *(self._quick(one.predictor, starts[:, place]) for place in nearest)])
-        return fit(one.predictor, self.data, one.theta, MANY, enough=EXACTLY, rival=rival)
-
-    def lean(self, one: CandidateFit) -> CandidateFit:
-        """Leave out the numbers of a fit that are not worth their price by the information criterion (Schwarz 1978).
-
-        Args:
-            one: The fit.
-
-        Returns:
-            A fit of the same effects with fewer numbers, or the same fit.
-        """
-        n = self.data.n_values
-        while (less := without_least_number(one)) is not None:
-            leaner = fit(self.predictor(less[0]), self.data, less[1], MANY, enough=EXACTLY)
-            if not n * np.log(leaner.chi2 / one.chi2) < np.log(n):
-                break
-            one = leaner
-        return one
-
-    def beside(self, firsts: Sequence[CandidateFit], nothing: CandidateFit, sizes: Scales) -> list[CandidateFit]:
-        """Fit the most promising candidates beside each of some explanations.
-
-        Args:
-            firsts: Fitted explanations, the best first.
-            nothing: The fitted nominal model.
-            sizes: Largest torques, speeds and deflections of the log.
-
-        Returns:
-            Fits of each together with another candidate, the best first.
-        """
-        lines = [linearise(first.predictor, self.data, first.theta) for first in firsts]
-        plain = self.residual(nothing)
-        among: list[tuple[Candidate, int | None]] = [
-            (candidate, place) for place, first in enumerate(firsts) for candidate in self.waves(first)
-        ]
-        among += [(candidate, None) for candidate in self.candidates(sizes)]
-        screened = self._parallel("further effects", lambda pair: self._promises(pair[0], nothing, plain, lines), among)
-        pairs: list[tuple[CandidateFit, Candidate, FloatArray]] = []
-        for place, first in enumerate(firsts):
-            options = [
-                (candidate, *with_relief(candidate, first, *found[place]))
-                for (candidate, only), found in zip(among, screened)
-                if only in (None, place) and candidate.name not in first.names
-            ]
-            options.sort(key=lambda option: -option[1])
-            pairs += [(first, candidate, theta) for candidate, _, theta in options[:SECONDS]]
-        return self._visible(
-            self._finished(self._parallel("effects together", lambda pair: self._together(*pair), pairs))
+    def _fit(
+        self, predictor: Predictor, start: FloatArray, iterations: int, *, quick: bool = False, rival: float = np.inf
+    ) -> CandidateFit:
+        """Fit, quickly with the tolerance slopes of the nominal model or exactly with its own."""
+        settings = self.settings.fit
+        slopes, enough = (self.tolerance_slopes, settings.enough) if quick else (None, settings.exactly)
+        return fit(
+            predictor,
+            self.data,
+            start,
+            iterations,
+            tolerance_slopes=slopes,
+            enough=enough,
+            rival=rival,
+            settings=settings,
         )
 
-    def _promises(
-        self, candidate: Candidate, nothing: CandidateFit, plain: FloatArray, lines: Sequence[Linearised]
-    ) -> list[tuple[float, FloatArray]]:
-        """Estimate what a candidate gains beside other effects, and where to start."""
-        predictor = self.predictor((candidate,))
-        starts = starts_of(predictor)
-        starts[predictor.n_effect :] = nothing.theta[nothing.predictor.n_effect :, None]
-        return promises(predictor, self.data, starts, plain, lines)
+    def _visible(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
+        """Leave out fits of rich effects that are no more than a simpler one, which is fitted as well."""
+        robot = self.null.model.robot
+        noise = dict(zip(robot.joint_names, robot.encoder_noise))
+        least = float(robot.encoder_noise.min())
+        return [
+            fit
+            for fit in fits
+            if all(placed.effect.visible(noise.get(placed.location, least)) for placed in placed_effects(fit))
+        ]
 
-    def _together(self, first: CandidateFit, candidate: Candidate, theta: FloatArray) -> CandidateFit:
-        """Fit an explanation together with another candidate."""
-        predictor = self.predictor((*first.predictor.hypothesis, candidate))
-        return fit(predictor, self.data, theta, SOME, self.tolerance_slopes)
+    def _finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
+        """Carry the best fits to their end, those after the first one as long as they may still come near it."""
+        number = self.settings.search.finished
+        ranked = sorted(fits, key=lambda fit: fit.chi2)
+        best = [self._continued(fit, np.inf) for fit in ranked[:1]]
+        rival = min((fit.chi2 for fit in best), default=np.inf)
+        best += self._parallel("best effects", lambda fit: self._continued(fit, rival), ranked[1:number])
+        return sorted([*best, *ranked[number:]], key=lambda fit: fit.chi2)
 
-    def _parallel(self, stage: str, work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
+    def _continued(self, fit: CandidateFit, rival: float) -> CandidateFit:
+        """Carry a fit to its end, from the best order of a rotor near its own."""
+        starts = neighbouring_orders(fit, self.data.record)
+        if starts.shape[1]:
+            nearest = np.argsort(chi2_of(fit.predictor, self.data, starts))[:2]
+            fit = best_of([fit, *(self._quick(fit.predictor, starts[:, index]) for index in nearest)])
+        return self._fit(fit.predictor, fit.theta, self.settings.fit.final_iterations, rival=rival)
+
+    def pruned(self, fit: CandidateFit) -> CandidateFit:
+        """Leave out the parameters of a fit that the information criterion rejects (Schwarz 1978).
+
+        Args:
+            fit: The fit.
+
+        Returns:
+            A fit of the same effects with fewer parameters, or the same fit.
+        """
+        n = self.data.n_values
+        while (fewer := without_least_parameter(fit)) is not None:
+            hypothesis, theta = fewer
+            pruned = self._fit(self.null.predictor(hypothesis), theta, self.settings.fit.final_iterations)
+            if not n * np.log(pruned.chi2 / fit.chi2) < np.log(n):
+                break
+            fit = pruned
+        return fit
+
+    def extended(self, explanations: Sequence[CandidateFit]) -> list[CandidateFit]:
+        """Fit the most promising candidates in addition to each of some explanations.
+
+        Args:
+            explanations: Fitted explanations, the best first.
+
+        Returns:
+            Fits of each together with one more candidate, the best first.
+        """
+        lines = [linearise(fit.predictor, self.data, fit.theta) for fit in explanations]
+        candidates: list[tuple[Candidate, int | None]] = [
+            (candidate, index) for index, fit in enumerate(explanations) for candidate in self.harmonics(fit)
+        ]
+        candidates += [(candidate, None) for candidate in self.candidates()]
+        gains = self._parallel("further effects", lambda pair: self._predicted_gains(pair[0], lines), candidates)
+        pairs: list[tuple[CandidateFit, Candidate, FloatArray]] = []
+        for index, fit in enumerate(explanations):
+            options = [
+                (candidate, *with_takeover(candidate, fit, *gain[index]))
+                for (candidate, only), gain in zip(candidates, gains)
+                if only in (None, index) and candidate.name not in fit.names
+            ]
+            options.sort(key=lambda option: -option[1])
+            pairs += [(fit, candidate, theta) for candidate, _, theta in options[: self.settings.search.added]]
+        fits = self._parallel("effects together", lambda pair: self._together(*pair), pairs)
+        return self._visible(self._finished(fits))
+
+    def _predicted_gains(self, candidate: Candidate, lines: Sequence[Linearised]) -> list[tuple[float, FloatArray]]:
+        """Estimate what a candidate gains in addition to other effects, and its initial value."""
+        predictor = self.null.predictor((candidate,))
+        starts = initial_values(predictor, self.settings.fit.most_starts)
+        starts[predictor.n_effect :] = self.null.fit.deviations[:, None]
+        return predicted_gains(predictor, self.data, starts, self.null_residual, lines)
+
+    def _together(self, explanation: CandidateFit, candidate: Candidate, theta: FloatArray) -> CandidateFit:
+        """Fit an explanation together with one more candidate."""
+        predictor = self.null.predictor((*explanation.hypothesis, candidate))
+        return self._fit(predictor, theta, self.settings.fit.joint_iterations, quick=True)
+
+    def _parallel(self, step: str, work: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
         results: list[Result] = []
         with ThreadPoolExecutor(self.threads) as pool:
             for done, result in enumerate(pool.map(work, items), 1):
                 results.append(result)
                 if self.progress is not None:
-                    self.progress(stage, done / len(items))
+                    self.progress(step, done / len(items))
         return results
 
 
+def prepare_search(
+    null: NullFit, settings: DiagnosisSettings | None = None, progress: Callable[[str, float], None] | None = None
+) -> Search:
+    """Compute what the fits of candidates to one log have in common.
+
+    Args:
+        null: The fitted nominal model.
+        settings: Settings of the diagnosis.
+        progress: Called with the name of a step and the share of it that is done.
+
+    Raises:
+        InputError: The settings name an effect that does not exist.
+    """
+    settings = settings or DiagnosisSettings()
+    for name in settings.search.effects:
+        if name not in effects():
+            raise unknown_name("effect", name, effects(), "search.effects")
+    data, fit = null.data, null.fit
+    return Search(
+        null=null,
+        null_residual=fit.residual(data),
+        tolerance_slopes=linearise(fit.predictor, data, fit.theta).slopes if len(fit.deviations) else None,
+        scales=scales_of(null.model.robot, fit.states(data), data.record.torque),
+        distance=_distances(data),
+        settings=settings,
+        threads=settings.threads or os.cpu_count() or 1,
+        progress=progress,
+    )
+
+
+def _distances(data: FitData) -> Callable[[CandidateFit, CandidateFit], float]:
+    """Make the function that computes the distance of two fits; it remembers its results, which cost two predictions."""
+    known: dict[frozenset[CandidateFit], float] = {}
+
+    def distance(fit: CandidateFit, other: CandidateFit) -> float:
+        pair = frozenset((fit, other))
+        if pair not in known:
+            known[pair] = float(np.sum((fit.residual(data) - other.residual(data)) ** 2))
+        return known[pair]
+
+    return distance
+
+
 def _extends(candidate: Candidate, simple: CandidateFit) -> bool:
-    """Tell whether an effect contains another one, at the same place."""
-    other = simple.predictor.hypothesis[0]
+    """Return whether a candidate contains the effect of a fit, at the same location."""
+    other = simple.hypothesis[0]
     return other.effect.name in candidate.effect.extends and other.location == candidate.location

@@ -1,4 +1,4 @@
-"""Explaining a log: single effects, then more beside them for as long as they remove what is left."""
+"""Forward selection: single effects, then further ones for as long as they remove what is left."""
 
 from __future__ import annotations
 
@@ -8,145 +8,138 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.candidates.candidate import names_of
-from flexros.gap.search.model_probability import ModelComparison, evidence_of
+from flexros.gap.search.model_probability import ModelComparison, compare
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.gap.candidates.scales import Scales
     from flexros.gap.fit.least_squares import CandidateFit
     from flexros.gap.search.candidate_fits import Search
-
-MOST_EFFECTS = 4
-"""Most effects in one explanation (chosen)."""
-FIRSTS = 3
-"""Best explanations that a further effect is added to (chosen)."""
-REMOVED = 0.4
-"""Share of what is left that a further effect must remove; spurious ones remove up to 0.3 (development seeds)."""
-REMOVED_OF_ALL = 0.3
-"""Share of all that is left that a further effect must remove on a real machine [1] (chosen)."""
-RIVAL = 3.0
-"""A rival whose probability is within this factor makes the answer ambiguous [1] (the contract)."""
-LIKELY = 0.01
-"""Probability of an explanation from which its numbers and their errors are looked at with care [1] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Explanations:
-    """All that was fitted to a log, and what was chosen.
+    """All fits of a log, and the chosen one.
 
     Attributes:
-        evidence: All fits, each hypothesis once.
-        chosen: The explanation; "nothing" where no effect was detected.
-        rivals: Fits with no more effects than the chosen one, and the nominal model, by probability.
-        probabilities: Theirs, shape (n_rivals,).
+        comparison: All fits, each hypothesis once, compared.
+        chosen: The explanation; the null fit where no effect was detected.
+        rivals: Fits with no more effects than the chosen one, and the null fit, by probability.
+        probabilities: Their probabilities [1], shape (n_rivals,).
         detected: Whether an effect was detected.
     """
 
-    evidence: ModelComparison
+    comparison: ModelComparison
     chosen: CandidateFit
     rivals: tuple[CandidateFit, ...]
     probabilities: FloatArray
     detected: bool
 
     @property
-    def left(self) -> float:
+    def null(self) -> CandidateFit:
+        """The fit of the nominal model."""
+        return self.comparison.null
+
+    @property
+    def remainder(self) -> float:
         """Share of the gap that the chosen explanation leaves [1]; zero where what is left is not significant."""
-        return self.evidence.left(self.chosen)
+        return self.comparison.remainder(self.chosen)
 
 
 def explain(search: Search) -> Explanations:
     """Search a log for causes.
 
     Args:
-        search: The log and what is needed to search it.
+        search: The log, the nominal model fitted to it and the settings.
 
     Returns:
         All fits and the chosen explanation.
     """
-    nothing = search.nothing()
-    sizes = search.scales(nothing)
-    singles = unique(search.singles(nothing, (*search.candidates(sizes), *search.waves(nothing))))
-    evidence = _evidence(search, nothing, singles)
-    if not evidence.detected:
-        return _explanations(evidence, nothing, detected=False)
-    level = evidence.ranked(singles)
-    chosen, found = level[0], list(singles)
-    while len(chosen.predictor.hypothesis) < MOST_EFFECTS and _left(search, evidence, chosen):
-        level = unique(search.beside(level[:FIRSTS], nothing, sizes))
+    settings = search.settings.search
+    singles = unique(search.singles((*search.candidates(), *search.harmonics(search.null.fit))))
+    comparison = _compare(search, singles)
+    if not comparison.detected:
+        return _explanations(comparison, search.null.fit, detected=False)
+    level = comparison.ranked(singles)
+    chosen, fits = level[0], list(singles)
+    while len(chosen.hypothesis) < settings.most_effects and _incomplete(search, comparison, chosen):
+        level = unique(search.extended(level[: settings.extended]))
         if not level:
             break
-        found += level
-        evidence = _evidence(search, nothing, unique(found))
-        level = evidence.ranked(level)
-        if not _worth(search, evidence, chosen, level[0]):
+        fits += level
+        comparison = _compare(search, unique(fits))
+        level = comparison.ranked(level)
+        if not _worth(search, comparison, chosen, level[0]):
             break
-        again = _backward(search, level[0], found, nothing, sizes)
-        found += again
-        evidence = _evidence(search, nothing, unique(found))
-        level = evidence.ranked(unique([*level, *again]))
+        revised = _backward(search, level[0], fits)
+        fits += revised
+        comparison = _compare(search, unique(fits))
+        level = comparison.ranked(unique([*level, *revised]))
         chosen = level[0]
-    return _lean(search, _explanations(evidence, chosen, detected=True))
+    return _pruned(search, _explanations(comparison, chosen, detected=True))
 
 
-def _backward(
-    search: Search, best: CandidateFit, found: list[CandidateFit], nothing: CandidateFit, sizes: Scales
-) -> list[CandidateFit]:
-    """Take what was found first out again, and look what else goes with the rest."""
-    rest = names_of(best.predictor.hypothesis[1:])
-    alone = [one for one in found if one.names == rest]
-    return search.beside([min(alone, key=lambda one: one.chi2)], nothing, sizes) if alone else []
+def _backward(search: Search, best: CandidateFit, fits: list[CandidateFit]) -> list[CandidateFit]:
+    """Remove the effect that was found first, and extend the rest by others."""
+    rest = names_of(best.hypothesis[1:])
+    without = [fit for fit in fits if fit.names == rest]
+    return search.extended([min(without, key=lambda fit: fit.chi2)]) if without else []
 
 
-def _lean(search: Search, found: Explanations) -> Explanations:
-    """Leave numbers that the log does not show out of all likely explanations, so that none of them has a handicap."""
-    likely = [one for one, p in zip(found.rivals, found.probabilities) if p > LIKELY or one is found.chosen]
-    leaner = {one: search.lean(one) for one in likely}
-    fits = [leaner.get(one, one) for one in found.evidence.fits]
-    evidence = _evidence(search, found.evidence.nothing, fits)
-    return _explanations(evidence, leaner[found.chosen], detected=True)
+def _pruned(search: Search, explanations: Explanations) -> Explanations:
+    """Prune the parameters of all likely explanations, so that none of them has a handicap."""
+    likely = [
+        fit
+        for fit, probability in zip(explanations.rivals, explanations.probabilities)
+        if probability > search.settings.ranking.likely or fit is explanations.chosen
+    ]
+    pruned = {fit: search.pruned(fit) for fit in likely}
+    comparison = _compare(search, [pruned.get(fit, fit) for fit in explanations.comparison.fits])
+    return _explanations(comparison, pruned[explanations.chosen], detected=True)
 
 
-def _left(search: Search, evidence: ModelComparison, chosen: CandidateFit) -> bool:
-    """Tell whether an explanation leaves anything to explain; that of a real machine always does.
+def _incomplete(search: Search, comparison: ModelComparison, chosen: CandidateFit) -> bool:
+    """Return whether an explanation leaves more than noise or moves parameters beyond tolerance.
 
-    Also one that takes more than the tolerances of the model to be true.
+    The floor of a real machine is a matter of tolerance, so that its explanations always leave something.
     """
-    return evidence.significant(chosen) or evidence.strained(chosen) or search.data.record.imported
+    return comparison.significant(chosen) or comparison.beyond_tolerance(chosen) or search.data.record.imported
 
 
-def _worth(search: Search, evidence: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
-    """Tell whether one more effect is worth it: it removes a good part of what is left, or of strained tolerances.
+def _worth(search: Search, comparison: ModelComparison, before: CandidateFit, after: CandidateFit) -> bool:
+    """Return whether one more effect removes a good part of the remaining gap, or of the prior penalty.
 
     On a real machine, where the floor is a matter of tolerance, it must remove a good part of all.
     """
-    if evidence.score(after) - evidence.score(before) < evidence.least:
+    settings = search.settings.search
+    if comparison.score(after) - comparison.score(before) < comparison.threshold:
         return False
     if search.data.record.imported:
-        return evidence.level(after) < (1 - REMOVED_OF_ALL) * evidence.level(before)
-    relieved = evidence.strained(before) and after.price < (1 - REMOVED) * before.price
-    return relieved or evidence.removed(before, after) >= REMOVED
+        return comparison.level(after) < (1 - settings.removed_of_all) * comparison.level(before)
+    relieved = after.prior_penalty < (1 - settings.removed) * before.prior_penalty
+    if comparison.beyond_tolerance(before) and relieved:
+        return True
+    return comparison.removed(before, after) >= settings.removed
 
 
-def _evidence(search: Search, nothing: CandidateFit, fits: Sequence[CandidateFit]) -> ModelComparison:
-    return evidence_of(search.data, nothing, fits, search.distance)
+def _compare(search: Search, fits: Sequence[CandidateFit]) -> ModelComparison:
+    return compare(search.data, search.null.fit, fits, search.distance, search.settings.ranking)
 
 
-def unique(fits: list[CandidateFit]) -> list[CandidateFit]:
+def unique(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
     """Keep the best fit of every set of effects, the best first."""
     best: dict[frozenset[str], CandidateFit] = {}
-    for one in fits:
-        if one.names not in best or one.chi2 < best[one.names].chi2:
-            best[one.names] = one
-    return sorted(best.values(), key=lambda one: one.chi2)
+    for fit in fits:
+        if fit.names not in best or fit.chi2 < best[fit.names].chi2:
+            best[fit.names] = fit
+    return sorted(best.values(), key=lambda fit: fit.chi2)
 
 
-def _explanations(evidence: ModelComparison, chosen: CandidateFit, *, detected: bool) -> Explanations:
-    """Distribute probability: over all explanations with as many effects as the chosen one, and simpler ones."""
-    most = max(1, len(chosen.predictor.hypothesis))
-    rivals = [one for one in evidence.fits if len(one.predictor.hypothesis) <= most]
-    among = [evidence.nothing, *rivals]
-    probabilities = evidence.probabilities(among)
+def _explanations(comparison: ModelComparison, chosen: CandidateFit, *, detected: bool) -> Explanations:
+    """Distribute probability over all explanations with no more effects than the chosen one."""
+    most = max(1, len(chosen.hypothesis))
+    rivals = [comparison.null, *(fit for fit in comparison.fits if len(fit.hypothesis) <= most)]
+    probabilities = comparison.probabilities(rivals)
     order = np.argsort(-probabilities, kind="stable")
-    return Explanations(evidence, chosen, tuple(among[place] for place in order), probabilities[order], detected)
+    return Explanations(comparison, chosen, tuple(rivals[index] for index in order), probabilities[order], detected)

@@ -1,4 +1,4 @@
-"""Orders of the rotor: which periods per turn of a motor the prediction errors repeat with, and from where."""
+"""Harmonics of the rotor angle in the prediction errors: their orders, and where they enter."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from scipy.ndimage import median_filter
 from scipy.signal import find_peaks, lfilter
 
 from flexros.effects.kinds.ranges import HIGHEST_ORDER
+from flexros.gap.settings import SearchSettings
 from flexros.robot.linear.linearise import linear_model
 from flexros.robot.spring import Spring
 
@@ -23,19 +24,17 @@ if TYPE_CHECKING:
     from flexros.gap.residuals.fit_data import FitData
     from flexros.robot import Robot
 
-MOST_SPEED = 0.4
-"""Highest frequency of an order at the largest speed, relative to the sampling frequency [1] (chosen)."""
+SEARCH = SearchSettings()
+"""Settings of a search for orders unless others are given."""
 POINTS = 8
-"""Points of the grid of angles per shortest period [1] (chosen)."""
+"""Points of the grid of angles per shortest period [1]."""
 PADDING = 4
-"""How much finer than their resolution the orders lie [1] (chosen)."""
-TRIED = 5
-"""Orders that are fitted, of those that stand out of their surroundings and of the largest, each [1] (chosen)."""
+"""Spacing of the orders: so many times finer than their resolution [1]."""
 
 
 @dataclass(frozen=True)
-class PeriodicFit:
-    """The best wave of one order.
+class HarmonicFit:
+    """The best harmonic of one order.
 
     Attributes:
         order: Periods per turn of the rotor [1].
@@ -51,25 +50,31 @@ class PeriodicFit:
 
 
 class OrderSearch:
-    """Finds waves in the rotor angle of a motor in the prediction errors of a log, by linear theory about its pose.
+    """Finds harmonics of a rotor angle a in the prediction errors of a log, by linear theory about its pose.
 
     A disturbance d at an entry makes prediction errors e = H d with the error dynamics x <- F x + G d, e = C x + D d.
-    The gain of a wave is that of a least-squares fit of H sin(n a) and H cos(n a) to the errors. Which orders are worth
-    it is seen from one backward pass: the sum of (H* e) exp(i n a) over all samples.
+    The gain of order n is that of a least-squares fit of H sin(n a) and H cos(n a) to the errors. One backward pass
+    shows which orders to fit: the sum of (H* e) exp(i n a) over all samples.
 
     Args:
         robot: The nominal robot.
         data: Log, gain and weights.
-        residual: Weighted prediction errors that are to be explained; those of the motors come first, shape (at least
-            M n,).
+        residual: Weighted prediction errors that are to be explained, those of the motors first, shape (n_values,).
         states: Predicted states [q, v], shape (n, n_states).
         q_a: Arm coordinates of the pose of the gain [rad or m], shape (N,).
+        settings: How many orders are fitted, and up to which frequency.
     """
 
     def __init__(
-        self, robot: Robot, data: FitData, residual: FloatArray, states: FloatArray, q_a: FloatArray | None = None
+        self,
+        robot: Robot,
+        data: FitData,
+        residual: FloatArray,
+        states: FloatArray,
+        q_a: FloatArray | None = None,
+        settings: SearchSettings = SEARCH,
     ) -> None:
-        self.robot, self.data = robot, data
+        self.robot, self.data, self._settings = robot, data, settings
         self._residual = residual[: data.spread.size].reshape(robot.n_motors, -1).T
         self._states = states
         self._linear = linear_model(_with_mean_stiffness(robot, states), q_a)
@@ -78,16 +83,16 @@ class OrderSearch:
         self._stiffenings: dict[int, FloatArray | float] = {}
         self._eigenvalues, self._modes = np.linalg.eig(expm(A * data.record.sample_time) @ correct)
 
-    def search(self, motor: int, entry: Entry, number: int = 2) -> tuple[PeriodicFit, ...]:
+    def search(self, motor: int, entry: Entry, number: int = 2) -> tuple[HarmonicFit, ...]:
         """Find the best orders.
 
         Args:
-            motor: Number of the motor (0-based).
+            motor: Index of the motor.
             entry: Where the disturbance enters.
             number: How many.
 
         Returns:
-            Waves by gain, the largest first.
+            Harmonics by gain, the largest first.
         """
         angle = self._angle(motor)
         reach, highest = float(np.ptp(angle)), self._highest(angle)
@@ -100,37 +105,39 @@ class OrderSearch:
         level = median_filter(score, size=min(len(score), 101), mode="nearest")
         peaks = find_peaks(score, distance=PADDING)[0]
         ranked = (np.argsort(-values[peaks]) for values in (score / np.maximum(level, 1e-300), score))
-        chosen = {int(peaks[place]) for order in ranked for place in order[:TRIED]}
-        fits = [self.fit(motor, entry, float(orders[place])) for place in sorted(chosen)]
-        return tuple(sorted(fits, key=lambda one: -one.gain)[:number])
+        tried = self._settings.tried_orders
+        chosen = {int(peaks[index]) for order in ranked for index in order[:tried]}
+        fits = [self.fit(motor, entry, float(orders[index])) for index in sorted(chosen)]
+        return tuple(sorted(fits, key=lambda fit: -fit.gain)[:number])
 
-    def fit(self, motor: int, entry: Entry, order: float) -> PeriodicFit:
-        """Fit a wave of one order.
+    def fit(self, motor: int, entry: Entry, order: float) -> HarmonicFit:
+        """Fit the harmonic of one order.
 
         Args:
-            motor: Number of the motor (0-based).
+            motor: Index of the motor.
             entry: Where the disturbance enters.
             order: Periods per turn of the rotor [1].
         """
         angle, factor = self._angle(motor), self._factor(motor, entry)
-        columns = [self._forward(self._source(motor, entry), wave(order * angle) * factor) for wave in (np.sin, np.cos)]
+        source = self._source(motor, entry)
+        columns = [self._forward(source, function(order * angle) * factor) for function in (np.sin, np.cos)]
         X = np.stack([self._weighted(column) for column in columns], axis=-1)
         r = self._residual.T.ravel()
         solution, *_ = np.linalg.lstsq(X.T @ X, X.T @ r, rcond=None)
         gain = float(solution @ (X.T @ r))
-        return PeriodicFit(order, float(np.hypot(*solution)), float(np.arctan2(solution[1], solution[0])), gain)
+        return HarmonicFit(order, float(np.hypot(*solution)), float(np.arctan2(solution[1], solution[0])), gain)
 
     def _angle(self, motor: int) -> FloatArray:
         angle: FloatArray = self.robot.rotor_turns[motor] * self._states[:, self.robot.motor_rows[motor]]
         return angle
 
     def _highest(self, angle: FloatArray) -> float:
-        """Return the highest order that the sample time lets through."""
+        """Return the highest order that the sample time resolves [1]."""
         fastest = float(np.quantile(np.abs(np.diff(angle)), 0.95))
-        return min(HIGHEST_ORDER, 2 * np.pi * MOST_SPEED / max(fastest, 1e-12))
+        return min(HIGHEST_ORDER, 2 * np.pi * self._settings.fastest_order / max(fastest, 1e-12))
 
     def _factor(self, motor: int, entry: Entry) -> FloatArray | float:
-        """Return what the wave is multiplied with where it enters: the torque, or the stiffness over the linear one."""
+        """Return the factor of the harmonic at its entry: the torque, or the stiffness over that of the linear model."""
         if entry == "proportional torque":
             return self.data.record.torque[:, motor]
         return self._stiffening(motor) if entry == "gear" else 1.0
@@ -165,9 +172,9 @@ class OrderSearch:
 
     @property
     def _upper(self) -> list[tuple[int, float]]:
-        """List the modes with weights; of a conjugate pair one, twice."""
+        """List the modes with weights; of a conjugate pair one, with weight 2."""
         return [
-            (place, 1.0 if value.imag == 0 else 2.0) for place, value in enumerate(self._eigenvalues) if value.imag >= 0
+            (mode, 1.0 if value.imag == 0 else 2.0) for mode, value in enumerate(self._eigenvalues) if value.imag >= 0
         ]
 
     @cached_property
@@ -181,9 +188,9 @@ class OrderSearch:
         column, through = source
         entered = np.linalg.solve(self._modes, column.astype(complex))
         errors = np.outer(through, disturbance)
-        for place, weight in self._upper:
-            pole = self._eigenvalues[place]
-            residues = weight * entered[place] * self._readout[:, place]
+        for mode, weight in self._upper:
+            pole = self._eigenvalues[mode]
+            residues = weight * entered[mode] * self._readout[:, mode]
             denominator = [1.0, -pole.real] if pole.imag == 0 else [1.0, -2 * pole.real, abs(pole) ** 2]
             for motor, residue in enumerate(residues):  # of a mode and its conjugate together, which is real
                 numerator = [0.0, residue.real, -(residue * pole.conjugate()).real][: len(denominator)]
@@ -191,14 +198,14 @@ class OrderSearch:
         return errors.T
 
     def _backward(self, source: tuple[FloatArray, FloatArray]) -> FloatArray:
-        """Compute how every sample of a disturbance is correlated with the errors, shape (n,)."""
+        """Compute the correlation of every sample of a disturbance with the errors, shape (n,)."""
         column, through = source
         entered = np.linalg.solve(self._modes, column.astype(complex))
         weighted = np.where(np.isfinite(self.data.spread), self._residual / self.data.spread, 0.0)[::-1]
         result = weighted @ through
-        for place, weight in self._upper:
-            seen = lfilter([0.0, 1.0], [1.0, -self._eigenvalues[place]], weighted @ self._readout[:, place])
-            result = result + weight * (seen * entered[place]).real
+        for mode, weight in self._upper:
+            seen = lfilter([0.0, 1.0], [1.0, -self._eigenvalues[mode]], weighted @ self._readout[:, mode])
+            result = result + weight * (seen * entered[mode]).real
         return result[::-1]
 
     def _weighted(self, errors: FloatArray) -> FloatArray:
@@ -231,10 +238,10 @@ def _local_stiffness(robot: Robot, index: int, states: FloatArray) -> FloatArray
 
 
 def angle_spectrum(signal: FloatArray, angle: FloatArray, highest: float) -> tuple[FloatArray, FloatArray]:
-    """Evaluate |sum of signal exp(i n angle)| over orders n, by putting the samples on an even grid of angles.
+    """Evaluate |sum of signal exp(i n angle)| over orders n, with the samples interpolated to an even grid of angles.
 
     Args:
-        signal: One number per sample, shape (n,).
+        signal: One value per sample, shape (n,).
         angle: Rotor angle of every sample [rad], shape (n,).
         highest: Highest order [periods per turn].
 
@@ -242,12 +249,12 @@ def angle_spectrum(signal: FloatArray, angle: FloatArray, highest: float) -> tup
         Orders [periods per turn] and magnitudes, shape (n_orders,) each.
     """
     spacing = 2 * np.pi / (POINTS * highest)
-    place = (angle - angle.min()) / spacing
-    whole = place.astype(int)
-    share = place - whole
-    number = int(whole.max()) + 2
-    grid = np.bincount(whole, signal * (1 - share), number) + np.bincount(whole + 1, signal * share, number)
-    padded = next_fast_len(PADDING * number)
+    position = (angle - angle.min()) / spacing
+    cell = position.astype(int)
+    share = position - cell
+    n_grid = int(cell.max()) + 2
+    grid = np.bincount(cell, signal * (1 - share), n_grid) + np.bincount(cell + 1, signal * share, n_grid)
+    padded = next_fast_len(PADDING * n_grid)
     score = np.abs(np.fft.rfft(grid, padded))
     orders = 2 * np.pi * np.arange(len(score)) / (padded * spacing)
     inside = orders <= highest

@@ -161,7 +161,7 @@ def result_of(verdict: str) -> DiagnosisResult:
         signals=(SignalGap("motor_1 position, 0.1 s ahead", "mrad", 2.2, 0.39 if found else None, 0.37, 0.5),
                  SignalGap("tool path in closed loop", "mm", 1.9, 0.08 if found else None, None, None)),
         tolerance={"body_1.rz.stiffness": 1.7, "body_2.rz.stiffness": 0.1},
-        cannot_tell=("A payload error cannot be told from an error of the last inertia by motor encoders alone.",),
+        limits=("A payload error cannot be told from an error of the last inertia by motor encoders alone.",),
         settings={"level": 5e-4},
         timings={"fit": 3.2, "where": 0.4},
     )  # fmt: skip

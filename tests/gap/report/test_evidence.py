@@ -51,7 +51,7 @@ def test_a_rival_is_told_how_far_it_is_behind_and_what_it_leaves(diagnosed: Diag
 def test_effects_of_a_pair_are_judged_together(diagnosed: Diagnosed) -> None:
     result = diagnosed("explained")
     backlash = EffectLocation(effect="backlash", location="motor_1")
-    first = replace(result.ranking[0], beside=(backlash,))
+    first = replace(result.ranking[0], together_with=(backlash,))
     pair = replace(result, ranking=(first, *result.ranking[1:]))
     assert any(text.startswith("Together with backlash at motor_1 it raises") for text in speaks_for(first, pair))
     assert "Coulomb friction at motor_1 and backlash at motor_1 gain 200 more." in speaks_against(pair.ranking[1], pair)

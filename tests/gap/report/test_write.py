@@ -115,7 +115,7 @@ def test_what_moved_within_tolerance_is_told(diagnosed: Diagnosed) -> None:
 
 
 def test_a_result_with_little_is_rendered_all_the_same(changed: Callable[..., DiagnosisResult]) -> None:
-    bare = changed("no_gap", ranking=(), excess=(), signals=(), holdout=None, tolerance={}, cannot_tell=(), timings={})
+    bare = changed("no_gap", ranking=(), excess=(), signals=(), holdout=None, tolerance={}, limits=(), timings={})
     html = page(replace(bare, before=replace(bare.before, holdout=None)))
     assert "No effect competed" in html
     assert "Where it shows</h2>" not in html
