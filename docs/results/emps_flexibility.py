@@ -8,9 +8,11 @@ import numpy as np
 from scipy.signal import butter, csd, filtfilt
 
 from flexros.effects import RobotWithEffects, parse_effect
-from flexros.gap.fit.least_squares import best_of, chi2_of, fit, starts_of
+from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.least_squares import best_of, chi2_of, fit, initial_values
+from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.residuals.fit_data import fit_data
-from flexros.gap.search.candidate_fits import Search
+from flexros.gap.search.candidate_fits import prepare_search
 from flexros.gap.settings import DiagnosisSettings
 from flexros.robot import load_robot
 
@@ -145,19 +147,19 @@ class _Beside:
         model = RobotWithEffects(load_robot("emps"), ())
         fitted = record.part(0, record.n_samples * 2 // 3)
         self.data = fit_data(fitted, model, DiagnosisSettings())
-        self.search = Search(model, self.data)
-        nothing = self.search.nothing()
-        among = (*self.search.candidates(self.search.scales(nothing)), *self.search.waves(nothing))
-        self.candidates: dict[str, Candidate] = {one.name: one for one in among}
-        known = self.search.predictor(tuple(self.candidates[name] for name in KNOWN))
-        starts = starts_of(known)
+        self.null = fit_null(self.data, model, Tolerance())
+        search = prepare_search(self.null)
+        listed = (*search.candidates(), *search.harmonics(self.null.fit))
+        self.candidates: dict[str, Candidate] = {candidate.name: candidate for candidate in listed}
+        known = self.null.predictor(tuple(self.candidates[name] for name in KNOWN))
+        starts = initial_values(known)
         order = np.argsort(chi2_of(known, self.data, starts))[:3]
         self.friction = best_of([fit(known, self.data, starts[:, one], 30, enough=1e-3) for one in order])
 
     def with_(self, names: tuple[str, ...], starts: FloatArray) -> CandidateFit:
         """Fit causes beside friction from the best three of some starts."""
         hypothesis = (*self.friction.predictor.hypothesis, *[self.candidates[name] for name in names])
-        predictor = self.search.predictor(hypothesis)
+        predictor = self.null.predictor(hypothesis)
         before = np.repeat(self.friction.theta[:, None], starts.shape[1], axis=1)
         thetas = np.vstack([before, starts])
         order = np.argsort(chi2_of(predictor, self.data, thetas))[:3]
@@ -165,7 +167,7 @@ class _Beside:
 
     def one(self, name: str) -> CandidateFit:
         """Fit one more cause."""
-        return self.with_((name,), starts_of(self.search.predictor((self.candidates[name],))))
+        return self.with_((name,), initial_values(self.null.predictor((self.candidates[name],))))
 
     def part(self) -> CandidateFit:
         """Fit a part of the mass on a spring."""
@@ -201,7 +203,7 @@ def _row(record: Record) -> tuple[str, dict[str, float]]:
 def _after_edges(record: Record, pulses: FloatArray) -> str:
     """Compare the prediction errors after the edges of the pulses with the others."""
     beside = _Beside(record)
-    errors = beside.search.residual(beside.friction)
+    errors = beside.friction.residual(beside.data)
     ringing = np.zeros(len(errors), dtype=bool)
     for edge in np.flatnonzero(np.diff(pulses[: len(errors)])) + 1:
         ringing[edge : edge + RINGING] = True

@@ -87,9 +87,7 @@ def diagnose(
     explanations = explain(prepare_search(null, settings, stages.inner))
 
     stages.begin("answer", 0.95)
-    findings = findings_of(
-        model, null.data, held_data, explanations, tolerance=tolerance, settings=settings.ranking
-    )
+    findings = findings_of(model, null.data, held_data, explanations, tolerance=tolerance, settings=settings.ranking)
     result = result_of(findings, prediction, excess, settings, stages)
 
     if log is not None:

@@ -107,8 +107,8 @@ class DiagnosisResult:
         excess: All places that were looked at for a gap, significant or not: per joint and band over the regime "all",
             and per joint and regime over the whole band.
         signals: The gap by signal, on held-out data, and in closed loop where reference and controller are known.
-        signature_data: What the pictures of the effects' signatures are computed from: the fitted log with the predictions
-            of the nominal and the repaired model, states included; None leaves these pictures out.
+        signature_data: Data of the signature pictures: the fitted log with the predictions of the nominal and the
+            repaired model, states included; None leaves these pictures out.
         tolerance: Parameters that were moved within their tolerance, in standard deviations of it [1].
         limits: What the signals of this log cannot show, a sentence each.
         settings: Settings of the diagnosis, for the provenance.

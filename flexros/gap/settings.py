@@ -17,12 +17,14 @@ class FitSettings(Settings):
         "the logarithm",
     )
     enough: float = Field(
-        default=0.1, gt=0, description="fall of the sum of squares below which a fit ends [1]; the null needs it so fine"
+        default=0.1,
+        gt=0,
+        description="fall of the sum of squares below which a fit ends [1]; the null needs it so fine",
     )
     exactly: float = Field(
         default=1e-3,
         gt=0,
-        description="the same for the final fits [1]: intervals of slow effects are tighter than white residuals suggest",
+        description="the same for final fits [1]: intervals of slow effects are tighter than white residuals suggest",
     )
     hope: float = Field(
         default=10.0,
@@ -45,7 +47,7 @@ class SearchSettings(Settings):
         default=0.5,
         gt=0,
         lt=1,
-        description="a first fit is continued while its iterations lower the sum of squares to less than this share [1]",
+        description="a first fit goes on while its iterations lower the sum of squares to less than this share [1]",
     )
     settled: int = Field(
         default=3, ge=0, description="a fit that converges in so many iterations needs no second initial value"
@@ -90,7 +92,9 @@ class RankingSettings(Settings):
         default=1.0, ge=0, description="least cost of each further parameter of an effect [nats]"
     )
     plain_form: float = Field(
-        default=2e-4, ge=0, description="model-form error of plain effects, as a share of the gap [1] (development seeds)"
+        default=2e-4,
+        ge=0,
+        description="model-form error of plain effects, as a share of the gap [1] (development seeds)",
     )
     shaped_form: float = Field(
         default=2e-3,
@@ -130,7 +134,7 @@ class RankingSettings(Settings):
         default=0.1,
         gt=0,
         lt=1,
-        description="share of the gap that an explanation may leave before the cause counts as unknown [1] (the contract)",
+        description="share of the gap that an explanation may leave, or the cause is unknown [1] (the contract)",
     )
     exact_unexplained: float = Field(
         default=0.02,

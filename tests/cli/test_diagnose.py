@@ -47,7 +47,7 @@ def answered(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, object]]:
             warnings=("the log is short",), provenance={},
         )  # fmt: skip
         nominal = load_robot("four_mass_linear")
-        return DiagnosisResult(told, nominal, record, None, Explanation("nominal", empty), nothing=1.0)
+        return DiagnosisResult(told, nominal, record, None, Explanation("nominal", empty), null_probability=1.0)
 
     monkeypatch.setattr(diagnosis_module, "diagnose", answer)
     return asked

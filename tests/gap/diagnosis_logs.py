@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 
-import pytest
-
 from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.candidate import Candidate, FreeParameter, Hypothesis, list_candidates
-from flexros.gap.candidates.scales import Scales
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData, fit_data
-from flexros.gap.search import candidate_fits as search
-from flexros.gap.search.candidate_fits import Search
-from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.search.candidate_fits import Search, prepare_search
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.record.read import read_record
 from flexros.record.record import Record
-from flexros.robot import Robot, load_robot
+from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
@@ -28,7 +23,14 @@ from flexros.scenario.scenario import load_scenario
 ROBOT = load_robot("four_mass_linear")
 MODEL = RobotWithEffects(ROBOT, ())
 SECONDS = 12.0
-FEW = ("coulomb_friction", "viscous_friction", "stiffness_error", "motor_inertia_error", "torque_bias", "backlash")
+FEW_EFFECTS = (
+    "coulomb_friction",
+    "viscous_friction",
+    "stiffness_error",
+    "motor_inertia_error",
+    "torque_bias",
+    "backlash",
+)
 
 
 @cache
@@ -46,17 +48,20 @@ def data_of(*effects: str, length: float = SECONDS, seed: int = 1, tool: bool = 
     return fit_data(record_of(*effects, length=length, seed=seed, tool=tool), MODEL, DiagnosisSettings())
 
 
-def search_of(*effects: str, length: float = SECONDS, seed: int = 1, tool: bool = False) -> Search:
-    """Prepare a search in such a log."""
-    return Search(MODEL, data_of(*effects, length=length, seed=seed, tool=tool), threads=1)
+def settings_of(*effects: str, where: bool = False) -> DiagnosisSettings:
+    """Settings of a short diagnosis, in which these effects compete, or all."""
+    return DiagnosisSettings(threads=1, where=where, next_experiment=False, search=SearchSettings(effects=effects))
+
+
+def search_of(*effects: str, among: tuple[str, ...] = (), tolerance: Tolerance | None = None) -> Search:
+    """Prepare a search in such a log, in which some effects compete, or all."""
+    return prepare_search(fit_null(data_of(*effects), MODEL, tolerance or Tolerance()), settings_of(*among))
 
 
 @cache
 def candidates_of(*effects: str) -> dict[str, Candidate]:
     """List what may be the cause of such a log, by effect@place."""
-    search = search_of(*effects)
-    nothing = search.nothing()
-    return {one.name: one for one in list_candidates(ROBOT, search.scales(nothing))}
+    return {candidate.name: candidate for candidate in list_candidates(ROBOT, search_of(*effects).scales)}
 
 
 def predictor_of(
@@ -72,16 +77,3 @@ def numbers(candidate: Candidate, **values: float) -> list[float]:
     free: dict[str, FreeParameter] = {one.name: one for one in candidate.free}
     assert set(free) == set(values)
     return [one.encode(values[name]) for name, one in free.items()]
-
-
-@contextmanager
-def few_candidates() -> Iterator[None]:
-    """Look for some effects only, which makes searches for several of them short."""
-
-    def some(robot: Robot, sizes: Scales) -> tuple[Candidate, ...]:
-        return tuple(one for one in list_candidates(robot, sizes) if one.effect.name in FEW)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "list_candidates", some)
-        patch.setattr(search, "harmonic_candidates", lambda *_: ())
-        yield

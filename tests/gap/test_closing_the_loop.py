@@ -12,11 +12,10 @@ from flexros.gap.answer.patch import write_patch
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.gap.held_out.closed_loop_gap import closed_loop_gap
-from flexros.gap.settings import DiagnosisSettings
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import Scenario, load_scenario
-from tests.gap.diagnosis_logs import few_candidates
+from tests.gap.diagnosis_logs import FEW_EFFECTS, settings_of
 
 HIDDEN = "coulomb_friction@motor_1:level=1.5"
 ROBOT = "four_mass_linear"
@@ -35,8 +34,7 @@ def test_the_patch_of_a_diagnosis_brings_the_tool_back_to_the_path_without_effec
     model = load_model(ROBOT)
     log = closed_loop(Experiment.prepare(experiment))
     record = checked_log(log, model.robot, name="hidden")
-    with few_candidates():
-        result = diagnose(record, model, log=log, settings=DiagnosisSettings(where=False, next_experiment=False))
+    result = diagnose(record, model, log=log, settings=settings_of(*FEW_EFFECTS))
     assert result.diagnosis.causes[0].effect == "coulomb_friction"
     ahead, *in_loop = result.signals
     assert ahead.signal == "motor_1 position, 0.1 s ahead"

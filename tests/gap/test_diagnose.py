@@ -17,9 +17,9 @@ from flexros.record.record import Record
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
-from tests.gap.diagnosis_logs import ROBOT, few_candidates, record_of
+from tests.gap.diagnosis_logs import FEW_EFFECTS, ROBOT, record_of, settings_of
 
-SETTINGS = DiagnosisSettings(threads=1, where=False, next_experiment=False)
+SETTINGS, FEW = settings_of(), settings_of(*FEW_EFFECTS)
 LONG = 10.0
 FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"
 
@@ -45,8 +45,7 @@ def single() -> DiagnosisResult:
 
 @pytest.fixture(scope="module")
 def pair() -> DiagnosisResult:
-    with few_candidates():
-        return diagnosed(FRICTION, SOFT)
+    return diagnosed(FRICTION, SOFT, settings=FEW)
 
 
 @pytest.fixture(scope="module")
@@ -58,8 +57,7 @@ def unknown() -> DiagnosisResult:
         time = np.arange(record.n_samples) * record.sample_time
         wandering = np.cumsum(np.random.default_rng(seed).normal(size=record.n_samples)) * 2e-3
         logs.append(replace(record, torque=record.torque + (wandering * np.sin(2 * np.pi * 1.7 * time**1.1))[:, None]))
-    with few_candidates():
-        return diagnose(logs[0], ROBOT, holdout=logs[1], settings=SETTINGS)
+    return diagnose(logs[0], ROBOT, holdout=logs[1], settings=FEW)
 
 
 def test_a_log_without_gap_has_none_though_the_frame_of_the_tool_is_unknown(null: DiagnosisResult) -> None:
@@ -100,8 +98,7 @@ def test_the_patch_of_a_diagnosis_is_the_effect(single: DiagnosisResult) -> None
 def test_what_the_model_knows_already_is_not_told_again(single: DiagnosisResult) -> None:
     record, holdout = (record_of(FRICTION, length=LONG, seed=seed) for seed in (1, 2))
     repaired = place_effects(ROBOT, single.patch)
-    with few_candidates():
-        assert diagnose(record, repaired, holdout=holdout, settings=SETTINGS).diagnosis.verdict == "no_gap"
+    assert diagnose(record, repaired, holdout=holdout, settings=FEW).diagnosis.verdict == "no_gap"
 
 
 def test_two_effects_are_found_together(pair: DiagnosisResult) -> None:
@@ -137,8 +134,7 @@ def test_covariance_belongs_to_the_numbers_in_their_units(pair: DiagnosisResult)
 
 
 def test_a_coarse_encoder_is_named_and_no_gap_is_left() -> None:
-    with few_candidates():
-        result = diagnosed("encoder_quantization@motor_1:step=0.002")
+    result = diagnosed("encoder_quantization@motor_1:step=0.002", settings=FEW)
     assert causes(result) == ["encoder_quantization@motor_1"]
     assert result.diagnosis.causes[0].parameters["step"].value == pytest.approx(0.002, rel=1e-3)
     assert result.diagnosis.verdict == "explained"
@@ -155,24 +151,24 @@ def test_coloured_noise_is_no_place_of_a_gap() -> None:
         noise = lfilter([0.6], [1.0, -0.8], rng.normal(size=record.n_samples))[:, None] * ROBOT.encoder_noise
         return replace(record, position=record.position + noise)
 
-    with few_candidates():
-        result = diagnose(recorded(1), ROBOT, holdout=recorded(2), settings=SETTINGS.model_copy(update={"where": True}))
+    settings = settings_of(*FEW_EFFECTS, where=True)
+    result = diagnose(recorded(1), ROBOT, holdout=recorded(2), settings=settings)
     assert result.diagnosis.verdict == "no_gap"
     assert result.diagnosis.where == ()
 
 
 def test_stages_are_timed_and_progress_is_a_share_of_all() -> None:
-    told: list[tuple[str, float]] = []
+    calls: list[tuple[str, float]] = []
     record, holdout = (record_of(length=LONG, seed=seed) for seed in (1, 2))
-    with few_candidates():
-        result = diagnose(
-            record, ROBOT, holdout=holdout, settings=SETTINGS, progress=lambda name, share: told.append((name, share))
-        )
-    shares = [share for _, share in told]
+    result = diagnose(
+        record, ROBOT, holdout=holdout, settings=FEW, progress=lambda name, share: calls.append((name, share))
+    )
+    shares = [share for _, share in calls]
+    assert shares == sorted(shares)
     assert min(shares) == 0.0
-    assert 0.9 <= max(shares) <= 1.0
-    stages = ["causes", "held-out data", "places", "answer"]
-    assert [name for name, _ in told if name in stages] == stages
+    assert 0.8 <= max(shares) <= 1.0
+    stages = ["nominal model", "where", "causes", "answer"]
+    assert [name for name, _ in calls if name in stages] == stages
     assert list(result.timings) == stages
 
 

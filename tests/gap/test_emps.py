@@ -14,14 +14,15 @@ import pytest
 from flexros.effects import RobotWithEffects
 from flexros.errors import InputError
 from flexros.gap.candidates.candidate import Candidate
+from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
-from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, fit, starts_of
+from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, fit, initial_values
+from flexros.gap.fit.null_fit import NullFit, fit_null
 from flexros.gap.noise.encoder_noise import SIGNAL_TOLERANCE, measure_noise
 from flexros.gap.residuals.fit_data import fit_data
-from flexros.gap.search import forward_selection as explain
-from flexros.gap.search.candidate_fits import Search
-from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.search.candidate_fits import prepare_search
+from flexros.gap.settings import DiagnosisSettings, SearchSettings
 from flexros.logs.foreign.import_log import import_log
 from flexros.logs.foreign.mapping import load_mapping
 from flexros.logs.time_series import Log
@@ -82,12 +83,10 @@ def test_spoilt_measured_log_is_refused(robot: Robot, factor: float, words: str)
         checked_log(replace(log, joint_commands=commands), robot, name="emps")
 
 
-def test_coulomb_friction_is_named_first_with_its_published_level(
-    robot: Robot, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_coulomb_friction_is_named_first_with_its_published_level(robot: Robot) -> None:
     """The published level is 20.39 N, and an offset of -3.16 N is the asymmetry of it."""
-    monkeypatch.setattr(explain, "MOST_EFFECTS", 2)  # a third one takes as long as all before
-    settings = DiagnosisSettings(where=False, next_experiment=False)
+    pairs = SearchSettings(most_effects=2)  # a third one takes as long as all before
+    settings = DiagnosisSettings(where=False, next_experiment=False, search=pairs)
     result = diagnose(record_of("DATA_EMPS.mat").part(0, 8000), robot, settings=settings)
     first = result.diagnosis.causes[0]
     assert (first.effect, first.location) == ("coulomb_friction", "motor_1")
@@ -98,45 +97,48 @@ def test_coulomb_friction_is_named_first_with_its_published_level(
     assert first.closed_fraction > 0.9
 
 
+Pulses = tuple[NullFit, CandidateFit, Mapping[str, Candidate]]
+
+
 @pytest.fixture(scope="module")
-def under_pulses(robot: Robot) -> tuple[Search, CandidateFit, Mapping[str, Candidate]]:
+def under_pulses(robot: Robot) -> Pulses:
     """Fit Coulomb and viscous friction to 8 s of the log with pulses."""
     model = RobotWithEffects(robot, ())
     data = fit_data(record_of("DATA_EMPS_PULSES.mat").part(0, 8000), model, DiagnosisSettings())
-    search = Search(model, data)
-    among = {one.name: one for one in search.candidates(search.scales(search.nothing()))}
-    predictor = search.predictor((among["coulomb_friction@motor_1"], among["viscous_friction@motor_1"]))
-    starts = starts_of(predictor)
+    null = fit_null(data, model, Tolerance())
+    among = {candidate.name: candidate for candidate in prepare_search(null).candidates()}
+    predictor = null.predictor((among["coulomb_friction@motor_1"], among["viscous_friction@motor_1"]))
+    starts = initial_values(predictor)
     best = np.argsort(chi2_of(predictor, data, starts))[:3]
-    return search, best_of([fit(predictor, data, starts[:, one], 30) for one in best]), among
+    return null, best_of([fit(predictor, data, starts[:, one], 30) for one in best]), among
 
 
-def test_pulses_show_the_published_friction(under_pulses: tuple[Search, CandidateFit, Mapping[str, Candidate]]) -> None:
-    search, friction, _ = under_pulses
+def test_pulses_show_the_published_friction(
+    under_pulses: Pulses,
+) -> None:
+    null, friction, _ = under_pulses
     coulomb, viscous = friction.predictor.values(friction.theta)
     assert coulomb["level"] == pytest.approx(20.39, rel=0.1)
     assert viscous["asymmetry"] == pytest.approx((166.7 - 240.4) / 203.6, rel=0.2)
-    assert friction.chi2 < 0.02 * search.nothing().chi2
+    assert friction.chi2 < 0.02 * null.fit.chi2
 
 
-def test_pulses_leave_no_ringing(under_pulses: tuple[Search, CandidateFit, Mapping[str, Candidate]]) -> None:
+def test_pulses_leave_no_ringing(under_pulses: Pulses) -> None:
     """A flexibility that the pulses excite would show in the errors after their edges, from 344 ms on each 500 ms."""
-    search, friction, _ = under_pulses
-    errors = search.residual(friction)
+    null, friction, _ = under_pulses
+    errors = friction.residual(null.data)
     after = np.arange(len(errors)) % 500
     ringing = (after >= 344) & (after < 404)
     assert np.mean(errors[ringing] ** 2) < 1.2 * np.mean(errors**2)
 
 
 @pytest.mark.parametrize("name", ["extra_mode@tool", "delay@all", "actuator_lag@motor_1"])
-def test_pulses_need_no_mode_and_no_delay(
-    under_pulses: tuple[Search, CandidateFit, Mapping[str, Candidate]], name: str
-) -> None:
-    """The authors candidate a flexibility; docs/results/emps.md has the figures."""
-    search, friction, among = under_pulses
-    predictor = search.predictor((*friction.predictor.hypothesis, among[name]))
-    starts = starts_of(search.predictor((among[name],)))
+def test_pulses_need_no_mode_and_no_delay(under_pulses: Pulses, name: str) -> None:
+    """The authors suspect a flexibility; docs/results/emps.md has the figures."""
+    null, friction, among = under_pulses
+    predictor = null.predictor((*friction.predictor.hypothesis, among[name]))
+    starts = initial_values(null.predictor((among[name],)))
     starts = np.vstack([np.repeat(friction.theta[:, None], starts.shape[1], axis=1), starts])
-    best = np.argsort(chi2_of(predictor, search.data, starts))[:2]
-    more = best_of([fit(predictor, search.data, starts[:, one], 12) for one in best])
-    assert more.chi2 > (1 - explain.REMOVED_OF_ALL) * friction.chi2
+    best = np.argsort(chi2_of(predictor, null.data, starts))[:2]
+    more = best_of([fit(predictor, null.data, starts[:, one], 12) for one in best])
+    assert more.chi2 > (1 - SearchSettings().removed_of_all) * friction.chi2

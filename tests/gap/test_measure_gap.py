@@ -6,10 +6,10 @@ import pytest
 
 from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.gap.candidates.tolerance import Tolerance
+from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.measure_gap import measure_gap
 from flexros.gap.residuals.fit_data import fit_data
-from flexros.gap.search.candidate_fits import Search
-from flexros.gap.search.model_probability import evidence_of
+from flexros.gap.search.model_probability import compare
 from flexros.gap.settings import DiagnosisSettings
 from flexros.robot.robot import Robot
 from tests.gap.diagnosis_logs import MODEL, ROBOT, record_of
@@ -31,8 +31,8 @@ def test_noise_that_is_a_little_more_than_declared_is_no_gap_here_as_it_is_none_
     quieter = RobotWithEffects(Robot(spec, ROBOT.source), ())
     record = record_of()
     data = fit_data(record, quieter, DiagnosisSettings())
-    nothing = Search(quieter, data, Tolerance()).nothing()
-    assert evidence_of(data, nothing).significant(nothing)
+    null = fit_null(data, quieter, Tolerance()).fit
+    assert compare(data, null).significant(null)
     assert not measure_gap(record, quieter).significant
 
 

@@ -205,9 +205,7 @@ def _closed(after: AheadErrors | None, findings: Findings, errors: HeldOutErrors
 def _rounding(quantization: Quantization, findings: Findings, errors: HeldOutErrors) -> Cause:
     """State the rounding of an encoder, which is read off the log."""
     motor = findings.model.robot.motors[quantization.motor]
-    step = CauseParameter(
-        value=quantization.step, std=STEP_ERROR * quantization.step, unit=motor.position_unit
-    )
+    step = CauseParameter(value=quantization.step, std=STEP_ERROR * quantization.step, unit=motor.position_unit)
     return Cause(
         effect=EncoderQuantization.name,
         location=motor.name,

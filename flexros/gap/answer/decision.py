@@ -192,9 +192,7 @@ def rank_key(name: str, findings: Findings, verdict: Verdict) -> tuple[float, fl
 def repair_of(findings: Findings) -> tuple[PlacedEffect, ...]:
     """Return the effects that repair the model: those of the chosen explanation, and the rounding of encoders."""
     names = findings.model.robot.joint_names
-    rounding = (
-        PlacedEffect(EncoderQuantization(step=one.step), names[one.motor]) for one in findings.quantizations
-    )
+    rounding = (PlacedEffect(EncoderQuantization(step=one.step), names[one.motor]) for one in findings.quantizations)
     return (*placed_effects(findings.explanations.chosen), *rounding)
 
 

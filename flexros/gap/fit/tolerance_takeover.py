@@ -62,9 +62,7 @@ def takeover(candidate: Candidate, fit: CandidateFit) -> Takeover | None:
     return Takeover(float(np.sum(fit.deviations[replaced] ** 2)), np.array([free.encode(factor - 1)]), theta)
 
 
-def with_takeover(
-    candidate: Candidate, fit: CandidateFit, gain: float, start: FloatArray
-) -> tuple[float, FloatArray]:
+def with_takeover(candidate: Candidate, fit: CandidateFit, gain: float, start: FloatArray) -> tuple[float, FloatArray]:
     """Choose how a candidate is added to a fit: in place of tolerated deviations where that gains more.
 
     Args:

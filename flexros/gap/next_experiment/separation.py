@@ -147,12 +147,12 @@ def separation(truth: Explained, rival: Explained, made: Trial) -> float:
     residuals = data.residuals(right, theta[:, None])
     least = float(np.sum(residuals**2))
     contrast = contrast_of(right.hypothesis, wrong.hypothesis)
-    apart = None
+    distance = None
     if contrast.between:
-        apart = float(np.sum((residuals - data.residuals(wrong, other.theta[:, None])) ** 2))
+        distance = float(np.sum((residuals - data.residuals(wrong, other.theta[:, None])) ** 2))
     without, theta_without = predictor_of(truth.shared_with(rival), sample_time)
     most = float(chi2_of(without, data, theta_without[:, None])[0])
-    error = form_error(max(most - least, 0.0), plain=contrast.plain, apart=apart)
+    error = form_error(max(most - least, 0.0), plain=contrast.plain, distance=distance)
     return max(other.chi2 - least, 0.0) / (2.0 + error)
 
 

@@ -108,7 +108,8 @@ def _table(ranking: Sequence[RankedCandidate]) -> TextTable:
     unseen = any(one.holdout_gain is not None for one in ranking)
     rows = tuple(
         (
-            capital(named(one)) + (f" (beside {listed([named(place) for place in one.together_with])})" if one.together_with else ""),
+            capital(named(one))
+            + (f" (with {listed([named(place) for place in one.together_with])})" if one.together_with else ""),
             parameters_words(one.parameters),
             _short(one.probability),
             number(one.gain, 4),

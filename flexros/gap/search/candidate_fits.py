@@ -15,7 +15,8 @@ from flexros.errors import unknown_name
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.scales import scales_of
 from flexros.gap.fit.estimates import placed_effects
-from flexros.gap.fit.least_squares import CandidateFit, Linearised, best_of, chi2_of, fit, initial_values, linearise
+from flexros.gap.fit.least_squares import CandidateFit, Linearised, best_of, chi2_of, initial_values, linearise
+from flexros.gap.fit.least_squares import fit as fit_candidate
 from flexros.gap.fit.pruning import without_least_parameter
 from flexros.gap.fit.screening import predicted_gains
 from flexros.gap.fit.tolerance_takeover import with_takeover
@@ -136,12 +137,12 @@ class Search:
 
     def _while_steep(self, predictor: Predictor, start: FloatArray, chi2: float) -> CandidateFit:
         """Fit for a few iterations, and on while the sum of squares falls steeply, as its minimum is still unknown."""
-        candidate_fit = self._quick(predictor, start)
+        fit = self._quick(predictor, start)
         for _ in range(self.settings.fit.final_iterations // self.settings.fit.first_iterations):
-            if candidate_fit.converged or not candidate_fit.chi2 < self.settings.search.steep * chi2:
+            if fit.converged or not fit.chi2 < self.settings.search.steep * chi2:
                 break
-            chi2, candidate_fit = candidate_fit.chi2, self._quick(predictor, candidate_fit.theta)
-        return candidate_fit
+            chi2, fit = fit.chi2, self._quick(predictor, fit.theta)
+        return fit
 
     def _quick(self, predictor: Predictor, start: FloatArray) -> CandidateFit:
         """Fit for a few iterations, with the tolerance slopes of the nominal model."""
@@ -153,7 +154,7 @@ class Search:
         """Fit, quickly with the tolerance slopes of the nominal model or exactly with its own."""
         settings = self.settings.fit
         slopes, enough = (self.tolerance_slopes, settings.enough) if quick else (None, settings.exactly)
-        return fit(
+        return fit_candidate(
             predictor,
             self.data,
             start,
@@ -290,7 +291,7 @@ def prepare_search(
 
 
 def _distances(data: FitData) -> Callable[[CandidateFit, CandidateFit], float]:
-    """Make the function that computes the distance of two fits; it remembers its results, which cost two predictions."""
+    """Return the function that computes the distance of two fits, and keeps it, as it costs two predictions."""
     known: dict[frozenset[CandidateFit], float] = {}
 
     def distance(fit: CandidateFit, other: CandidateFit) -> float:

@@ -137,7 +137,7 @@ class OrderSearch:
         return min(HIGHEST_ORDER, 2 * np.pi * self._settings.fastest_order / max(fastest, 1e-12))
 
     def _factor(self, motor: int, entry: Entry) -> FloatArray | float:
-        """Return the factor of the harmonic at its entry: the torque, or the stiffness over that of the linear model."""
+        """Return the factor of the harmonic at its entry: the torque, or the stiffness over the linear one."""
         if entry == "proportional torque":
             return self.data.record.torque[:, motor]
         return self._stiffening(motor) if entry == "gear" else 1.0

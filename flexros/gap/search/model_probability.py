@@ -61,7 +61,7 @@ class ModelComparison:
         return self.n_values * float(np.log(null_level / level))
 
     def penalty(self, fit: CandidateFit) -> float:
-        """Return the penalty of the effects' parameters by the Bayesian information criterion (Schwarz 1978): p ln N."""
+        """Return the penalty of the effects' parameters by the information criterion (Schwarz 1978): p ln N [1]."""
         return fit.predictor.n_effect * float(np.log(self.n_values))
 
     def score(self, fit: CandidateFit) -> float:
@@ -211,9 +211,7 @@ def contrast_of(hypothesis: Hypothesis, other: Hypothesis) -> Contrast:
     return Contrast(own, plain, bool(own and others) and plain and plain_others)
 
 
-def form_error(
-    gap: float, *, plain: bool, distance: float | None = None, settings: RankingSettings = RANKING
-) -> float:
+def form_error(gap: float, *, plain: bool, distance: float | None = None, settings: RankingSettings = RANKING) -> float:
     """Return what the model-form errors of two explanations may change in the difference of their sums of squares.
 
     F = eps G, a share of the gap. Where two plain effects do nearly the same, F = min(eps G, k^2 D / 2 + 2 a G): the

@@ -9,19 +9,23 @@ import pytest
 
 from flexros.gap.answer import assemble as answer
 from flexros.gap.answer.assemble import result_of
-from flexros.gap.answer.decision import Findings
+from flexros.gap.answer.decision import findings_of
 from flexros.gap.fit.least_squares import CandidateFit
+from flexros.gap.held_out.prediction_gap import errors_ahead
+from flexros.gap.held_out.predictions import prediction_of
 from flexros.gap.progress import Stages
 from flexros.gap.residuals.fit_data import FitData
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.search.forward_selection import Explanations
 from flexros.gap.search.model_probability import ModelComparison
+from flexros.gap.settings import DiagnosisSettings, RankingSettings
 from flexros.record.quantization import Quantization
 from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, numbers, predictor_of
 
 TRUTH = "coulomb_friction@motor_1:level=0.05"
 COULOMB, STIFFNESS = "coulomb_friction@motor_1", "stiffness_error@body_2.rz"
 TOLERANCE = {"stiffness": 0.01}
+SETTINGS = DiagnosisSettings(level=1e-3, next_experiment=False)
 VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}}
 
 
@@ -37,18 +41,19 @@ def answered(
     probabilities: tuple[float, ...],
     rounded: bool = False,
     data: FitData | None = None,
-    following: bool = False,
+    settings: DiagnosisSettings = SETTINGS,
+    detected: bool = True,
 ) -> DiagnosisResult:
     """The answer to a log with friction."""
     data, held = data or data_of(TRUTH), data_of(TRUTH, seed=2)
     if rounded:
         data = replace(data, measurement=replace(data.measurement, quantizations=(Quantization(0, 1e-3),)))
-    nothing = fitted(50.0)
-    evidence = ModelComparison(nothing, (chosen, *rivals), data.n_values)
-    explanations = Explanations(evidence, chosen, (chosen, *rivals, nothing), np.array([*probabilities, 0.0]), True)
-    found = Findings(MODEL, data, held, explanations, TOLERANCE)
-    settings = {"level": 1e-3, "next_experiment": following}
-    return result_of(found, found.explanation(nothing), None, settings, Stages(None))
+    null = chosen if not detected else fitted(50.0)
+    fits = (chosen, *rivals) if detected else ()
+    comparison = ModelComparison(null, fits, data.n_values)
+    explanations = Explanations(comparison, chosen, (*fits, null), np.array([*probabilities, 0.0]), detected)
+    found = findings_of(MODEL, data, held, explanations, tolerance=TOLERANCE, settings=settings.ranking)
+    return result_of(found, prediction_of(null, data), None, settings, Stages(None))
 
 
 @pytest.fixture(scope="module")
@@ -68,19 +73,18 @@ def test_all_that_was_tried_is_ranked_with_what_it_leaves(result: DiagnosisResul
     assert [one.effect for one in result.ranking] == ["coulomb_friction", "stiffness_error"]
     assert [one.remainder for one in result.ranking] == [0.0, pytest.approx(19 / 49)]
     assert result.ranking[0].gain > result.ranking[1].gain
-    assert result.nothing == 0.0
+    assert result.null_probability == 0.0
 
 
-def test_the_first_of_the_ranking_have_their_gain_in_the_held_out_log(
-    result: DiagnosisResult, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_first_of_the_ranking_have_their_gain_in_the_held_out_log(result: DiagnosisResult) -> None:
     right, wrong = (one.holdout_gain for one in result.ranking)
     assert right is not None
     assert wrong is not None
     assert right > 1e4
     assert wrong < 0.1 * right
-    monkeypatch.setattr(answer, "CONFIRMED", 1)
-    ranking = answered(fitted(1.0, COULOMB), fitted(20.0, STIFFNESS), probabilities=(0.95, 0.05)).ranking
+    settings = DiagnosisSettings(ranking=RankingSettings(confirmed=1))
+    fits = fitted(1.0, COULOMB), fitted(20.0, STIFFNESS)
+    ranking = answered(*fits, probabilities=(0.95, 0.05), settings=settings).ranking
     assert [one.holdout_gain for one in ranking] == [right, None]
 
 
@@ -96,6 +100,9 @@ def test_before_after_and_rival_are_told_apart(result: DiagnosisResult) -> None:
 def test_provenance_names_log_robot_and_settings(result: DiagnosisResult) -> None:
     provenance = result.diagnosis.provenance
     assert (provenance["log"], provenance["robot"], provenance["level"]) == ("log", "four_mass_linear", 1e-3)
+    assert provenance["stiffness"] == TOLERANCE["stiffness"]
+    assert provenance["ranking"]["unexplained"] == 0.1
+    assert provenance["search"]["most_effects"] == 4
 
 
 def test_rivals_of_an_ambiguous_answer_are_causes_too() -> None:
@@ -110,7 +117,7 @@ def test_rivals_of_an_ambiguous_answer_are_causes_too() -> None:
 def test_next_experiment_is_chosen_with_the_tolerance_of_the_diagnosis(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[object] = []
     monkeypatch.setattr(answer, "next_experiment", lambda *_, tolerance, **__: asked.append(tolerance))
-    answered(fitted(1.0, COULOMB), fitted(1.0, STIFFNESS), probabilities=(0.55, 0.45), following=True)
+    answered(fitted(1.0, COULOMB), fitted(1.0, STIFFNESS), probabilities=(0.55, 0.45), settings=DiagnosisSettings())
     assert asked == [TOLERANCE]
 
 
@@ -147,3 +154,25 @@ def test_what_was_noticed_of_the_tool_tracker_is_warned_of() -> None:
 def test_an_explanation_that_does_not_hold_elsewhere_is_warned_of() -> None:
     found = answered(fitted(1.0, STIFFNESS), probabilities=(1.0,)).diagnosis
     assert any("may not hold beyond the fitted log" in text for text in found.warnings)
+
+
+def test_gap_numbers_are_of_the_held_out_log() -> None:
+    result = answered(fitted(1.0, COULOMB), fitted(9.0, STIFFNESS), probabilities=(1.0, 0.0))
+    gap = result.diagnosis.gap
+    assert gap.before == pytest.approx(errors_ahead(fitted(50.0), data_of(TRUTH, seed=2)).mean)
+    assert gap.before > 20
+    assert gap.after == pytest.approx(1.0, abs=0.4)
+    assert gap.best_rival is not None
+    assert gap.best_rival > 10
+    assert gap.closed_fraction == pytest.approx(1.0, abs=0.05)
+    (signal,) = result.signals
+    assert signal.after is not None
+    assert signal.after < 0.3 * signal.before
+
+
+def test_without_a_repair_there_is_nothing_after_it() -> None:
+    result = answered(fitted(1.0), probabilities=(), detected=False, data=data_of())
+    gap = result.diagnosis.gap
+    assert (gap.after, gap.closed_fraction, gap.best_rival) == (None, None, None)
+    assert result.patch == ()
+    assert result.after is None

@@ -1,14 +1,23 @@
-"""Fitted numbers in the units of their effects."""
+"""Fitted parameters in the units of their effects, with their covariance."""
 
 from __future__ import annotations
+
+import re
 
 import numpy as np
 import pytest
 
+from flexros.effects import effects
+from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.estimates import covariance_of, parameters_of, placed
-from flexros.gap.fit.least_squares import CandidateFit
-from tests.gap.diagnosis_logs import candidates_of, numbers, predictor_of
+from flexros.gap.fit.estimates import covariance_of, parameters_of, placed_effects, smoothed, unit_of_parameter
+from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit, initial_values
+from flexros.gap.settings import FitSettings
+from flexros.random_streams import generator
+from flexros.robot import load_robot
+from tests.gap.diagnosis_logs import candidates_of, data_of, numbers, predictor_of
+
+LEVEL = 0.03
 
 
 @pytest.fixture(name="fitted", scope="module")
@@ -23,7 +32,7 @@ def fitted_fixture() -> CandidateFit:
 
 
 def test_effects_have_their_numbers(fitted: CandidateFit) -> None:
-    assert [(str(one).partition(":")[0]) for one in placed(fitted)] == [
+    assert [(str(one).partition(":")[0]) for one in placed_effects(fitted)] == [
         "coulomb_friction@motor_1",
         "stiffness_error@body_2.rz",
     ]
@@ -43,3 +52,55 @@ def test_covariance_keeps_correlations_and_leaves_tolerated_numbers_out(fitted: 
     names, covariance = covariance_of(fitted)
     assert names == ("coulomb_friction@motor_1.level", "stiffness_error@body_2.rz.relative")
     assert covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1]) == pytest.approx(0.5)
+
+
+def unit(effect: str, location: str, name: str, robot: str) -> str:
+    return unit_of_parameter(Candidate(effects()[effect], location, ()), name, load_robot(robot))
+
+
+@pytest.mark.parametrize(
+    ("effect", "location", "name", "robot", "expected"),
+    [
+        ("coulomb_friction", "motor_1", "level", "four_mass_linear", "Nm"),
+        ("coulomb_friction", "motor_1", "level", "emps", "N"),
+        ("viscous_friction", "motor_1", "coefficient", "elbow", "Nm s/rad"),
+        ("viscous_friction", "motor_1", "coefficient", "emps", "N s/m"),
+        ("viscous_friction", "motor_1", "asymmetry", "emps", "1"),
+        ("backlash", "motor_1", "gap", "elbow", "rad"),
+        ("stiffness_error", "body_1.rz", "relative", "four_mass_linear", "1"),
+        ("delay", "all", "time", "elbow", "s"),
+    ],
+)
+def test_unit_of_a_number(effect: str, location: str, name: str, robot: str, expected: str) -> None:
+    assert unit(effect, location, name, robot) == expected
+
+
+@pytest.mark.parametrize("effect", effects().values(), ids=effects())
+def test_every_fitted_number_states_its_unit(effect: type) -> None:
+    for name in effect.ranges:
+        assert re.search(r"\[[^\]]+\]", effect.model_fields[name].description or ""), name
+
+
+def test_smoothed_white_periodogram_is_flat() -> None:
+    power = generator(3, 900).exponential(size=20_000)
+    flat = smoothed(power)
+    assert flat.mean() == pytest.approx(1.0, abs=0.03)
+    assert np.abs(flat[5_000:] - 1.0).max() < 0.15
+
+
+def test_smoothing_keeps_a_step_at_low_frequency() -> None:
+    power = np.where(np.arange(20_000) < 40, 0.01, 1.0)
+    assert smoothed(power)[:30].max() < 0.1
+
+
+def test_spread_of_estimates_is_as_stated() -> None:
+    name = f"coulomb_friction@motor_1:level={LEVEL}"
+    predictor = predictor_of(candidates_of(name)["coulomb_friction@motor_1"])
+    off = []
+    for seed in range(10, 18):
+        data = data_of(name, seed=seed)
+        starts = initial_values(predictor)
+        best = starts[:, np.argmin(chi2_of(predictor, data, starts))]
+        found = parameters_of(fit(predictor, data, best, 20, enough=FitSettings().exactly), data)[0]["level"]
+        off.append((found.value - LEVEL) / found.std)
+    assert 0.5 < np.sqrt(np.mean(np.square(off))) < 1.8

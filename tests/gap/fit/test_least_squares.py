@@ -11,7 +11,7 @@ import pytest
 from flexros.arrays import FloatArray
 from flexros.gap.candidates.candidate import FreeParameter
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import MOST_STARTS, CandidateFit, best_of, chi2_of, fit, linearise, starts_of
+from flexros.gap.fit.least_squares import FIT, CandidateFit, best_of, chi2_of, fit, initial_values, linearise
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
 from tests.gap.diagnosis_logs import candidates_of, data_of, numbers, predictor_of
@@ -44,7 +44,7 @@ def test_known_numbers_come_back(name: str, values: dict[str, float]) -> None:
     candidate = candidates_of()[name]
     predictor, truth = predictor_of(candidate), np.array(numbers(candidate, **values))
     data = made(predictor, truth, 0)
-    starts = starts_of(predictor)
+    starts = initial_values(predictor)
     start = starts[:, np.argmin(chi2_of(predictor, data, starts))]
     found = fit(predictor, data, start, 20)
     assert found.converged
@@ -173,18 +173,18 @@ def test_starts_are_all_combinations() -> None:
     pair = [candidates_of()[name] for name in ("coulomb_friction@motor_1", "stiffness_error@body_2.rz")]
     counts = [len(one.free[0].starts) for one in pair]
     tolerance = Tolerance(("body_1.rz.stiffness",), (0.02,))
-    free = starts_of(predictor_of(*pair, tolerance=tolerance))
+    free = initial_values(predictor_of(*pair, tolerance=tolerance))
     assert free.shape == (3, counts[0] * counts[1])
     assert len(np.unique(free, axis=1).T) == counts[0] * counts[1]
     assert not free[2].any()
 
 
 def test_more_starts_than_allowed_are_thinned_over_their_whole_range() -> None:
-    sizes = tuple(float(size) for size in np.geomspace(1e-4, 1.0, 2 * MOST_STARTS))
+    sizes = tuple(float(size) for size in np.geomspace(1e-4, 1.0, 2 * FIT.most_starts))
     candidate = candidates_of()["coulomb_friction@motor_1"]
     many = replace(candidate, free=(FreeParameter("level", 1e-4, 1.0, signed=False, starts=sizes),))
-    starts = starts_of(predictor_of(many))[0]
-    assert len(starts) == MOST_STARTS
+    starts = initial_values(predictor_of(many))[0]
+    assert len(starts) == FIT.most_starts
     np.testing.assert_allclose(starts[[0, -1]], np.log([1e-4, 1.0]), atol=1e-12)
     assert np.diff(starts).max() < 3.01 * np.log(sizes[1] / sizes[0])  # of two or three combinations one is kept
 

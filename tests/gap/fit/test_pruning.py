@@ -1,4 +1,4 @@
-"""Numbers of an effect that a log does not show stay neutral; those that it shows stay in."""
+"""Parameters of an effect that a log does not show stay neutral, the others stay in."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from flexros.gap.fit.estimates import parameters_of, placed
+from flexros.gap.fit.estimates import parameters_of, placed_effects
 from flexros.gap.fit.least_squares import CandidateFit
-from flexros.gap.fit.pruning import _own_information, without_least_number
+from flexros.gap.fit.pruning import _own_information, without_least_parameter
 from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.forward_selection import explain
-from tests.gap.diagnosis_logs import candidates_of, few_candidates, search_of
+from tests.gap.diagnosis_logs import FEW_EFFECTS, candidates_of, search_of
 
 VISCOUS = "viscous_friction@motor_1:coefficient=3e-3"
 
@@ -20,7 +20,7 @@ VISCOUS = "viscous_friction@motor_1:coefficient=3e-3"
 @cache
 def fitted(effect: str, candidate: str) -> tuple[Search, CandidateFit]:
     search = search_of(effect)
-    return search, search.singles(search.nothing(), [candidates_of()[candidate]])[0]
+    return search, search.singles([candidates_of()[candidate]])[0]
 
 
 def names(one: CandidateFit) -> list[str]:
@@ -29,30 +29,29 @@ def names(one: CandidateFit) -> list[str]:
 
 def test_an_asymmetry_that_is_not_there_is_left_out() -> None:
     search, rich = fitted(VISCOUS, "viscous_friction@motor_1")
-    lean = search.lean(rich)
+    pruned = search.pruned(rich)
     assert names(rich) == ["coefficient", "asymmetry"]
-    assert names(lean) == ["coefficient"]
-    assert placed(lean)[0].effect.model_dump()["asymmetry"] == 0.0
-    assert 0 <= lean.chi2 - rich.chi2 < np.log(search.data.n_values) * rich.chi2 / search.data.n_values
-    numbers = parameters_of(lean)[0]
+    assert names(pruned) == ["coefficient"]
+    assert placed_effects(pruned)[0].effect.model_dump()["asymmetry"] == 0.0
+    assert 0 <= pruned.chi2 - rich.chi2 < np.log(search.data.n_values) * rich.chi2 / search.data.n_values
+    numbers = parameters_of(pruned)[0]
     assert abs(numbers["coefficient"].value - 3e-3) < 5 * numbers["coefficient"].std
 
 
 def test_an_asymmetry_that_is_there_stays() -> None:
     search, rich = fitted(f"{VISCOUS},asymmetry=0.3", "viscous_friction@motor_1")
-    assert search.lean(rich) is rich
+    assert search.pruned(rich) is rich
 
 
 @pytest.mark.parametrize("candidate", ["torque_bias@motor_1", "coulomb_friction@motor_1"])
 def test_an_effect_keeps_what_it_is_there_by(candidate: str) -> None:
     """Neither is in the log: the numbers are as good as zero, but without them nothing would be left of the effect."""
     _, none = fitted(VISCOUS, candidate)
-    assert without_least_number(none) is None
+    assert without_least_parameter(none) is None
 
 
 def test_the_chosen_explanation_has_no_spare_numbers() -> None:
-    with few_candidates():
-        found = explain(search_of(VISCOUS))
+    found = explain(search_of(VISCOUS, among=FEW_EFFECTS))
     assert found.chosen.names == {"viscous_friction@motor_1"}
     assert names(found.chosen) == ["coefficient"]
     assert found.chosen in found.rivals

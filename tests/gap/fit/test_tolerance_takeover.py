@@ -1,4 +1,4 @@
-"""Effects in place of tolerated deviations that were strained to stand for them."""
+"""Candidates in place of deviations beyond tolerance."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ import pytest
 
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import CandidateFit
-from flexros.gap.fit.tolerance_takeover import relief, with_relief
+from flexros.gap.fit.tolerance_takeover import takeover, with_takeover
 from tests.gap.diagnosis_logs import candidates_of, predictor_of
 
 STIFFNESS = "stiffness_error@body_2.rz"
 NAMES = ("body_1.rz.stiffness", "body_2.rz.stiffness", "body_2.rz.damping")
 
 
-def strained() -> CandidateFit:
+def beyond_tolerance() -> CandidateFit:
     predictor = predictor_of(tolerance=Tolerance(NAMES, (0.03, 0.03, 0.3)))
     return CandidateFit(predictor, np.array([1.0, -4.0, 2.0]), 1e4)
 
 
-def test_a_changed_number_takes_over_its_own_deviation() -> None:
+def test_a_changed_parameter_takes_over_its_own_deviation() -> None:
     candidate = candidates_of()[STIFFNESS]
-    found = relief(candidate, strained())
+    found = takeover(candidate, beyond_tolerance())
     assert found is not None
-    assert found.price == 16.0
+    assert found.gain == 16.0
     np.testing.assert_array_equal(found.theta, [1.0, 0.0, 2.0])
     (free,) = candidate.free
     assert 1 + float(free.decode(found.start)[0]) == pytest.approx(np.exp(-4.0 * 0.03))
@@ -31,14 +31,14 @@ def test_a_changed_number_takes_over_its_own_deviation() -> None:
 
 @pytest.mark.parametrize("name", ["coulomb_friction@motor_1", "stiffness_error@body_3.rz"])
 def test_others_take_over_nothing(name: str) -> None:
-    assert relief(candidates_of()[name], strained()) is None
+    assert takeover(candidates_of()[name], beyond_tolerance()) is None
 
 
-def test_the_larger_promise_tells_where_to_start() -> None:
-    candidate, first = candidates_of()[STIFFNESS], strained()
-    promise, theta = with_relief(candidate, first, 3.0, np.array([0.5]))
-    assert promise == 16.0
+def test_the_larger_gain_gives_the_initial_value() -> None:
+    candidate, first = candidates_of()[STIFFNESS], beyond_tolerance()
+    gain, theta = with_takeover(candidate, first, 3.0, np.array([0.5]))
+    assert gain == 16.0
     np.testing.assert_array_equal(theta[1:], [1.0, 0.0, 2.0])
-    promise, theta = with_relief(candidate, first, 30.0, np.array([0.5]))
-    assert promise == 30.0
+    gain, theta = with_takeover(candidate, first, 30.0, np.array([0.5]))
+    assert gain == 30.0
     np.testing.assert_array_equal(theta, [0.5, 1.0, -4.0, 2.0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.fit.estimates import placed
+from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.held_out.predictions import prediction_of, signature_evidence, tool_errors
 from flexros.gap.result import Explanation
@@ -18,7 +18,7 @@ def explanation(relative: float | None) -> Explanation:
     hypothesis = () if relative is None else (candidates_of()["stiffness_error@body_2.rz"],)
     theta = np.array([] if relative is None else numbers(hypothesis[0], relative=relative))
     one = CandidateFit(predictor_of(*hypothesis), theta, 0.0)
-    return Explanation("test", prediction_of(one, data_of(SOFT)), None, placed(one))
+    return Explanation("test", prediction_of(one, data_of(SOFT)), None, placed_effects(one))
 
 
 def test_innovations_are_the_prediction_errors_and_counted_from_where_the_start_decayed() -> None:

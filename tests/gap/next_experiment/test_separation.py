@@ -11,7 +11,7 @@ from flexros.effects.torque_bias import TorqueBias
 from flexros.gap.candidates.candidate import list_candidates
 from flexros.gap.candidates.scales import scales_of
 from flexros.gap.candidates.tolerance import Tolerance
-from flexros.gap.fit.least_squares import best_of, chi2_of, fit, starts_of
+from flexros.gap.fit.least_squares import best_of, chi2_of, fit, initial_values
 from flexros.gap.next_experiment.separation import ROOM, Explained, Trial, predictor_of, separation, trial
 from flexros.gap.prediction.predictor import Predictor
 from flexros.robot import load_robot
@@ -38,7 +38,7 @@ def best_chi2(rival: str, made: Trial, model: RobotWithEffects) -> float:
     sizes = scales_of(model.robot, seen.states[:, :, 0], made.record.torque)
     candidate = next(one for one in list_candidates(model.robot, sizes) if one.name == rival)
     predictor = Predictor(model, (candidate,), Tolerance(), SAMPLE_TIME)
-    starts = starts_of(predictor)
+    starts = initial_values(predictor)
     order = np.argsort(chi2_of(predictor, made.data, starts))[:2]
     return best_of([fit(predictor, made.data, starts[:, place]) for place in order]).chi2
 

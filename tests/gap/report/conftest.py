@@ -151,7 +151,7 @@ def result_of(verdict: str) -> DiagnosisResult:
         holdout=record("held out", 2),
         before=explanation("nominal", 5.0 if found else 0.0, 3),
         ranking=tuple(candidate(*entry) for entry in RANKING[verdict]),
-        nothing=0.0 if found else 0.994,
+        null_probability=0.0 if found else 0.994,
         after=explanation("coulomb_friction@motor_1", share, 5) if found else None,
         rival=explanation("hysteresis@motor_1", 1.0, 7) if found else None,
         patch=(level,) if found else (),

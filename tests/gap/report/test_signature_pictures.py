@@ -51,7 +51,7 @@ def result(changed: Changed, monkeypatch: pytest.MonkeyPatch) -> DiagnosisResult
     monkeypatch.setattr(module, "pictures_for", lambda effect: (Absent, Speed))
     known = changed("explained")
     observer = observer_gain(known.robot, 5e-4, 1e-3, known.robot.encoder_noise)
-    return changed("explained", evidence=SignatureData(known.robot, known.record, observer, known.before.fit))
+    return changed("explained", signature_data=SignatureData(known.robot, known.record, observer, known.before.fit))
 
 
 def test_curves_are_drawn_as_they_ask(result: DiagnosisResult) -> None:

@@ -1,4 +1,4 @@
-"""Searches: every candidate is looked at, the true one comes first, what was found is refitted beside others."""
+"""Searches: every candidate is looked at, the true one comes first, explanations are extended by others."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ import pytest
 
 from flexros.effects import effects
 from flexros.effects.kinds.tool_error import AbstractToolError
+from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import CandidateFit
-from flexros.gap.search.candidate_fits import Search
+from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.search.forward_selection import unique
-from tests.gap.diagnosis_logs import candidates_of, data_of, predictor_of, search_of
+from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, predictor_of, search_of
 
 FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"
 SOME = ("coulomb_friction@motor_1", "stiffness_error@body_2.rz", "motor_inertia_error@motor_1", "torque_bias@motor_1")
@@ -25,8 +26,7 @@ def names(found: list[CandidateFit]) -> list[str]:
 
 def test_every_effect_with_ranges_is_a_candidate_but_those_of_an_unmeasured_tool() -> None:
     search = search_of()
-    nothing = search.nothing()
-    listed = {one.effect.name for one in (*search.candidates(search.scales(nothing)), *search.waves(nothing))}
+    listed = {one.effect.name for one in (*search.candidates(), *search.harmonics(search.null.fit))}
     possible = {one.effect.name for one in candidates_of().values()}
     of_tool = {name for name, one in effects().items() if issubclass(one, AbstractToolError)}
     assert possible - of_tool <= listed
@@ -37,7 +37,7 @@ def test_every_effect_with_ranges_is_a_candidate_but_those_of_an_unmeasured_tool
 @pytest.mark.parametrize("threads", [1, 3])
 def test_the_true_effect_fits_best_with_any_number_of_threads(threads: int) -> None:
     search = replace(search_of(FRICTION), threads=threads)
-    found = search.singles(search.nothing(), [candidates_of()[name] for name in SOME])
+    found = search.singles([candidates_of()[name] for name in SOME])
     assert names(found)[0] == SOME[0]
     assert sorted(names(found)) == sorted(SOME)
     sums = [one.chi2 for one in found]
@@ -45,11 +45,10 @@ def test_the_true_effect_fits_best_with_any_number_of_threads(threads: int) -> N
     assert sums[0] / search.data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / search.data.n_values))
 
 
-def test_the_second_of_two_effects_is_found_beside_the_first_which_is_not_put_beside_itself() -> None:
+def test_the_second_of_two_effects_is_found_in_addition_to_the_first_which_is_not_added_twice() -> None:
     search = search_of(FRICTION, SOFT)
-    nothing = search.nothing()
-    singles = search.singles(nothing, [candidates_of()[name] for name in SOME])
-    together = search.beside(singles[:1], nothing, search.scales(nothing))
+    singles = search.singles([candidates_of()[name] for name in SOME])
+    together = search.extended(singles[:1])
     first = singles[0].predictor.hypothesis[0].name
     for one in together:
         held = [candidate.name for candidate in one.predictor.hypothesis]
@@ -71,25 +70,23 @@ def test_the_second_of_two_effects_is_found_beside_the_first_which_is_not_put_be
 def test_an_effect_far_from_its_starts_is_found(effect: str, size: str, true: float) -> None:
     """Its fit is nowhere after a few iterations, but falls steeply."""
     search = search_of(effect)
-    nothing = search.nothing()
     name = effect.partition(":")[0]
-    among = [one for one in search.candidates(search.scales(nothing)) if one.location in name]
+    among = [one for one in search.candidates() if one.location in name]
     among = [one for one in among if one.name == name or one.effect.name.endswith("friction")]
-    best, *_ = search.singles(nothing, among)
+    best, *_ = search.singles(among)
     assert best.predictor.hypothesis[0].name == name
     assert best.predictor.values(best.theta)[0][size] == pytest.approx(true, rel=0.05)
 
 
 def test_the_nominal_model_takes_up_what_is_tolerated() -> None:
-    search = Search(search_of().model, data_of(SOFT), Tolerance(("body_2.rz.stiffness",), (0.05,)))
-    nothing = search.nothing()
-    assert nothing.theta[0] == pytest.approx(-1.0, abs=0.05)
+    null = fit_null(data_of(SOFT), MODEL, Tolerance(("body_2.rz.stiffness",), (0.05,)))
+    assert null.fit.theta[0] == pytest.approx(-1.0, abs=0.05)
 
 
 def test_progress_of_each_stage_ends_with_all_of_it() -> None:
     told: dict[str, list[float]] = {}
     search = replace(search_of(), progress=lambda stage, share: told.setdefault(stage, []).append(share))
-    search.singles(search.nothing(), [candidates_of()[name] for name in SOME])
+    search.singles([candidates_of()[name] for name in SOME])
     assert all(shares == sorted(shares) and shares[-1] == 1.0 for shares in told.values())
     assert len(told["single effects"]) == len(SOME)
 
@@ -103,3 +100,11 @@ def test_of_one_set_of_effects_the_best_fit_is_kept() -> None:
 
     fits = [fitted(3.0, friction.name, soft.name), fitted(1.0, soft.name, friction.name), fitted(2.0, soft.name)]
     assert unique(fits) == [fits[1], fits[2]]
+
+
+def test_only_the_effects_of_the_settings_compete() -> None:
+    search = search_of(among=("torque_bias", "torque_ripple"))
+    listed = {one.effect.name for one in (*search.candidates(), *search.harmonics(search.null.fit))}
+    assert listed == {"torque_bias", "torque_ripple"}
+    with pytest.raises(InputError, match="torque_bias"):
+        search_of(among=("torque_bia",))

@@ -9,16 +9,15 @@ import pytest
 
 from flexros.effects import effects
 from flexros.gap.candidates.candidate import Candidate
-from flexros.gap.fit.least_squares import CandidateFit, starts_of
+from flexros.gap.fit.least_squares import CandidateFit, initial_values
 from flexros.gap.prediction.predictor import LANES
-from flexros.gap.search.harmonic_candidates import VALLEYS, harmonic_candidates, other_orders
-from tests.gap.diagnosis_logs import ROBOT, candidates_of, predictor_of, record_of, search_of
+from flexros.gap.search.harmonic_candidates import VALLEYS, neighbouring_orders
+from tests.gap.diagnosis_logs import candidates_of, predictor_of, record_of, search_of
 
 
 def found_in(*effect: str) -> list[Candidate]:
     search = search_of(*effect)
-    nothing = search.nothing()
-    return list(harmonic_candidates(ROBOT, search.data, search.residual(nothing), search.states(nothing)))
+    return list(search.harmonics(search.null.fit))
 
 
 @pytest.fixture(scope="module")
@@ -52,15 +51,17 @@ def test_the_wave_that_is_there_starts_with_its_numbers(of_ripple: list[Candidat
     start = {one.name: one.starts[0] for one in ripple.free}
     assert start["order"] == pytest.approx(6, rel=0.02)
     assert start["amplitude"] == pytest.approx(0.02, rel=0.5)
-    assert starts_of(predictor_of(ripple)).shape == (3, len(ripple.free[0].starts))
+    assert initial_values(predictor_of(ripple)).shape == (3, len(ripple.free[0].starts))
 
 
-def test_other_orders_are_tried_with_the_same_wave_in_the_middle_or_its_opposite(of_ripple: list[Candidate]) -> None:
+def test_neighbouring_orders_have_the_same_harmonic_in_the_middle_or_its_opposite(
+    of_ripple: list[Candidate],
+) -> None:
     (ripple,) = (one for one in of_ripple if one.effect.name == "torque_ripple" and not one.fixed)
     friction = candidates_of()["coulomb_friction@motor_1"]
     predictor, record = predictor_of(friction, ripple), record_of()
     theta = np.array([0.0, *(one.encode(one.starts[0]) for one in ripple.free)])
-    found = other_orders(CandidateFit(predictor, theta, 1.0), record)
+    found = neighbouring_orders(CandidateFit(predictor, theta, 1.0), record)
     first, middle = predictor.values(theta)[1], float(np.mean(record.position))
     assert found.shape == (4, 2 * len(VALLEYS))
     for start in found.T:
@@ -69,17 +70,17 @@ def test_other_orders_are_tried_with_the_same_wave_in_the_middle_or_its_opposite
         turned = (other["order"] - first["order"]) * middle + other["phase"] - first["phase"]
         assert np.sin(turned) == pytest.approx(0.0, abs=1e-9)
         assert 0 < abs(other["order"] - first["order"]) * np.ptp(record.position) < 9 * np.pi
-    assert other_orders(CandidateFit(predictor_of(friction), theta[:1], 1.0), record).shape == (1, 0)
+    assert neighbouring_orders(CandidateFit(predictor_of(friction), theta[:1], 1.0), record).shape == (1, 0)
 
 
 def test_a_fit_at_a_neighbouring_order_finds_the_true_one() -> None:
     """A wave that is one turn off over the whole way of the rotor fits best among its neighbours, but not well."""
     search = search_of("torque_ripple@motor_1:amplitude=0.02,order=6,phase=0.5")
-    ripple = next(one for one in search.waves(search.nothing()) if one.effect.name == "torque_ripple")
+    ripple = next(one for one in search.harmonics(search.null.fit) if one.effect.name == "torque_ripple")
     way = float(np.ptp(search.data.record.position))
     off = replace(ripple.free[1], starts=tuple(start + 2 * np.pi / way for start in ripple.free[1].starts[:1]))
     amplitude, phase = (replace(one, starts=one.starts[:1]) for one in (ripple.free[0], ripple.free[2]))
-    (found,) = search.singles(search.nothing(), [replace(ripple, free=(amplitude, off, phase))])
+    (found,) = search.singles([replace(ripple, free=(amplitude, off, phase))])
     assert found.predictor.values(found.theta)[0]["order"] == pytest.approx(6.0, abs=0.01)
 
 
@@ -88,5 +89,5 @@ def test_ripple_in_proportion_to_the_torque_stays_below_it() -> None:
     for one in found_in("coulomb_friction@motor_1:level=20"):
         low, high = predictor_of(one).bounds
         one.placed({free.name: float(free.decode(np.array(end))) for free, end in zip(one.free, high, strict=True)})
-        assert np.all(low <= starts_of(predictor_of(one))[:, 0])
-        assert np.all(starts_of(predictor_of(one))[:, 0] <= high + 1e-12)
+        assert np.all(low <= initial_values(predictor_of(one))[:, 0])
+        assert np.all(initial_values(predictor_of(one))[:, 0] <= high + 1e-12)

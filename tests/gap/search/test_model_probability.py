@@ -1,4 +1,4 @@
-"""Evidence: probabilities of rival explanations, and what counts as an effect."""
+"""Comparison of models: probabilities of rival explanations, detection, adequacy."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from flexros.gap.candidates.candidate import Candidate
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.search.model_probability import (
-    FORM_ELSEWHERE,
     Contrast,
     ModelComparison,
     contrast_of,
@@ -32,14 +31,14 @@ def fitted(level: float, *names: str) -> CandidateFit:
     return CandidateFit(predictor, np.zeros(predictor.n_fitted), level * N)
 
 
-def evidence(nothing: float, *fits: CandidateFit, floor_error: float = 0.0) -> ModelComparison:
-    return ModelComparison(fitted(nothing), fits, N, floor_error)
+def comparison(null: float, *fits: CandidateFit, floor_error: float = 0.0) -> ModelComparison:
+    return ModelComparison(fitted(null), fits, N, floor_error)
 
 
 def test_probabilities_add_up_and_follow_the_sums_of_squares() -> None:
     fits = [fitted(1.0, COULOMB), fitted(1.002, STIFFNESS), fitted(1.4, "delay@all")]
-    found = evidence(2.0, *fits)
-    probabilities = found.probabilities([found.nothing, *fits])
+    found = comparison(2.0, *fits)
+    probabilities = found.probabilities([found.null, *fits])
     assert probabilities.sum() == pytest.approx(1.0)
     assert probabilities[1] > probabilities[2] > probabilities[3]
     assert probabilities[0] < 1e-6
@@ -47,35 +46,35 @@ def test_probabilities_add_up_and_follow_the_sums_of_squares() -> None:
 
 def test_ranked_are_the_probable_ones_first() -> None:
     fits = [fitted(1.4, "delay@all"), fitted(1.0, COULOMB), fitted(1.002, STIFFNESS)]
-    found = evidence(2.0, *fits)
+    found = comparison(2.0, *fits)
     assert found.ranked(fits) == [fits[1], fits[2], fits[0]]
 
 
-def test_equal_explanations_share_the_probability_and_more_numbers_cost() -> None:
+def test_equal_explanations_share_the_probability_and_more_parameters_cost() -> None:
     one, same, richer = fitted(1.0, COULOMB), fitted(1.0, STIFFNESS), fitted(1.0, STRIBECK)
-    found = evidence(2.0, one, same, richer)
+    found = comparison(2.0, one, same, richer)
     probabilities = found.probabilities([one, same, richer])
     assert probabilities[0] == pytest.approx(probabilities[1])
     assert probabilities[2] < 0.2 * probabilities[0]
 
 
 def test_a_strong_gap_does_not_decide_by_a_trifle() -> None:
-    """The same difference that decides a small gap may be an error of form of a large one."""
+    """The same difference that decides a small gap may be a model-form error of a large one."""
     one, other = fitted(1.0, COULOMB), fitted(1.01, "hysteresis@motor_1")
 
-    def of_other(nothing: float) -> float:
-        return float(evidence(nothing, one, other).probabilities([one, other])[1])
+    def of_other(null: float) -> float:
+        return float(comparison(null, one, other).probabilities([one, other])[1])
 
     assert of_other(1e4) > 100 * of_other(1.1)
 
 
 def test_of_plain_effects_that_do_nearly_the_same_what_parts_them_decides() -> None:
-    """Eight nats are lost in the errors of form of a large gap, unless predictions hardly differ by more than that."""
+    """Eight nats are lost in the model-form errors of a large gap, unless predictions hardly differ by more."""
     delay, lag = fitted(1.0, "delay@all"), fitted(1.0 + 16 / N, "actuator_lag@motor_1")
-    blurred = evidence(21.0, delay, lag)
-    told = replace(blurred, distance=lambda *_: 16.0)
+    blurred = comparison(21.0, delay, lag)
+    known = replace(blurred, distance=lambda *_: 16.0)
     assert blurred.probabilities([delay, lag])[0] < 0.6
-    assert told.probabilities([delay, lag])[0] > 0.8
+    assert known.probabilities([delay, lag])[0] > 0.8
     far = replace(blurred, distance=lambda *_: 1e6)
     assert far.probabilities([delay, lag]) == pytest.approx(blurred.probabilities([delay, lag]))
 
@@ -88,16 +87,16 @@ def test_the_distance_is_asked_for_only_where_it_decides() -> None:
     shaped, both = fitted(1.0 + 16 / N, COULOMB), fitted(1.0 - 16 / N, "delay@all", STIFFNESS)
     delay = fitted(1.0, "delay@all")
     for other in (same, far, shaped, both):
-        found = replace(evidence(101.0, delay, other), distance=distance)
+        found = replace(comparison(101.0, delay, other), distance=distance)
         assert found.probabilities([delay, other]).sum() == pytest.approx(1.0)
 
 
-def test_errors_of_form() -> None:
+def test_model_form_errors() -> None:
     """Shares of the gap; along the line between two predictions 0.6 of half its length."""
     assert form_error(1e6, plain=True) == pytest.approx(200.0)
     assert form_error(1e6, plain=False) == pytest.approx(2000.0)
-    assert form_error(1e6, plain=True, apart=100.0) == pytest.approx(0.18 * 100 + 4.0)
-    assert form_error(1e6, plain=True, apart=1e6) == pytest.approx(200.0)
+    assert form_error(1e6, plain=True, distance=100.0) == pytest.approx(0.18 * 100 + 4.0)
+    assert form_error(1e6, plain=True, distance=1e6) == pytest.approx(200.0)
 
 
 @pytest.mark.parametrize(
@@ -124,16 +123,16 @@ def test_an_addition_counts_by_what_it_closes_itself(swap: bool) -> None:
     """Whatever is looked at first, and however much larger the gap is that the other effect closes."""
     friction, both = fitted(1.1, COULOMB), fitted(1.0, COULOMB, STIFFNESS)
     among = [both, friction][:: -1 if swap else 1]
-    assert evidence(101.0, *among).probabilities(among)[1 if swap else 0] > 0.999
+    assert comparison(101.0, *among).probabilities(among)[1 if swap else 0] > 0.999
     trifle = [fitted(1.1 - 2 / N, COULOMB, STIFFNESS), friction]
-    assert evidence(101.0, *trifle).probabilities(trifle)[0] < 0.2
+    assert comparison(101.0, *trifle).probabilities(trifle)[0] < 0.2
 
 
-def test_numbers_of_a_law_cost_less_where_errors_of_form_count_more_than_noise() -> None:
+def test_parameters_of_a_law_cost_less_where_model_form_errors_count_more_than_noise() -> None:
     one, richer = fitted(1.0, COULOMB), fitted(1.0, "presliding_friction@motor_1")
 
-    def of_richer(nothing: float) -> float:
-        return float(evidence(nothing, one, richer).probabilities([one, richer])[1])
+    def of_richer(null: float) -> float:
+        return float(comparison(null, one, richer).probabilities([one, richer])[1])
 
     assert of_richer(1.01) == pytest.approx(np.exp(-3 * 5), rel=1e-3)
     assert of_richer(1e4) == pytest.approx(np.exp(-5), rel=1e-1)
@@ -141,18 +140,18 @@ def test_numbers_of_a_law_cost_less_where_errors_of_form_count_more_than_noise()
 
 def test_nothing_wins_where_nothing_gains_more_than_chance() -> None:
     fits = [fitted(1.0 - 2.0 / N, COULOMB), fitted(1.0 - 4.0 / N, STRIBECK)]
-    found = evidence(1.0, *fits)
+    found = comparison(1.0, *fits)
     assert not found.detected
-    assert found.probabilities([found.nothing, *fits])[0] > 0.5
+    assert found.probabilities([found.null, *fits])[0] > 0.5
 
 
-def test_an_effect_that_is_worth_its_numbers_is_detected() -> None:
-    assert evidence(1.0, fitted(1.0 - 40.0 / N, COULOMB)).detected
+def test_an_effect_that_is_worth_its_parameters_is_detected() -> None:
+    assert comparison(1.0, fitted(1.0 - 40.0 / N, COULOMB)).detected
 
 
 def test_gain_is_twice_the_gain_in_likelihood_less_the_information_criterion() -> None:
     one = fitted(1.0, STRIBECK)
-    found = evidence(1.2, one)
+    found = comparison(1.2, one)
     assert found.gain(one) == pytest.approx(N * np.log(1.2))
     assert found.penalty(one) == pytest.approx(3 * np.log(N))
     assert found.score(one) == pytest.approx(found.gain(one) - found.penalty(one))
@@ -160,36 +159,36 @@ def test_gain_is_twice_the_gain_in_likelihood_less_the_information_criterion() -
 
 def test_what_noise_leaves_is_not_significant() -> None:
     exact = np.sqrt(2 / N)
-    assert not evidence(1.0).significant(fitted(1 + 2 * exact, COULOMB))
-    assert evidence(1.0).significant(fitted(1 + 8 * exact, COULOMB))
-    assert not evidence(1.0, floor_error=0.1).significant(fitted(1 + 8 * exact, COULOMB))
+    assert not comparison(1.0).significant(fitted(1 + 2 * exact, COULOMB))
+    assert comparison(1.0).significant(fitted(1 + 8 * exact, COULOMB))
+    assert not comparison(1.0, floor_error=0.1).significant(fitted(1 + 8 * exact, COULOMB))
 
 
 def test_shares_of_the_gap() -> None:
     half, closed = fitted(6.0, COULOMB), fitted(1.0, COULOMB, STIFFNESS)
-    found = evidence(11.0, half, closed)
-    assert found.left(half) == pytest.approx(0.5)
-    assert found.left(closed) == 0.0
+    found = comparison(11.0, half, closed)
+    assert found.remainder(half) == pytest.approx(0.5)
+    assert found.remainder(closed) == 0.0
     assert found.removed(half, closed) == pytest.approx(1.0)
-    assert found.removed(found.nothing, half) == pytest.approx(0.5)
+    assert found.removed(found.null, half) == pytest.approx(0.5)
 
 
-def test_beside_an_exact_model_only_errors_of_form_excuse_what_is_left() -> None:
+def test_with_an_exact_model_only_model_form_errors_excuse_what_is_left() -> None:
     poor, fair, small = fitted(60.0, COULOMB), fitted(10.0, COULOMB), fitted(1.9, COULOMB)
-    toleranced = evidence(1001.0)
+    toleranced = comparison(1001.0)
     exact = replace(toleranced, exact=True)
     assert [toleranced.adequate(one) for one in (poor, fair, small)] == [True, True, True]
     assert [exact.adequate(one) for one in (poor, fair, small)] == [False, True, True]
-    assert replace(evidence(11.0), exact=True).adequate(small)  # no more than the noise
-    assert exact.adequate(fitted(30.0, COULOMB), FORM_ELSEWHERE)
+    assert replace(comparison(11.0), exact=True).adequate(small)  # no more than the noise
+    assert exact.adequate(fitted(30.0, COULOMB), elsewhere=True)
     assert not exact.adequate(fitted(30.0, COULOMB))
-    assert not evidence(501.0).adequate(poor)
+    assert not comparison(501.0).adequate(poor)
 
 
-def test_what_leaves_too_much_is_behind_what_does_not_though_it_has_fewer_numbers() -> None:
+def test_what_leaves_too_much_is_behind_what_does_not_though_it_has_fewer_parameters() -> None:
     poor = fitted(45.0, COULOMB)
     rich = fitted(1.0, "presliding_friction@motor_1", STIFFNESS, "delay@all", "payload_error@tool")
-    found = evidence(2001.0, poor, rich)
+    found = comparison(2001.0, poor, rich)
     assert found.probabilities([poor, rich])[0] > 0.9
     assert replace(found, exact=True).probabilities([poor, rich])[1] > 0.9
     worst = fitted(70.0, COULOMB, STIFFNESS)
@@ -197,7 +196,7 @@ def test_what_leaves_too_much_is_behind_what_does_not_though_it_has_fewer_number
     assert left_alone == pytest.approx(found.probabilities([poor, worst]))
 
 
-def test_numbers_of_the_model_are_plain_and_laws_are_not() -> None:
+def test_parameters_of_the_model_are_plain_and_laws_are_not() -> None:
     def one(name: str) -> Candidate:
         return candidates_of()[name]
 
@@ -205,11 +204,11 @@ def test_numbers_of_the_model_are_plain_and_laws_are_not() -> None:
     assert not any(one(name).effect.plain for name in (COULOMB, "backlash@motor_1", "extra_mode@tool"))
 
 
-def test_tolerances_are_strained_beyond_what_chance_makes_of_as_many() -> None:
+def test_deviations_are_beyond_tolerance_where_chance_does_not_make_as_many() -> None:
     names = ("body_1.rz.stiffness", "body_2.rz.stiffness", "body_3.rz.stiffness")
     predictor = predictor_of(tolerance=Tolerance(names, (0.03, 0.03, 0.03)))
     near, far = (CandidateFit(predictor, np.array(theta), 1.0 * N) for theta in ([1.0, -2.0, 1.5], [0.5, 4.5, 0.0]))
-    assert near.price == pytest.approx(7.25)
-    assert not evidence(1.0).strained(near)
-    assert evidence(1.0).strained(far)
-    assert not evidence(1.0).strained(fitted(1.0))
+    assert near.prior_penalty == pytest.approx(7.25)
+    assert not comparison(1.0).beyond_tolerance(near)
+    assert comparison(1.0).beyond_tolerance(far)
+    assert not comparison(1.0).beyond_tolerance(fitted(1.0))

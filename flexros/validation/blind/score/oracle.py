@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexros.gap.candidates.candidate import Candidate
-    from flexros.gap.search.candidate_fits import Search
     from flexros.validation.blind.seal import OpenCase, Truth
 
 
@@ -31,39 +30,39 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
         or where the gap does not show on the second log.
     """
     from flexros.gap.candidates.tolerance import tolerance_of
+    from flexros.gap.fit.null_fit import fit_null
     from flexros.gap.held_out.prediction_gap import closed_fraction, errors_ahead
     from flexros.gap.held_out.rounding import over_expected_floor
     from flexros.gap.noise.weights import measurement_in
     from flexros.gap.residuals.fit_data import fit_data
-    from flexros.gap.search.candidate_fits import Search
+    from flexros.gap.search.candidate_fits import prepare_search
 
     if truth.kind != "single" or truth.gain < VISIBLE:
         return None
     robot, record, holdout = read_logs(folder, case)
     model = RobotWithEffects(robot, ())
-    data = fit_data(record, model, case_settings())
-    held = fit_data(holdout, model, case_settings(), measurement_in(holdout, robot, data.measurement))
-    search = Search(model, data, tolerance_of(robot, {}))
-    search.threads = 1
-    nothing = search.nothing()
-    held = held.tool_seen_by(nothing.predictor, nothing.theta)
-    among = (*search.candidates(search.scales(nothing)), *search.waves(nothing))
-    true = _true(search, among, truth)
+    settings = case_settings()
+    data = fit_data(record, model, settings)
+    held = fit_data(holdout, model, settings, measurement_in(holdout, robot, data.measurement))
+    null = fit_null(data, model, tolerance_of(robot, {}), settings.fit)
+    held = held.tool_seen_by(null.fit.predictor, null.fit.theta)
+    search = prepare_search(null, settings)
+    true = _true((*search.candidates(), *search.harmonics(null.fit)), robot.name, truth)
     if not true:
         return None
     hidden = truth.deviations[0].effect
-    fits = [one for one in search.singles(nothing, true) if one.predictor.hypothesis[0].effect.name == hidden]
+    fits = [fit for fit in search.singles(true) if fit.hypothesis[0].effect.name == hidden]
     if not fits:
         return None
-    before = over_expected_floor(errors_ahead(nothing, held), model, held)
+    before = over_expected_floor(errors_ahead(null.fit, held), model, held)
     share = closed_fraction(before, errors_ahead(fits[0], held), held.record.sample_time)
     return None if share is None else share.value
 
 
-def _true(search: Search, among: Sequence[Candidate], truth: Truth) -> list[Candidate]:
-    """List the true effect at its place, and the simpler ones there from which its fit starts."""
-    hidden, name = truth.deviations[0], search.model.robot.name
-    here = [one for one in among if same_place(name, hidden.location, one.location)]
+def _true(candidates: Sequence[Candidate], robot: str, truth: Truth) -> list[Candidate]:
+    """List the true effect at its location, and the simpler ones there from which its fit starts."""
+    hidden = truth.deviations[0]
+    here = [one for one in candidates if same_place(robot, hidden.location, one.location)]
     simpler = {part for one in here if one.effect.name == hidden.effect for part in one.effect.extends}
     chosen = [one for one in here if one.effect.name == hidden.effect or one.effect.name in simpler]
     return chosen if any(one.effect.name == hidden.effect for one in chosen) else []
