@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from flexros.errors import InputError, unknown_name
+
+if TYPE_CHECKING:
+    from flexros.record.read import TorqueSource
 
 NamespaceOption = Annotated[str, typer.Option("--namespace", help="Namespace of the topics, when a log holds several.")]
 """Namespace of the robot in a log of several robots."""
@@ -19,6 +22,26 @@ ToleranceOption = Annotated[
     typer.Option("--tolerance", help="Relative tolerances of the model, e.g. stiffness=0.03,inertia=0.03,damping=0.3."),
 ]
 """Relative tolerances of the parameters of a robot, see `parse_tolerance`."""
+
+TorqueOption = Annotated[
+    str,
+    typer.Option("--torque", help="Torque that is used where both were recorded: command or measured."),
+]
+"""Source of the torque of a log, see `torque_source`."""
+
+
+def torque_source(text: str) -> TorqueSource:
+    """Check the source of the torque given on the command line.
+
+    Raises:
+        InputError: It is neither "command" nor "measured".
+    """
+    if text == "command":
+        return "command"
+    if text == "measured":
+        return "measured"
+    raise unknown_name("source of the torque", text, ("command", "measured"), "--torque")
+
 
 NetworkOption = Annotated[
     bool,

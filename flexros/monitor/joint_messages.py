@@ -72,7 +72,9 @@ class JointMessages:
             layout = read_joint_state_layout(message)
             if not layout.message.spans[self._span].size:
                 raise InputError(f"{self._topic} has no {self._field}")
-            self._columns = motor_columns(layout.names, self._robot, self._topic, [])
+            self._columns = motor_columns(
+                layout.names, self._robot.joint_names, self._topic, [], owner=f"robot {self._robot.name}"
+            )
         except (MessageError, InputError) as error:
             self.unusable += 1
             self.problem = str(error)

@@ -13,6 +13,8 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.monitor.topic_queue import Counts, TopicQueue
+from flexros.record.even_grid import HIGHEST_RATE, LOWEST_RATE
+from flexros.record.missing_samples import MOST_BRIDGED, bridged, longest_run
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -25,10 +27,6 @@ FIRST = 64
 """States, and commands, from which the sampling is read (chosen)."""
 AS_NOMINAL = 2e-3
 """Relative difference from the nominal sample time, or a rate of whole hertz, up to which that is taken (chosen)."""
-LOWEST_RATE, HIGHEST_RATE = 95.0, 2.1e4
-"""Rates of joint_states that can be watched [Hz]: the contract's 100 Hz, less what jitter takes (chosen)."""
-MOST_BRIDGED = 5
-"""Samples, or commands, in a row that may be missing: torques between are interpolated (chosen)."""
 NEAR = 0.25
 """Distance from a sampling instant up to which a command belongs to it, in samples (chosen)."""
 MOST_WAITING = 20.0
@@ -183,14 +181,14 @@ class SampleStream:
         measured = np.zeros(n, dtype=bool)
         measured[numbers] = True
         self.counts.missing += int(np.count_nonzero(~measured))
-        torque = None if _longest(~measured) > MOST_BRIDGED else self._torque(end)
+        torque = None if longest_run(~measured) > MOST_BRIDGED else self._torque(end)
         window = None
         if torque is None:
             self.counts.lost_windows += 1
         else:
             position = np.empty((n, self.motors))
             position[numbers] = states.values[first:last]
-            position = _bridged(position, measured)
+            position = bridged(position, measured)
             window = Window(round(self._origin + self._next * T), position, torque, measured, self._anew)
         self._anew = torque is None
         self._next += n
@@ -213,11 +211,11 @@ class SampleStream:
         numbers = np.clip(np.rint(stamp[rows]).astype(np.int64), 0, n - 1)
         known = np.zeros(n, dtype=bool)
         known[numbers] = True
-        if _longest(~known) > MOST_BRIDGED:
+        if longest_run(~known) > MOST_BRIDGED:
             return None
         torque = np.empty((n, self.motors))
         torque[numbers] = values[rows]
-        return _bridged(torque, known)
+        return bridged(torque, known)
 
     def _pass_over_nothing(self) -> None:
         """Go to the window in which there are states again."""
@@ -236,20 +234,6 @@ class SampleStream:
             if len(topic.stamp) and topic.stamp[-1] - topic.stamp[0] > MOST_WAITING * 1e9:
                 topic.drop_before(int(topic.stamp[-1] - MOST_WAITING * 1e9 / 2))
                 self._anew = True
-
-
-def _longest(flags: BoolArray) -> int:
-    """Give the length of the longest run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
-    return int((edges[1::2] - edges[::2]).max(initial=0))
-
-
-def _bridged(values: FloatArray, known: BoolArray) -> FloatArray:
-    """Interpolate over rows that are not known."""
-    if known.all():
-        return values
-    rows, there = np.arange(len(values)), np.flatnonzero(known)
-    return np.stack([np.interp(rows, there, column) for column in values[there].T], axis=1)
 
 
 def _held(stamp: FloatArray, values: FloatArray, n: int) -> FloatArray | None:

@@ -91,8 +91,12 @@ def watch_log(
         raise InputError(f"{name} has no {lacking}, without which the model cannot run beside the robot; record them")
     warnings: list[str] = []
     robot = monitor.robot
-    position = states.position[:, motor_columns(states.names, robot, f"{name}: joint_states", warnings)]
-    effort = commands.effort[:, motor_columns(commands.names, robot, f"{name}: joint_commands", warnings)]
+    motors, owner = robot.joint_names, f"robot {robot.name}"
+    columns = motor_columns(states.names, motors, f"{name}: joint_states", warnings, owner=owner)
+    ordered = tuple(states.names[column] for column in columns)
+    position = states.position[:, columns]
+    columns = motor_columns(commands.names, motors, f"{name}: joint_commands", warnings, owner=owner, states=ordered)
+    effort = commands.effort[:, columns]
     missed: list[Missed] = []
     episodes: list[Episode] = []
     done = 0

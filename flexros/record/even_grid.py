@@ -1,4 +1,4 @@
-"""From stamps to an even grid: sample time, number of every message, what is missing, late or jittering."""
+"""Even grid of the stamps of a topic: sample time, slot of every message, missing and jittering ones."""
 
 from __future__ import annotations
 
@@ -13,32 +13,35 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
 
 LOWEST_RATE = 95.0
-"""Lowest rate of a log [Hz]: the contract's 100 Hz, less what jitter takes (chosen)."""
+"""Lowest rate of a log [Hz]: the contract's 100 Hz with a margin for jitter (chosen)."""
 
 HIGHEST_RATE = 2.1e4
-"""Highest rate of a log, beyond which its time unit is more likely wrong [Hz] (chosen)."""
+"""Highest rate of a log [Hz]; beyond it the unit of time is more likely wrong (chosen)."""
+
+NOTED_JITTER = 0.005
+"""Deviation of stamps from even sampling, rms in samples, up to which they count as even (chosen)."""
 
 MOST_MISSING = 0.5
-"""Share of missing samples from which the stamps are no sampling instants (chosen)."""
+"""Share of missing samples above which stamps are not sampling instants (chosen)."""
 
-_FIRST = 32  # messages with which the search for the sample time begins
-_GROWTH = 1.5  # factor by which the stretch grows, so that an error of the sample time stays far below a sample
+_FIRST = 32  # messages at the beginning of the search for the sample time
+_GROWTH = 1.5  # growth of the fitted stretch; keeps the error at its end far below a sample
 _NEAR = 0.35  # deviation in samples up to which a stamp counts in the fit
-_SAME = 0.01  # samples by which a round sample time may be off at the end of the log to be taken
+_SAME = 0.01  # largest error of a round sample time at the end of the log, in samples
 
 
 @dataclass(frozen=True, eq=False)
 class EvenGrid:
-    """Even grid of sampling instants below the messages of a topic.
+    """Even grid of sampling instants of a topic.
 
     Attributes:
-        origin: Stamp that counts as time zero [ns].
+        origin: Stamp of time zero [ns].
         start: Instant of slot 0 after `origin` [s].
         sample_time: Time between two slots [s].
-        rows: Messages that were taken, one per slot at most, increasing, shape (m,).
+        rows: Messages that are used, at most one per slot, increasing, shape (m,).
         numbers: Their slots, increasing from 0, shape (m,).
-        deviation: How much later than the slot each of them is stamped [s], shape (m,).
-        warnings: What was noticed, a sentence each.
+        deviation: Stamp of each minus the instant of its slot [s], shape (m,).
+        warnings: What is doubtful, one sentence each.
     """
 
     origin: int
@@ -61,36 +64,36 @@ class EvenGrid:
 
     @property
     def jitter(self) -> float:
-        """Deviation of the stamps, rms [s]."""
+        """Rms deviation of the stamps [s]."""
         return float(np.sqrt(np.mean(self.deviation**2)))
 
     def held(self) -> tuple[IntArray, BoolArray]:
-        """Give for each slot the place of the message that stands there, and whether it is its own.
+        """Return the last message of each slot, and whether it belongs to that slot.
 
         Returns:
-            Places among `rows`, shape (n_slots,), and whether the message belongs to the slot, shape (n_slots,).
+            Indices into `rows`, shape (n_slots,), and whether the message belongs to the slot, shape (n_slots,).
         """
         slots = np.arange(self.n_slots)
-        place = np.searchsorted(self.numbers, slots, side="right") - 1
-        return place, self.numbers[place] == slots
+        index = np.searchsorted(self.numbers, slots, side="right") - 1
+        return index, self.numbers[index] == slots
 
 
 def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
-    """Find the even grid that lies closest to stamps.
+    """Fit an even grid to stamps.
 
     Args:
         stamp: Stamps [ns], increasing, shape (n,).
-        nominal: Sample time that is taken where the stamps agree with it [s].
-        topic: Name of the topic with that of the log, for the texts.
+        nominal: Nominal sample time, used where the stamps agree with it [s].
+        topic: Log and topic, for messages.
 
     Returns:
         The grid.
 
     Raises:
-        InputError: Too few messages, a rate that is none of a log, or stamps that fit no even grid.
+        InputError: Too few messages, a rate outside the limits, or stamps that fit no even grid.
     """
     if len(stamp) < _FIRST:
-        raise InputError(f"{topic} has {len(stamp)} messages, needed are at least {_FIRST}; record a longer log")
+        raise InputError(f"{topic} has {len(stamp)} messages, at least {_FIRST} are needed; record a longer log")
     time = (stamp - stamp[0]) * 1e-9
     typical = float(np.median(np.diff(time)))
     _check_rate(typical, topic)
@@ -100,15 +103,15 @@ def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
     if missing > MOST_MISSING or len(np.unique(numbers)) < (1 - MOST_MISSING) * len(numbers):
         numbers, start, sample_time = _by_count(time, topic, missing)
         warnings.append(
-            f"{topic}: the stamps come in bursts, as those of a recorder do; the samples are taken as even at "
-            f"{1 / sample_time:.6g} Hz, so their timing is doubtful"
+            f"{topic}: the stamps come in bursts, as the receive times of a recorder do; the samples are treated as "
+            f"even at {1 / sample_time:.6g} Hz, so their timing is doubtful"
         )
     sample_time, start = _round(time, numbers, sample_time, start, nominal)
     rows = _one_per_slot(time, numbers, start, sample_time)
     if len(rows) < len(numbers):
         warnings.append(
-            f"{topic}: {len(numbers) - len(rows)} messages share a sampling instant with another, late or repeated; "
-            "the one nearer to the instant was kept"
+            f"{topic}: {len(numbers) - len(rows)} messages, late or repeated, share a sampling instant with another; "
+            "the one nearest to the instant was kept"
         )
     numbers = numbers[rows]
     start, numbers = start + sample_time * int(numbers[0]), numbers - numbers[0]
@@ -117,7 +120,7 @@ def even_grid(stamp: IntArray, nominal: float, topic: str) -> EvenGrid:
 
 
 def _check_rate(step: float, topic: str) -> None:
-    """Refuse rates outside those of a log; a thousandfold one is named."""
+    """Reject rates outside the limits, with a hint where a unit of time explains them."""
     rate = 1 / step
     if LOWEST_RATE <= rate <= HIGHEST_RATE:
         return
@@ -135,7 +138,7 @@ def _check_rate(step: float, topic: str) -> None:
 
 
 def _numbers(time: FloatArray, step: float) -> tuple[IntArray, float, float]:
-    """Number messages by the nearest slot, in stretches that grow; returns numbers, start and sample time [s]."""
+    """Number messages by the nearest slot, in growing stretches; return numbers, start and sample time [s]."""
     n, end, start = len(time), _FIRST, float(time[0])
     while True:
         numbers = np.rint((time[:end] - start) / step)
@@ -151,7 +154,7 @@ def _numbers(time: FloatArray, step: float) -> tuple[IntArray, float, float]:
 
 
 def _by_count(time: FloatArray, topic: str, missing: float) -> tuple[IntArray, float, float]:
-    """Number messages one after the other where the stamps come in bursts around a straight line."""
+    """Number messages consecutively where the stamps come in bursts around a straight line."""
     numbers = np.arange(len(time))
     slope, start = np.polyfit(numbers, time, 1)
     off = float(np.sqrt(np.mean((time - start - slope * numbers) ** 2)) / slope)
@@ -168,7 +171,7 @@ def _by_count(time: FloatArray, topic: str, missing: float) -> tuple[IntArray, f
 def _round(
     time: FloatArray, numbers: IntArray, sample_time: float, start: float, nominal: float
 ) -> tuple[float, float]:
-    """Take the nominal or a round sample time where the stamps do not contradict; returns it and the start [s]."""
+    """Use the nominal or a round sample time where the stamps agree; return it and the start [s]."""
     span = int(numbers[-1] - numbers[0])
     for candidate in (nominal, float(f"{sample_time:.4g}"), round(sample_time, 9)):
         if abs(candidate - sample_time) * span < _SAME * sample_time:
@@ -180,9 +183,9 @@ def _round(
 
 
 def _one_per_slot(time: FloatArray, numbers: IntArray, start: float, sample_time: float) -> IntArray:
-    """Keep of the messages in one slot the one nearest to its instant; returns their rows."""
+    """Return the rows of the messages nearest to their instants, one per slot."""
     off = np.abs(time - start - sample_time * numbers)
     order = np.lexsort((off, numbers))
-    first = np.ones(len(order), dtype=bool)
-    first[1:] = numbers[order][1:] != numbers[order][:-1]
-    return np.sort(order[first])
+    nearest = np.ones(len(order), dtype=bool)
+    nearest[1:] = numbers[order][1:] != numbers[order][:-1]
+    return np.sort(order[nearest])

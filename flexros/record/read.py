@@ -1,8 +1,14 @@
-"""From a log to the record of a diagnosis: motors in their order, one even grid, what was repaired in words."""
+"""The reader of logs: motors in their order, one even grid, what was repaired in words.
+
+Diagnosis, rigid regression and the prediction of one axis take their samples from `read_record`. Frequency responses,
+whose sampling instants come from a plan, and the monitor, whose messages come one by one, follow the same rules with
+the same parts: `torque_source`, `motor_columns`, `MOST_BRIDGED`, `NOTED_JITTER`, `LOWEST_RATE` and `HIGHEST_RATE`.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -16,47 +22,51 @@ from flexros.record.torque_hold import held_torque, sampled_torque
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
-    from flexros.logs.time_series import Log
+    from flexros.logs.time_series import JointSeries, Log
     from flexros.record.even_grid import EvenGrid
     from flexros.record.torque_hold import HeldTorque
     from flexros.robot import Robot
+
+TorqueSource = Literal["command", "measured"]
+"""Which torque counts as the one that acted: that of joint_commands, or the effort of joint_states."""
 
 MOST_LOST = 0.3
 """Largest share of samples that may be missing or not finite (chosen)."""
 
 LEAST_REFERENCE = 0.9
-"""Smallest share of the record that a reference must cover to be taken (chosen)."""
+"""Smallest share of the record that a reference must cover to be used (chosen)."""
 
 
-def read_record(log: Log, robot: Robot, *, name: str) -> Record:
-    """Take out of a log what a diagnosis needs.
+def read_record(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "command") -> Record:
+    """Read positions, torques and what else was measured onto an even grid.
 
-    Positions come from joint_states, torques from joint_commands (held from stamp to stamp), else the measured effort
-    of joint_states. Missing samples are held and marked; positions with stamps that truly jitter are interpolated; a
-    reference of another rate is interpolated linearly.
+    Missing samples are held and marked. Positions with stamps that truly jitter are interpolated. Commands are held
+    from stamp to stamp. A reference of another rate is interpolated linearly.
 
     Args:
         log: The log.
         robot: The nominal robot.
         name: Name of the log, for messages.
+        torque: Torque that is taken where both were recorded; the other one is taken where it alone was.
 
     Returns:
         The record; its warnings say what was repaired or is doubtful.
 
     Raises:
-        InputError: There is no usable position or torque; the sentence says why.
+        InputError: There is no usable position or torque, or the joints do not fit the robot.
     """
     states = log.joint_states
     if states.position is None:
-        raise InputError(f"{name}: joint_states has no positions, without which there is no diagnosis; record them")
+        raise InputError(f"{name}: joint_states has no positions; record them")
     warnings = list(log.warnings)
-    columns = motor_columns(states.names, robot, f"{name}: joint_states", warnings)
+    source = torque_source(log, torque, name, warnings)
+    reader = _Reader(log, robot, name, warnings)
     grid = even_grid(states.stamp, robot.sample_time, f"{name}: joint_states")
     warnings += grid.warnings
-    position, valid, instants = positions_on_grid(states.position[:, columns], grid, name, warnings)
-    held, measured = _torque(log, robot, grid, instants, name, warnings)
+    position, valid, instants = positions_on_grid(states.position[:, reader.columns], grid, name, warnings)
+    held, measured = reader.torque(source, grid, instants)
     valid &= held.known
-    torque, finite = _finite(held.torque)
+    acting, finite = _finite(held.torque)
     valid &= finite
     rows = slice(held.first, max(held.first, min(held.end, grid.n_slots)))
     _count_lost(valid[rows], name, warnings)
@@ -65,10 +75,12 @@ def read_record(log: Log, robot: Robot, *, name: str) -> Record:
         name=name,
         sample_time=grid.sample_time,
         position=position[rows],
-        torque=torque[rows],
+        torque=acting[rows],
         valid=valid[rows],
         late=held.late[rows] if held.late.any() else None,
-        reference=_reference(log, robot, grid, rows, warnings),
+        velocity=reader.measured(states.velocity, grid, rows),
+        effort=reader.measured(states.effort, grid, rows),
+        reference=reader.reference(grid, rows),
         tool=_tool(log, grid, rows),
         measured_torque=measured,
         simulated=bool(log.provenance.get("scenario")),
@@ -78,60 +90,154 @@ def read_record(log: Log, robot: Robot, *, name: str) -> Record:
     )
 
 
-def _torque(
-    log: Log, robot: Robot, grid: EvenGrid, instants: bool, name: str, warnings: list[str]
-) -> tuple[HeldTorque, bool]:
-    """Take the commands, else the measured torques; also tells whether they are measured."""
+def torque_source(log: Log, wanted: TorqueSource, name: str, warnings: list[str]) -> TorqueSource:
+    """Choose the torque of a log: the wanted one, or the other one where only that was recorded.
+
+    Args:
+        log: The log.
+        wanted: Torque that is taken where both were recorded.
+        name: Name of the log, for messages.
+        warnings: Receives a sentence where the other one is taken.
+
+    Returns:
+        The torque that was recorded.
+
+    Raises:
+        InputError: No torque was recorded.
+    """
     commands, states = log.joint_commands, log.joint_states
-    if commands is not None and commands.effort is not None:
-        columns = motor_columns(commands.names, robot, f"{name}: joint_commands", warnings)
-        found = held_torque(commands.stamp, commands.effort[:, columns], grid, instants, states.stamp)
-        if found.end - found.first < 2:
-            raise InputError(
-                f"{name}: no measurement lies between the first and the last command, so the torques that acted are "
-                "not known; check the time offset between joint_states and joint_commands"
-            )
-        warnings += [f"joint_commands: {text}" for text in found.warnings]
-        warnings += _measured_beside(log, robot, found, grid)
-        return found, False
-    if states.effort is None:
+    commanded = commands is not None and commands.effort is not None
+    measured = states.effort is not None and bool(np.any(np.isfinite(states.effort)))
+    if not commanded and not measured:
         raise InputError(
             f"{name} has neither commanded torques (effort of joint_commands) nor measured ones (effort of "
             "joint_states); record one of them"
         )
-    columns = motor_columns(states.names, robot, f"{name}: joint_states", [])
-    warnings.append("the log has no joint_commands; the measured torques of joint_states are taken as what acted")
-    return sampled_torque(states.effort[:, columns], grid), True
+    if wanted == "command" and not commanded:
+        warnings.append("the log has no joint_commands; the measured torques of joint_states are used")
+        return "measured"
+    if wanted == "measured" and not measured:
+        warnings.append("joint_states has no measured torques (effort); the commanded torques are used")
+        return "command"
+    return wanted
 
 
-def _measured_beside(log: Log, robot: Robot, held: HeldTorque, grid: EvenGrid) -> list[str]:
-    """Say what measured torques beside the commands are: a copy of these, or something else that is not used."""
-    states = log.joint_states
-    if states.effort is None or not np.any(np.isfinite(states.effort)):
-        return []
-    effort = states.effort[:, motor_columns(states.names, robot, "joint_states", [])][grid.rows]
-    command = held.torque[grid.numbers]
-    both = np.all(np.isfinite(effort), axis=1) & np.all(np.isfinite(command), axis=1) & held.known[grid.numbers]
-    scale = float(np.abs(command[both]).max(initial=0.0))
-    for shift in (0, 1):
-        there = both[shift:] & both[: len(both) - shift]
-        difference = effort[shift:][there] - command[: len(both) - shift][there]
-        if there.any() and np.abs(difference).max() <= 1e-9 * scale:
-            return ["the effort of joint_states is a copy of the commands, no measurement; it is not used"]
-    return ["the log has measured torques too; the commands are used, so whatever lies between both is seen as a gap"]
+@dataclass
+class _Reader:
+    """Reads topics of a log in the order of the motors.
+
+    Attributes:
+        log: The log.
+        robot: The nominal robot.
+        name: Name of the log, for messages.
+        warnings: Receives what was repaired or is doubtful.
+        columns: Column of each motor in joint_states, length M.
+    """
+
+    log: Log
+    robot: Robot
+    name: str
+    warnings: list[str]
+    columns: list[int] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.columns = self._columns(self.log.joint_states.names, "joint_states", self.warnings)
+
+    def _columns(
+        self, names: tuple[str, ...], topic: str, warnings: list[str], states: tuple[str, ...] = ()
+    ) -> list[int]:
+        robot = self.robot
+        return motor_columns(
+            names, robot.joint_names, f"{self.name}: {topic}", warnings, owner=f"robot {robot.name}", states=states
+        )
+
+    def _columns_of(self, series: JointSeries, topic: str, warnings: list[str]) -> list[int]:
+        """Match a topic to the motors, by the joint names of joint_states where it has them."""
+        states = self.log.joint_states.names
+        return self._columns(series.names, topic, warnings, tuple(states[column] for column in self.columns))
+
+    def torque(self, source: TorqueSource, grid: EvenGrid, instants: bool) -> tuple[HeldTorque, bool]:
+        """Return the torque of every slot, and whether it was measured."""
+        commands, states = self.log.joint_commands, self.log.joint_states
+        held = None
+        if commands is not None and commands.effort is not None:
+            columns = self._columns_of(commands, "joint_commands", self.warnings)
+            held = held_torque(commands.stamp, commands.effort[:, columns], grid, instants, states.stamp)
+        if states.effort is not None and (held is None or np.any(np.isfinite(states.effort))):
+            if held is not None and self._is_copy(states.effort, held, grid):
+                self.warnings.append(
+                    "the effort of joint_states is a copy of the commands, not a measurement; it is not used"
+                )
+            elif source == "measured":
+                return sampled_torque(states.effort[:, self.columns], grid), True
+            else:
+                self.warnings.append(
+                    "joint_states has measured torques too; the commanded torques are used, so actuator errors will "
+                    "appear as a gap between robot and model"
+                )
+        assert held is not None
+        if held.end - held.first < 2:
+            raise InputError(
+                f"{self.name}: no measurement lies between the first and the last command, so the torques that acted "
+                "are not known; check the time offset between joint_states and joint_commands"
+            )
+        self.warnings.extend(f"joint_commands: {text}" for text in held.warnings)
+        return held, False
+
+    def _is_copy(self, values: FloatArray, held: HeldTorque, grid: EvenGrid) -> bool:
+        """Tell whether measured torques are the commands of the same sample or of the one before."""
+        effort, command = values[:, self.columns][grid.rows], held.torque[grid.numbers]
+        both = np.all(np.isfinite(effort), axis=1) & np.all(np.isfinite(command), axis=1) & held.known[grid.numbers]
+        scale = float(np.abs(command[both]).max(initial=0.0))
+        for shift in (0, 1):
+            compared = both[shift:] & both[: len(both) - shift]
+            difference = effort[shift:][compared] - command[: len(both) - shift][compared]
+            if compared.any() and np.abs(difference).max() <= 1e-9 * scale:
+                return True
+        return False
+
+    def measured(self, values: FloatArray | None, grid: EvenGrid, rows: slice) -> FloatArray | None:
+        """Return a signal of joint_states by slot, missing values held; None where none is finite."""
+        if values is None or not np.any(np.all(np.isfinite(values[:, self.columns]), axis=1)):
+            return None
+        return _finite(values[:, self.columns][grid.rows][grid.held()[0]])[0][rows]
+
+    def reference(self, grid: EvenGrid, rows: slice) -> FloatArray | None:
+        """Interpolate the reference positions onto the grid; None where there are none."""
+        series = self.log.joint_reference
+        if series is None or series.position is None:
+            return None
+        try:
+            columns = self._columns_of(series, "joint_reference", [])
+        except InputError:
+            self.warnings.append("joint_reference has other joints than the robot; the reference is treated as unknown")
+            return None
+        values = series.position[:, columns]
+        finite = np.all(np.isfinite(values), axis=1)
+        time, at = ((series.stamp - grid.origin) * 1e-9)[finite], grid.instants[rows]
+        covered = 0.0 if time.size < 2 else float(np.mean((at >= time[0] - 1e-9) & (at <= time[-1] + grid.sample_time)))
+        if covered < LEAST_REFERENCE:
+            self.warnings.append(
+                f"joint_reference covers {100 * covered:.0f} % of the log, at least {100 * LEAST_REFERENCE:.0f} % are "
+                "needed; the reference is treated as unknown"
+            )
+            return None
+        if np.array_equal(series.stamp[finite], self.log.joint_states.stamp) and np.abs(grid.deviation).max() < 1e-9:
+            return np.asarray(values[finite][grid.rows][grid.held()[0]][rows])
+        return np.column_stack([np.interp(at, time, column) for column in values[finite].T])
 
 
-def _finite(torque: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """Hold the torque before where one is not finite."""
-    finite = np.all(np.isfinite(torque), axis=1)
+def _finite(values: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Replace rows that are not finite by the row before; also returns which rows are finite."""
+    finite = np.all(np.isfinite(values), axis=1)
     if np.all(finite) or not np.any(finite):
-        return np.nan_to_num(torque), finite
-    last = np.maximum.accumulate(np.where(finite, np.arange(len(torque)), -1))
-    return torque[np.where(last < 0, np.argmax(finite), last)], finite
+        return np.nan_to_num(values), finite
+    last = np.maximum.accumulate(np.where(finite, np.arange(len(values)), -1))
+    return values[np.where(last < 0, np.argmax(finite), last)], finite
 
 
 def _count_lost(valid: BoolArray, name: str, warnings: list[str]) -> None:
-    """Refuse records of which too much is missing; say how much is."""
+    """Reject records of which too much is missing; report how much is."""
     lost = int(np.count_nonzero(~valid))
     if lost > MOST_LOST * len(valid):
         raise InputError(
@@ -140,42 +246,17 @@ def _count_lost(valid: BoolArray, name: str, warnings: list[str]) -> None:
         )
     if lost:
         warnings.append(
-            f"{lost} of {len(valid)} samples are missing or not finite; values before them are held there, and they "
-            "do not count"
+            f"{lost} of {len(valid)} samples are missing or not finite; the values before them are held there, and "
+            "they do not count"
         )
-
-
-def _reference(log: Log, robot: Robot, grid: EvenGrid, rows: slice, warnings: list[str]) -> FloatArray | None:
-    """Interpolate the positions that were asked for onto the grid; None where there are none."""
-    series = log.joint_reference
-    if series is None or series.position is None:
-        return None
-    try:
-        columns = motor_columns(series.names, robot, "joint_reference", [])
-    except InputError:
-        warnings.append("joint_reference has other joints than the robot, so the reference is taken as unknown")
-        return None
-    values = series.position[:, columns]
-    finite = np.all(np.isfinite(values), axis=1)
-    time, at = ((series.stamp - grid.origin) * 1e-9)[finite], grid.instants[rows]
-    covered = 0.0 if time.size < 2 else float(np.mean((at >= time[0] - 1e-9) & (at <= time[-1] + grid.sample_time)))
-    if covered < LEAST_REFERENCE:
-        warnings.append(
-            f"joint_reference covers {100 * covered:.0f} % of the log, needed are {100 * LEAST_REFERENCE:.0f} %; the "
-            "reference is taken as unknown"
-        )
-        return None
-    if np.array_equal(series.stamp[finite], log.joint_states.stamp) and np.abs(grid.deviation).max() < 1e-9:
-        return np.asarray(values[finite][grid.rows][grid.held()[0]][rows])
-    return np.column_stack([np.interp(at, time, column) for column in values[finite].T])
 
 
 def _tool(log: Log, grid: EvenGrid, rows: slice) -> ToolRecord | None:
-    """Take the tool positions within the record, in its time."""
+    """Return the tool positions within the record, in its time."""
     series = log.tool_pose
     if series is None or rows.stop <= rows.start:
         return None
     time = (series.stamp - grid.origin) * 1e-9 - grid.instants[rows.start]
     last = (rows.stop - 1 - rows.start) * grid.sample_time
-    there = np.all(np.isfinite(series.position), axis=1) & (time > -1e-9) & (time < last + 1e-9)
-    return ToolRecord(np.maximum(time[there], 0.0), series.position[there]) if there.any() else None
+    inside = np.all(np.isfinite(series.position), axis=1) & (time > -1e-9) & (time < last + 1e-9)
+    return ToolRecord(np.maximum(time[inside], 0.0), series.position[inside]) if inside.any() else None

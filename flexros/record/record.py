@@ -1,4 +1,4 @@
-"""What a diagnosis takes from a log: motor positions and torques on an even grid, and what else was measured."""
+"""The record of a log: motor positions and torques on an even grid, and what else was measured."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class ToolRecord:
     """Positions of the tool, measured.
 
     Attributes:
-        time: Time of the poses from the first sample of the record on [s], shape (n_t,); any rate.
+        time: Time of the poses since the first sample of the record [s], shape (n_t,); any rate.
         position: Positions in the frame of the tracker [m], shape (n_t, 3).
     """
 
@@ -31,19 +31,21 @@ class Record:
         name: Name of the log, for messages.
         sample_time: Time between two samples [s].
         position: Motor positions from the encoders [rad or m], shape (n, M).
-        torque: Torques that the motors were given, each from its sample to the next [Nm or N], shape (n, M).
-        valid: Whether a sample was measured; false where messages are missing (held values stand there), shape (n,).
-        late: Samples without a command of their own, so that the one before stands there, shape (n,); None where all
-            have one.
-        reference: Motor positions that were asked for [rad or m], shape (n, M); None where not recorded.
-        tool: What a tool tracker saw; None where there was none.
-        measured_torque: Whether the torques were measured at the motor, so that no delay lies before them.
-        simulated: Whether the log was made by this program's plant, as its provenance says.
+        torque: Torques that acted, each the mean from its sample to the next [Nm or N], shape (n, M).
+        valid: Whether a sample was measured; false where messages are missing and values are held, shape (n,).
+        late: Samples without a command of their own, in which the one before is held, shape (n,); None where all have
+            one.
+        velocity: Measured motor speeds [rad/s or m/s], shape (n, M); None where not recorded.
+        effort: Measured motor torques at the samples [Nm or N], shape (n, M); None where not recorded.
+        reference: Reference of the motor positions [rad or m], shape (n, M); None where not recorded.
+        tool: Positions seen by a tool tracker; None without one.
+        measured_torque: Whether the torques were measured at the motor, behind the delay of the command.
+        simulated: Whether the provenance names a scenario of this program.
         imported: Whether the log was imported from files of a real machine, whose model is never exact.
         parts: Periodic parts of the motion, as far as they are known.
-        first: Number of the first sample of the log, counted from the beginning of simulated time.
-        begin: Time of the first sample since the log began [s], for what changes with time; zero but for a part.
-        warnings: What was repaired or is doubtful, a sentence each.
+        first: Number of the first sample, counted from the beginning of simulated time.
+        begin: Time of the first sample since the beginning of the log [s]; zero except for a part.
+        warnings: What was repaired or is doubtful, one sentence each.
     """
 
     name: str
@@ -52,6 +54,8 @@ class Record:
     torque: FloatArray
     valid: BoolArray
     late: BoolArray | None = None
+    velocity: FloatArray | None = None
+    effort: FloatArray | None = None
     reference: FloatArray | None = None
     tool: ToolRecord | None = None
     measured_torque: bool = False
@@ -77,10 +81,10 @@ class Record:
 
         Args:
             first: First sample of the part.
-            end: Sample behind its last.
+            end: Sample after its last.
 
         Returns:
-            The part; its time starts at zero again, and it knows when it began.
+            The part. Its time starts at zero; `begin` is its position in the log.
         """
         tool = self.tool
         if tool is not None:
@@ -95,6 +99,8 @@ class Record:
             torque=self.torque[cut],
             valid=self.valid[cut],
             late=None if self.late is None else self.late[cut],
+            velocity=None if self.velocity is None else self.velocity[cut],
+            effort=None if self.effort is None else self.effort[cut],
             reference=None if self.reference is None else self.reference[cut],
             tool=tool,
             parts=tuple(part for part in kept if part is not None),

@@ -53,10 +53,8 @@ def test_two_messages_in_one_slot_leave_the_nearer_one() -> None:
     grid = even_grid(stamp, 1e-3, "log: joint_states")
     np.testing.assert_array_equal(grid.numbers, np.arange(N))
     assert stamp[grid.rows[50]] == 1_000_000_000 + 50_000_000
-    assert grid.warnings == (
-        "log: joint_states: 1 messages share a sampling instant with another, late or repeated; the one nearer to the "
-        "instant was kept",
-    )
+    (warning,) = grid.warnings
+    assert warning.startswith("log: joint_states: 1 messages, late or repeated,")
 
 
 def test_stamps_in_bursts_count_as_even_with_a_warning() -> None:
@@ -86,5 +84,5 @@ def test_mixed_units_are_refused() -> None:
 
 
 def test_few_messages_are_refused() -> None:
-    with pytest.raises(InputError, match="^log: joint_states has 10 messages, needed are at least 32"):
+    with pytest.raises(InputError, match="^log: joint_states has 10 messages, at least 32 are needed"):
         even_grid(stamps(1e-3, n=10), 1e-3, "log: joint_states")

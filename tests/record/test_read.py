@@ -1,4 +1,4 @@
-"""From a log to the record of a diagnosis."""
+"""A log read onto an even grid."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.gap.checked_log import checked_log
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import JointSeries, Log, PoseSeries
-from flexros.record.read import read_record
+from flexros.record.read import TorqueSource, read_record
 from flexros.record.record import Record
 from flexros.robot import Robot, load_robot
 
@@ -39,8 +38,8 @@ def make_log(**changes: object) -> Log:
     return replace(Log(states, JointSeries(stamp, ONE, effort=column(2))), **changes)
 
 
-def read(log: Log, robot: Robot) -> Record:
-    return read_record(log, robot, name="log")
+def read(log: Log, robot: Robot, torque: TorqueSource = "command") -> Record:
+    return read_record(log, robot, name="log", torque=torque)
 
 
 def test_log_of_the_contract_is_taken_as_it_is(emps: Robot) -> None:
@@ -77,6 +76,16 @@ def test_foreign_names_are_taken_by_their_numbers_with_a_warning() -> None:
     assert "joint_a1, joint_a2 are taken for motor_1, motor_2" in record.warnings[0]
 
 
+def test_foreign_names_of_commands_are_matched_to_those_of_the_states() -> None:
+    elbow = load_robot("elbow")
+    stamp = stamps_ns(N, T)
+    values = np.random.default_rng(1).normal(size=(N, 2))
+    states = JointSeries(stamp, ("lift", "swing"), position=values)
+    record = read(Log(states, JointSeries(stamp, ("swing", "lift"), effort=values)), elbow)
+    np.testing.assert_array_equal(record.torque, values[:, ::-1])
+    assert len(record.warnings) == 1
+
+
 def test_too_few_joints_are_refused() -> None:
     with pytest.raises(InputError, match=r"^log: joint_states has 1 joints \(motor_1\), but robot elbow has 2 motors"):
         read(make_log(), load_robot("elbow"))
@@ -95,13 +104,40 @@ def test_command_goes_before_the_measured_torque_with_a_note(emps: Robot) -> Non
     log = make_log()
     record = read(replace(log, joint_states=replace(log.joint_states, effort=column(3))), emps)
     np.testing.assert_array_equal(record.torque, column(2))
-    assert any("has measured torques too; the commands are used" in text for text in record.warnings)
+    assert any("has measured torques too; the commanded torques are used" in text for text in record.warnings)
 
 
-def test_copy_of_the_command_is_named(emps: Robot) -> None:
+def test_measured_torque_is_used_where_it_is_wanted(emps: Robot) -> None:
     log = make_log()
-    record = read(replace(log, joint_states=replace(log.joint_states, effort=column(2))), emps)
+    effort = column(3)
+    record = read(replace(log, joint_states=replace(log.joint_states, effort=effort)), emps, "measured")
+    assert record.measured_torque
+    np.testing.assert_array_equal(record.effort, effort)
+    np.testing.assert_allclose(record.torque[:-1], (effort[1:] + effort[:-1]) / 2)
+    assert record.warnings == ()
+
+
+def test_command_stands_in_for_the_measured_torque(emps: Robot) -> None:
+    record = read(make_log(), emps, "measured")
+    assert not record.measured_torque
+    np.testing.assert_array_equal(record.torque, column(2))
+    assert any("joint_states has no measured torques" in text for text in record.warnings)
+
+
+@pytest.mark.parametrize("torque", ["command", "measured"])
+def test_copy_of_the_command_is_no_measurement(emps: Robot, torque: TorqueSource) -> None:
+    log = make_log()
+    record = read(replace(log, joint_states=replace(log.joint_states, effort=column(2))), emps, torque)
+    assert not record.measured_torque
     assert any("is a copy of the commands" in text for text in record.warnings)
+
+
+def test_measured_speeds_are_read_beside_the_positions(emps: Robot) -> None:
+    log, speed = make_log(), column(5)
+    speed[7] = np.nan
+    velocity = read(replace(log, joint_states=replace(log.joint_states, velocity=speed)), emps).velocity
+    np.testing.assert_array_equal(velocity[8:], speed[8:])
+    assert velocity[7, 0] == speed[6, 0]
 
 
 def test_no_torque_is_refused(emps: Robot) -> None:
@@ -188,7 +224,7 @@ def test_jitter_is_undone_where_the_stamps_tell_the_true_instants(emps: Robot, t
     start = (stamps_ns(N, T)[0] - stamp[0]) * 1e-9
     error = record.position[:, 0] - motion(np.arange(record.n_samples) * T - start)
     assert np.sqrt(np.mean(error[5:-5] ** 2)) < 6e-6
-    text = "tell the true instants; the positions were interpolated" if true_instants else "do not follow"
+    text = "are the true instants; the positions were interpolated" if true_instants else "do not follow"
     assert any(text in warning for warning in record.warnings)
 
 
@@ -206,12 +242,6 @@ def test_reference_stands_at_its_samples_where_messages_share_an_instant(emps: R
     states = JointSeries(stamp, ONE, position=motion(rows * T)[:, None])
     record = read(make_log(joint_states=states, joint_reference=JointSeries(stamp, ONE, position=ramp[:, None])), emps)
     np.testing.assert_array_equal(record.reference[:, 0], np.arange(N))
-
-
-def test_commands_that_overlap_the_states_for_some_samples_only_are_too_short(emps: Robot) -> None:
-    commands = JointSeries(stamps_ns(N, T) + (N - 10) * 10**6, ONE, effort=column(2))
-    with pytest.raises(InputError, match="the log is too short: it has 0.00[0-9]+ s with [0-9]+ measured samples"):
-        checked_log(make_log(joint_commands=commands), emps, name="log")
 
 
 def test_reference_that_ends_early_is_unknown(emps: Robot) -> None:
@@ -234,16 +264,6 @@ def test_commands_elsewhere_in_time_are_refused(emps: Robot) -> None:
     stamp = stamps_ns(N, T) + 10_000_000_000
     with pytest.raises(InputError, match="^log: no measurement lies between the first and the last command"):
         read(make_log(joint_commands=JointSeries(stamp, ONE, effort=column(2))), emps)
-
-
-def test_checks_are_asked(emps: Robot) -> None:
-    log = make_log()
-    short = replace(
-        log,
-        joint_states=JointSeries(log.joint_states.stamp[:800], ONE, position=log.joint_states.position[:800]),
-    )
-    with pytest.raises(InputError, match="^cut: the log is too short: it has 0.799 s"):
-        checked_log(short, emps, name="cut")
 
 
 def test_log_with_more_motors_than_the_robot_is_refused(emps: Robot) -> None:

@@ -1,23 +1,14 @@
-"""Rough signals: bridges over holes, smooth motion, noise of differences."""
+"""Smooth motion, and noise of high differences."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from flexros.record.smoothing import bridged, noise_power, smooth_motion
+from flexros.record.smoothing import noise_power, smooth_motion
 
 T = 1e-3
 TIME = T * np.arange(4000)
-
-
-def test_holes_are_bridged_by_straight_lines() -> None:
-    position = np.column_stack([2.0 * TIME, 1.0 - TIME])
-    valid = np.ones(len(TIME), dtype=bool)
-    valid[100:150] = False
-    holed = np.where(valid[:, None], position, 99.0)
-    np.testing.assert_allclose(bridged(holed, valid), position, atol=1e-12)
-    assert bridged(position, np.ones(len(TIME), dtype=bool)) is position
 
 
 def test_slow_motion_passes_with_its_derivatives() -> None:

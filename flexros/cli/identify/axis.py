@@ -9,7 +9,7 @@ import typer
 from rich.table import Table
 
 from flexros.cli.model import linear_robot
-from flexros.cli.options import NamespaceOption
+from flexros.cli.options import NamespaceOption, TorqueOption, torque_source
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.cli.run import key_and_value
 from flexros.errors import InputError, unknown_name
@@ -46,6 +46,7 @@ def axis(
     resonance: list[float] = typer.Option([], "--resonance", help="Peak of the response [Hz], as many."),
     start: list[str] = typer.Option([], "--start", help="Value to start from, e.g. gear_knee=0.002."),
     bound: list[str] = typer.Option([], "--bound", help="Bounds of a value, e.g. gear_knee=0.0005:0.01."),
+    torque: TorqueOption = "command",
     namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
@@ -53,7 +54,6 @@ def axis(
     from flexros.config.settings import validate
     from flexros.identify.axis import AxisStructure, identify_one_axis
     from flexros.identify.axis.result import result_record
-    from flexros.identify.axis.unmodelled import unmodelled
     from flexros.identify.report.files import make_folder
     from flexros.logs.reader import read_log
 
@@ -61,6 +61,7 @@ def axis(
     if joint not in robot.joint_names:
         raise unknown_name("joint", joint, robot.joint_names, f"--joint, robot {robot.name}")
     rotary = robot.motors[robot.joint_names.index(joint)].rotary
+    chosen = torque_source(torque)
     settings = {"masses": masses, "gear": gear, "stribeck": stribeck, "offset": offset, "output": output}
     structure = validate(AxisStructure, {**settings, "rotary": rotary}, "command line")
     starts, bounds = _values(start), _bounds(bound)
@@ -71,12 +72,12 @@ def axis(
     with progress_bar() as bar:
         bar.add_task("prediction errors", total=None)
         found = identify_one_axis(
-            logs["log"], structure, joint=joint, antiresonances=extremes.antiresonances,
+            logs["log"], robot, structure, joint=joint, antiresonances=extremes.antiresonances,
             resonances=extremes.resonances, start=starts, bounds=bounds, validation=logs.get("validation"),
-            delay=robot.delay,
+            torque=chosen,
         )  # fmt: skip
     sources = {name: {"file": str(path), **logs[name].provenance} for name, path in _files(log, validation)}
-    record = result_record(found, joint, extremes, sources, unmodelled(logs["log"], robot, joint))
+    record = result_record(found, joint, extremes, sources)
     make_folder(out)
     write_result(out / RESULT, json_text(record), "result")
     if as_json:

@@ -9,7 +9,7 @@ import typer
 
 from flexros.cli.identify.table import fitting_table
 from flexros.cli.model import linear_robot
-from flexros.cli.options import NamespaceOption
+from flexros.cli.options import NamespaceOption, TorqueOption, torque_source
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError
 from flexros.json_text import json_text
@@ -33,6 +33,7 @@ def rigid(
     hold: bool = typer.Option(
         False, "--hold", help="Pair positions with the command as it acts (delayed, held), not with its samples."
     ),
+    torque: TorqueOption = "command",
     namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
@@ -49,7 +50,7 @@ def rigid(
     robot = linear_robot(model)
     logs = {label: read_log(path, namespace=namespace or None) for label, path in _labelled(log).items()}
     first, *others = logs
-    settings = RigidSettings(cutoff=cutoff, asymmetric=asymmetric, hold=hold)
+    settings = RigidSettings(cutoff=cutoff, asymmetric=asymmetric, hold=hold, torque=torque_source(torque))
     with progress_bar() as progress:
         task = progress.add_task("regression", total=len(logs))
 

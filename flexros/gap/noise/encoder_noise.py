@@ -13,9 +13,9 @@ from flexros.gap.noise.autoregression import TREND, colour_of, without_trend
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.settings import DiagnosisSettings
 from flexros.prediction.observer import observer_gain
+from flexros.record.missing_samples import bridged, runs
 from flexros.record.quantization import encoder_quantization
-from flexros.record.repeats import runs
-from flexros.record.smoothing import HIGH_DIFFERENCE, bridged, smooth_motion
+from flexros.record.smoothing import HIGH_DIFFERENCE, smooth_motion
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray

@@ -9,8 +9,9 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.gap.noise.encoder_noise import measure_noise
+from flexros.record.missing_samples import bridged
 from flexros.record.quantization import encoder_quantization
-from flexros.record.smoothing import bridged, smooth_motion
+from flexros.record.smoothing import smooth_motion
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

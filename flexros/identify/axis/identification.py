@@ -14,13 +14,17 @@ from flexros.identify.axis.predictor import Predictor
 from flexros.identify.axis.record import AxisRecord, axis_record
 from flexros.identify.axis.starting_point import bounds_around, short_steps, starting_values
 from flexros.identify.axis.structure import AxisStructure
+from flexros.identify.axis.unmodelled import unmodelled
 from flexros.prediction.damped_least_squares import StopRule
+from flexros.record.identification_record import identification_record
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flexros.arrays import FloatArray
     from flexros.logs.time_series import Log
+    from flexros.record.read import TorqueSource
+    from flexros.robot import Robot
 
 SMOOTHING = 0.01
 """Speed over which friction changes sign, relative to the rms speed (chosen)."""
@@ -42,6 +46,7 @@ class OneAxisIdentification:
         start: Values of the linear steps, by name.
         validation: Quality of the nonlinear model on the validation log; None without one.
         linear_validation: Quality of the linear-spring model there.
+        warnings: What was repaired in the logs or is doubtful, and what the model lacks, one sentence each.
     """
 
     nonlinear: AxisFit
@@ -49,6 +54,7 @@ class OneAxisIdentification:
     start: Mapping[str, float]
     validation: Quality | None
     linear_validation: Quality | None
+    warnings: tuple[str, ...] = ()
 
     @property
     def gain(self) -> float:
@@ -60,6 +66,7 @@ class OneAxisIdentification:
 
 def identify_one_axis(
     log: Log,
+    robot: Robot,
     structure: AxisStructure | None = None,
     *,
     joint: str = "motor_1",
@@ -68,8 +75,8 @@ def identify_one_axis(
     start: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     validation: Log | None = None,
-    delay: float = 0.0,
     smoothing: float | None = None,
+    torque: TorqueSource = "command",
 ) -> OneAxisIdentification:
     """Identify an axis from commands and motion of its motor, in three steps.
 
@@ -79,6 +86,7 @@ def identify_one_axis(
 
     Args:
         log: Log of the axis, moving from rest.
+        robot: The nominal robot: its joints, and the delay of the command.
         structure: Model structure; default: two masses, piecewise linear gear, output position.
         joint: Name of the motor.
         antiresonances: Minima of the response from torque to motor motion [Hz], one less than masses; optional if
@@ -88,25 +96,30 @@ def identify_one_axis(
         bounds: Lower and upper bounds by name; default: a factor of 10 above and below the initial value, of 1000 for
             friction and the knee of the gear.
         validation: Another log of the axis, for validation.
-        delay: Delay of the command [s].
         smoothing: Speed over which friction changes sign [rad/s or m/s]; default: 1 % of the rms speed.
+        torque: Torque that is taken where both were recorded.
 
     Returns:
         Both models with standard deviations and qualities.
 
     Raises:
-        InputError: The log is incomplete, or a name, initial value or frequency is invalid.
+        InputError: The log is not usable, or a name, initial value or frequency is invalid.
     """
     structure = AxisStructure() if structure is None else structure
-    record = axis_record(log, joint, structure.output, delay, "the log")
-    other = None
-    if validation is not None:
-        other = axis_record(validation, joint, structure.output, delay, "the validation log")
-    smoothing = SMOOTHING * record.rms_speed if smoothing is None else smoothing
     given = dict(bounds or {})
     for name in given:
         if name not in structure.names:
             raise unknown_name("parameter of the axis", name, structure.names, "bounds")
+    if joint not in robot.joint_names:
+        raise unknown_name("joint", joint, robot.joint_names, f"robot {robot.name}")
+    motor = robot.joint_names.index(joint)
+    whole = identification_record(log, robot, name="the log", torque=torque)
+    record = axis_record(whole, motor, structure.output, robot.delay)
+    other = None
+    if validation is not None:
+        held_out = identification_record(validation, robot, name="the validation log", torque=torque)
+        other = axis_record(held_out, motor, structure.output, robot.delay)
+    smoothing = SMOOTHING * record.rms_speed if smoothing is None else smoothing
     begin = starting_values(record, structure, smoothing, antiresonances, resonances, start or {})
     plain = structure.model_copy(update={"gear": "linear"})
     predictor = Predictor(plain, record, smoothing, short_steps(begin, record, smoothing))
@@ -118,6 +131,7 @@ def identify_one_axis(
         start=begin,
         validation=None if other is None else nonlinear.judge(other),
         linear_validation=None if other is None else linear.judge(other),
+        warnings=(*record.warnings, *(() if other is None else other.warnings), *unmodelled(whole, robot, motor)),
     )
 
 

@@ -71,7 +71,7 @@ class Predictor:
         return int(np.ceil(np.log(1e-3) / np.log(min(radius, 1 - 1e-9))))
 
     def errors(self, record: AxisRecord, theta: FloatArray, gain: FloatArray) -> FloatArray:
-        """Compute the prediction errors e.
+        """Compute the prediction errors e, zero in samples that were not measured.
 
         Args:
             record: Commands and outputs.
@@ -82,14 +82,14 @@ class Predictor:
             Errors [rad or m, or per second], shape (n,).
         """
         outputs = self._plain.run(self._start(record), record.inputs(), np.concatenate([theta, gain]))
-        return record.output - outputs[:, self.structure.output_index]
+        return record.of_measured(record.output - outputs[:, self.structure.output_index])
 
     def states(self, record: AxisRecord, theta: FloatArray, gain: FloatArray) -> FloatArray:
         """Compute the predicted states; with a gain of zero, the simulated ones. Shape (n, n_states)."""
         return self._plain.run(self._start(record), record.inputs(), np.concatenate([theta, gain]))
 
     def sensitivities(self, record: AxisRecord, theta: FloatArray, gain: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Compute the prediction errors and their derivatives.
+        """Compute the prediction errors and their derivatives, zero in samples that were not measured.
 
         Args:
             record: Commands and outputs.
@@ -102,7 +102,7 @@ class Predictor:
         n, P = self.structure.n_states, len(theta)
         start = np.concatenate([self._start(record), np.zeros(n * P)])
         outputs = self._with_sensitivities.run(start, record.inputs(), np.concatenate([theta, gain]))
-        return record.output - outputs[:, 0], -outputs[:, 1:]
+        return record.of_measured(record.output - outputs[:, 0]), record.of_measured(-outputs[:, 1:])
 
     def _start(self, record: AxisRecord) -> FloatArray:
         """Start at rest on the first measured output, the springs relaxed."""

@@ -1,4 +1,4 @@
-"""What the prediction takes from a log: command and motion of one motor, sample by sample."""
+"""Command and motion of one motor, sample by sample."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.compile.command_delay import split_delay
-from flexros.errors import InputError, unknown_name
-from flexros.record.held_commands import EVEN, HeldCommands
+from flexros.errors import InputError
+from flexros.record.missing_samples import MOST_BRIDGED, bridged, long_holes, runs
 
 if TYPE_CHECKING:
-    from flexros.arrays import FloatArray
+    from flexros.arrays import BoolArray, FloatArray
     from flexros.identify.axis.structure import OutputQuantity
-    from flexros.logs.time_series import JointSeries, Log
+    from flexros.record.record import Record
 
 _SHORTEST = 200
-"""Samples that a record must have (chosen)."""
+"""Fewest samples of a record (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,11 +27,13 @@ class AxisRecord:
 
     Attributes:
         label: Name of the log.
-        quantity: What the output is.
+        quantity: Quantity of the output.
         sample_time: T [s].
-        torque: Commanded torque [Nm or N], shape (n,); that of sample k acts from k T + delay on.
-        output: Measured position [rad or m] or speed [rad/s or m/s], shape (n,).
-        delay: Delay of the command [s].
+        torque: Torque [Nm or N], shape (n,); a command of sample k acts from k T + delay on.
+        output: Position [rad or m] or speed [rad/s or m/s], bridged where it was not measured, shape (n,).
+        delay: Delay of the command [s]; zero where the torque was measured.
+        valid: Whether a sample was measured, shape (n,); None where all were.
+        warnings: What was repaired or is doubtful, one sentence each.
     """
 
     label: str
@@ -40,10 +42,12 @@ class AxisRecord:
     torque: FloatArray
     output: FloatArray
     delay: float
+    valid: BoolArray | None = None
+    warnings: tuple[str, ...] = ()
 
     @cached_property
     def position(self) -> FloatArray:
-        """Position [rad or m], shape (n,): measured, or the sum of the speeds."""
+        """Position [rad or m], shape (n,): measured, or the integral of the speed."""
         summed: FloatArray = self.sample_time * np.cumsum(self.output)
         return self.output if self.quantity == "position" else summed
 
@@ -71,69 +75,66 @@ class AxisRecord:
         return tuple(piece.duration for piece in split_delay(self.delay, self.sample_time).pieces)
 
     def inputs(self) -> FloatArray:
-        """Put together what the predictor gets in each sample.
+        """Return the inputs of the predictor in each sample.
 
         Returns:
-            The commands that act in the parts of a sample [Nm or N], then the output, shape (n, parts + 1).
+            Commands that act in the parts of a sample [Nm or N], then the output, shape (n, parts + 1).
         """
         pieces = split_delay(self.delay, self.sample_time).pieces
-        place = np.arange(len(self.torque))
-        commands = [self.torque[np.maximum(place - piece.age, 0)] for piece in pieces]
+        row = np.arange(len(self.torque))
+        commands = [self.torque[np.maximum(row - piece.age, 0)] for piece in pieces]
         return np.column_stack([*commands, self.output])
 
+    def of_measured(self, values: FloatArray) -> FloatArray:
+        """Set values, shape (n, ...), to zero in samples that were not measured."""
+        if self.valid is None:
+            return values
+        return values * self.valid.reshape(-1, *[1] * (values.ndim - 1))
 
-def axis_record(log: Log, joint: str, output: OutputQuantity, delay: float, label: str) -> AxisRecord:
-    """Take the signals of one motor out of a log.
+
+def axis_record(record: Record, motor: int, output: OutputQuantity, delay: float) -> AxisRecord:
+    """Select the signals of one motor.
+
+    Short holes are bridged. Of a record with long ones the longest stretch without is taken.
 
     Args:
-        log: The log.
-        joint: Name of the motor.
-        output: What was measured.
+        record: Record of the log.
+        motor: Number of the motor (0-based).
+        output: Quantity of the output.
         delay: Delay of the command [s].
-        label: Name of the log; opens error texts.
 
     Returns:
-        The record.
+        The signals.
 
     Raises:
-        InputError: Joint or signal are not in the log, or samples are missing, uneven, not finite or too few.
+        InputError: The output was not recorded, or there are too few samples.
     """
-    states, commands = log.joint_states, log.joint_commands
-    measured = getattr(states, output)
+    measured = record.position if output == "position" else record.velocity
     if measured is None:
-        raise InputError(f"{label}: joint_states has no {output}, which is to be predicted; record it")
-    if commands is None or commands.effort is None:
-        raise InputError(f"{label} has no commanded torque (effort of joint_commands); record it")
-    y = measured[:, _column(states, joint, f"{label}: joint_states")]
-    sample_time = _interval(states, label)
-    held = HeldCommands.of(commands.stamp, states.stamp)
-    u = held.values(commands.effort[:, _column(commands, joint, f"{label}: joint_commands")])
-    torque, motion = u[held.first :], y[held.first :]
-    if len(torque) < _SHORTEST:
-        raise InputError(f"{label} has {len(torque)} samples with a command, needed are {_SHORTEST}; give a longer log")
-    for name, signal in ((output, motion), ("effort", torque)):
-        if not np.all(np.isfinite(signal)):
-            at = held.first + int(np.argmin(np.isfinite(signal)))
-            raise InputError(f"{label}: {name} of {joint} is not finite in sample {at}; cut the log there")
-    return AxisRecord(label, output, sample_time, torque.copy(), motion.copy(), delay)
-
-
-def _column(series: JointSeries, joint: str, place: str) -> int:
-    if joint not in series.names:
-        raise unknown_name("joint", joint, series.names, place)
-    return series.names.index(joint)
-
-
-def _interval(states: JointSeries, label: str) -> float:
-    steps = np.diff(states.stamp) * 1e-9
-    if not len(steps):
-        raise InputError(f"{label} has {len(states.stamp)} samples, needed are {_SHORTEST}; give a longer log")
-    typical = float(np.mean(steps))
-    worst = int(np.argmax(np.abs(steps - typical)))
-    if abs(steps[worst] - typical) > EVEN * typical:
-        time = (states.stamp[worst] - states.stamp[0]) * 1e-9
+        raise InputError(f"{record.name}: joint_states has no {output}, which is to be predicted; record it")
+    begin, length = runs(~long_holes(record.valid))
+    longest = int(np.argmax(length)) if len(length) else 0
+    rows = slice(begin[longest], begin[longest] + length[longest]) if len(length) else slice(0, 0)
+    n = rows.stop - rows.start
+    if n < _SHORTEST:
         raise InputError(
-            f"{label}: the interval at {time:.6g} s is {1e3 * steps[worst]:.6g} ms instead of {1e3 * typical:.6g} ms; "
-            "the prediction needs a log without gaps and of one rate: give such a log or a part of it"
+            f"{record.name} has {n} samples in a row with position and torque, at least {_SHORTEST} are needed; give "
+            "a longer log"
         )
-    return typical
+    warnings = record.warnings
+    if n < record.n_samples:
+        warnings += (
+            f"more than {MOST_BRIDGED} samples in a row are missing; of the {record.n_samples} samples the longest "
+            f"stretch without such a hole is used, {n} from sample {rows.start} on",
+        )
+    valid = record.valid[rows]
+    return AxisRecord(
+        label=record.name,
+        quantity=output,
+        sample_time=record.sample_time,
+        torque=record.torque[rows, motor].copy(),
+        output=bridged(measured[rows, motor : motor + 1], valid)[:, 0].copy(),
+        delay=0.0 if record.measured_torque else delay,
+        valid=None if valid.all() else valid,
+        warnings=warnings,
+    )

@@ -29,7 +29,6 @@ def result_record(
     joint: str,
     extremes: Extremes,
     logs: Mapping[str, Mapping[str, Any]],
-    warnings: tuple[str, ...] = (),
 ) -> dict[str, Any]:
     """Return an identification as a record, ready for JSON; unknown values are None.
 
@@ -38,7 +37,6 @@ def result_record(
         joint: Name of the motor.
         extremes: Frequencies from which the initial values were computed.
         logs: Provenance of the log, and of the validation log if there is one, by name.
-        warnings: Limits of the result beyond those that the fits report, one sentence each.
     """
     return {
         "schema": SCHEMA,
@@ -52,7 +50,7 @@ def result_record(
         "linear": _model(identification.linear, identification.linear_validation),
         "gain": _finite(identification.gain),
         "gain_on": "fit" if identification.validation is None else "validation",
-        "warnings": [*warnings, *_doubts(identification)],
+        "warnings": [*identification.warnings, *_doubts(identification)],
         "provenance": {"versions": versions(), "logs": {name: dict(entry) for name, entry in logs.items()}},
     }
 

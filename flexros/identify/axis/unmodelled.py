@@ -1,4 +1,4 @@
-"""What acts on an axis in a log that the model of one axis does not have."""
+"""Influences on an axis that the model of one axis lacks: gravity, and motion of other motors."""
 
 from __future__ import annotations
 
@@ -7,50 +7,47 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from flexros.logs.time_series import Log
+    from flexros.record.record import Record
     from flexros.robot import Robot
 
 MOVES = 0.1
-"""Speed of another motor, relative to that of the axis (rms), from which it is said to move too (chosen)."""
+"""Speed of another motor, relative to that of the axis (rms), above which it is reported (chosen)."""
 
 LOADS = 0.01
-"""Torque that gravity needs at home, relative to the command (rms), from which it is told (chosen)."""
+"""Holding torque at home, relative to the torque of the axis (rms), above which gravity is reported (chosen)."""
 
 
-def unmodelled(log: Log, robot: Robot, joint: str) -> tuple[str, ...]:
+def unmodelled(record: Record, robot: Robot, motor: int) -> tuple[str, ...]:
     """Find gravity on the axis, and motion of other motors.
 
     Args:
-        log: Log of the axis, with the joint and its commands.
-        robot: The robot as it is thought to be.
-        joint: Name of the motor.
+        record: Record of the log.
+        robot: The nominal robot.
+        motor: Number of the motor (0-based).
 
     Returns:
-        One sentence for each; none where the axis is alone.
+        One sentence for each; empty where neither is significant.
     """
-    return (*_gravity(log, robot, joint), *_others(log, joint))
+    return (*_gravity(record, robot, motor), *_other_motion(record, robot, motor))
 
 
-def _gravity(log: Log, robot: Robot, joint: str) -> tuple[str, ...]:
-    commands = log.joint_commands
-    if commands is None or commands.effort is None:
-        return ()
-    held = robot.holding_torque(robot.equilibrium(robot.home))[robot.joint_names.index(joint)]
-    rms = np.sqrt(np.mean(commands.effort[:, commands.names.index(joint)] ** 2))
-    if abs(held) <= LOADS * rms:
+def _gravity(record: Record, robot: Robot, motor: int) -> tuple[str, ...]:
+    holding = robot.holding_torque(robot.equilibrium(robot.home))[motor]
+    rms = np.sqrt(np.mean(record.torque[:, motor] ** 2))
+    if abs(holding) <= LOADS * rms:
         return ()
     return (
-        f"gravity loads {joint} by {abs(held):.3g} at home, but the model of the axis has no gravity; take an axis "
-        "that gravity does not load, or a constant torque (offset) where it moves little",
+        f"gravity loads {robot.joint_names[motor]} by {abs(holding):.3g} at home, but the model of the axis has no "
+        "gravity; take an axis that gravity does not load, or a constant torque (offset) where it moves little",
     )
 
 
-def _others(log: Log, joint: str) -> tuple[str, ...]:
-    states = log.joint_states
-    if states.position is None:
+def _other_motion(record: Record, robot: Robot, motor: int) -> tuple[str, ...]:
+    speed = np.sqrt(np.mean(np.diff(record.position, axis=0) ** 2, axis=0))
+    moving = [
+        name for other, name in enumerate(robot.joint_names) if other != motor and speed[other] > MOVES * speed[motor]
+    ]
+    if not moving:
         return ()
-    speed = dict(zip(states.names, np.sqrt(np.mean(np.diff(states.position, axis=0) ** 2, axis=0)), strict=True))
-    moved = [name for name, rms in speed.items() if name != joint and rms > MOVES * speed[joint]]
-    if not moved:
-        return ()
-    return (f"the model of the axis knows no other motion, but {', '.join(moved)} moves too; move {joint} alone",)
+    joint = robot.joint_names[motor]
+    return (f"the model of the axis has no other motion, but {', '.join(moving)} moves too; move {joint} alone",)

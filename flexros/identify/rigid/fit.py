@@ -10,8 +10,7 @@ import numpy as np
 from flexros.identify.rigid.base_parameters import BaseParameters, base_parameters
 from flexros.identify.rigid.excitation import LARGEST_CONDITION, Excitation, judge_excitation
 from flexros.identify.rigid.least_squares import Solution, condition_number, covariance, weighted_least_squares
-from flexros.identify.rigid.motion_estimate import check_rows, decimate
-from flexros.identify.rigid.record import rigid_record
+from flexros.identify.rigid.motion_estimate import check_rows
 from flexros.identify.rigid.regression_rows import RegressionRows
 from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.settings import RigidSettings
@@ -131,16 +130,14 @@ def fit_rigid(
         progress: Called with the processed share of the log.
 
     Raises:
-        InputError: The log does not match the robot, has gaps, is too short, or has no motion or no torque.
+        InputError: The log does not match the robot, is too short, or has no motion or no torque.
     """
     settings = settings or RigidSettings()
     regressor = RigidRegressor(robot, settings.asymmetric)
     base = base_parameters(regressor, robot.n_motors)
     rows = RegressionRows.of_log(log, settings, label, regressor, base)
     check_rows(len(rows.torque), len(base.leading))
-    held = None
-    if not (settings.hold or rows.record.measured):
-        held = decimate(rigid_record(log, robot, label, hold=True, first=rows.record.first).torque, rows.factor)
+    held = None if settings.hold else rows.torque_as_it_acts()
     factor = rows.triangular(held, progress)
     return _fit(rows, factor, robot, settings, base, label)
 
@@ -176,7 +173,7 @@ def _fit(
         error_with_hold=with_hold,
         cutoff=rows.cutoff,
         rate=rows.rate,
-        measured_torque=rows.record.measured,
+        measured_torque=rows.record.measured_torque,
         moving=rows.motion.moving,
         warnings=rows.record.warnings,
     )
@@ -226,7 +223,7 @@ def cross_test(
         The torque error, filtered as in the fit.
 
     Raises:
-        InputError: The log does not match the robot, has gaps, is too short, or has no motion or no torque.
+        InputError: The log does not match the robot, is too short, or has no motion or no torque.
     """
     settings = fit.settings.model_copy(update={"cutoff": fit.cutoff})
     regressor = RigidRegressor(fit.robot, settings.asymmetric)

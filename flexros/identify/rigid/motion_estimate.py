@@ -1,4 +1,4 @@
-"""Speeds and accelerations from measured positions, and one low-pass for all that enters the regression."""
+"""Speeds and accelerations from measured positions, and the common low-pass of all signals of the regression."""
 
 from __future__ import annotations
 
@@ -9,29 +9,27 @@ import numpy as np
 from scipy.signal import butter, firwin, sosfiltfilt, upfirdn
 
 from flexros.errors import InputError
+from flexros.record.even_grid import HIGHEST_RATE
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
 
 _ORDER = 4
-"""Order of the Butterworth filter, run forwards and backwards (as the authors of EMPS)."""
+"""Order of the Butterworth filter, applied forwards and backwards (as by the authors of EMPS)."""
 
 _LENGTH = 20
-"""Length of the low-pass before decimation, in decimated samples (as usual for decimation by a finite response)."""
+"""Length of the low-pass before decimation, in decimated samples (usual for a finite response)."""
 
 _PASS = 0.9
 """Its corner, relative to half the decimated rate (chosen)."""
 
 _STILL = 20.0
-"""Range of a position, in rms values of what the filter took away, up to which the motor stands still (chosen)."""
-
-_FASTEST = 2e4
-"""Sampling rate [Hz] beyond which the time unit of an imported log is more likely wrong (chosen)."""
+"""Range of a position, in rms values of the part removed by the filter, up to which a motor is at rest (chosen)."""
 
 _ODD_RATE = ", or correct the time unit in the mapping if the rate is not that of the recorder"
 
 _FEWEST = 50
-"""Rows that must be left after decimation (chosen)."""
+"""Fewest rows after decimation (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +38,8 @@ class MotionEstimate:
 
     Attributes:
         position: Filtered positions [rad or m], shape (n, M).
-        velocity: Speeds, shape (n, M); zero for a motor that stood still.
-        acceleration: Accelerations, shape (n, M); zero for a motor that stood still.
+        velocity: Speeds, shape (n, M); zero for a motor at rest.
+        acceleration: Accelerations, shape (n, M); zero for a motor at rest.
         moving: Which motors moved, shape (M,).
     """
 
@@ -52,15 +50,15 @@ class MotionEstimate:
 
 
 def estimate_motion(position: FloatArray, sample_time: float, cutoff: float) -> MotionEstimate:
-    """Filter positions without phase and take central differences (thesis 4.2.1: speeds have to be estimated).
+    """Apply a zero-phase filter to positions and take central differences (thesis 4.2.1: speeds have to be estimated).
 
-    A motor whose filtered position varies no more than its noise counts as standing still: its speed would be noise,
-    and noise in the regressor makes parameters too small.
+    A motor whose filtered position varies no more than its noise is at rest: its speed would be noise, and noise in the
+    regressor biases parameters towards zero.
 
     Args:
         position: Measured positions [rad or m], shape (n, M).
         sample_time: Interval [s].
-        cutoff: Corner of the Butterworth filter [Hz].
+        cutoff: Corner frequency of the Butterworth filter [Hz].
 
     Returns:
         The motion.
@@ -79,7 +77,7 @@ def estimate_motion(position: FloatArray, sample_time: float, cutoff: float) -> 
     if len(position) < least:
         raise InputError(
             f"the log has {len(position)} samples, but a cut-off of {cutoff:.6g} Hz needs at least {least} at "
-            f"{_in_words(rate)}; give a longer log or a higher cut-off{_ODD_RATE if rate > _FASTEST else ''}"
+            f"{_in_words(rate)}; give a longer log or a higher cut-off{_ODD_RATE if rate > HIGHEST_RATE else ''}"
         )
     sections = butter(_ORDER, 2 * cutoff * sample_time, output="sos")
     filtered: FloatArray = sosfiltfilt(sections, position, axis=0)
@@ -94,25 +92,25 @@ def estimate_motion(position: FloatArray, sample_time: float, cutoff: float) -> 
 
 
 def _in_words(rate: float) -> str:
-    """Write a sampling rate [Hz] with the unit that suits it."""
+    """Format a sampling rate [Hz] in Hz, kHz or MHz."""
     size, unit = next((pair for pair in ((1e6, "MHz"), (1e3, "kHz")) if rate >= pair[0]), (1.0, "Hz"))
     return f"{rate / size:.6g} {unit}"
 
 
 def decimation(sample_time: float, cutoff: float) -> int:
-    """Return of how many samples one is kept: as many as leave one per period of the cut-off [Hz]."""
+    """Return the decimation factor that leaves one sample per period of the cut-off [Hz]."""
     return max(1, round(1 / (sample_time * cutoff)))
 
 
 def decimate(values: FloatArray, factor: int) -> FloatArray:
-    """Low-pass without phase and keep one sample of several; what the ends of the record touch is left out.
+    """Apply a zero-phase low-pass and decimate; rows that depend on the ends of the record are left out.
 
-    Torque and every column of the regressor go through the same filter, so that it changes no parameter (M. Gautier,
+    Torque and every column of the regressor pass the same filter, which therefore changes no parameter (M. Gautier,
     1997, parallel filtering).
 
     Args:
         values: Shape (n, ...).
-        factor: Of how many samples one is kept.
+        factor: Decimation factor.
 
     Returns:
         Shape (m, ...), the first row at sample `edge(factor)`.
@@ -126,19 +124,37 @@ def decimate(values: FloatArray, factor: int) -> FloatArray:
 
 
 def edge(factor: int) -> int:
-    """Return how many samples at each end `decimate` leaves out."""
+    """Return the number of samples that `decimate` leaves out at each end."""
     return _LENGTH * factor // 2 if factor > 1 else 0
 
 
+def untouched_rows(spoilt: BoolArray, factor: int) -> BoolArray:
+    """Mark the rows of `decimate` that depend on no spoilt sample.
+
+    Args:
+        spoilt: Spoilt samples, shape (n,).
+        factor: Decimation factor.
+
+    Returns:
+        Marks, shape (m,).
+    """
+    if factor == 1:
+        return ~spoilt
+    before = np.concatenate([[0], np.cumsum(spoilt)])
+    rows = (len(spoilt) - _LENGTH * factor - 1) // factor + 1
+    first = factor * np.arange(rows)
+    return np.asarray(before[first + _LENGTH * factor + 1] == before[first])
+
+
 def check_rows(rows: int, parameters: int) -> None:
-    """Refuse records that are too short for a regression.
+    """Reject records that are too short for a regression.
 
     Args:
         rows: Rows after decimation.
         parameters: Number of parameters.
 
     Raises:
-        InputError: There are too few.
+        InputError: There are too few rows.
     """
     least = max(_FEWEST, 2 * parameters)
     if rows < least:

@@ -1,4 +1,4 @@
-"""The decimated regression of one log, a stretch at a time: memory is bounded whatever the length of the log."""
+"""The decimated regression of one log, evaluated block by block so that memory is bounded."""
 
 from __future__ import annotations
 
@@ -8,24 +8,34 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.identify.rigid.motion_estimate import MotionEstimate, decimate, decimation, edge, estimate_motion
-from flexros.identify.rigid.record import RigidRecord, rigid_record
+from flexros.identify.rigid.motion_estimate import (
+    MotionEstimate,
+    decimate,
+    decimation,
+    edge,
+    estimate_motion,
+    untouched_rows,
+)
+from flexros.identify.rigid.record import torque_as_it_acts, torque_at_samples
+from flexros.record.identification_record import identification_record
+from flexros.record.missing_samples import bridged, long_holes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from flexros.arrays import FloatArray
+    from flexros.arrays import BoolArray, FloatArray
     from flexros.identify.rigid.base_parameters import BaseParameters
     from flexros.identify.rigid.regressor import RigidRegressor
     from flexros.identify.rigid.settings import RigidSettings
     from flexros.logs.time_series import Log
+    from flexros.record.record import Record
 
 _CHUNK_ROWS = 200
-"""Decimated rows made at a time (chosen)."""
+"""Decimated rows of a block (chosen)."""
 
 _KEPT_BYTES = 1_000_000_000
-"""Largest regressor that is kept [bytes]; a larger one is evaluated anew when it is needed again (chosen: no more than
-reading such a log takes)."""
+"""Largest regressor that is kept [bytes]; a larger one is evaluated again when needed (chosen: no more
+than reading such a log takes)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,20 +43,22 @@ class RegressionRows:
     """Regression tau = H pi_b of one log after low-pass and decimation.
 
     Attributes:
-        record: What was taken from the log.
+        record: Record of the log.
         motion: Its motion by zero-phase filtering.
         regressor: The regressor.
         leading: Columns of the regressor that count, one per base parameter, length r.
         cutoff: Corner of the low-pass for the positions [Hz].
-        torque: Torques [Nm or N], shape (n, M).
-        kept: Stretches of the regressor that were evaluated already; empty when it is too large to be kept.
+        counts: Decimated rows that no long hole of the record touches, shape (n_decimated,).
+        torque: Torques of the rows that count [Nm or N], shape (n, M).
+        kept: Blocks of the regressor that were evaluated already; empty when it is too large to be kept.
     """
 
-    record: RigidRecord
+    record: Record
     motion: MotionEstimate
     regressor: RigidRegressor
     leading: tuple[int, ...]
     cutoff: float
+    counts: BoolArray
     torque: FloatArray
     kept: list[FloatArray]
 
@@ -58,24 +70,37 @@ class RegressionRows:
 
         Args:
             log: The log.
-            settings: Cut-off, and how commands are paired with positions.
-            label: Name of the log; opens error texts.
+            settings: Cut-off, source of the torque, and how commands are paired with positions.
+            label: Name of the log, for messages.
             regressor: The regressor.
             base: The base parameters.
 
         Raises:
-            InputError: The log does not fit the robot, has gaps, is too short, or has no motion or no torque.
+            InputError: The log does not fit the robot, is too short, or has no motion or no torque.
         """
-        record = rigid_record(log, regressor.robot, label, settings.hold)
+        robot = regressor.robot
+        record = identification_record(log, robot, name=label, torque=settings.torque)
+        torque = torque_at_samples(record)
+        if settings.hold and not record.measured_torque:
+            acting, begin = torque_as_it_acts(record, robot.delay)
+            record, torque = record.part(begin, record.n_samples), acting[begin:]
         cutoff = settings.cutoff_at(1 / record.sample_time)
-        motion = estimate_motion(record.position, record.sample_time, cutoff)
-        _check_signals(record, motion, regressor.robot.joint_names, label)
-        torque = decimate(record.torque, decimation(record.sample_time, cutoff))
-        return cls(record, motion, regressor, base.leading, cutoff, torque, [])
+        motion = estimate_motion(bridged(record.position, record.valid), record.sample_time, cutoff)
+        _check_motion(motion, robot.joint_names, label)
+        factor = decimation(record.sample_time, cutoff)
+        counts = untouched_rows(long_holes(record.valid), factor)
+        return cls(record, motion, regressor, base.leading, cutoff, counts, decimate(torque, factor)[counts], [])
+
+    def torque_as_it_acts(self) -> FloatArray | None:
+        """Return the torques with delay and hold of the command [Nm or N], shape (n, M); None for measured ones."""
+        if self.record.measured_torque:
+            return None
+        acting, _ = torque_as_it_acts(self.record, self.regressor.robot.delay)
+        return decimate(acting, self.factor)[self.counts]
 
     @property
     def factor(self) -> int:
-        """Of how many samples one is kept."""
+        """Decimation factor."""
         return decimation(self.record.sample_time, self.cutoff)
 
     @property
@@ -84,10 +109,10 @@ class RegressionRows:
         return 1 / (self.record.sample_time * self.factor)
 
     def blocks(self, progress: Callable[[float], None] | None = None) -> Iterator[tuple[FloatArray, FloatArray]]:
-        """Give H, shape (rows, M, r), and the torques beside it, shape (rows, M), a stretch at a time.
+        """Yield H, shape (rows, M, r), with its torques, shape (rows, M), block by block.
 
         Args:
-            progress: Called with the share of the log that was given.
+            progress: Called with the share of the log that is done.
         """
         first = 0
         for H in self.kept or self._evaluated():
@@ -102,14 +127,14 @@ class RegressionRows:
     ) -> FloatArray:
         """Reduce the rows of every motor to the triangular factor R of [H, tau] = Q R.
 
-        All inner products of the rows, and with them the least squares, are those of the few rows of R.
+        R has the inner products of all rows and therefore the same least-squares solution.
 
         Args:
-            others: Further torques, shape (n, M), which get a column of their own behind tau.
+            others: Further torques, shape (n, M), which get a column of their own after tau.
             progress: Called with the share of the log that was reduced.
 
         Returns:
-            Shape (k, M, k) with k = r + 1, or r + 2 where further torques are given.
+            Shape (k, M, k) with k = r + 1, or r + 2 with further torques.
         """
         n, motors = self.torque.shape
         k = len(self.leading) + (1 if others is None else 2)
@@ -128,25 +153,24 @@ class RegressionRows:
         return R.transpose(1, 0, 2)
 
     def residual(self, values: FloatArray, progress: Callable[[float], None] | None = None) -> FloatArray:
-        """Give the torque [Nm or N] that values of the base parameters leave unexplained, shape (n, M)."""
+        """Return the torque residual of values of the base parameters [Nm or N], shape (n, M)."""
         return np.concatenate([torque - H @ values for H, torque in self.blocks(progress)])
 
     def _evaluated(self) -> Iterator[FloatArray]:
         motion, factor, n = self.motion, self.factor, len(self.record.position)
-        half = edge(factor)
+        half, first = edge(factor), 0
         for start in range(0, n - 2 * half, _CHUNK_ROWS * factor):
             cut = slice(start, min(start + (_CHUNK_ROWS - 1) * factor + 2 * half + 1, n))
             signals = motion.position[cut], motion.velocity[cut], motion.acceleration[cut]
-            yield decimate(self.regressor.matrix(*signals, self.leading), factor)
+            H = decimate(self.regressor.matrix(*signals, self.leading), factor)
+            yield H[self.counts[first : first + len(H)]]
+            first += len(H)
 
 
-def _check_signals(record: RigidRecord, motion: MotionEstimate, joints: tuple[str, ...], label: str) -> None:
-    """Refuse a log without motion or without torque."""
-    names = ", ".join(joints)
+def _check_motion(motion: MotionEstimate, joints: tuple[str, ...], label: str) -> None:
+    """Reject a log in which no motor moves beyond the noise of its encoder."""
     if not np.any(motion.moving):
         raise InputError(
-            f"{label}: no motion: the position of {names} does not change beyond its noise; give a log in which the "
-            "motors move"
+            f"{label}: no motion: the position of {', '.join(joints)} does not change beyond its noise; give a log in "
+            "which the motors move"
         )
-    if not np.any(record.torque):
-        raise InputError(f"{label}: the torque of {names} is zero throughout; give a log with torques")

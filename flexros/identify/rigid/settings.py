@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from flexros.config.settings import Settings
@@ -16,6 +18,9 @@ class RigidSettings(Settings):
         description="cut-off of the low-pass for the positions [Hz]; default: a tenth of the rate, up to 100",
     )
     asymmetric: bool = Field(False, description="viscous and Coulomb friction by direction of motion, without offset")
+    torque: Literal["command", "measured"] = Field(
+        "command", description="torque that is taken where both were recorded; the other one where it alone was"
+    )
     hold: bool = Field(
         False, description="pair positions with the commanded torque as it acts: delayed and held, not with its samples"
     )

@@ -1,4 +1,4 @@
-"""Other ways to read a record - a joint inverted, two exchanged - and whether one of them fits the robot far better."""
+"""Alternative joint assignments of a record: a joint inverted, or two exchanged."""
 
 from __future__ import annotations
 
@@ -19,104 +19,104 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 DOUBTFUL = 0.9
-"""Mean agreement below which other readings are tried (chosen)."""
+"""Mean agreement below which other assignments are tried (chosen)."""
 
 GAIN, REST = 0.1, 0.4
-"""By how much the mean agreement must grow, and to which share the disagreement must shrink, for another reading to be
-believed (chosen)."""
+"""Least gain of the mean agreement, and largest remaining share of the disagreement, of an assignment that is accepted
+(chosen)."""
 
 LONG = 16.0
-"""Length of the part of a record with which readings are compared where there are many motors [s] (chosen)."""
+"""Length of the part of a record by which the assignments of many motors are compared [s] (chosen)."""
 
 FEW = 3
-"""Motors up to which the whole record is used (chosen)."""
+"""Most motors for which the whole record is used (chosen)."""
 
 
 @dataclass(frozen=True)
 class JointAssignment:
-    """Another way to read a record.
+    """An alternative assignment of columns and signs to the joints of a record.
 
     Attributes:
-        text: What is wrong with the log if it is the right one.
-        agreement: Mean agreement of torques and needs with it.
+        text: The error of the log if this assignment is right.
+        agreement: Mean agreement of torques and inverse-dynamics torques.
+        opposite: Whether torque and position of a joint have opposite directions otherwise, which no parameters of a
+            robot explain.
     """
 
     text: str
     agreement: float
+    opposite: bool
 
 
 def own_fits(balance: TorqueBalance | None, n_motors: int) -> tuple[BalanceFit | None, ...]:
-    """Compare the torque of every motor with its own need.
+    """Compare the torque of every motor with the inverse-dynamics torque of its own motion.
 
     Args:
-        balance: Torques and needs; None where there are none.
+        balance: Spectra of both; None where there are none.
         n_motors: Number of motors M.
 
     Returns:
-        Comparisons, length M; None where nothing can be told.
+        Comparisons, length M; None where the motion is not clear of noise.
     """
     return tuple(None if balance is None else balance.fit(k, k) for k in range(n_motors))
 
 
 def score(fits: Sequence[BalanceFit | None]) -> float | None:
-    """Mean agreement with the need itself, over the motors of which something can be told.
+    """Average the agreement of torques and inverse-dynamics torques over the motors that have one.
 
     Args:
-        fits: Torque of every motor beside its own need.
+        fits: Comparison of every motor.
 
     Returns:
-        The mean; None where nothing can be told.
+        The mean; None where no motor has one.
     """
-    told = [max(fit.as_is, -1.0) for fit in fits if fit is not None]
-    return float(np.mean(told)) if told else None
+    agreements = [max(fit.as_is, -1.0) for fit in fits if fit is not None]
+    return float(np.mean(agreements)) if agreements else None
 
 
-def clearly_better(there: float | None, here: float | None) -> bool:
-    """Tell whether one mean agreement is so much better than another that no effect makes the difference.
+def clearly_better(other: float | None, current: float | None) -> bool:
+    """Return whether a mean agreement is so much better that no effect explains the difference.
 
     Args:
-        there: Mean agreement that may be better; None where nothing can be told.
-        here: Mean agreement now.
-
-    Returns:
-        Whether it is.
+        other: Mean agreement of the alternative; None where it is unknown.
+        current: Mean agreement of the record as it is.
     """
-    if there is None or here is None:
+    if other is None or current is None:
         return False
-    return there > here + GAIN and 1 - there < REST * (1 - here)
+    return other > current + GAIN and 1 - other < REST * (1 - current)
 
 
-def best_reading(record: Record, robot: Robot, here: float | None) -> JointAssignment | None:
-    """Find a reading that fits clearly better than the record as it is.
+def best_assignment(record: Record, robot: Robot, current: float | None) -> JointAssignment | None:
+    """Find an assignment that fits clearly better than the record as it is.
 
     Args:
         record: The record.
         robot: The nominal robot.
-        here: Mean agreement of the record as it is.
+        current: Mean agreement of the record as it is.
 
     Returns:
-        The best one; None where the record fits well, or no reading does.
+        The best one; None where the record fits well, or none fits clearly better.
     """
-    if here is None or here > DOUBTFUL:
+    if current is None or current > DOUBTFUL:
         return None
     if robot.n_motors > FEW and record.duration > LONG:
-        record = _liveliest(record, round(LONG / record.sample_time))
-        here = score(own_fits(torque_balance(record, robot), robot.n_motors))
-    found = [reading for reading in _readings(record, robot) if clearly_better(reading.agreement, here)]
-    return max(found, key=lambda reading: reading.agreement) if found else None
+        record = _most_active_part(record, round(LONG / record.sample_time))
+        current = score(own_fits(torque_balance(record, robot), robot.n_motors))
+    better = [other for other in _assignments(record, robot) if clearly_better(other.agreement, current)]
+    return max(better, key=lambda other: other.agreement) if better else None
 
 
-def _liveliest(record: Record, length: int) -> Record:
-    """Cut out the part in which the torques vary most."""
+def _most_active_part(record: Record, length: int) -> Record:
+    """Return the part in which the torques vary most."""
     starts = np.arange(0, record.n_samples - length, max(1, length // 4))
     scale = np.maximum(record.torque.std(axis=0), 1e-300)
-    lively = [np.sum(record.torque[k : k + length].std(axis=0) / scale) for k in starts]
-    first = int(starts[int(np.argmax(lively))])
+    activity = [np.sum(record.torque[k : k + length].std(axis=0) / scale) for k in starts]
+    first = int(starts[int(np.argmax(activity))])
     return record.part(first, first + length)
 
 
-def _readings(record: Record, robot: Robot) -> Iterator[JointAssignment]:
-    """Try torques and positions in other directions and orders, both alike or one of them."""
+def _assignments(record: Record, robot: Robot) -> Iterator[JointAssignment]:
+    """Yield torques and positions with other signs and orders, both alike or one of them."""
     M, names = robot.n_motors, robot.joint_names
     as_is = torque_balance(record, robot)
     for k in range(M):
@@ -124,7 +124,7 @@ def _readings(record: Record, robot: Robot) -> Iterator[JointAssignment]:
         sign[k] = -1.0
         agreement = None if as_is is None else score(own_fits(replace(as_is, given=sign * as_is.given), M))
         if agreement is not None:
-            yield JointAssignment(f"the torque of {names[k]} inverted", agreement)
+            yield JointAssignment(f"the torque of {names[k]} inverted", agreement, opposite=True)
         yield from _both(record, robot, np.arange(M), sign, f"of {names[k]} inverted")
     for i, j in combinations(range(M), 2):
         order = np.arange(M)
@@ -133,14 +133,15 @@ def _readings(record: Record, robot: Robot) -> Iterator[JointAssignment]:
 
 
 def _both(record: Record, robot: Robot, order: np.ndarray, sign: FloatArray, change: str) -> Iterator[JointAssignment]:
-    """Change the positions, and with them the torques or not."""
+    """Change the positions, with or without the torques."""
     M = robot.n_motors
     changed = replace(record, position=sign * record.position[:, order], torque=sign * record.torque[:, order])
     balance = torque_balance(changed, robot)
     if balance is None:
         return
     kept = replace(balance, given=(sign * balance.given)[:, np.argsort(order)])
-    for one, what in ((balance, "torque and position"), (kept, "the position")):
-        agreement = score(own_fits(one, M))
+    for compared, signals in ((balance, "torque and position"), (kept, "the position")):
+        agreement = score(own_fits(compared, M))
         if agreement is not None:
-            yield JointAssignment(f"{what} {change}", agreement)
+            opposite = compared is kept and bool(np.any(sign < 0))
+            yield JointAssignment(f"{signals} {change}", agreement, opposite)

@@ -10,7 +10,8 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.record.balance.inverse_dynamics import ElasticNeed, rigid_need
 from flexros.record.balance.torque_balance import TorqueBalance
-from flexros.record.smoothing import bridged, noise_power, smooth_motion
+from flexros.record.missing_samples import bridged
+from flexros.record.smoothing import noise_power, smooth_motion
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, ComplexArray, FloatArray, IntArray

@@ -1,1 +1,1 @@
-"""What would lead a diagnosis astray: one check per file, found by itself."""
+"""Checks of a record for errors that would mislead diagnosis and identification: one per file, found by discovery."""

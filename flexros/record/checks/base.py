@@ -1,4 +1,4 @@
-"""What a check of a record is, and how all of them are found."""
+"""Base class of the checks of a record, and their registry."""
 
 from __future__ import annotations
 
@@ -21,25 +21,28 @@ class Finding:
     """A problem of a record.
 
     Attributes:
-        text: One sentence: what was found, what is expected, what to do; without the name of the log.
-        hopeless: Whether a diagnosis of such a log would be wrong, so that it is refused; else it is warned of.
+        text: One sentence without the name of the log: what was found, what is expected, what to do.
+        hopeless: Whether a diagnosis of such a log would be wrong, so that it is rejected; else a warning is given.
         spoilt: Samples that must not count, shape (n,); None where all do.
+        like_parameters: Whether wrong parameters of the nominal robot look the same. Identification, which estimates
+            them, warns of such a finding only.
     """
 
     text: str
     hopeless: bool
     spoilt: BoolArray | None = None
+    like_parameters: bool = False
 
 
 class AbstractCheck(ABC):
-    """A look at a record before any hypothesis is tried.
+    """A check of a record before any hypothesis is tested or any parameter is estimated.
 
-    How to add one: write one file in `flexros/record/checks` with one final subclass; it is then found by its name. It
+    How to add one: write one file in `flexros/record/checks` with one final subclass; it is found by discovery. It
     provides:
 
-    1. `name`, a class variable, and `stage`: 0 looks whether there is enough to look at, 1 looks at single signals, 2
-       compares torque with motion. A stage is not asked where the one before found a log hopeless.
-    2. `look`: what is wrong with a record, nothing for one that is usable as it is. An effect of realistic size is no
+    1. `name`, a class variable, and `stage`: 0 checks the amount of data, 1 single signals, 2 torque against motion. A
+       stage is skipped where the one before found a log hopeless.
+    2. `look`: the problems of a record, none for one that is usable as it is. An effect of realistic size is not a
        problem of a record.
     """
 
@@ -48,17 +51,17 @@ class AbstractCheck(ABC):
 
     @abstractmethod
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Look at a record.
+        """Check a record.
 
         Args:
-            checked: The record with its robot and what checks share.
+            checked: The record with its robot and the results that checks share.
 
         Returns:
-            Problems, none where all is well.
+            Problems; empty for a usable record.
         """
 
 
 @cache
 def checks() -> Mapping[str, type[AbstractCheck]]:
-    """Find all checks in this package, by name."""
+    """Return all checks of this package by name."""
     return members("flexros.record.checks", AbstractCheck)  # type: ignore[type-abstract]

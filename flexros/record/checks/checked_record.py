@@ -1,4 +1,4 @@
-"""What the checks of a record share: its balance of torques, and other ways to read it that fit better."""
+"""Results that the checks of a record share: its torque balance, and joint assignments that fit better."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.record.balance.joint_assignments import DOUBTFUL, best_reading, clearly_better, own_fits, score
+from flexros.record.balance.joint_assignments import DOUBTFUL, best_assignment, clearly_better, own_fits, score
 from flexros.record.balance.spectra import torque_balance
 from flexros.record.balance.torque_balance import Delay
-from flexros.record.smoothing import bridged
+from flexros.record.missing_samples import bridged
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 SAME_RATE = 0.1
-"""Relative difference of two sample times up to which they count as the same (chosen)."""
+"""Relative difference of two sample times up to which they count as equal (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class CheckedRecord:
-    """A record that is looked at.
+    """A record under check.
 
     Attributes:
         record: The record.
@@ -43,17 +43,17 @@ class CheckedRecord:
 
     @cached_property
     def balance(self) -> TorqueBalance | None:
-        """Torque against need; None where the robot has no rest near the motion."""
+        """Torque against inverse-dynamics torque; None where the robot has no equilibrium near the motion."""
         return torque_balance(self.record, self.robot)
 
     @cached_property
     def own(self) -> tuple[BalanceFit | None, ...]:
-        """Torque of every motor beside its own need, length M; None where nothing can be told."""
+        """Comparison of the torques of every motor, length M; None where its motion is not clear of noise."""
         return own_fits(self.balance, self.robot.n_motors)
 
     @cached_property
     def delay(self) -> Delay:
-        """Time by which torques act later than they are stamped."""
+        """Delay of the torques with respect to their stamps."""
         return Delay(0.0, float("inf"), 0.0) if self.balance is None else self.balance.delay()
 
     @cached_property
@@ -74,28 +74,28 @@ class CheckedRecord:
             return False
         A = _agreements(self.balance, M)
         moved = [torque for torque, motion in enumerate(self.order) if torque != motion]
-        there, here = (float(np.mean([A[k, place[k]] for k in moved])) for place in (self.order, range(M)))
-        return clearly_better(there, here)
+        other, current = (float(np.mean([A[k, motion[k]] for k in moved])) for motion in (self.order, range(M)))
+        return clearly_better(other, current)
 
     @cached_property
-    def reading(self) -> JointAssignment | None:
-        """Another reading of the record, a joint inverted or two exchanged, that fits far better; None without such."""
+    def assignment(self) -> JointAssignment | None:
+        """Assignment with a joint inverted or two exchanged that fits far better; None without one."""
         if self.order_is_wrong or self.fits_nominal_rate:
             return None
-        return best_reading(self.record, self.robot, score(self.own))
+        return best_assignment(self.record, self.robot, score(self.own))
 
     @cached_property
     def fits_nominal_rate(self) -> bool:
         """Whether the log fits the nominal sample time far better than that of its stamps."""
-        here, nominal = score(self.own), self.robot.sample_time
-        if here is None or here > DOUBTFUL or abs(self.record.sample_time / nominal - 1) < SAME_RATE:
+        current, nominal = score(self.own), self.robot.sample_time
+        if current is None or current > DOUBTFUL or abs(self.record.sample_time / nominal - 1) < SAME_RATE:
             return False
-        there = score(own_fits(torque_balance(self.record, self.robot, nominal), self.robot.n_motors))
-        return clearly_better(there, here)
+        other = score(own_fits(torque_balance(self.record, self.robot, nominal), self.robot.n_motors))
+        return clearly_better(other, current)
 
 
 def _agreements(balance: TorqueBalance, n_motors: int) -> FloatArray:
-    """Agreement of each torque (rows) with each need (columns), shape (M, M)."""
+    """Agreement of each torque (rows) with each inverse-dynamics torque (columns), shape (M, M)."""
     A = np.zeros((n_motors, n_motors))
     for torque, motion in np.ndindex(*A.shape):
         fit = balance.fit(torque, motion)

@@ -1,4 +1,4 @@
-"""Whether the recorded position is cut off at a level."""
+"""Check for a position that is clipped or wraps around."""
 
 from __future__ import annotations
 
@@ -7,34 +7,34 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.record.checks.base import AbstractCheck, Finding
-from flexros.record.repeats import runs
+from flexros.record.missing_samples import runs
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.record.checks.checked_record import CheckedRecord
 
 PLATEAU = 8
-"""Fewest equal samples in a row at the extreme of a position that are a flat top (chosen)."""
+"""Fewest equal samples in a row at the extreme of a position that form a flat top (chosen)."""
 
 CONTINUOUS = 0.5
-"""Share of different values from which an encoder has noise in every sample: a coarse one rests at its extremes
+"""Share of different values above which an encoder has noise in every sample; a coarse one rests at its extremes
 (chosen)."""
 
 JUMP = 0.4
-"""Step between two samples over the range of an encoder from which it wrapped around (chosen)."""
+"""Step between two samples over the range of an encoder above which it wrapped around (chosen)."""
 
 MOST = 0.05
-"""Share of samples in flat tops from which a log is refused (chosen)."""
+"""Share of samples in flat tops above which a log is rejected (chosen)."""
 
 
 class ClippedEncoder(AbstractCheck):
-    """A position at the end of the encoder's range does not follow the motor, nor does one that wraps around."""
+    """A position at the end of the encoder's range, or one that wraps around, does not follow the motor."""
 
     name: ClassVar[str] = "clipped_encoder"
     stage: ClassVar[int] = 1
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Look for flat tops and jumps over the whole range."""
+        """Find flat tops and jumps over the whole range."""
         record, robot = checked.record, checked.robot
         found = []
         for motor, name in enumerate(robot.joint_names):
@@ -45,7 +45,7 @@ class ClippedEncoder(AbstractCheck):
                 at = float(np.flatnonzero(record.valid)[int(np.argmax(steps))]) * record.sample_time
                 text = (
                     f"the position of {name} jumps by {steps.max():.4g} at {at:.4g} s, as an encoder that wraps around "
-                    "or is set anew; unwrap it, or cut the log there"
+                    "or is reset; unwrap it, or cut the log there"
                 )
                 found.append(Finding(text, hopeless=True))
                 continue
@@ -63,7 +63,7 @@ class ClippedEncoder(AbstractCheck):
 
 
 def _flat_tops(values: FloatArray, valid: BoolArray) -> BoolArray:
-    """Mark the samples of a record in which the position rests at its largest or smallest value."""
+    """Mark the samples in which the position rests at its largest or smallest value."""
     rows, spoilt = np.flatnonzero(valid), np.zeros(len(valid), dtype=bool)
     for level in (values.max(), values.min()):
         for begin, length in zip(*runs(values == level), strict=True):

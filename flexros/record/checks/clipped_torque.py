@@ -1,4 +1,4 @@
-"""Whether the recorded torque is cut off at a level."""
+"""Check for a torque that is clipped or beyond its limit."""
 
 from __future__ import annotations
 
@@ -7,37 +7,37 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.record.checks.base import AbstractCheck, Finding
-from flexros.record.repeats import runs
+from flexros.record.missing_samples import runs
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.record.checks.checked_record import CheckedRecord
 
 PLATEAU = 3
-"""Fewest samples in a row at the extreme of a torque that are a flat top (chosen)."""
+"""Fewest samples in a row at the extreme of a torque that form a flat top (chosen)."""
 
 LEAST_SHARE = 5e-4
-"""Share of samples in flat tops from which a torque is clipped (chosen)."""
+"""Share of samples in flat tops above which a torque is clipped (chosen)."""
 
 CONTINUOUS = 0.3
-"""Share of different values from which a torque is continuous: steps and binary signals have flat tops of their own
+"""Share of different values above which a torque is continuous; steps and binary signals have flat tops of their own
 (chosen)."""
 
 AT_LIMIT = 0.01
 """Relative distance to the limit of the robot file within which a level is that limit (chosen)."""
 
 BEYOND_LIMIT = 1.05
-"""Torque over the limit of the robot file from which it is told (chosen)."""
+"""Torque over the limit of the robot file above which it is reported (chosen)."""
 
 
 class ClippedTorque(AbstractCheck):
-    """Where a torque is cut off only in the log, or only at the motor, the log does not show what acted."""
+    """A torque that is clipped only in the log, or only at the motor, is not the one that acted."""
 
     name: ClassVar[str] = "clipped_torque"
     stage: ClassVar[int] = 1
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Look for flat tops, zero torques, and torques beyond the limit."""
+        """Find zero torques, flat tops, and torques beyond the limit."""
         record, robot = checked.record, checked.robot
         if not np.any(record.torque):
             text = "all torques are zero, so nothing drives the motion; record the commands or the measured torques"
@@ -48,12 +48,12 @@ class ClippedTorque(AbstractCheck):
             found += _beyond(values, limit, name)
             levels = _flat_tops(values)
             if levels:
-                found.append(_told(name, levels, limit))
+                found.append(_clipped(name, levels, limit))
         return tuple(found)
 
 
 def _flat_tops(values: FloatArray) -> list[float]:
-    """Find levels at the extremes of a continuous signal at which it stays."""
+    """Return the extremes at which a continuous signal has flat tops."""
     if len(np.unique(values)) < CONTINUOUS * len(values):
         return []
     levels = []
@@ -65,16 +65,16 @@ def _flat_tops(values: FloatArray) -> list[float]:
     return levels
 
 
-def _told(name: str, levels: list[float], limit: float) -> Finding:
+def _clipped(name: str, levels: list[float], limit: float) -> Finding:
     text = " and ".join(f"{level:.6g}" for level in levels)
     if all(abs(abs(level) / limit - 1) < AT_LIMIT for level in levels):
         return Finding(
-            f"the torque of {name} stays at its limit {text} in parts; what happens beyond the limit is not in the log",
+            f"the torque of {name} is at its limit {text} in parts; torque beyond the limit is not in the log",
             hopeless=False,
         )
     allowed = f"the robot file allows {limit:.6g}" if np.isfinite(limit) else "the robot file has no limit"
     return Finding(
-        f"the torque of {name} is cut off at {text}, but {allowed}: the recorder or the drive clips it; record the "
+        f"the torque of {name} is clipped at {text}, but {allowed}: the recorder or the drive clips it; record the "
         "torque that acts, or correct torque_limit",
         hopeless=False,
     )

@@ -1,4 +1,4 @@
-"""Whether the torque was recorded in coarse steps."""
+"""Check for a coarsely quantised torque."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ if TYPE_CHECKING:
     from flexros.record.checks.checked_record import CheckedRecord
 
 COARSE = 0.005
-"""Step over the rms of a torque from which it is told (chosen)."""
+"""Step over the rms of a torque above which it is reported (chosen)."""
 
 FEWEST_LEVELS = 8
-"""Fewest different values: below, the torque is a step or a binary signal (chosen)."""
+"""Fewest different values; a torque with fewer is a step or a binary signal (chosen)."""
 
 
 class CoarseTorque(AbstractCheck):
-    """Rounding of the recorded torque is noise that the motor never felt."""
+    """Rounding of the recorded torque is noise that did not act on the motor."""
 
     name: ClassVar[str] = "coarse_torque"
     stage: ClassVar[int] = 1
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Look for a lattice in the torques."""
+        """Find quantisation steps of the torques."""
         record = checked.record
         found = []
         for motor, name in enumerate(checked.robot.joint_names):
@@ -37,7 +37,7 @@ class CoarseTorque(AbstractCheck):
                 found.append(
                     Finding(
                         f"the torque of {name} was recorded in steps of {step:.3g}, {100 * step / rms:.2g} % of its "
-                        "rms; weak effects hide below; record it finer",
+                        "rms; weak effects remain undetected; record it more finely",
                         hopeless=False,
                     )
                 )

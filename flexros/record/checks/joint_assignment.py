@@ -1,4 +1,4 @@
-"""Whether the log fits the robot far better with a joint inverted or two joints exchanged."""
+"""Check for inverted or exchanged joints, by couplings and gravity."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ if TYPE_CHECKING:
 
 
 class JointAssignmentCheck(AbstractCheck):
-    """Couplings and gravity show directions and order of joints that torque and position of one motor do not."""
+    """Couplings and gravity show errors of direction and order that torque and position of one motor do not."""
 
     name: ClassVar[str] = "reading"
     stage: ClassVar[int] = 2
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Try the log with each joint inverted and each two exchanged."""
-        if checked.reading is None:
+        """Try the log with each joint inverted and each pair exchanged."""
+        if checked.assignment is None:
             return ()
         text = (
-            f"torques and motions fit robot {checked.robot.name} far better with {checked.reading.text} (agreement "
-            f"{checked.reading.agreement:.2f} of 1): correct sign or names when importing, or give the right robot"
+            f"torques and motions fit robot {checked.robot.name} far better with {checked.assignment.text} (agreement "
+            f"{checked.assignment.agreement:.2f} of 1): correct sign or names when importing, or give the right robot"
         )
-        return (Finding(text, hopeless=True),)
+        return (Finding(text, hopeless=True, like_parameters=not checked.assignment.opposite),)

@@ -1,4 +1,4 @@
-"""Whether the torque of every motor belongs to its position."""
+"""Check for joints swapped between torques and positions."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ if TYPE_CHECKING:
 
 
 class JointOrder(AbstractCheck):
-    """Where columns are swapped, torques agree with the needs of other motors than their own."""
+    """Swapped torques agree with the inverse-dynamics torques of other motors."""
 
     name: ClassVar[str] = "joint_order"
     stage: ClassVar[int] = 2
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Compare all torques with all needs."""
+        """Compare all torques with all inverse-dynamics torques."""
         names = checked.robot.joint_names
         if checked.order_is_wrong:
             pairs = ", ".join(

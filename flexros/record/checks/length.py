@@ -1,4 +1,4 @@
-"""Whether a record is long enough."""
+"""Check the length of a record."""
 
 from __future__ import annotations
 
@@ -16,31 +16,32 @@ FEWEST = 400
 """Fewest measured samples (chosen)."""
 
 SHORT = 10.0
-"""Length below which a third of the record is little for a holdout [s] (chosen)."""
+"""Length below which a third of the record is short for a holdout [s] (chosen)."""
 
 
 class Length(AbstractCheck):
-    """A record has to be long enough to be fitted, and a third of it to verify."""
+    """A record must be long enough for a fit, and a third of it for verification."""
 
     name: ClassVar[str] = "length"
     stage: ClassVar[int] = 0
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Compare duration and number of samples with the least."""
+        """Compare duration and number of samples with their minima."""
         record = checked.record
         measured = int(record.valid.sum())
         if record.duration < SHORTEST or measured < FEWEST:
             return (
                 Finding(
-                    f"the log is too short: it has {record.duration:.3g} s with {measured} measured samples, needed "
-                    f"are {SHORTEST:g} s and {FEWEST} samples; record longer",
+                    f"the log is too short: it has {record.duration:.3g} s with {measured} measured samples, at "
+                    f"least {SHORTEST:g} s and {FEWEST} samples are needed; record longer",
                     hopeless=True,
                 ),
             )
         if record.duration < SHORT:
             return (
                 Finding(
-                    f"the log lasts {record.duration:.3g} s; below {SHORT:g} s weak effects stay hidden", hopeless=False
+                    f"the log lasts {record.duration:.3g} s; below {SHORT:g} s weak effects remain undetected",
+                    hopeless=False,
                 ),
             )
         return ()

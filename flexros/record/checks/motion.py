@@ -1,4 +1,4 @@
-"""Whether the motors move, and long enough."""
+"""Check that the motors move, and long enough."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ if TYPE_CHECKING:
     from flexros.record.checks.checked_record import CheckedRecord
 
 STANDS_OUT = 10.0
-"""Rms of a smooth motion over the noise of the encoder from which a motor moves (chosen)."""
+"""Rms of the smooth motion over the noise of the encoder above which a motor moves (chosen)."""
 
 FEWEST = 200
-"""Fewest samples in which some motor moves (chosen)."""
+"""Fewest samples in motion (chosen)."""
 
 SLOWEST = 0.02
-"""Speed over the largest one from which a sample counts as in motion [1] (chosen)."""
+"""Speed over the largest one above which a sample is in motion [1] (chosen)."""
 
 FASTEST_LOOK = 50.0
-"""Corner of the low-pass under which motion is looked for [Hz] (chosen)."""
+"""Corner frequency of the low-pass for the motion [Hz] (chosen)."""
 
 
 class Motion(AbstractCheck):
-    """Without motion there is nothing to be predicted."""
+    """Without motion there is nothing to predict."""
 
     name: ClassVar[str] = "motion"
     stage: ClassVar[int] = 1
@@ -50,13 +50,13 @@ class Motion(AbstractCheck):
         if in_motion.sum() < FEWEST:
             return (
                 Finding(
-                    f"the motors move in {int(in_motion.sum())} samples only, needed are {FEWEST}; record a longer "
-                    "motion",
+                    f"the motors move in {int(in_motion.sum())} samples only, at least {FEWEST} are needed; record a "
+                    "longer motion",
                     hopeless=True,
                 ),
             )
         still = [name for name, moved in zip(robot.joint_names, moves, strict=True) if not moved]
         if not still:
             return ()
-        text = f"{', '.join(still)} does not move beyond the noise of its encoder, so little can be told of it"
+        text = f"{', '.join(still)} does not move beyond the noise of its encoder, so little about it is identifiable"
         return (Finding(text, hopeless=False),)

@@ -1,4 +1,4 @@
-"""Whether the nominal robot has anything to do with the log."""
+"""Check for a log of another robot."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ if TYPE_CHECKING:
     from flexros.record.checks.checked_record import CheckedRecord
 
 LEAST = 0.3
-"""Agreement between torque and need below which a robot explains little (chosen)."""
+"""Agreement of torque and inverse-dynamics torque below which a robot explains little (chosen)."""
 
 
 class OtherRobot(AbstractCheck):
-    """Torques that no multiple of the need explains come from another robot, or unknown forces act."""
+    """Torques unlike the inverse-dynamics torques belong to another robot, or unknown forces act."""
 
     name: ClassVar[str] = "other_robot"
     stage: ClassVar[int] = 2
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Look for motors whose torque has little to do with the need."""
+        """Find motors whose torque is unlike the inverse-dynamics torque."""
         if checked.balance is None:
             text = (
-                f"robot {checked.robot.name} has no rest near the positions of the log, so torques and motions were "
-                "not compared; check units and zeros of the encoders, or give the right robot"
+                f"robot {checked.robot.name} has no equilibrium near the positions of the log, so torques and motions "
+                "were not compared; check units and zeros of the encoders, or give the right robot"
             )
             return (Finding(text, hopeless=False),)
-        if checked.order_is_wrong or checked.reading or checked.fits_nominal_rate:
+        if checked.order_is_wrong or checked.assignment or checked.fits_nominal_rate:
             return ()
         foreign = [
             checked.robot.joint_names[motor]

@@ -1,4 +1,4 @@
-"""All checks of a record, one stage after the other: hopeless logs are refused, doubtful ones get warnings."""
+"""Run all checks of a record, stage by stage: hopeless logs are rejected, doubtful ones get warnings."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def findings(record: Record, robot: Robot) -> tuple[Finding, ...]:
-    """Collect what the checks find, up to the first stage with something hopeless.
+    """Collect the findings of all checks, up to the first stage with a hopeless one.
 
     Args:
         record: The record.
@@ -36,21 +36,25 @@ def findings(record: Record, robot: Robot) -> tuple[Finding, ...]:
     return tuple(sorted(found, key=lambda finding: not finding.hopeless))
 
 
-def check_record(record: Record, robot: Robot) -> Record:
-    """Refuse a record of which a diagnosis would be wrong; note what is doubtful.
+def check_record(record: Record, robot: Robot, *, parameters_known: bool = True) -> Record:
+    """Reject a record that would give wrong results, and warn of what is doubtful.
 
     Args:
         record: The record.
         robot: The nominal robot.
+        parameters_known: Whether the nominal parameters are about right. Identification, which estimates them, says
+            False: findings that wrong parameters imitate are warnings then.
 
     Returns:
-        The record with the warnings of the checks; samples that a check found spoilt do not count any more.
+        The record with the warnings of the checks. Samples that a check found unusable are not valid any more.
 
     Raises:
-        InputError: The log is hopeless; the sentence names the log, the problem and what to do.
+        InputError: The log is hopeless; the message names the log, the problem and what to do.
     """
     found = findings(record, robot)
-    hopeless = [finding.text for finding in found if finding.hopeless]
+    hopeless = [
+        finding.text for finding in found if finding.hopeless and (parameters_known or not finding.like_parameters)
+    ]
     if hopeless:
         raise InputError(f"{record.name}: {'; moreover '.join(hopeless[:3])}")
     valid = record.valid.copy()

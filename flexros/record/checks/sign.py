@@ -1,4 +1,4 @@
-"""Whether torque and position of every motor count in the same direction."""
+"""Check for inverted torques or positions."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ if TYPE_CHECKING:
     from flexros.record.checks.checked_record import CheckedRecord
 
 CLEAR = 0.5
-"""Agreement of the inverted torque with the need from which a sign is wrong (chosen)."""
+"""Agreement of the inverted torque with the inverse-dynamics torque above which a sign is wrong (chosen)."""
 
 
 class Sign(AbstractCheck):
-    """Where the torque or the position of a motor is inverted, the need has the opposite sign at all frequencies."""
+    """An inverted torque or position gives the inverse-dynamics torque the opposite sign at all frequencies."""
 
     name: ClassVar[str] = "sign"
     stage: ClassVar[int] = 2
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Look for negative factors between torque and need."""
-        if checked.order_is_wrong or checked.reading:
+        """Find negative factors between torque and inverse-dynamics torque."""
+        if checked.order_is_wrong or checked.assignment:
             return ()
         inverted = [
             checked.robot.joint_names[motor]

@@ -1,4 +1,4 @@
-"""Whether an encoder repeats its value while all else shows that it should not."""
+"""Check for a stuck encoder."""
 
 from __future__ import annotations
 
@@ -7,33 +7,33 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flexros.record.checks.base import AbstractCheck, Finding
-from flexros.record.repeats import runs
+from flexros.record.missing_samples import runs
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
     from flexros.record.checks.checked_record import CheckedRecord
 
 USUAL_REPEATS = 0.02
-"""Share of samples equal to the one before, up to which an encoder has noise in every sample (chosen)."""
+"""Share of samples equal to the one before up to which an encoder has noise in every sample (chosen)."""
 
 LONGEST = 8
-"""Equal samples in a row that an encoder with noise never has (chosen)."""
+"""Fewest equal samples in a row that count as stuck for an encoder with noise (chosen)."""
 
 DRIVEN = 0.3
-"""Rms torque of a constant encoder over that of its torque in the whole log from which it is driven (chosen)."""
+"""Standard deviation over rms of the torque above which a motor with a constant position is driven (chosen)."""
 
 MOST = 0.3
-"""Share of stuck samples from which a log is refused (chosen)."""
+"""Share of stuck samples above which a log is rejected (chosen)."""
 
 
 class StuckEncoder(AbstractCheck):
-    """An encoder with noise in every sample cannot repeat its value; a coarse one may, at standstill."""
+    """An encoder with noise in every sample cannot repeat its value; a coarse one can, at rest."""
 
     name: ClassVar[str] = "stuck_encoder"
     stage: ClassVar[int] = 1
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Look for equal samples in a row."""
+        """Find equal samples in a row."""
         record, robot = checked.record, checked.robot
         rows = np.flatnonzero(record.valid)
         found = []
@@ -57,10 +57,10 @@ class StuckEncoder(AbstractCheck):
 
 
 def _stuck(values: FloatArray) -> BoolArray:
-    """Mark the samples that repeat the one before in long stretches; none of an encoder that often does so."""
+    """Mark the samples that repeat the one before in long stretches, unless the encoder often repeats its value."""
     same = np.concatenate([[False], np.diff(values) == 0.0])
     stuck = np.zeros(len(values), dtype=bool)
-    ends = values == values.max(), values == values.min()  # flat tops are told as such
+    ends = values == values.max(), values == values.min()  # flat tops belong to another check
     for begin, length in zip(*runs(same), strict=True):
         if length >= LONGEST and not any(end[begin] for end in ends):
             stuck[begin : begin + length] = True
@@ -71,10 +71,10 @@ def _stuck(values: FloatArray) -> BoolArray:
 
 
 def _constant(name: str, torque: FloatArray) -> list[Finding]:
-    """Judge an encoder that never changes: stuck where the torque varies as much as it is large."""
+    """Judge a position that never changes: stuck where the torque varies as much as it is large."""
     driven = float(np.std(torque)) > DRIVEN * float(np.sqrt(np.mean(torque**2))) > 0
     if not driven:
-        return [Finding(f"the position of {name} never changes; nothing can be told of it", hopeless=False)]
+        return [Finding(f"the position of {name} never changes; nothing about it is identifiable", hopeless=False)]
     text = (
         f"the position of {name} never changes although its torque does: its encoder is stuck, or its brake is closed; "
         "check the encoder, or release the brake"

@@ -1,4 +1,4 @@
-"""Whether the stamps have the rate at which the robot was sampled."""
+"""Check for a wrong time base."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ if TYPE_CHECKING:
 
 
 class TimeBase(AbstractCheck):
-    """With a wrong time between samples, speeds, accelerations and resonances are wrong."""
+    """With a wrong sample time, speeds, accelerations and resonances are wrong."""
 
     name: ClassVar[str] = "time_base"
     stage: ClassVar[int] = 2
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Ask whether torques and motions fit the nominal sample time far better than that of the stamps."""
+        """Compare the agreement of torques and motions at the nominal sample time with that of the stamps."""
         if not checked.fits_nominal_rate:
             return ()
         record, robot = checked.record, checked.robot
@@ -26,4 +26,4 @@ class TimeBase(AbstractCheck):
             f"far better at its sample time of {1e3 * robot.sample_time:.6g} ms: the time base of the log is wrong; "
             "correct it when importing"
         )
-        return (Finding(text, hopeless=True),)
+        return (Finding(text, hopeless=True, like_parameters=True),)

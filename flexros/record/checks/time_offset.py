@@ -1,4 +1,4 @@
-"""Whether torque and motion with the same stamp belong to the same instant."""
+"""Check for a time offset between torque and motion."""
 
 from __future__ import annotations
 
@@ -10,36 +10,36 @@ if TYPE_CHECKING:
     from flexros.record.checks.checked_record import CheckedRecord
 
 SIGNIFICANT = 5.0
-"""Offset over its standard deviation from which it is believed (chosen)."""
+"""Offset over its standard deviation above which it is significant (chosen)."""
 
 NOTED, REFUSED = 0.3, 0.6
-"""Time in samples by which a motion may lead its torque, which no robot does (chosen)."""
+"""Lead of a motion over its torque, which no robot has, for a warning and for rejection [samples] (chosen)."""
 
 LONGEST = 0.01
-"""Delay of the torque beyond which an offset between topics is likelier than a delay of the robot [s] (chosen)."""
+"""Delay of the torque beyond which an offset between topics is more likely than a delay of the robot [s] (chosen)."""
 
 
 class TimeOffset(AbstractCheck):
-    """A torque stamped later than it acts cannot be explained by any robot; a long delay may be one of the log."""
+    """No robot explains a torque stamped later than it acts; a long delay may be an error of the log."""
 
     name: ClassVar[str] = "time_offset"
     stage: ClassVar[int] = 2
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Shift the torques in time until they agree best with what the motions need."""
-        if checked.order_is_wrong or checked.fits_nominal_rate or checked.reading or checked.balance is None:
+        """Find the shift in time at which torques and inverse-dynamics torques agree best."""
+        if checked.order_is_wrong or checked.fits_nominal_rate or checked.assignment or checked.balance is None:
             return ()
         tau, T = checked.delay.time, checked.record.sample_time
         if abs(tau) < SIGNIFICANT * checked.delay.deviation:
             return ()
         declared = 0.0 if checked.record.measured_torque else checked.robot.delay
-        early = -tau - declared  # by how much the motion precedes the torque, whatever the delay of the robot
+        early = -tau - declared  # lead of the motion, whatever the delay of the robot
         if early > NOTED * T:
             text = (
                 f"the torques are stamped too late: the motions precede them by {1e3 * early:.2g} ms; give time_offset "
                 "when importing, so that commands and measurements of the same instant have the same stamp"
             )
-            return (Finding(text, hopeless=early > REFUSED * T),)
+            return (Finding(text, hopeless=early > REFUSED * T, like_parameters=True),)
         if tau > LONGEST:
             text = (
                 f"the torques act {1e3 * tau:.2g} ms later than they are stamped; if that is no delay of the robot, "

@@ -1,4 +1,4 @@
-"""Whether torque and position of every motor have the units and the side of the gear of the robot file."""
+"""Check for wrong units, and for signals of the wrong side of the gear."""
 
 from __future__ import annotations
 
@@ -14,53 +14,53 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 CLEAR = 0.6
-"""Agreement from which any factor between torque and need is believed (chosen)."""
+"""Agreement above which any factor between torque and inverse-dynamics torque is significant (chosen)."""
 
 LARGE_CLEAR, LARGE_GAIN = 0.4, 0.3
-"""Agreement, and its excess over that without the factor, from which a factor that is refused is believed (chosen)."""
+"""Agreement, and its gain by the factor, above which a factor beyond `REFUSED` is significant (chosen)."""
 
 NOTED = 2.0
-"""Factor from which it is warned of: errors of gain, inertia and payload of realistic size stay below (chosen)."""
+"""Factor for a warning: errors of gain, inertia and payload of realistic size are below (chosen)."""
 
 REFUSED = 2.7
-"""Factor from which a log is refused (chosen)."""
+"""Factor for rejection of a log (chosen)."""
 
 LIKE = 1.3
-"""Factor within which a level is taken for that of a known mistake (chosen)."""
+"""Factor within which a level is attributed to a known mistake (chosen)."""
 
 
 class Unit(AbstractCheck):
-    """A wrong unit, gear ratio or robot shows as one factor between torque and need at all frequencies."""
+    """A wrong unit, gear ratio or robot appears as one factor between torque and inverse-dynamics torque."""
 
     name: ClassVar[str] = "unit"
     stage: ClassVar[int] = 2
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
-        """Compare the level of the torques with what the motions need."""
-        if checked.order_is_wrong or checked.fits_nominal_rate or checked.reading:
+        """Compare the level of the torques with that of the inverse-dynamics torques."""
+        if checked.order_is_wrong or checked.fits_nominal_rate or checked.assignment:
             return ()
         robot = checked.robot
         off = {
             motor: fit
             for motor, fit in enumerate(checked.own)
-            if fit is not None and fit.factor > 0 and _believed(fit) and abs(np.log(fit.factor)) > np.log(NOTED)
+            if fit is not None and fit.factor > 0 and _is_significant(fit) and abs(np.log(fit.factor)) > np.log(NOTED)
         }
         refused = {motor: fit for motor, fit in off.items() if abs(np.log(fit.factor)) > np.log(REFUSED)}
         if refused:
-            return (Finding(_refusal(refused, robot, len(robot.joint_names)), hopeless=True),)
+            return (Finding(_refusal(refused, robot, len(robot.joint_names)), hopeless=True, like_parameters=True),)
         return tuple(
             Finding(
                 f"the torque of {robot.joint_names[motor]} is {fit.factor:.3g} times what robot {robot.name} needs for "
-                "its motion at all frequencies; if that is no error of the model, correct torque constant or gear "
-                "ratio when importing",
+                "its motion at all frequencies; unless the model is wrong, correct torque constant or gear ratio when "
+                "importing",
                 hopeless=False,
             )
             for motor, fit in off.items()
         )
 
 
-def _believed(fit: BalanceFit) -> bool:
-    """Tell whether the factor of a comparison is none by chance."""
+def _is_significant(fit: BalanceFit) -> bool:
+    """Return whether the factor of a comparison is significant."""
     if fit.agreement > CLEAR:
         return True
     refused = abs(np.log(fit.factor)) > np.log(REFUSED)
@@ -85,10 +85,10 @@ def _refusal(off: dict[int, BalanceFit], robot: Robot, n_motors: int) -> str:
 
 
 def cause(factor: float, robot: Robot, motor: int) -> list[str]:
-    """Say what a level looks like.
+    """List the mistakes that explain a factor between torque and inverse-dynamics torque.
 
     Args:
-        factor: Torque over what the robot needs for the motion.
+        factor: Torque over inverse-dynamics torque [1].
         robot: The nominal robot.
         motor: Number of the motor (0-based).
 

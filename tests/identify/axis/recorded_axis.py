@@ -7,12 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.effects import parse_effect, place_effects
+from flexros.identify.axis.record import axis_record
 from flexros.logs.time_series import JointSeries, Log
+from flexros.record.read import read_record
 from flexros.robot import load_robot, robot_from_data
 from flexros.simulate.disturbance import Noise
 from flexros.simulate.plant import Plant
 
 if TYPE_CHECKING:
+    from flexros.identify.axis.record import AxisRecord
+    from flexros.identify.axis.structure import OutputQuantity
     from flexros.robot import Robot
 
 EFFECTS = (
@@ -103,3 +107,8 @@ def recorded_axis(
         JointSeries(stamp, ("motor_1",), position=position[:, None], velocity=speed[:, None]),
         JointSeries(stamp, ("motor_1",), effort=command[:, None]),
     )
+
+
+def axis_of(log: Log, output: OutputQuantity = "position", delay: float = 0.0) -> AxisRecord:
+    """Signals of motor_1 of a log of one motor."""
+    return axis_record(read_record(log, load_robot("two_mass"), name="it"), 0, output, delay)

@@ -7,14 +7,16 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.identify.axis import AxisStructure, OneAxisIdentification, identify_one_axis
+from flexros.robot import load_robot
 from tests.identify.axis.recorded_axis import EFFECTS, TRUTH, recorded_axis, three_mass
 
+TWO_MASS = load_robot("two_mass")
 FREQUENCIES = {"antiresonances": [15.9], "resonances": [25.2]}
 
 
 @pytest.fixture(scope="module")
 def found() -> OneAxisIdentification:
-    return identify_one_axis(recorded_axis(), validation=recorded_axis(seed=2), **FREQUENCIES)
+    return identify_one_axis(recorded_axis(), TWO_MASS, validation=recorded_axis(seed=2), **FREQUENCIES)
 
 
 @pytest.mark.parametrize("name", sorted(TRUTH))
@@ -45,7 +47,7 @@ def test_linear_steps_start_near(found: OneAxisIdentification) -> None:
 
 
 def test_linear_gear_shows_no_gain_and_no_knee() -> None:
-    result = identify_one_axis(recorded_axis(EFFECTS[1:]), **FREQUENCIES)
+    result = identify_one_axis(recorded_axis(EFFECTS[1:]), TWO_MASS, **FREQUENCIES)
     assert abs(result.gain) < 1e-3
     low, high = result.nonlinear.interval("gear_stiffening")
     assert low <= 1.0 <= high
@@ -61,6 +63,7 @@ def test_three_masses_from_starts_three_percent_off() -> None:
     )
     result = identify_one_axis(
         recorded_axis(robot=three_mass()),
+        three_mass(),
         AxisStructure(masses=3),
         antiresonances=antiresonances.tolist(),
         resonances=resonances[1:].tolist(),
@@ -74,4 +77,4 @@ def test_three_masses_from_starts_three_percent_off() -> None:
 
 def test_unknown_bound_is_named() -> None:
     with pytest.raises(InputError, match=r"parameter of the axis 'gear_nee' in bounds: did you mean 'gear_knee'"):
-        identify_one_axis(recorded_axis(samples=300), bounds={"gear_nee": (1.0, 2.0)})
+        identify_one_axis(recorded_axis(samples=300), TWO_MASS, bounds={"gear_nee": (1.0, 2.0)})

@@ -8,8 +8,8 @@ import pytest
 from flexros.errors import InputError
 from flexros.identify.axis import AxisStructure
 from flexros.identify.axis.linear_start import RigidStart, chain_of_masses, linear_start, rigid_start
-from flexros.identify.axis.record import AxisRecord, axis_record
-from tests.identify.axis.recorded_axis import EFFECTS, recorded_axis
+from flexros.identify.axis.record import AxisRecord
+from tests.identify.axis.recorded_axis import EFFECTS, axis_of, recorded_axis
 
 SLIDE = recorded_axis(EFFECTS[1:], samples=8000)
 
@@ -45,7 +45,7 @@ def test_number_of_frequencies_must_be_that_of_the_springs() -> None:
 
 
 def test_rigid_axis_is_found_below_the_antiresonance() -> None:
-    record = axis_record(SLIDE, "motor_1", "position", 0.0, "it")
+    record = axis_of(SLIDE)
     rigid = rigid_start(record, 4.8, 0.02)
     assert rigid.inertia == pytest.approx(10.0, rel=0.02)
     assert rigid.viscous_friction == pytest.approx(15.0, rel=0.3)
@@ -53,14 +53,14 @@ def test_rigid_axis_is_found_below_the_antiresonance() -> None:
 
 
 def test_torque_of_the_wrong_sign_is_named() -> None:
-    record = axis_record(SLIDE, "motor_1", "position", 0.0, "it")
+    record = axis_of(SLIDE)
     wrong = AxisRecord("it", "position", record.sample_time, -record.torque, record.output, 0.0)
     with pytest.raises(InputError, match=r"it: a rigid axis of inertia -.*check joint, sign and unit"):
         rigid_start(wrong, 4.8, 0.02)
 
 
 def test_short_record_is_named() -> None:
-    record = axis_record(SLIDE, "motor_1", "position", 0.0, "it")
+    record = axis_of(SLIDE)
     short = AxisRecord("it", "position", record.sample_time, record.torque[:500], record.output[:500], 0.0)
     with pytest.raises(InputError, match=r"it has 500 samples, but a regression below 4.8 Hz needs at least 832"):
         rigid_start(short, 4.8, 0.02)

@@ -8,16 +8,15 @@ import pytest
 from flexros.identify.axis import AxisStructure
 from flexros.identify.axis.prediction_fit import AxisFit, fit_axis
 from flexros.identify.axis.predictor import Predictor
-from flexros.identify.axis.record import axis_record
 from flexros.identify.axis.starting_point import bounds_around
-from tests.identify.axis.recorded_axis import EFFECTS, TRUTH, recorded_axis
+from tests.identify.axis.recorded_axis import EFFECTS, TRUTH, axis_of, recorded_axis
 
 STRUCTURE = AxisStructure(gear="linear", offset=True)
 BEGIN = {name: TRUTH.get(name, 0.0) * (1.0 if name == "offset" else 1.3) for name in STRUCTURE.names}
 
 
 def fit(seed: int, samples: int = 2500) -> AxisFit:
-    record = axis_record(recorded_axis(EFFECTS[1:], seed=seed, samples=samples), "motor_1", "position", 0.0, "it")
+    record = axis_of(recorded_axis(EFFECTS[1:], seed=seed, samples=samples))
     predictor = Predictor(STRUCTURE, record, 0.02, 1)
     return fit_axis(predictor, record, BEGIN, bounds_around(STRUCTURE, BEGIN, {}, record))
 
@@ -46,7 +45,7 @@ def test_search_converges_and_leaves_white_errors(fits: list[AxisFit]) -> None:
 
 
 def test_bounds_hold() -> None:
-    record = axis_record(recorded_axis(EFFECTS[1:], samples=1500), "motor_1", "position", 0.0, "it")
+    record = axis_of(recorded_axis(EFFECTS[1:], samples=1500))
     bounds = bounds_around(STRUCTURE, BEGIN, {"gear_stiffness": (7e4, 9e4)}, record)
     found = fit_axis(Predictor(STRUCTURE, record, 0.02, 1), record, BEGIN, bounds, rounds=1)
     assert found.parameters["gear_stiffness"] == pytest.approx(7e4)

@@ -7,9 +7,9 @@ import pytest
 
 from flexros.identify.axis import AxisStructure
 from flexros.identify.axis.predictor import Predictor
-from flexros.identify.axis.record import AxisRecord, axis_record
+from flexros.identify.axis.record import AxisRecord
 from flexros.simulate.plant import Plant
-from tests.identify.axis.recorded_axis import EFFECTS, TRUTH, recorded_axis, three_mass
+from tests.identify.axis.recorded_axis import EFFECTS, TRUTH, axis_of, recorded_axis, three_mass
 
 LOG = recorded_axis(samples=600)
 RICH = {"stribeck_friction": 6.0, "stribeck_speed": 0.3, "offset": 2.0, "gear_doubling": 0.01}
@@ -17,7 +17,7 @@ THREE = {"arm_1_inertia": 4.0, "arm_2_inertia": 2.0, "arm_stiffness": 5e4, "arm_
 
 
 def record(structure: AxisStructure, delay: float = 0.0) -> AxisRecord:
-    return axis_record(LOG, "motor_1", structure.output, delay, "it")
+    return axis_of(LOG, structure.output, delay)
 
 
 def values(structure: AxisStructure) -> np.ndarray:  # type: ignore[type-arg]
@@ -87,7 +87,7 @@ def test_more_output_noise_lowers_the_gain() -> None:
 def test_errors_at_the_truth_are_the_noise_of_the_record() -> None:
     assert EFFECTS
     structure = AxisStructure()
-    given = axis_record(recorded_axis(torque_noise=0.0, samples=3000), "motor_1", "position", 0.0, "it")
+    given = axis_of(recorded_axis(torque_noise=0.0, samples=3000))
     predictor, theta = Predictor(structure, given, 0.02, 1), values(structure)
     gain = predictor.gain(theta, 3e4, 1.0)
     assert np.std(predictor.errors(given, theta, gain)[200:]) == pytest.approx(1e-5, rel=0.15)

@@ -1,4 +1,4 @@
-"""What is taken from a log, and what is refused."""
+"""Signals of one motor, and what is rejected."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.identify.axis.record import axis_record
 from flexros.logs.time_series import JointSeries, Log
+from tests.identify.axis.recorded_axis import axis_of
 
 
 def log(n: int = 300, first_command: int = 0) -> Log:
@@ -22,7 +22,7 @@ def log(n: int = 300, first_command: int = 0) -> Log:
 
 
 def test_signals_of_a_log() -> None:
-    record = axis_record(log(), "motor_1", "position", 0.0, "it")
+    record = axis_of(log())
     assert record.sample_time == pytest.approx(2e-3)
     np.testing.assert_array_equal(record.inputs()[:3], [[0.0, 0.0], [1.0, 0.5], [2.0, 1.0]])
     np.testing.assert_allclose(record.speed, 250.0)
@@ -30,13 +30,13 @@ def test_signals_of_a_log() -> None:
 
 
 def test_delayed_commands_act_in_parts_of_a_sample() -> None:
-    record = axis_record(log(), "motor_1", "position", 0.005, "it")
+    record = axis_of(log(), delay=0.005)
     assert record.durations == pytest.approx((1e-3, 1e-3))
     np.testing.assert_array_equal(record.inputs()[10], [7.0, 8.0, 5.0])
 
 
 def test_rows_before_the_first_command_are_left_out() -> None:
-    record = axis_record(log(first_command=20), "motor_1", "position", 0.0, "it")
+    record = axis_of(log(first_command=20))
     assert len(record.torque) == 280
     assert (record.torque[0], record.output[0]) == (20.0, 10.0)
 
@@ -44,38 +44,43 @@ def test_rows_before_the_first_command_are_left_out() -> None:
 def test_speed_as_output_gives_the_position_by_its_sum() -> None:
     given = log()
     states = replace(given.joint_states, velocity=np.ones((300, 1)))
-    record = axis_record(replace(given, joint_states=states), "motor_1", "velocity", 0.0, "it")
+    record = axis_of(replace(given, joint_states=states), "velocity")
     np.testing.assert_allclose(record.position, 2e-3 * np.arange(1, 301))
     np.testing.assert_array_equal(record.speed, 1.0)
 
 
-def gap(given: Log) -> Log:
-    stamp = given.joint_states.stamp.copy()
-    stamp[100:] += 2_000_000
-    return replace(given, joint_states=replace(given.joint_states, stamp=stamp))
+def test_measured_torque_has_no_delay_before_it() -> None:
+    given = log()
+    measured = replace(given, joint_states=replace(given.joint_states, effort=np.ones((300, 1))), joint_commands=None)
+    assert axis_of(measured, delay=0.005).delay == 0.0
 
 
-def infinite(given: Log) -> Log:
-    position = given.joint_states.position.copy()  # type: ignore[union-attr]
-    position[7] = np.nan
+def without_positions(given: Log, rows: slice) -> Log:
+    position = np.array(given.joint_states.position)
+    position[rows] = np.nan
     return replace(given, joint_states=replace(given.joint_states, position=position))
 
 
-@pytest.mark.parametrize(
-    ("given", "joint", "message"),
-    [
-        (log(), "motor_2", r"unknown joint 'motor_2' in it: joint_states"),
-        (log(100), "motor_1", r"it has 100 samples with a command, needed are 200; give a longer log"),
-        (replace(log(), joint_commands=None), "motor_1", r"it has no commanded torque \(effort of joint_commands\)"),
-        (gap(log()), "motor_1", r"it: the interval at 0\.198 s is 4 ms instead of .* without gaps"),
-        (infinite(log()), "motor_1", r"it: position of motor_1 is not finite in sample 7; cut the log there"),
-    ],
-)
-def test_what_a_log_lacks_is_named(given: Log, joint: str, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        axis_record(given, joint, "position", 0.0, "it")
+def test_missing_samples_are_bridged_and_do_not_count() -> None:
+    record = axis_of(without_positions(log(), np.s_[100:103]))
+    np.testing.assert_allclose(record.output, 0.5 * np.arange(300))
+    assert np.flatnonzero(record.of_measured(np.ones(300)) == 0).tolist() == [100, 101, 102]
+    assert record.of_measured(np.ones((300, 2))).sum() == 2 * 297
+    assert any("3 of 300 samples are missing" in text for text in record.warnings)
+
+
+def test_longest_stretch_without_a_long_hole_is_used() -> None:
+    record = axis_of(without_positions(log(), np.s_[50:60]))
+    np.testing.assert_array_equal(record.torque, np.arange(60, 300))
+    assert any("240 from sample 60 on" in text for text in record.warnings)
+
+
+@pytest.mark.parametrize("given", [log(100), without_positions(log(), np.s_[150:160])])
+def test_few_samples_in_a_row_are_rejected(given: Log) -> None:
+    with pytest.raises(InputError, match="it has 1[0-9]+ samples in a row .*, at least 200 are needed"):
+        axis_of(given)
 
 
 def test_speed_that_was_not_recorded_is_named() -> None:
     with pytest.raises(InputError, match="joint_states has no velocity, which is to be predicted; record it"):
-        axis_record(log(), "motor_1", "velocity", 0.0, "it")
+        axis_of(log(), "velocity")

@@ -11,6 +11,7 @@ import pytest
 from flexros.identify.axis import OneAxisIdentification, identify_one_axis
 from flexros.identify.axis.extremes import Extremes
 from flexros.identify.axis.result import result_record
+from flexros.robot import load_robot
 from tests.identify.axis.recorded_axis import recorded_axis
 
 EXTREMES = Extremes((15.9,), (25.2,), "command line")
@@ -18,12 +19,15 @@ EXTREMES = Extremes((15.9,), (25.2,), "command line")
 
 @pytest.fixture(scope="module", name="found")
 def fixture_found() -> OneAxisIdentification:
-    log = recorded_axis(samples=2000)
-    return identify_one_axis(log, antiresonances=EXTREMES.antiresonances, resonances=EXTREMES.resonances)
+    log = recorded_axis(samples=2100)
+    return identify_one_axis(
+        log, load_robot("two_mass"), antiresonances=EXTREMES.antiresonances, resonances=EXTREMES.resonances
+    )
 
 
 def test_record_holds_values_intervals_and_gain(found: OneAxisIdentification) -> None:
-    record = result_record(found, "motor_1", EXTREMES, {"log": {"seed": 1}}, ("it rained",))
+    found = replace(found, warnings=("it rained",))
+    record = result_record(found, "motor_1", EXTREMES, {"log": {"seed": 1}})
     assert json.loads(json.dumps(record, allow_nan=False)) == record
     row = next(row for row in record["nonlinear"]["parameters"] if row["name"] == "gear_knee")
     assert (row["unit"], row["value"]) == ("rad", found.nonlinear.parameters["gear_knee"])
@@ -40,7 +44,7 @@ def test_value_that_is_not_told_has_no_interval_and_is_warned_of(found: OneAxisI
     place = found.nonlinear.structure.names.index("viscous_friction")
     covariance[place, place] = np.inf
     unknown = replace(found, nonlinear=replace(found.nonlinear, covariance=covariance, whiteness=0.8, converged=False))
-    record = result_record(unknown, "motor_1", EXTREMES, {})
+    record = result_record(replace(unknown, warnings=()), "motor_1", EXTREMES, {})
     row = next(row for row in record["nonlinear"]["parameters"] if row["name"] == "viscous_friction")
     assert (row["std"], row["interval"]) == (None, None)
     assert [text.split(",")[0].split(":")[0].split(";")[0] for text in record["warnings"]] == [

@@ -6,11 +6,10 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.identify.axis import AxisStructure
-from flexros.identify.axis.record import axis_record
 from flexros.identify.axis.starting_point import bounds_around, short_steps, starting_values
-from tests.identify.axis.recorded_axis import TRUTH, recorded_axis
+from tests.identify.axis.recorded_axis import TRUTH, axis_of, recorded_axis
 
-RECORD = axis_record(recorded_axis(samples=400), "motor_1", "position", 0.0, "it")
+RECORD = axis_of(recorded_axis(samples=400))
 PLAIN = AxisStructure(gear="linear")
 GIVEN = {name: TRUTH[name] for name in PLAIN.names}
 

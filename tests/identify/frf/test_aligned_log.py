@@ -102,44 +102,63 @@ def test_measured_torque_stands_in_for_commands(recorded: Recorded) -> None:
     )
     found = align(measured, recorded.plan)
     np.testing.assert_array_equal(found.torque, log.joint_commands.effort)
-    assert found.warnings == (
-        "the log has no joint_commands; the measured torque of joint_states is taken as the input",
-    )
+    (warning,) = found.warnings
+    assert "the log has no joint_commands; the measured torques of joint_states" in warning
 
 
 def test_log_without_torque_or_position_is_refused(recorded: Recorded) -> None:
     log = recorded.log
-    with pytest.raises(InputError, match=r"the log has no joint_commands\.effort \(nor joint_states\.effort\)"):
+    with pytest.raises(InputError, match="the log has neither commanded torques .* nor measured ones"):
         align(replace(log, joint_commands=None), recorded.plan)
     with pytest.raises(InputError, match=r"the log has no joint_states\.position, without which"):
         align(replace(log, joint_states=replace(log.joint_states, position=None)), recorded.plan)
 
 
-def test_values_that_are_not_finite_are_refused(recorded: Recorded) -> None:
-    position = np.array(recorded.log.joint_states.position)
+def test_missing_samples_are_interpolated(recorded: Recorded) -> None:
+    """A lost message and one that is not finite, as in a log that is diagnosed."""
+    states = recorded.log.joint_states
+    position = np.array(states.position)
     position[5, 1] = np.nan
-    with pytest.raises(
-        InputError, match=r"joint_states\.position of motor_2 is nan at 0\.0025 s of the log \(1 values"
-    ):
-        align(replace(recorded.log, joint_states=replace(recorded.log.joint_states, position=position)), recorded.plan)
+    kept = np.delete(np.arange(recorded.plan.n_samples), [700, 701])
+    found = align(replace(recorded.log, joint_states=rows(replace(states, position=position), kept)), recorded.plan)
+    np.testing.assert_array_equal(found.numbers, np.arange(recorded.plan.n_samples))
+    np.testing.assert_allclose(found.position[5], (position[4] + position[6]) / 2)
+    np.testing.assert_allclose(found.position[700], (2 * position[699] + position[702]) / 3)
+    (warning,) = found.warnings
+    assert "3 samples of joint_states are missing or not finite" in warning
 
 
-def test_other_joints_are_refused(recorded: Recorded) -> None:
-    with pytest.raises(InputError, match="joint_commands of the log has no joint motor_1, allowed are the joints of"):
-        align(with_commands(recorded.log, names=("a", "b")), recorded.plan)
+def test_position_that_is_never_finite_is_refused(recorded: Recorded) -> None:
+    states = recorded.log.joint_states
+    with pytest.raises(InputError, match=r"joint_states\.position of the log is not finite in any sample"):
+        align(replace(recorded.log, joint_states=replace(states, position=np.nan * states.position)), recorded.plan)
+
+
+def test_foreign_joints_are_taken_in_their_order_with_a_warning(recorded: Recorded) -> None:
+    log = recorded.log
+    assert log.joint_commands is not None
+    commands = replace(log.joint_commands, names=("b", "a"), effort=log.joint_commands.effort[:, ::-1].copy())
+    found = align(
+        replace(log, joint_states=replace(log.joint_states, names=("a", "b")), joint_commands=commands), recorded.plan
+    )
+    np.testing.assert_array_equal(found.torque, log.joint_commands.effort)
+    assert found.names == ("a", "b")
+    (warning,) = found.warnings
+    assert "a, b are taken for motor_1, motor_2" in warning
+
+
+def test_too_few_joints_are_refused(recorded: Recorded) -> None:
     states = recorded.log.joint_states
     assert states.position is not None
     one = JointSeries(states.stamp, ("motor_1",), position=states.position[:, :1].copy())
-    with pytest.raises(
-        InputError, match="joint_states of the log has 1 joints .*, the plan has 2 motors; give the plan"
-    ):
+    with pytest.raises(InputError, match="joint_states of the log has 1 joints .*the plan has 2 motors"):
         align(replace(recorded.log, joint_states=one), recorded.plan)
 
 
 def test_commands_between_the_measurements_are_refused(recorded: Recorded) -> None:
     log = recorded.log
     assert log.joint_commands is not None
-    with pytest.raises(InputError, match="joint_commands is stamped .* beside the sampling instant"):
+    with pytest.raises(InputError, match="joint_commands is stamped .* the sampling instant"):
         align(with_commands(log, stamp=log.joint_commands.stamp + 200_000), recorded.plan)
 
 
@@ -157,4 +176,5 @@ def test_slower_reference_is_taken_as_unknown(recorded: Recorded) -> None:
     assert log.joint_reference is not None
     found = align(replace(log, joint_reference=rows(log.joint_reference, slice(None, None, 8))), recorded.plan)
     assert found.reference is None
-    assert found.warnings == ("joint_reference is not there for every sample, so the reference is taken as unknown",)
+    (warning,) = found.warnings
+    assert "joint_reference is missing in some samples" in warning

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -64,3 +66,13 @@ def test_force_error_of_the_values_themselves(elbow, fourier_motion, rigid_log) 
     fit = fit_rigid(rigid_log(elbow, fourier_motion(12_000, 1e-3, 2), noise=1e-3), elbow, SLOW)
     assert fit.force_error(fit.values) == pytest.approx(fit.error.total, rel=1e-9)
     assert fit.force_error(0 * fit.values) == pytest.approx(100)
+
+
+def test_lost_samples_are_bridged_and_long_holes_left_out(elbow, fourier_motion, rigid_log) -> None:
+    log = rigid_log(elbow, fourier_motion(12_000, 1e-3, 2), noise=1e-6)
+    kept = np.delete(np.arange(12_000), [500, 501, 3000, *range(7000, 7100)])
+    states = replace(log.joint_states, stamp=log.joint_states.stamp[kept], position=log.joint_states.position[kept])
+    whole, lossy = (fit_rigid(each, elbow, SLOW) for each in (log, replace(log, joint_states=states)))
+    assert whole.error.rows - 25 < lossy.error.rows < whole.error.rows - 20
+    np.testing.assert_allclose(lossy.values, whole.values, atol=1e-3 * np.abs(whole.values).max())
+    assert lossy.error.total < 2 * whole.error.total

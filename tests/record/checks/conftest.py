@@ -41,6 +41,11 @@ def healthy_fixture() -> Callable[..., Record]:
     return healthy_record
 
 
+@pytest.fixture(name="robots", scope="session")
+def robots_fixture() -> Callable[[str], Robot]:
+    return robot_named
+
+
 @pytest.fixture(name="found", scope="session")
 def found_fixture() -> Callable[..., tuple[Finding, ...]]:
     def found(name: str, record: Record | None = None, **changes: object) -> tuple[Finding, ...]:

@@ -1,28 +1,28 @@
-"""Torques that are cut off."""
+"""Torques that are clipped."""
 
 from __future__ import annotations
 
 import numpy as np
 
 
-def test_torque_cut_off_below_the_limit_is_told(found, healthy) -> None:
+def test_torque_clipped_below_the_limit_is_reported(found, healthy) -> None:
     record = healthy("emps")
     level = 0.5 * float(np.abs(record.torque).max())
     texts = [finding.text for finding in found("emps", torque=np.clip(record.torque, -level, level))]
     assert any(
-        f"the torque of motor_1 is cut off at {level:.6g} and -{level:.6g}, but the robot file allows 351.506" in text
+        f"the torque of motor_1 is clipped at {level:.6g} and -{level:.6g}, but the robot file allows 351.506" in text
         for text in texts
     )
 
 
-def test_torque_at_the_limit_of_the_robot_is_told_as_such(found, healthy) -> None:
+def test_torque_at_the_limit_of_the_robot_is_reported_as_such(found, healthy) -> None:
     record = healthy("emps")
     torque = np.clip(3.0 * record.torque, -351.506, 351.506)
     texts = [finding.text for finding in found("emps", torque=torque)]
-    assert any("the torque of motor_1 stays at its limit" in text for text in texts)
+    assert any("the torque of motor_1 is at its limit" in text for text in texts)
 
 
-def test_torque_beyond_the_limit_is_told(found, healthy) -> None:
+def test_torque_beyond_the_limit_is_reported(found, healthy) -> None:
     texts = [finding.text for finding in found("emps", torque=5.0 * healthy("emps").torque)]
     assert any("but the robot file allows 351.506; the drive cuts it off" in text for text in texts)
 
@@ -35,4 +35,4 @@ def test_zero_torque_is_refused(found, healthy) -> None:
 
 def test_steps_have_flat_tops_of_their_own(found, healthy) -> None:
     steps = 50.0 * np.sign(np.sin(np.arange(healthy("emps").n_samples) / 200))[:, None]
-    assert not any("cut off" in finding.text for finding in found("emps", torque=steps))
+    assert not any("clipped" in finding.text for finding in found("emps", torque=steps))

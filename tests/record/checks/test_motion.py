@@ -28,4 +28,4 @@ def test_short_motion_is_refused(found, healthy) -> None:
     noise = 1e-6 * np.random.default_rng(1).normal(size=len(time))
     finding = found("emps", position=(step + noise)[:, None])[0]
     assert finding.hopeless
-    assert "samples only, needed are 200; record a longer motion" in finding.text
+    assert "samples only, at least 200 are needed" in finding.text

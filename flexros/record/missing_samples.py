@@ -1,0 +1,65 @@
+"""Samples that were not measured: runs of them, bridging of short ones, and long holes that do not count."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from flexros.arrays import BoolArray, FloatArray, IntArray
+
+MOST_BRIDGED = 5
+"""Most samples in a row that may be missing and still be bridged (chosen): positions are interpolated linearly, a
+command is held. A longer hole is a loss of the recorder, in which neither motion nor torque is known."""
+
+
+def runs(marked: BoolArray) -> tuple[IntArray, IntArray]:
+    """Find stretches that are marked.
+
+    Args:
+        marked: Marks, shape (n,).
+
+    Returns:
+        First row and length of each stretch, shapes (k,) and (k,).
+    """
+    edges = np.diff(np.concatenate([[False], marked, [False]]).astype(np.int8))
+    begin = np.flatnonzero(edges == 1)
+    return begin, np.flatnonzero(edges == -1) - begin
+
+
+def longest_run(marked: BoolArray) -> int:
+    """Return the length of the longest stretch that is marked, shape (n,)."""
+    return int(runs(marked)[1].max(initial=0))
+
+
+def long_holes(valid: BoolArray) -> BoolArray:
+    """Mark the samples of holes that are too long to be bridged.
+
+    Args:
+        valid: Which samples were measured, shape (n,).
+
+    Returns:
+        Samples that belong to more than `MOST_BRIDGED` missing ones in a row, shape (n,).
+    """
+    marked = np.zeros(len(valid), dtype=bool)
+    for begin, length in zip(*runs(~valid), strict=True):
+        if length > MOST_BRIDGED:
+            marked[begin : begin + length] = True
+    return marked
+
+
+def bridged(values: FloatArray, valid: BoolArray) -> FloatArray:
+    """Interpolate linearly over samples that were not measured.
+
+    Args:
+        values: Signals, shape (n, M).
+        valid: Which samples were measured, shape (n,).
+
+    Returns:
+        Signals without holes, shape (n, M).
+    """
+    if np.all(valid):
+        return values
+    rows = np.arange(len(values))
+    return np.column_stack([np.interp(rows, rows[valid], column[valid]) for column in values.T])

@@ -1,0 +1,47 @@
+"""Records that are checked after reading."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexros.errors import InputError
+from flexros.record.checks.run import check_record
+
+
+def test_hopeless_record_is_refused_by_name(healthy, robots) -> None:
+    record = replace(healthy("emps").part(0, 800), name="cut")
+    with pytest.raises(InputError, match=r"^cut: the log is too short: it has 0\.799 s"):
+        check_record(record, robots("emps"))
+
+
+def test_record_that_overlaps_its_commands_for_some_samples_only_is_too_short(healthy, robots) -> None:
+    with pytest.raises(InputError, match="too short: it has 0.009 s with 10 measured samples"):
+        check_record(healthy("emps").part(0, 10), robots("emps"))
+
+
+def test_wrong_parameters_are_no_reason_to_refuse_an_identification(healthy, robots) -> None:
+    """A mass that is four times the nominal one looks like a wrong unit."""
+    record = healthy("emps")
+    heavy = replace(record, torque=4.0 * record.torque)
+    with pytest.raises(InputError, match="a multiple of what robot emps needs"):
+        check_record(heavy, robots("emps"))
+    checked = check_record(heavy, robots("emps"), parameters_known=False)
+    assert any("a multiple of what robot emps needs" in text for text in checked.warnings)
+
+
+def test_inverted_sign_is_refused_in_an_identification_too(healthy, robots) -> None:
+    record = healthy("emps")
+    with pytest.raises(InputError, match="inverted"):
+        check_record(replace(record, torque=-record.torque), robots("emps"), parameters_known=False)
+
+
+def test_spoilt_samples_are_not_valid(healthy, robots) -> None:
+    record = healthy("emps")
+    position = np.array(record.position)
+    position[2000:2020] = position[2000]
+    checked = check_record(replace(record, position=position), robots("emps"))
+    assert not checked.valid[2001:2020].any()
+    assert checked.valid[:2000].all()
