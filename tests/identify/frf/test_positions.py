@@ -135,11 +135,20 @@ def test_experiment_that_was_stopped_before_its_first_block_ended_is_refused(rec
 
 def test_gap_is_named(recorded: Recorded) -> None:
     inside = recorded.plan.segments[3].first + 10
-    keep = np.delete(np.arange(recorded.plan.n_samples), [inside, inside + 1])
+    keep = np.delete(np.arange(recorded.plan.n_samples), np.arange(inside, inside + 6))
     with pytest.raises(
-        InputError, match="gap: 2 samples of joint_states are missing in position 1, block 2, experiment 2"
+        InputError, match="gap: 6 samples of joint_states are missing in position 1, block 2, experiment 2"
     ):
         estimate_responses(cut(recorded.log, keep), recorded.plan)
+
+
+def test_short_gap_is_bridged_with_a_warning(recorded: Recorded) -> None:
+    inside = recorded.plan.segments[3].first + 10
+    keep = np.delete(np.arange(recorded.plan.n_samples), [inside, inside + 1])
+    whole, bridged = (estimate_responses(log, recorded.plan)[0] for log in (recorded.log, cut(recorded.log, keep)))
+    size = np.abs(whole.response).max(axis=0)
+    assert np.median(np.abs(bridged.response - whole.response) / size) < 2e-3
+    assert any("2 samples of joint_states are missing" in text for text in bridged.warnings)
 
 
 def with_commands(log: Log, keep: slice) -> Log:
