@@ -153,7 +153,7 @@ def test_table_for_people(flexros, logs: list[str], tmp_path: Path, monkeypatch:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--model", "e12"], "has 1 joints (motor_1), but robot e12 has 2 motors (motor_1, motor_2), so motor_2 is missing"),
+        (["--model", "e12"], "has 1 joints (motor_1), but robot e12 has 2 motors (motor_1, motor_2)"),
         (["--model", "emps", "--cutoff", "-3"], "--cutoff is -3 Hz, but must be positive"),
         (["--model", "emps", "--cutoff", "400"], "but must be above 0 and at most a quarter of the sampling rate"),
     ],
