@@ -174,7 +174,7 @@ _PLANNED: dict[tuple[str, int], Experiment] = {}
 def spliced(planned: Experiment, effect: str) -> Log:
     """Run a motion whose effect sets in on the way: the state of the robot goes on."""
     from flexros.compile.loop.arrays import LoopInputs, LoopState
-    from flexros.compile.loop.loop import compile_loop
+    from flexros.compile.loop.kernel import compile_loop
     from flexros.scenario.closed_loop import run_log
     from flexros.simulate.plant import delayed_start
     from flexros.simulate.plant_model import PlantModel

@@ -3,7 +3,7 @@
 from flexros.compile.compiled_function import CompiledFunction, compile_function
 from flexros.compile.loop.arrays import LoopInputs, LoopResult, LoopState
 from flexros.compile.loop.functions import LoopFunctions
-from flexros.compile.loop.loop import LoopKernel, LoopStepper, compile_loop
+from flexros.compile.loop.kernel import LoopKernel, LoopStepper, compile_loop
 from flexros.compile.module_builder import ModuleBuilder
 
 __all__ = [

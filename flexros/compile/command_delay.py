@@ -1,4 +1,4 @@
-"""Delay of the commands, any time from zero on, as whole samples and a fraction of one; of all motors or of each."""
+"""Delay of the commands of all motors or of each, as whole samples and a fraction of a sample."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flexros.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-_SAME = 1e-9  # a fraction this close to a whole sample is rounding of the division
+_SAME = 1e-9  # a fraction this close to a whole sample is a rounding error of the division
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class CommandDelay:
 
     Attributes:
         whole: Whole samples of the delay.
-        fraction: The rest, as a fraction of a sample, 0 or more and less than 1.
+        fraction: Remainder as a fraction of a sample, in [0, 1).
         sample_time: Time between two samples [s].
     """
 
@@ -88,7 +88,7 @@ class MotorDelays:
         return max(delay.line_length for delay in self.delays)
 
     def torque_pieces(self, motors: int) -> tuple[TorquePiece, ...]:
-        """Return the parts of every sample: cut where any motor gets its next command."""
+        """Return the parts of every sample, which end where the command of any motor changes."""
         assert motors == len(self.delays)
         sample_time = self.delays[0].sample_time
         cuts = sorted({delay.fraction * sample_time for delay in self.delays if delay.fraction > 0.0})
@@ -100,7 +100,7 @@ class MotorDelays:
 
 
 def split_delay(delay: float, sample_time: float) -> CommandDelay:
-    """Split a delay into whole samples and a fraction of one.
+    """Split a delay into whole samples and a fraction of a sample.
 
     Args:
         delay: Delay [s], zero or more.
@@ -120,7 +120,7 @@ def split_delay(delay: float, sample_time: float) -> CommandDelay:
 
 
 def split_delays(delay: float | Sequence[float], sample_time: float) -> CommandDelay | MotorDelays:
-    """Split a delay of all motors, or one of each, into whole samples and a fraction of one.
+    """Split one delay of all motors, or a delay of each, into whole samples and a fraction of a sample.
 
     Args:
         delay: Delay [s], zero or more: one number, or one for each motor.
@@ -131,4 +131,4 @@ def split_delays(delay: float | Sequence[float], sample_time: float) -> CommandD
     """
     if isinstance(delay, (int, float)):
         return split_delay(delay, sample_time)
-    return MotorDelays(tuple(split_delay(one, sample_time) for one in delay))
+    return MotorDelays(tuple(split_delay(motor_delay, sample_time) for motor_delay in delay))

@@ -33,7 +33,7 @@ class CompiledFunction:
 
         Args:
             function: The CasADi function (shapes and names are taken from it).
-            symbol: Its symbol in the module, with the entry `<symbol>.packed` beside it.
+            symbol: Its symbol in the module, which also has the entry `<symbol>.packed`.
             lanes: Doubles per number.
             code: The module.
         """
@@ -61,7 +61,7 @@ class CompiledFunction:
         return len(self.output_shapes)
 
     def __call__(self, *inputs: FloatArray) -> tuple[FloatArray, ...]:
-        """Evaluate the function; the GIL is released meanwhile.
+        """Evaluate the function with the GIL released.
 
         Args:
             inputs: One array per input, shapes `input_shapes`.
@@ -82,9 +82,9 @@ class CompiledFunction:
         return results
 
     def bind(self, *arrays: FloatArray) -> Callable[[], None]:
-        """Prepare a call without arguments on fixed arrays, for per-sample use (0.2 us above the function itself).
+        """Prepare a call without arguments on fixed arrays, for use at every sample (overhead 0.2 us).
 
-        The call reads the inputs, writes the outputs and holds the GIL: it is meant for functions of microseconds.
+        The call reads the inputs, writes the outputs and holds the GIL: it is for functions that take microseconds.
 
         Args:
             arrays: All inputs, then all outputs: float64, exact shape, contiguous (column-major with one lane),
@@ -133,7 +133,7 @@ def bind_packed(call: Callable[[int], object], arrays: Sequence[FloatArray | Int
 
 
 class _BoundCall(partial):  # type: ignore[type-arg]
-    """A call with its pointers, and what they point into."""
+    """A call with its pointers and the objects that own their memory."""
 
     owners: tuple[object, ...]
 
@@ -143,7 +143,7 @@ def compile_function(function: ca.Function, *, lanes: int = 1) -> CompiledFuncti
 
     Args:
         function: Function of SX (MX functions are expanded), dense inputs.
-        lanes: Doubles per number: 1, or 2, 4, 8, 16 evaluations side by side with equal results.
+        lanes: Doubles per number: 1, or 2, 4, 8, 16 parallel evaluations with equal results.
 
     Raises:
         InputError: Unknown operation, free variables, sparse inputs or an unusable number of lanes.

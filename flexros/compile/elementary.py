@@ -1,12 +1,12 @@
 """Sine and cosine, exponential and hyperbolic tangent as LLVM code over lanes.
 
-Fused multiply-add stands where it is written and nowhere else, and is exact on every processor (in software where it
-must be), so that all processors and all numbers of lanes give the same bits.
+Fused multiply-add is used only where it is written explicitly, and is exact on every processor (in software if
+necessary). All processors and all numbers of lanes therefore give the same bits.
 
 Sources: kernels k_sin.c and k_cos.c of Sun fdlibm 5.3 (1993) in the ordering of FreeBSD msun; argument reduction in
 three parts (Cody and Waite 1980, with a first part of 33 bits); exponential by Taylor expansion to degree 13 on
 |r| <= ln(2)/2. Errors, tested against decimal arithmetic: sine and cosine below 1 ulp for |x| <= SINCOS_RANGE (beyond
-it the system's mathematical library answers), exponential below 1 ulp, hyperbolic tangent below 3 ulp.
+it the system's mathematical library is called), exponential below 1 ulp, hyperbolic tangent below 3 ulp.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from math import factorial
 from flexros.compile.ir_text import IrBlock, integer_literal, value_type
 
 SINCOS_RANGE = 1.6e6  # rad: quadrant numbers below 2^20 keep the product with the 33-bit part of pi/2 exact
-_ROUND = 6755399441055744.0  # 1.5 * 2^52: adding it rounds to an integer that stands in the low bits
+_ROUND = 6755399441055744.0  # 1.5 * 2^52: adding it rounds to an integer, held in the low bits
 _ROUND_BITS = 0x4338000000000000
 _PI_HALF = (1.57079632673412561417e00, 6.077100506506192e-11, 3.5215598651832e-27)
 _SIN = (
@@ -41,7 +41,7 @@ def routine_name(routine: str, lanes: int) -> str:
 
 
 def routine_text(routine: str, lanes: int) -> str:
-    """Return the definition of a routine; sine and cosine come as a pair {sin x, cos x}.
+    """Return the definition of a routine; that of sine and cosine returns the pair {sin x, cos x}.
 
     Args:
         routine: SINCOS, EXPONENTIAL or TANH.
@@ -79,10 +79,11 @@ def _cosine_kernel(block: IrBlock, x: str, tail: str, z: str, w: str) -> str:
 
 
 def _reduce(block: IrBlock, x: str) -> tuple[str, str, str]:
-    """Subtract the nearest multiple of pi/2: remainder, what its rounding left, and the quadrant in the low bits."""
+    """Subtract the nearest multiple of pi/2; return remainder, its rounding error, and the quadrant in the low bits."""
     rounded = block.fma(x, block.number(6.36619772367581382433e-01), block.number(_ROUND))
     n = block.sub(rounded, block.number(_ROUND))
     minus_n = _negative(block, n)
+    # the 33-bit first part makes n * pi/2 exact; the rounding errors of the next part go into the tail (Cody and Waite)
     t = block.fma(minus_n, block.number(_PI_HALF[0]), x)
     product = block.mul(n, block.number(_PI_HALF[1]))
     product_rest = block.fma(n, block.number(_PI_HALF[1]), _negative(block, product))
@@ -110,6 +111,7 @@ def _sincos(lanes: int) -> str:
     next_quadrant = block.value(f"add {block.integer} {quadrant}, {integer_literal(1, lanes)}")
     s = _flip_sign(block, block.select(odd, cosine, sine), quadrant)
     c = _flip_sign(block, block.select(odd, sine, cosine), next_quadrant)
+    # odd quadrants exchange sine and cosine; arguments out of range take the slow branch, lane by lane
     far = block.compare("ogt", block.intrinsic("fabs", "%x"), block.number(SINCOS_RANGE))
     some = far
     if lanes > 1:
@@ -149,7 +151,7 @@ def _expm1_kernel(block: IrBlock, x: str) -> tuple[str, str]:
 
 
 def _clamp(block: IrBlock, x: str, low: float, high: float) -> str:
-    """Limit a number and let NaN through."""
+    """Limit a number; NaN stays NaN."""
     x = block.select(block.compare("olt", x, block.number(low)), block.number(low), x)
     return block.select(block.compare("ogt", x, block.number(high)), block.number(high), x)
 
@@ -157,6 +159,7 @@ def _clamp(block: IrBlock, x: str, low: float, high: float) -> str:
 def _exponential(lanes: int) -> str:
     block = IrBlock(lanes)
     small, exponent = _expm1_kernel(block, _clamp(block, "%x", -746.0, 710.0))
+    # 2^n as 2^(n/2) twice: a single factor would overflow or lose subnormal results near the ends of the range
     half = block.value(f"ashr {block.integer} {exponent}, {integer_literal(1, lanes)}")
     rest = block.value(f"sub {block.integer} {exponent}, {half}")
     result = block.mul(block.add(block.number(1.0), small), _power_of_two(block, half))
@@ -165,7 +168,7 @@ def _exponential(lanes: int) -> str:
 
 
 def _tanh(lanes: int) -> str:
-    """tanh|x| = e / (e + 2) with e = exp(2|x|) - 1."""
+    """Write tanh|x| = e / (e + 2) with e = exp(2|x|) - 1; the sign is copied from x."""
     block = IrBlock(lanes)
     magnitude = block.intrinsic("fabs", "%x")
     small, exponent = _expm1_kernel(block, _clamp(block, block.add(magnitude, magnitude), 0.0, 44.0))
@@ -188,6 +191,6 @@ def library_call(block: IrBlock, name: str, *arguments: str) -> str:
     result = "undef"
     for lane in range(block.lanes):
         scalars = [block.value(f"extractelement {block.type} {a}, i32 {lane}") for a in arguments]
-        one = block.value(f"call double @{name}({', '.join(f'double {s}' for s in scalars)})")
-        result = block.value(f"insertelement {block.type} {result}, double {one}, i32 {lane}")
+        value = block.value(f"call double @{name}({', '.join(f'double {s}' for s in scalars)})")
+        result = block.value(f"insertelement {block.type} {result}, double {value}, i32 {lane}")
     return result

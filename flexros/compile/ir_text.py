@@ -1,8 +1,8 @@
-"""Text of LLVM intermediate representation: literals, vector types and straight-line blocks.
+"""Text of LLVM intermediate representation: literals, vector types, blocks of instructions, element-wise loops.
 
-Text is what this room emits instead of objects of a builder library: a line costs a microsecond, and LLVM parses
-20,000 lines in 20 ms. Every arithmetic instruction is written without fast-math flags, so results are IEEE 754 exact in
-order and equal in every lane.
+The compiler emits text instead of objects of a builder library: a line costs a microsecond, and LLVM parses 20,000
+lines in 20 ms. Every arithmetic instruction is written without fast-math flags, so that the order of operations is that
+of IEEE 754 and results are equal in every lane.
 """
 
 from __future__ import annotations
@@ -13,9 +13,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
 LANE_COUNTS: tuple[int, ...] = (1, 2, 4, 8, 16)
+CHUNK = 8  # doubles per vector
+_UNROLLED_CHUNKS = 8
 
 
 def value_type(lanes: int) -> str:
@@ -34,7 +36,7 @@ def mask_type(lanes: int) -> str:
 
 
 def alignment(lanes: int) -> int:
-    """Return the alignment [byte] of numbers held in memory of our own (arrays of the caller are aligned to 8)."""
+    """Return the alignment [byte] of numbers in local memory (arrays of the caller are aligned to 8)."""
     return min(8 * lanes, 64)
 
 
@@ -56,8 +58,8 @@ class IrLoop:
 
     Attributes:
         index: Name of the i64 counter.
-        values: Names of the carried values: at the head of the turn inside the loop, final after it.
-        next_values: To be set by the body when there are carried values: their values for the next turn.
+        values: Names of the carried values: of the present iteration inside the loop, final after it.
+        next_values: Their values for the next iteration; the body sets them.
     """
 
     index: str
@@ -66,7 +68,7 @@ class IrLoop:
 
 
 class IrBlock:
-    """Lines of straight-line code over numbers of `lanes` doubles; every method returns the name of the new value.
+    """Instructions on numbers of `lanes` doubles; every method returns the name of the new value.
 
     Example:
         >>> block = IrBlock(lanes=1)
@@ -90,7 +92,7 @@ class IrBlock:
         self._views: dict[int, IrBlock] = {lanes: self}
 
     def of_lanes(self, lanes: int) -> IrBlock:
-        """Return a writer of numbers of another number of lanes into the same block."""
+        """Return a writer into the same block for another number of lanes."""
         if lanes not in self._views:
             view = IrBlock(lanes, f"{self._prefix}.v{lanes}.")
             view._lines, view._views = self._lines, self._views
@@ -160,16 +162,16 @@ class IrBlock:
     def _splat(self, scalar: str, scalar_type: str, vector_type: str) -> str:
         if self.lanes == 1:
             return scalar
-        one = self.value(f"insertelement {vector_type} undef, {scalar_type} {scalar}, i32 0")
+        lane_0 = self.value(f"insertelement {vector_type} undef, {scalar_type} {scalar}, i32 0")
         zeros = f"<{self.lanes} x i32> zeroinitializer"
-        return self.value(f"shufflevector {vector_type} {one}, {vector_type} undef, {zeros}")
+        return self.value(f"shufflevector {vector_type} {lane_0}, {vector_type} undef, {zeros}")
 
     def bits(self, a: str) -> str:
-        """Write the reading of a number as 64 integer bits."""
+        """Write the reinterpretation of a number as 64 integer bits."""
         return self.value(f"bitcast {self.type} {a} to {self.integer}")
 
     def from_bits(self, a: str) -> str:
-        """Write the reading of 64 integer bits as a number."""
+        """Write the reinterpretation of 64 integer bits as a number."""
         return self.value(f"bitcast {self.integer} {a} to {self.type}")
 
     def pointer(self, base: str, index: int | str, type_name: str = "") -> str:
@@ -177,11 +179,11 @@ class IrBlock:
         return self.value(f"getelementptr {type_name or self.type}, ptr {base}, i64 {index}")
 
     def load(self, base: str, index: int | str = 0, align: int = 8) -> str:
-        """Write the reading of element `index` of an array of numbers."""
+        """Write the load of element `index` of an array of numbers."""
         return self.value(f"load {self.type}, ptr {self.pointer(base, index)}, align {align}")
 
     def store(self, number: str, base: str, index: int | str = 0, align: int = 8) -> None:
-        """Write the storing of element `index` of an array of numbers."""
+        """Write the store of element `index` of an array of numbers."""
         self.emit(f"store {self.type} {number}, ptr {self.pointer(base, index)}, align {align}")
 
     @contextmanager
@@ -194,7 +196,7 @@ class IrBlock:
             start: First index, a number or an i64 value.
             stop: End of the range.
             step: Increment.
-            carry: Values handed from turn to turn as (type, initial value).
+            carry: Values carried from iteration to iteration, as (type, initial value).
         """
         label = f"{self._prefix}{self._count}.loop"
         index = self._new_name()
@@ -221,7 +223,7 @@ class IrBlock:
 
     @contextmanager
     def when(self, condition: str) -> Iterator[None]:
-        """Run what the body writes only where an i1 value is true; its values are not seen afterwards."""
+        """Write a branch: the body runs only if an i1 value is true; its values are not visible afterwards."""
         label = f"{self._prefix}{self._count}.when"
         self._count += 1
         self.emit(f"br i1 {condition}, label %{label}.then, label %{label}.end")
@@ -231,7 +233,7 @@ class IrBlock:
         self.emit(f"{label}.end:")
 
     def leave_when(self, condition: str, instruction: str) -> None:
-        """Leave the function where an i1 value is true.
+        """Write a return from the function if an i1 value is true.
 
         Args:
             condition: The value.
@@ -253,3 +255,35 @@ class IrBlock:
 def vector_suffix(lanes: int) -> str:
     """Return the suffix of LLVM intrinsics: f64, or v8f64."""
     return "f64" if lanes == 1 else f"v{lanes}f64"
+
+
+def element(block: IrBlock, base: str, position: str) -> str:
+    """Write the load of one vector, with the writer's lanes, from double `position` of an array on."""
+    return block.value(f"load {block.type}, ptr {block.pointer(base, position, 'double')}, align 8")
+
+
+def set_element(block: IrBlock, number: str, base: str, position: str) -> None:
+    """Write the store of one vector from double `position` of an array on."""
+    block.emit(f"store {block.type} {number}, ptr {block.pointer(base, position, 'double')}, align 8")
+
+
+def element_wise(block: IrBlock, count: int, body: Callable[[IrBlock, str], None]) -> None:
+    """Write a body for all doubles of arrays, in vectors as long as possible.
+
+    Args:
+        block: Where to write.
+        count: Number of doubles.
+        body: Called with a writer for some lanes and the position of the first double.
+    """
+    whole = count - count % CHUNK
+    if whole // CHUNK > _UNROLLED_CHUNKS:
+        with block.loop(0, whole, CHUNK) as i:
+            body(block.of_lanes(CHUNK), i.index)
+    else:
+        for position in range(0, whole, CHUNK):
+            body(block.of_lanes(CHUNK), str(position))
+    position = whole
+    for width in (4, 2, 1):
+        if count - position >= width:
+            body(block.of_lanes(width), str(position))
+            position += width

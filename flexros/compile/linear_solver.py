@@ -1,6 +1,6 @@
 """Dense linear systems inside compiled code: LU factorisation with partial pivoting.
 
-The factors are kept in columns padded to whole vectors, with zeros where the other factor stands, so that every loop
+The factors are kept in columns padded to whole vectors, with zeros in place of the other factor, so that every loop
 runs over full vectors (right-looking elimination with deferred row exchanges as in LINPACK's dgefa; Golub and Van Loan
 2013, algorithm 3.4.1). Systems of up to seven unknowns have an unrolled form in which a row is one vector.
 """
@@ -27,10 +27,11 @@ class LuRoutines:
     """Symbols of the routines for one size; all matrices are n x n doubles, right-hand sides (n, columns) column-major.
 
     Attributes:
-        factor: `i64 @factor(ptr matrix, ptr work)`: fills the workspace; 0, or k + 1 where pivot k is 0 or not finite.
+        factor: `i64 @factor(ptr matrix, ptr work)`: fills the workspace; returns 0, or k + 1 if pivot k is 0 or not
+            finite.
         solve: `void @solve(ptr work, ptr rhs, i64 columns)`: replaces the right-hand sides by the solutions.
         factor_solve: `i64 @factor_solve(ptr matrix, ptr rhs)`: both for one right-hand side; the status of `factor`.
-        work_size: Length of the workspace [doubles]; 64-byte alignment is best, 8 is enough.
+        work_size: Length of the workspace [doubles]; an alignment of 8 bytes is sufficient, 64 is fastest.
     """
 
     factor: str
@@ -67,7 +68,7 @@ class _Layout:
 
 
 def add_lu_solver(builder: ModuleBuilder, n: int, *, row_major: bool = False) -> LuRoutines:
-    """Add the routines for systems of n unknowns to a module (once, however often it is asked for).
+    """Add the routines for systems of n unknowns to a module, unless it has them.
 
     Args:
         builder: The module.
@@ -160,7 +161,7 @@ def _factor_text(symbol: str, layout: _Layout, row_major: bool) -> str:
 
 
 def _split_column(block: IrBlock, column: str, lower: str, k: str, inverse: str, layout: _Layout) -> None:
-    """Move the multipliers below row k to L and clear them, and the diagonal, in U."""
+    """Move the multipliers below row k to L and clear them, and the diagonal element, in U."""
     vectors = block.of_lanes(WIDTH)
     factor, row_k = vectors.splat(inverse), vectors.splat_integer(k)
     lanes = ", ".join(f"i64 {lane}" for lane in range(WIDTH))
@@ -176,11 +177,12 @@ def _split_column(block: IrBlock, column: str, lower: str, k: str, inverse: str,
 
 
 def _eliminate(block: IrBlock, lower: str, k: str, row: str, layout: _Layout) -> None:
-    """Exchange rows and subtract multiples of column k of L from the columns behind it."""
+    """Exchange rows k and `row`, and subtract multiples of column k of L from the columns to its right."""
     first = block.value(f"add nsw i64 {k}, 1")
     start = block.value(f"and i64 {first}, {-WIDTH}")
     count = block.value(f"sub nsw i64 {layout.n}, {first}")
     whole = block.value(f"add nsw i64 {first}, {block.value(f'and i64 {count}, {-_COLUMNS_TOGETHER}')}")
+    # several columns per pass: each vector of L is loaded once for all of them
     for begin, end, together in ((first, whole, _COLUMNS_TOGETHER), (whole, str(layout.n), 1)):
         with block.loop(begin, end, together) as j:
             columns, factors = [], []
@@ -209,6 +211,7 @@ def _solve_text(symbol: str, layout: _Layout) -> str:
         rhs = block.pointer("%rhs", block.value(f"mul nsw i64 {c.index}, {n}"))
         with block.loop(0, n) as i:
             block.store(block.load(rhs, i.index), x, i.index)
+        # forward substitution with the row exchanges of the factorisation, one column of L at a time
         with block.loop(0, n) as k:
             row = block.value(f"load i64, ptr {block.pointer(pivots, k.index)}, align 8")
             number = block.load(x, row)
@@ -218,6 +221,7 @@ def _solve_text(symbol: str, layout: _Layout) -> str:
             first = block.value(f"and i64 {block.value(f'add nsw i64 {k.index}, 1')}, {-WIDTH}")
             with block.loop(first, layout.stride, WIDTH) as i:
                 _subtract_multiple(block, x, i.index, factor, _load(block, lower, i.index))
+        # back substitution from the last unknown, one column of U at a time
         with block.loop(0, n) as back:
             k_index = block.value(f"sub nsw i64 {n - 1}, {back.index}")
             number = block.mul(block.load(x, k_index), block.load(diagonal, k_index))
@@ -239,7 +243,11 @@ def _combined_text(routines: LuRoutines, layout: _Layout) -> str:
 
 
 def _unrolled_text(routines: LuRoutines, n: int, row_major: bool) -> str:
-    """Gauss elimination in registers: row i of [matrix, rhs] is one vector, exchanges are selections."""
+    """Write Gaussian elimination in registers: row i of [matrix, rhs] is one vector, exchanges are selections.
+
+    Each row below k is compared with row k and exchanged with it if its pivot is larger, which leaves the largest in
+    row k without an index that is known at run time only.
+    """
     block = IrBlock()
     rows = []
     for i in range(n):

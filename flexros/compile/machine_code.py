@@ -15,20 +15,20 @@ _COMPILING = Lock()
 
 
 def can_compile() -> bool:
-    """Tell whether llvmlite is installed."""
+    """Return whether llvmlite is installed."""
     return find_spec("llvmlite") is not None
 
 
 class MachineCode:
-    """Compiled functions; they live as long as this object, so whoever keeps an address keeps it too."""
+    """Compiled functions. They live as long as this object: keep it together with any address."""
 
     def __init__(self, text: str, level: int = 2) -> None:
         """Compile LLVM text.
 
         Args:
             text: A complete module.
-            level: Effort of the code generator, 0 to 3. No optimisation of the module itself is run: the text is
-                straight-line code without repeated expressions already.
+            level: Optimisation level of the code generator, 0 to 3. The module itself is not optimised: the text is
+                already straight-line code without repeated expressions.
 
         Raises:
             InputError: llvmlite is not installed.
@@ -49,7 +49,7 @@ class MachineCode:
             machine = target.create_target_machine(cpu=cpu, features=features, opt=level, jit=True)
             self._engine = llvm.create_mcjit_compiler(module, machine)
             self._engine.finalize_object()
-            # the code stays with the engine; the text it was made from is several times as large
+            # the engine keeps the code; the parsed module is several times as large
             self._engine.remove_module(module)
             module.close()
 
@@ -77,7 +77,7 @@ def _host() -> tuple[str, str]:
 
 @lru_cache(maxsize=1)
 def _prepare() -> None:
-    """Start LLVM for the host and make the mathematical library known to it."""
+    """Initialise LLVM for the host and register the functions of the mathematical library."""
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()

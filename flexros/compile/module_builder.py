@@ -61,7 +61,7 @@ class ModuleBuilder:
         self._routines: set[tuple[str, int]] = set()
 
     def __contains__(self, symbol: object) -> bool:
-        """Tell whether a symbol was added."""
+        """Return whether a symbol was added."""
         return symbol in self._texts
 
     def add_function(self, function: ca.Function, *, name: str | None = None, lanes: int = 1) -> str:

@@ -1,7 +1,7 @@
-"""One line of the table per CasADi operation: how it is written as LLVM code.
+"""Tables of the CasADi operations and their LLVM code.
 
 Semantics are those of CasADi's virtual machine, with two choices: the minimum and maximum of a number and NaN is NaN
-(a diverged simulation must show itself behind a limiter), and sine, cosine, exp and tanh come from `elementary.py`.
+(a diverged simulation must stay visible behind a limiter), and sine, cosine, exp and tanh come from `elementary.py`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ ROUTINES: dict[int, tuple[str, int | None]] = {
     ca.OP_EXP: (EXPONENTIAL, None),
     ca.OP_TANH: (TANH, None),
 }
-"""Operations answered by our own routines: routine, and which member of its result (None where it is the result)."""
+"""Operations by routines of `elementary.py`: routine, and member of its result (None: the result itself)."""
 
 COMPARISONS: dict[int, str] = {ca.OP_LT: "olt", ca.OP_LE: "ole", ca.OP_EQ: "oeq", ca.OP_NE: "une"}
 """Comparisons as LLVM conditions; their value as a number is 1 or 0."""
@@ -34,7 +34,7 @@ LIBRARY: dict[int, str] = {
     ca.OP_SINH: "sinh", ca.OP_COSH: "cosh", ca.OP_ASINH: "asinh", ca.OP_ACOSH: "acosh", ca.OP_ATANH: "atanh",
     ca.OP_ERF: "erf", ca.OP_FMOD: "fmod", ca.OP_REMAINDER: "remainder", ca.OP_HYPOT: "hypot",
 }  # fmt: skip
-"""Operations answered by the system's mathematical library, lane by lane."""
+"""Operations by the system's mathematical library, lane by lane."""
 
 LIBRARY_SYMBOLS: frozenset[str] = frozenset(LIBRARY.values()) | {"sin", "cos", "fma"}
 
@@ -92,6 +92,6 @@ def write_number(block: IrBlock, operation: int, a: str, b: str) -> str:
 
 
 def is_known(operation: int) -> bool:
-    """Tell whether an operation can be compiled."""
+    """Return whether an operation can be compiled."""
     tables = (ARITHMETIC, LIBRARY, COMPARISONS, ROUTINES, LOGIC)
     return operation == ca.OP_IF_ELSE_ZERO or any(operation in table for table in tables)

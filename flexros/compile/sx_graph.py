@@ -42,7 +42,7 @@ class SxGraph:
 
 
 def dense_sx_function(function: ca.Function) -> ca.Function:
-    """Return the function as SX function with dense inputs and outputs, whatever form it was built in.
+    """Return the function as SX function with dense inputs and outputs.
 
     Args:
         function: A CasADi function; MX functions are expanded.
@@ -98,7 +98,7 @@ def read_graph(function: ca.Function) -> SxGraph:
 
 
 class _GraphReader:
-    """Follows the work registers of the virtual machine, which are used again and again, and names their values."""
+    """Follows the work registers of the virtual machine, which are reused, and assigns a node to each value."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -133,21 +133,21 @@ class _GraphReader:
             register[target[0]] = self._node((operation, a, b), operation, a, b)
 
     def _node(self, key: tuple[int, ...] | str, operation: int, a: int, b: int) -> int:
-        """Return the node of this key, a new one where it is not known."""
-        found = self._known.get(key)
-        if found is None:
-            found = self._known[key] = len(self.operations)
+        """Return the node of this key; create it if it is new."""
+        node = self._known.get(key)
+        if node is None:
+            node = self._known[key] = len(self.operations)
             self.operations.append(operation)
             self.first.append(a)
             self.second.append(b)
-        return found
+        return node
 
 
 def unknown_operation(operation: int, function_name: str) -> InputError:
-    """Make the error for a CasADi operation that cannot be compiled, naming it."""
+    """Return the error for a CasADi operation that cannot be compiled, naming it."""
     names = [key for key in dir(ca) if key.startswith("OP_") and getattr(ca, key) == operation]
     name = names[0] if names else f"number {operation}"
     return InputError(
-        f"function '{function_name}' uses the CasADi operation {name}, which the compiler does not know: "
+        f"function '{function_name}' uses the CasADi operation {name}, which cannot be compiled: "
         "write the expression with other operations, or evaluate the function with CasADi itself"
     )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from flexros.compile.loop.arrays import LoopInputs
-from flexros.compile.loop.loop import LoopKernel, compile_loop
+from flexros.compile.loop.kernel import LoopKernel, compile_loop
 from flexros.errors import InputError, unknown_name
 from flexros.robot.rest import Rest
 from flexros.simulate.plant import delayed_start

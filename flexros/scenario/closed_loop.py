@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.compile.loop.arrays import LoopInputs
-from flexros.compile.loop.loop import compile_loop
+from flexros.compile.loop.kernel import compile_loop
 from flexros.errors import RunError
 from flexros.logs.stamps import stamps_ns
 from flexros.logs.time_series import BASE_FRAME, JointSeries, Log, PoseSeries

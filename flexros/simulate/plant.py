@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.compile.loop.arrays import LoopState
-from flexros.compile.loop.loop import compile_loop
+from flexros.compile.loop.kernel import compile_loop
 from flexros.errors import RunError
 from flexros.simulate.loop import feed_through
 from flexros.simulate.plant_model import PlantModel

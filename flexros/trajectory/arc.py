@@ -186,7 +186,7 @@ def circle(start: FloatArray, radius: float, start_angle: float = 0.0, turns: fl
 
 
 def _sine_axis(u: FloatArray, normal: FloatArray | None) -> FloatArray:
-    """Give the unit vector at right angles to u (and to the normal, in space) towards which angles count."""
+    """Return the unit vector at right angles to u (and to the normal, in space) towards which angles count."""
     if u.size == 2:
         return np.array([-u[1], u[0]])
     if u.size != 3:

@@ -122,7 +122,7 @@ def bang_bang_snap(distance: float, limits: Limits) -> TimeLaw:
 
 
 def reached(profile: SnapProfile) -> Limits:
-    """Give the largest speed, acceleration, jerk and snap of a profile [p/s, ...]."""
+    """Return the largest speed, acceleration, jerk and snap of a profile [p/s, ...]."""
     x = profile.snap_time
     y = x + profile.jerk_time
     z = x + y + profile.acceleration_time
@@ -156,6 +156,6 @@ def _snapped(value: float, least: float) -> float:
 
 
 def _advanced(row: FloatArray, length: float) -> FloatArray:
-    """Give position to jerk at the end of a piece with the given polynomial coefficients, shape (4,)."""
+    """Return position to jerk at the end of a piece with the given polynomial coefficients, shape (4,)."""
     polynomial = np.polynomial.Polynomial(row)
     return np.array([(polynomial.deriv(k) if k else polynomial)(length) for k in range(4)])

@@ -73,7 +73,7 @@ class OutputDerivatives:
         return cls(gamma, size, gamma.size1_out(0), ca.Function("slope", motion[:1], [value, slope]), tuple(total))
 
     def along(self, motion: FloatArray) -> FloatArray:
-        """Give Z and its time derivatives of a joint motion.
+        """Return Z and its time derivatives of a joint motion.
 
         Args:
             motion: q and its time derivatives, shape (derivatives + 1, n, n_joints).
@@ -84,13 +84,13 @@ class OutputDerivatives:
         return np.array([self.highest(motion[: k + 1]) for k in range(len(motion))])
 
     def highest(self, motion: FloatArray) -> FloatArray:
-        """Give the highest time derivative of Z of a joint motion, shape (n, n_out)."""
+        """Return the highest time derivative of Z of a joint motion, shape (n, n_out)."""
         f = self.total[len(motion) - 1].map(motion.shape[1])
         result: FloatArray = f(*(part.T for part in motion)).full().T
         return result
 
     def value_slope(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Give Z and the Jacobian at n joint positions, shapes (n, n_out) and (n, n_out, n_joints)."""
+        """Return Z and the Jacobian at n joint positions, shapes (n, n_out) and (n, n_out, n_joints)."""
         n = q.shape[0]
         value, slope = self.value_and_slope.map(n)(q.T)
         return value.full().T, slope.full().reshape(self.n_out, n, self.size).transpose(1, 0, 2)
@@ -103,7 +103,7 @@ def joint_derivatives(
     t: FloatArray,
     derivatives: int = MAX_DERIVATIVES,
 ) -> FloatArray:
-    """Give the joint motion of a trajectory with its exact time derivatives, for Gamma(q(t)) = Z(t).
+    """Return the joint motion of a trajectory with its exact time derivatives, for Gamma(q(t)) = Z(t).
 
     The position is found by Newton's method, followed from the start of the trajectory so that the configuration stays;
     the derivatives follow from the constraint differentiated k times (as for equation 5.5 of Moberg 2007),

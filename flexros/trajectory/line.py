@@ -131,7 +131,7 @@ class JointMove(AbstractPath):
 
 
 def travelled(change: FloatArray, n_position: int) -> float:
-    """Give the length [m] of a tool displacement, or its angle [rad] if it only turns.
+    """Return the length [m] of a tool displacement, or its angle [rad] if it only turns.
 
     Args:
         change: Change of the tool coordinates, shape (n_out,).
@@ -145,7 +145,7 @@ def travelled(change: FloatArray, n_position: int) -> float:
 
 
 def straight(first: FloatArray, last: FloatArray, share: FloatArray, rate: float, order: int) -> FloatArray:
-    """Give the points on a straight line and their derivatives.
+    """Return the points on a straight line and their derivatives.
 
     Args:
         first: Start, shape (n_out,).

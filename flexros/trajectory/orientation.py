@@ -166,7 +166,7 @@ def quaternion(values: object, name: str) -> FloatArray:
 
 
 def rotation_vectors(reference: FloatArray, quaternions: Sequence[FloatArray]) -> FloatArray:
-    """Give orientations as rotation vectors in the base frame relative to a reference, each near the one before.
+    """Return orientations as rotation vectors in the base frame relative to a reference, each near the one before.
 
     Args:
         reference: Unit quaternion R0, shape (4,).
@@ -191,7 +191,7 @@ def rotation_vectors(reference: FloatArray, quaternions: Sequence[FloatArray]) -
 
 
 def quaternion_of(roll_pitch_yaw: FloatArray) -> FloatArray:
-    """Give the quaternion [qx qy qz qw] of roll, pitch and yaw about the fixed axes [rad], shape (4,)."""
+    """Return the quaternion [qx qy qz qw] of roll, pitch and yaw about the fixed axes [rad], shape (4,)."""
     from scipy.spatial.transform import Rotation  # loads slowly
 
     result: FloatArray = Rotation.from_euler("xyz", roll_pitch_yaw).as_quat()

@@ -54,7 +54,7 @@ class AbstractPath(ABC):
 
     @abstractmethod
     def derivatives(self, s: FloatArray, order: int = MAX_DERIVATIVES) -> FloatArray:
-        """Give the point and its derivatives with respect to the path parameter.
+        """Return the point and its derivatives with respect to the path parameter.
 
         Args:
             s: Path parameter in [0, extent], shape (n,).
@@ -75,7 +75,7 @@ class AbstractPath(ABC):
         return self.point_at(self.extent)
 
     def point_at(self, s: float) -> FloatArray:
-        """Give the point at a path parameter, at the nearer end if it is beyond, shape (n_out,)."""
+        """Return the point at a path parameter, at the nearer end if it is beyond, shape (n_out,)."""
         result: FloatArray = self.derivatives(np.array([min(max(s, 0.0), self.extent)]), 0)[0, 0]
         return result
 

@@ -68,7 +68,7 @@ def ninth_degree(distance: float, duration: float | None = None, limits: Limits 
 
 @cache
 def peaks(shape: tuple[float, ...]) -> tuple[float, float, float, float]:
-    """Give the largest sizes of the first four derivatives of a polynomial on [0, 1].
+    """Return the largest sizes of the first four derivatives of a polynomial on [0, 1].
 
     Args:
         shape: Coefficients in ascending powers.

@@ -30,7 +30,7 @@ class Jacobian(Protocol):
     """Gives the derivative of the tool coordinates with respect to the joints."""
 
     def __call__(self, joints: FloatArray, /) -> FloatArray:
-        """Give the Jacobian at joints of shape (n_joints,), shape (n_out, n_joints)."""
+        """Return the Jacobian at joints of shape (n_joints,), shape (n_out, n_joints)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -114,7 +114,7 @@ class Sequence(AbstractPath):
         return result
 
     def _corner(self, corner: int, s: FloatArray, order: int) -> FloatArray:
-        """Give the derivatives inside a zone, shape (order + 1, n, n_out)."""
+        """Return the derivatives inside a zone, shape (order + 1, n, n_out)."""
         radius = float(self.zones[corner - 1])
         before, after = self.directions[corner - 1], self.directions[corner]
         u = (s - self.knots[corner] + radius) / (2.0 * radius)

@@ -84,7 +84,7 @@ class TrajectorySpecification(Settings):
         return isinstance(self.path, JointMovesSpecification)
 
     def output_of(self, controlled: str) -> str:
-        """Give the name of the output whose value at the start pose the trajectory begins at.
+        """Return the name of the output whose value at the start pose the trajectory begins at.
 
         Args:
             controlled: Name of the robot's controlled output.

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def constant(value: float, like: FloatArray) -> FloatArray:
-    """Give the series of a constant, of the same shape as another."""
+    """Return the series of a constant, of the same shape as another."""
     result = np.zeros_like(like)
     result[0] = value
     return result
@@ -50,7 +50,7 @@ def root(a: FloatArray) -> FloatArray:
 
 
 def arctan2(y: FloatArray, x: FloatArray) -> FloatArray:
-    """Give the angle of two series by integrating (x y' - y x') / (x^2 + y^2)."""
+    """Return the angle of two series by integrating (x y' - y x') / (x^2 + y^2)."""
     orders = np.arange(1, len(x))[:, None]
     y_slope, x_slope = np.zeros_like(y), np.zeros_like(x)
     y_slope[:-1], x_slope[:-1] = y[1:] * orders, x[1:] * orders

@@ -48,7 +48,7 @@ class TimeLaw:
         return float(self.knots[-1])
 
     def evaluate(self, t: FloatArray, derivatives: int = 4) -> FloatArray:
-        """Give the path parameter and its time derivatives, without a check that they are bounded.
+        """Return the path parameter and its time derivatives, without a check that they are bounded.
 
         Args:
             t: Times [s], any order, shape (n,). At a knot the values to its right are given.
@@ -73,7 +73,7 @@ class TimeLaw:
         return result
 
     def held(self, before: float = 0.0, after: float = 0.0) -> TimeLaw:
-        """Give the law with rest before and after.
+        """Return the law with rest before and after.
 
         Args:
             before: Rest at the start [s].
@@ -96,7 +96,7 @@ class TimeLaw:
         return concatenated(pieces)
 
     def mirrored(self) -> TimeLaw:
-        """Give the law that goes back the same way in the same manner: the law run backwards in time."""
+        """Return the law that goes back the same way in the same manner: the law run backwards in time."""
         duration = self.duration
         signs = (-1.0) ** np.arange(self.coefficients.shape[1])
         return replace(
@@ -110,7 +110,7 @@ class TimeLaw:
 
 
 def concatenated(laws: Sequence[TimeLaw]) -> TimeLaw:
-    """Join laws in time, each beginning where the one before ends.
+    """Join laws in time, each beginning where the previous one ends.
 
     Args:
         laws: At least one law.
@@ -119,14 +119,14 @@ def concatenated(laws: Sequence[TimeLaw]) -> TimeLaw:
         One law; its derivatives are bounded as far as those of all.
 
     Raises:
-        InputError: A law begins elsewhere than the one before ends.
+        InputError: A law begins elsewhere than the previous one ends.
     """
     knots, origins, rows, shift = [np.zeros(1)], [], [], 0.0
     degree = max(law.coefficients.shape[1] for law in laws)
     for law, before in zip(laws, (None, *laws[:-1]), strict=True):
         if before is not None and abs(law.start - before.end) > 1e-9 * max(1.0, abs(before.end)):
             raise InputError(
-                f"a time law begins at {law.start:.9g} where the one before ends at {before.end:.9g}, allowed is the "
+                f"a time law begins at {law.start:.9g} where the previous one ends at {before.end:.9g}, allowed is the "
                 "same path parameter; join moves of different paths in a trajectory instead"
             )
         knots.append(law.knots[1:] + shift)
@@ -145,7 +145,7 @@ def concatenated(laws: Sequence[TimeLaw]) -> TimeLaw:
 
 
 def rest(duration: float, value: float = 0.0, bounded_derivatives: int = 5) -> TimeLaw:
-    """Give the law that rests at a value.
+    """Return the law that rests at a value.
 
     Args:
         duration: How long [s].

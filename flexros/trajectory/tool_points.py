@@ -101,7 +101,7 @@ def turning_lines(
 
 
 def _reference(start: FloatArray, n_position: int) -> FloatArray:
-    """Give the start orientation of six tool coordinates as a quaternion."""
+    """Return the start orientation of six tool coordinates as a quaternion."""
     if start.size != 6 or n_position != 3:
         raise InputError(
             f"the path turns the tool but the output has {start.size} coordinates, allowed are six (x, y, z, roll, "

@@ -44,7 +44,7 @@ class Move:
                 )
 
     def evaluate(self, t: FloatArray, derivatives: int) -> FloatArray:
-        """Give point and time derivatives by Faa di Bruno's formula, shape (derivatives + 1, n, n_out)."""
+        """Return point and time derivatives by Faa di Bruno's formula, shape (derivatives + 1, n, n_out)."""
         s = self.law.evaluate(t, derivatives)
         p = self.path.derivatives(np.clip(s[0], 0.0, self.path.extent), derivatives)
         s1, s2, s3, s4 = (s[k][:, None] if k <= derivatives else None for k in range(1, 5))
@@ -94,11 +94,11 @@ class Trajectory:
     """Position over time with up to four exact time derivatives; rests before 0 and from `duration` on.
 
     Args:
-        moves: Moves in order, each beginning where the one before ends, shape (n_moves,).
+        moves: Moves in order, each beginning where the previous one ends, shape (n_moves,).
         output: What the coordinates are: name of a robot output, or "joints".
 
     Raises:
-        InputError: No move, or a move that begins elsewhere than the one before ends.
+        InputError: No move, or a move that begins elsewhere than the previous one ends.
     """
 
     moves: tuple[Move, ...]
@@ -112,7 +112,7 @@ class Trajectory:
             if end.shape != start.shape or not np.allclose(end, start, rtol=1e-9, atol=1e-9):
                 raise InputError(
                     f"move {number} of the trajectory ends at {text(end)} and move {number + 1} begins at "
-                    f"{text(start)}, allowed is a move that begins where the one before ends; return to the start or "
+                    f"{text(start)}, allowed is a move that begins where the previous one ends; return to the start or "
                     "add a move between"
                 )
 
@@ -168,7 +168,7 @@ class Trajectory:
         return self.moves[-1].path.point_at(self.moves[-1].law.end)
 
     def evaluate(self, t: FloatArray, derivatives: int = MAX_DERIVATIVES) -> FloatArray:
-        """Give the position and its time derivatives.
+        """Return the position and its time derivatives.
 
         Args:
             t: Times [s], any order, shape (n,); before 0 the start and from `duration` on the end is held.
@@ -193,7 +193,7 @@ class Trajectory:
         return result
 
     def sample_times(self, per_move: int) -> FloatArray:
-        """Give times at which a check looks at the trajectory: equally many on every move, repeated moves once.
+        """Return times at which a check looks at the trajectory: equally many on every move, repeated moves once.
 
         Args:
             per_move: Number of times on every move, at least 2.
@@ -219,7 +219,7 @@ class Trajectory:
         return PathPoint(float(t), i + 1, s, path.parameter_unit, 100.0 * share, tuple(path.point_at(s).tolist()))
 
     def _move_at(self, t: FloatArray) -> FloatArray:
-        """Give the index of the move at every time, shape (n,)."""
+        """Return the index of the move at every time, shape (n,)."""
         return np.clip(np.searchsorted(self.begins, t, side="right") - 1, 0, len(self.moves) - 1)
 
     def _require(self, derivatives: int) -> None:

@@ -64,7 +64,7 @@ class Vibration(AbstractPath):
         return pace
 
     def law(self) -> TimeLaw:
-        """Give the law by which the path parameter is the time."""
+        """Return the law by which the path parameter is the time."""
         return TimeLaw(
             knots=np.array([0.0, self.duration]),
             origins=np.zeros(1),

@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 from flexros.compile.compiled_function import compile_function
 from flexros.compile.loop.arrays import LoopInputs
-from flexros.compile.loop.loop import LoopKernel, compile_loop
+from flexros.compile.loop.kernel import LoopKernel, compile_loop
 from flexros.control.controller import Controller
 from flexros.control.pid import Pid
 from flexros.robot import Robot, load_robot

@@ -9,7 +9,7 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.compile.loop.arrays import LoopInputs, LoopResult, LoopState
-from flexros.compile.loop.loop import compile_loop
+from flexros.compile.loop.kernel import compile_loop
 from flexros.effects import PlacedEffect, RobotWithEffects, effects, place_effects
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.robot import Robot, load_robot

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.compile.loop.arrays import LoopInputs
-from flexros.compile.loop.loop import compile_loop
+from flexros.compile.loop.kernel import compile_loop
 from flexros.effects import parse_effect, place_effects
 from flexros.simulate.loop import feed_through
 from flexros.simulate.plant_model import PlantModel

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.compile.loop.arrays import LoopInputs
-from flexros.compile.loop.loop import compile_loop
+from flexros.compile.loop.kernel import compile_loop
 from flexros.errors import InputError
 from flexros.scenario.batch import batch, whole_record
 from flexros.scenario.closed_loop import closed_loop

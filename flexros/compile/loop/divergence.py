@@ -1,11 +1,10 @@
-"""Watches the state of every lane in the compiled loop."""
+"""Detection of divergence in the compiled loop, per lane."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexros.compile.ir_text import mask_type
-from flexros.compile.ir_vectors import CHUNK, element
+from flexros.compile.ir_text import CHUNK, element, mask_type
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -14,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def stop_when_diverged(block: IrBlock, states: int, plant: str, diverged: str, k: str) -> None:
-    """Write the noting of sample k + 1 for lanes whose state is not finite, and the return once none is left.
+    """Write code that stores sample k + 1 for lanes whose state is not finite, and returns once all have diverged.
 
     Args:
         block: Where to write, in a function that returns i64.
@@ -37,7 +36,7 @@ def stop_when_diverged(block: IrBlock, states: int, plant: str, diverged: str, k
 
 
 def _any(block: IrBlock, mask: str) -> str:
-    """Tell in one bit whether the mask is set in any lane."""
+    """Reduce a mask to one bit: whether it is set in any lane."""
     if block.lanes == 1:
         return mask
     bits = block.value(f"bitcast {block.mask} {mask} to i{block.lanes}")
@@ -45,7 +44,7 @@ def _any(block: IrBlock, mask: str) -> str:
 
 
 def _not_finite(block: IrBlock, states: int, plant: str) -> str:
-    """Return one bit per lane: whether any state is infinite or not a number (then 0 x is not 0)."""
+    """Return one bit per lane: whether any state is infinite or NaN (then 0 x is not 0)."""
     masks = []
     for width, positions in _sums(states, block.lanes):
         part = block.of_lanes(width)
@@ -61,7 +60,7 @@ def _not_finite(block: IrBlock, states: int, plant: str) -> str:
 
 
 def _sums(states: int, lanes: int) -> Sequence[tuple[int, list[int]]]:
-    """Split the state into sums that run at the same time: (lanes of the sum, first doubles)."""
+    """Split the state into independent sums, which run in parallel: (lanes of the sum, first doubles)."""
     if lanes > 1:
         return [(lanes, [k * lanes for k in range(start, states, 4)]) for start in range(min(4, states))]
     whole = states - states % CHUNK

@@ -9,10 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flexros.compile.ir_text import IrBlock
-from flexros.compile.ir_vectors import element, element_wise, set_element
+from flexros.compile.ir_text import IrBlock, element, element_wise, set_element
 from flexros.compile.loop.divergence import stop_when_diverged
-from flexros.compile.runge_kutta import step_weights
+from flexros.compile.loop.runge_kutta import step_weights
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -84,7 +83,7 @@ class LoopDriver:
             block.emit(f"call void @llvm.memcpy.p0.p0.i64(ptr {target}, ptr {source}, i64 {size}, i1 false)")
 
     def _step(self) -> str:
-        """Replace x by the state one step later; w, u, p and the weights [h, h/2, h/6] are held."""
+        """Write the replacement of x by the state one step later; w, u, p and the weights [h, h/2, h/6] are held."""
         block = IrBlock(self.lanes)
         after = self._scratch(block, self.sizes.state)
         block.emit(f"call void @{self.symbols.merged_step}(ptr %x, ptr %u, ptr %w, ptr %p, ptr %weights, ptr {after})")
@@ -93,7 +92,7 @@ class LoopDriver:
         return _definition(f"internal void @loop.step({_STEP_PARAMETERS})", block)
 
     def _runge_kutta(self) -> str:
-        """The same, from four calls of the derivative; the formula is that of runge_kutta.py."""
+        """Write the same with four calls of the derivative; the formula is that of runge_kutta.py."""
         block = IrBlock(self.lanes)
         n = self.sizes.state
         stage, slope, total = (self._scratch(block, n) for _ in range(3))
@@ -127,7 +126,7 @@ class LoopDriver:
         return _definition(f"internal void @loop.step({_STEP_PARAMETERS})", block)
 
     def _measure(self) -> str:
-        """Y = sensor(encoder(x) + noise), and the tool pose where its address is not null."""
+        """Write y = sensor(encoder(x) + noise), and the tool pose if its address is not null."""
         block = IrBlock(self.lanes)
         motors = self.sizes.motors
         clean = self._scratch(block, motors) if self.symbols.sensor else "%y"
@@ -145,7 +144,7 @@ class LoopDriver:
         return _definition(f"void @{MEASURE}({parameters})", block)
 
     def _advance(self) -> str:
-        """Drive the plant from t_k to t_k+1 with the command of t_k, delayed, and the disturbance."""
+        """Write the plant from t_k to t_k+1 with the delayed command of t_k and the disturbance."""
         block = IrBlock(self.lanes)
         motors = self.sizes.motors
         torque, weights, after = (self._scratch(block, n) for n in (motors, 3, self.sizes.state))
@@ -167,7 +166,7 @@ class LoopDriver:
         return _definition(f"void @{ADVANCE}({parameters})", block)
 
     def _acting_torque(self, block: IrBlock, piece: TorquePiece, torque: str) -> None:
-        """Write command of each motor, as old as it is in this part of the sample, plus disturbance into `torque`."""
+        """Write the command of each motor that acts in this part of the sample, plus disturbance, into `torque`."""
         motors = self.sizes.motors
 
         def of_age(age: int) -> str:
@@ -186,14 +185,14 @@ class LoopDriver:
         element_wise(block, motors * self.lanes, add_disturbance)
 
     def _update(self, block: IrBlock, symbol: str | None, torque: str, wrench: str, duration: str, after: str) -> None:
-        """Replace x by what a function makes of it; nothing where there is no such function."""
+        """Replace x by the value of an update function, if the loop has it."""
         if symbol is None:
             return
         block.emit(f"call void @{symbol}(ptr %x, ptr {torque}, ptr {wrench}, ptr %p, ptr {duration}, ptr {after})")
         self._copy(block, "%x", after, self.sizes.state)
 
     def _remember(self, block: IrBlock) -> None:
-        """Shift the line of past commands and put the new one in front."""
+        """Shift the line of past commands and insert the new one at its front."""
         length, row = self.delay.line_length, 8 * self.sizes.motors * self.lanes
         if length > 1:
             target = block.pointer("%line", self.sizes.motors)
@@ -203,7 +202,7 @@ class LoopDriver:
             self._copy(block, "%line", "%u", self.sizes.motors)
 
     def _run(self) -> str:
-        """i64 run(job): returns the number of samples done; it ends early when every lane has diverged."""
+        """Write `i64 run(job)`, which returns the number of samples; it ends early once every lane has diverged."""
         block = IrBlock(self.lanes)
         sizes = self.sizes
         job = {name: self._job_entry(block, k) for k, name in enumerate(JOB_FIELDS)}
@@ -238,7 +237,7 @@ class LoopDriver:
         return block.pointer(base, block.value(f"mul nsw i64 {k}, {width * self.lanes}"), "double")
 
     def _signal(self, block: IrBlock, job: dict[str, str], name: str, k: str, buffer: str, width: int) -> str:
-        """Return the address of a signal at sample k; a signal that lanes share is spread into the buffer."""
+        """Return the address of a signal at sample k; a signal shared by all lanes is copied to each in the buffer."""
         offset = block.value(f"mul nsw i64 {k}, {job[f'{name}_stride']}")
         row = block.pointer(job[name], offset, "double")
         if self.lanes == 1:

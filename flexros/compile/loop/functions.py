@@ -17,8 +17,8 @@ WRENCH_SIZE = 6
 class LoopFunctions:
     """Plant and controller as CasADi functions.
 
-    An effect with continuous states of its own (actuator lag, filters, time) adds them behind the state x and their
-    equations to `derivative`. The optional functions are the stages for what an explicit integrator cannot do.
+    An effect with continuous states of its own (actuator lag, filters, time) appends them to the state x, and their
+    equations to `derivative`. The optional functions are stages that an explicit integrator cannot represent.
 
     Attributes:
         derivative: (x, u, w, p) -> dx/dt; u (M,) motor torque [Nm], w (6,) wrench at the tool [N, Nm].
@@ -26,13 +26,13 @@ class LoopFunctions:
         tool_pose: (leading part of x, p) -> (7,) position [m] and quaternion xyzw.
         controller: (c, r, y, g) -> (u, c_next).
         sensor: (y, x, p) -> y, acting on the noisy encoder values: quantisation, periodic errors. None: no change.
-        exact_update: (x, u, w, p, h) -> x after time h [s] by the parts that `derivative` leaves out, solved exactly:
+        exact_update: (x, u, w, p, h) -> x after time h [s] by the dynamics that `derivative` omits, solved exactly:
             stiff bristles, stick and slip. Applied for h/2 before and after every Runge-Kutta step (Strang 1968,
-            second order). None: nothing is left out.
-        before_step: (x, u, w, p, h) -> x, called once before every Runge-Kutta step of length h [s]: what is held
-            through it, such as a mean friction torque. None: nothing.
-        after_step: The same after every step: what remembers where the step ended, such as the slip of an element of
-            a hysteresis. None: nothing.
+            second order). None: nothing is omitted.
+        before_step: (x, u, w, p, h) -> x, called once before every Runge-Kutta step of length h [s]: sets quantities
+            held during the step, such as a mean friction torque. None: nothing.
+        after_step: The same after every step: updates states that depend on its end point, such as the slip of an
+            element of a hysteresis. None: nothing.
     """
 
     derivative: ca.Function

@@ -10,8 +10,8 @@ import numpy as np
 
 from flexros.compile.compiled_function import bind_packed, packed_entry
 from flexros.compile.loop.driver import ADVANCE, JOB_FIELDS, MEASURE, RUN, LoopDriver, LoopSymbols
+from flexros.compile.loop.runge_kutta import is_merged, runge_kutta_step
 from flexros.compile.module_builder import ModuleBuilder, check_lanes
-from flexros.compile.runge_kutta import is_merged, runge_kutta_step
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,7 +35,7 @@ class MachineCodeLoop:
             sizes: Their sizes.
             delay: Parts of a sample and remembered commands.
             substeps: Runge-Kutta steps per part.
-            lanes: Simulations side by side: 1, 2, 4, 8, 16.
+            lanes: Parallel simulations: 1, 2, 4, 8, 16.
         """
         check_lanes(lanes)
         builder = ModuleBuilder()
@@ -50,14 +50,14 @@ class MachineCodeLoop:
         self._advance = ctypes.PYFUNCTYPE(None, ctypes.c_void_p)(code.address(f"{ADVANCE}.packed"))
 
     def run(self, job: LoopJob) -> int:
-        """Run all samples of a job in place; return how many were done before every lane had diverged."""
+        """Run a job in place; return the number of samples until every lane has diverged, else all."""
         values = np.array([_entry(job, name) for name in JOB_FIELDS], dtype=np.int64)
         return int(self._run(values.ctypes.data))
 
     def measure(
         self, plant: FloatArray, noise: FloatArray, parameters: FloatArray, encoder: FloatArray, tool_pose: FloatArray
     ) -> Callable[[], None]:
-        """Prepare the reading of encoders and tool pose."""
+        """Prepare the measurement of encoders and tool pose."""
         return self._bind(self._measure, plant, noise, parameters, encoder, tool_pose)
 
     def advance(

@@ -4,7 +4,7 @@ At every sampling instant t_k = k T, with the recorded positions y_k and torques
 
     e_k = (y_k - sensor(encoder(x_k))) v_k,   z_k = tool pose of x_k
     x_k <- x_k + K e_k
-    x_k+1: as in the closed loop of loop.py, under the delayed torque u_k
+    x_k+1: as in the closed loop of kernel.py, under the delayed torque u_k
 
 v_k is 1 where a sample was measured and 0 where not, so that the model runs on alone through gaps. A gain of zero gives
 the free response. All of it for several lanes side by side, each with parameters and, where wanted, torques of its own.

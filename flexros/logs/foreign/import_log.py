@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flexros.errors import InputError, unknown_name
-from flexros.logs.foreign.quantities import QUANTITIES
+from flexros.logs.foreign.quantities import QUANTITIES, TIME_UNITS
 from flexros.logs.foreign.signal_source import AbstractSignalSource, open_source, safe_name
-from flexros.logs.foreign.units import TIME_UNITS
 from flexros.logs.mcap.bag_files import find_bag_files
 from flexros.logs.stamps import START_NS
 from flexros.logs.time_series import JointSeries, Log

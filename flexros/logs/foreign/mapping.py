@@ -10,8 +10,7 @@ from pydantic import Field, model_validator
 from flexros.config.settings import Settings, validate
 from flexros.config.yaml_file import read_yaml
 from flexros.errors import unknown_name
-from flexros.logs.foreign.quantities import QUANTITIES
-from flexros.logs.foreign.units import TIME_UNITS, UNITS, units_of
+from flexros.logs.foreign.quantities import QUANTITIES, TIME_UNITS, UNITS, units_of
 
 MAPPINGS = Path(__file__).parents[1] / "mappings"
 """Mapping files that are shipped."""

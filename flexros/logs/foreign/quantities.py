@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -37,3 +38,50 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
     }
 )
 """Every quantity of a motor that a mapping file may name."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """One unit of a kind of quantity.
+
+    Attributes:
+        kind: "position", "velocity" or "torque".
+        rotary: Of a rotation (True) or of a translation (False).
+        factor: Value in the SI unit of one of it.
+    """
+
+    kind: str
+    rotary: bool
+    factor: float
+
+
+UNITS: Mapping[str, Unit] = MappingProxyType(
+    {
+        "rad": Unit("position", True, 1.0),
+        "mrad": Unit("position", True, 1e-3),
+        "deg": Unit("position", True, pi / 180),
+        "turn": Unit("position", True, 2 * pi),
+        "m": Unit("position", False, 1.0),
+        "mm": Unit("position", False, 1e-3),
+        "um": Unit("position", False, 1e-6),
+        "rad/s": Unit("velocity", True, 1.0),
+        "deg/s": Unit("velocity", True, pi / 180),
+        "rpm": Unit("velocity", True, 2 * pi / 60),
+        "m/s": Unit("velocity", False, 1.0),
+        "mm/s": Unit("velocity", False, 1e-3),
+        "Nm": Unit("torque", True, 1.0),
+        "mNm": Unit("torque", True, 1e-3),
+        "kNm": Unit("torque", True, 1e3),
+        "N": Unit("torque", False, 1.0),
+        "kN": Unit("torque", False, 1e3),
+    }
+)
+"""Units that need no scale; every other one (V, A, counts, ...) is turned into one of these by a scale."""
+
+TIME_UNITS: Mapping[str, float] = MappingProxyType({"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9})
+"""Seconds in one unit of a time column."""
+
+
+def units_of(kind: str) -> list[str]:
+    """List the units of a kind of quantity, those of rotations first."""
+    return [name for name, unit in UNITS.items() if unit.kind == kind]

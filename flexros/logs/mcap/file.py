@@ -145,7 +145,7 @@ class McapFile:
         self._counted += self._counts[-1]
 
     def finish_in_less_space(self, metadata_name: str, metadata: Callable[[], Mapping[str, str]]) -> bool:
-        """Give up the last chunk for the summary, on a full disk. `close` must follow.
+        """Return up the last chunk for the summary, on a full disk. `close` must follow.
 
         Args:
             metadata_name: As in `finish`.

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def is_common(schema: Schema) -> bool:
-    """Tell whether a schema of a file serialises like the common definition of its type."""
+    """Return whether a schema of a file serialises like the common definition of its type."""
     text: str = schema.data.decode(errors="replace")
     if schema.encoding != "ros2msg" or len(schema.data) > LARGEST_DEFINITION:
         return False

@@ -124,7 +124,7 @@ def file_messages(survey: FileSurvey, topics: Mapping[int, int], window: TimeWin
 def _wanted(
     block: MessageBlock, topics: Mapping[int, int], window: TimeWindow
 ) -> Iterator[tuple[int, int, int, int, bytes | memoryview]]:
-    """Give log time, topic and place of the messages that are to be played."""
+    """Return log time, topic and place of the messages that are to be played."""
     headers = block.headers
     times = headers["log_time"]
     rows = np.isin(headers["channel"], list(topics)) & (times >= window.first) & (times <= window.last)

@@ -25,7 +25,7 @@ class ReplayPace:
         self._now, self._log_time = now, float(log_time)
 
     def due(self, log_time: int) -> float:
-        """Give the clock's time at which a log time is due [s]; infinite in a pause."""
+        """Return the clock's time at which a log time is due [s]; infinite in a pause."""
         if self.paused:
             return math.inf
         return self._now + (log_time - self._log_time) / (self._rate * NANOSECONDS)

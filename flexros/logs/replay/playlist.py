@@ -102,7 +102,7 @@ class Playlist:
         self.controller = FedController(feed, states, len(self.source.topics), f"{played}/joint_commands")
 
     def messages(self) -> Iterator[ReplayMessage]:
-        """Give all messages in the order of log time; of one time, those that the replay makes come first."""
+        """Return all messages in the order of log time; of one time, those that the replay makes come first."""
         streams = [self.source.messages()]
         if self.controller is not None:
             streams.insert(0, self._chunks(self.controller))

@@ -51,7 +51,7 @@ class RecordedTopic:
 
 
 def absolute_name(name: str) -> str:
-    """Give the absolute form of a topic name: with a leading slash."""
+    """Return the absolute form of a topic name: with a leading slash."""
     return "/" + name.strip("/")
 
 
@@ -79,13 +79,13 @@ def recorded_topic(channel: Channel, schema: Schema | None) -> RecordedTopic:
 
 
 def type_in_full(name: str) -> str:
-    """Give a type in three parts, "package/msg/Name"; empty if it is no name of a ROS type."""
+    """Return a type in three parts, "package/msg/Name"; empty if it is no name of a ROS type."""
     match = _TYPE.fullmatch(name)
     return "" if match is None else f"{match[1]}/{match[2] or 'msg'}/{match[3]}"
 
 
 def name_problem(name: str) -> str:
-    """Say what is wrong with an absolute topic name, nothing if ROS 2 allows it."""
+    """Return what is wrong with an absolute topic name, nothing if ROS 2 allows it."""
     if _NAME.fullmatch(name) and "__" not in name:
         return ""
     return f"'{name}' is no topic name of ROS 2 (letters, digits and single underscores between slashes)"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flexros.compile import LoopInputs, compile_loop
-from flexros.compile.loop import loop as loop_module
+from flexros.compile.loop import kernel as kernel_module
 from tests.compile.conftest import unstable
 
 
@@ -23,7 +23,7 @@ def test_divergence_is_counted_from_the_start_of_a_sliced_run(monkeypatch: pytes
     kernel = compile_loop(unstable(), sample_time=0.1)
     inputs = LoopInputs(reference=np.zeros((1, 1)), parameters=np.array([1.0]))
     whole = kernel.run(kernel.initial_state([1.0]), 50, inputs)
-    monkeypatch.setattr(loop_module, "_SLICE_WORK", 3)
+    monkeypatch.setattr(kernel_module, "_SLICE_WORK", 3)
     assert kernel.run(kernel.initial_state([1.0]), 50, inputs).diverged == whole.diverged
 
 

@@ -22,7 +22,7 @@ _COMMENT = "#"
 
 
 class CsvTable(AbstractSignalSource):
-    """A table whose first line, commented out or not, names the columns; further lines with # are passed over."""
+    """A table whose first line, commented out or not, names the columns; further lines with # are skipped."""
 
     format: ClassVar[str] = "table as text"
     suffixes: ClassVar[tuple[str, ...]] = (".csv", ".tsv", ".txt", ".dat")

@@ -78,7 +78,7 @@ class RosBag(AbstractSignalSource):
     def _messages(
         self, topics: set[str] | None, notes: list[str], most: int = sys.maxsize
     ) -> Iterator[tuple[str, int, bytes, Decode]]:
-        """Give topic, time of recording [ns], payload and decoder of the first messages of each topic."""
+        """Return topic, time of recording [ns], payload and decoder of the first messages of each topic."""
         seen: Counter[str] = Counter()
         for file in self._bag.files:
             scan = McapScan(file)

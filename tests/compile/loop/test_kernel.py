@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from flexros.compile import LoopFunctions, LoopInputs, LoopKernel, LoopState, compile_loop
-from flexros.compile.loop import loop as loop_module
+from flexros.compile.loop import kernel as kernel_module
 from flexros.errors import InputError
 from tests.compile.conftest import GAINS, PARAMETERS, SAMPLE_TIME, STATE, integrator, rich_inputs
 
@@ -41,7 +41,7 @@ def test_plant_follows_dop853(chain: LoopFunctions) -> None:
 
 @pytest.mark.parametrize("limit", [0, 10_000])
 def test_integration_is_of_fourth_order(chain: LoopFunctions, limit: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("flexros.compile.runge_kutta.MERGED_INSTRUCTIONS", limit)
+    monkeypatch.setattr("flexros.compile.loop.runge_kutta.MERGED_INSTRUCTIONS", limit)
     finals = []
     for substeps in (1, 2, 4, 64):
         kernel = compile_loop(open_loop(chain), sample_time=4e-3, substeps=substeps)
@@ -66,7 +66,7 @@ def test_run_in_two_parts_equals_one_run(kernel: LoopKernel) -> None:
 
 def test_slices_of_a_long_run_change_nothing(kernel: LoopKernel, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = kernel.run(kernel.initial_state(STATE), 100, rich_inputs(100))
-    monkeypatch.setattr(loop_module, "_SLICE_WORK", 300)
+    monkeypatch.setattr(kernel_module, "_SLICE_WORK", 300)
     seen: list[int] = []
     sliced = kernel.run(kernel.initial_state(STATE), 100, rich_inputs(100), progress=seen.append)
     assert seen == [30, 60, 90, 100]
@@ -75,7 +75,7 @@ def test_slices_of_a_long_run_change_nothing(kernel: LoopKernel, monkeypatch: py
 
 
 def test_progress_may_break_off_a_run(kernel: LoopKernel, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(loop_module, "_SLICE_WORK", 300)
+    monkeypatch.setattr(kernel_module, "_SLICE_WORK", 300)
 
     def interrupt(done: int) -> None:
         raise KeyboardInterrupt
@@ -125,7 +125,7 @@ def test_lanes_are_stepped_together(chain: LoopFunctions) -> None:
 def test_lanes_give_the_same_bits(
     chain: LoopFunctions, lanes: int, limit: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("flexros.compile.runge_kutta.MERGED_INSTRUCTIONS", limit)
+    monkeypatch.setattr("flexros.compile.loop.runge_kutta.MERGED_INSTRUCTIONS", limit)
     timing = {"sample_time": SAMPLE_TIME, "delay": 2.3 * SAMPLE_TIME}
     single, wide = compile_loop(chain, **timing), compile_loop(chain, lanes=lanes, **timing)
     samples = 40

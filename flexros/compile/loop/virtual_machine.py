@@ -9,8 +9,8 @@ import casadi as ca
 import numpy as np
 
 from flexros.compile.loop.functions import WRENCH_SIZE
+from flexros.compile.loop.runge_kutta import is_merged, runge_kutta_step, step_weights
 from flexros.compile.module_builder import check_lanes
-from flexros.compile.runge_kutta import is_merged, runge_kutta_step, step_weights
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -36,7 +36,7 @@ class VirtualMachineLoop:
             sizes: Their sizes.
             delay: Parts of a sample and remembered commands.
             substeps: Runge-Kutta steps per part.
-            lanes: Simulations side by side: 1, 2, 4, 8, 16.
+            lanes: Parallel simulations: 1, 2, 4, 8, 16.
         """
         check_lanes(lanes)
         self._sizes = sizes
@@ -47,7 +47,7 @@ class VirtualMachineLoop:
         self._samples = lru_cache(maxsize=2)(lambda n: self._sample.mapaccum("samples", n))
 
     def run(self, job: LoopJob) -> int:
-        """Run all samples of a job in place; return how many were done before every lane had diverged."""
+        """Run a job in place; return the number of samples until every lane has diverged, else all."""
         for lane in range(job.lanes):
             self._run_lane(job, lane)
         return int(job.diverged.max()) if (job.diverged >= 0).all() else job.samples
@@ -55,7 +55,7 @@ class VirtualMachineLoop:
     def measure(
         self, plant: FloatArray, noise: FloatArray, parameters: FloatArray, encoder: FloatArray, tool_pose: FloatArray
     ) -> Callable[[], None]:
-        """Prepare the reading of encoders and tool pose."""
+        """Prepare the measurement of encoders and tool pose."""
 
         def call() -> None:
             for lane in range(plant.shape[1]):
@@ -126,7 +126,7 @@ def _symbols(*sizes: int) -> list[ca.MX]:
 
 
 def _leading(function: ca.Function, x: ca.MX) -> ca.MX:
-    """Return the part of the state that a function wants."""
+    """Return the leading part of the state that a function takes."""
     return x[: function.numel_in(0)]
 
 
@@ -139,7 +139,7 @@ def _measure_function(functions: LoopFunctions, sizes: LoopSizes) -> ca.Function
 
 
 def _step_function(functions: LoopFunctions, sizes: LoopSizes, h: float) -> ca.Function:
-    """One Runge-Kutta step between the updates before and after it: (x, u, w, p) -> x."""
+    """Build one Runge-Kutta step with the updates before and after it: (x, u, w, p) -> x."""
     x, u, w, p = _symbols(sizes.state, sizes.motors, WRENCH_SIZE, sizes.parameters)
 
     def updated(function: ca.Function | None, state: ca.MX, duration: float) -> ca.MX:
@@ -170,7 +170,7 @@ def _advance_function(
 def _sample_function(
     functions: LoopFunctions, sizes: LoopSizes, measure: ca.Function, advance: ca.Function
 ) -> ca.Function:
-    """One sample: (state, r, noise, d, [p, g]) -> (next state, y, u, pose), state = [x, c, line]."""
+    """Build one sample: (state, r, noise, d, [p, g]) -> (next state, y, u, pose), state = [x, c, line]."""
     state_sizes: Sequence[int] = (sizes.state, sizes.controller, advance.numel_in(1))
     state = ca.MX.sym("state", sum(state_sizes))
     r, noise, d = _symbols(sizes.reference, sizes.motors, sizes.disturbance)

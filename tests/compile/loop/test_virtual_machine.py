@@ -8,7 +8,7 @@ import pytest
 
 from flexros.compile import LoopFunctions, LoopInputs, LoopResult, compile_loop, machine_code
 from flexros.compile.loop.machine_code import MachineCodeLoop
-from flexros.compile.virtual_machine import VirtualMachineLoop
+from flexros.compile.loop.virtual_machine import VirtualMachineLoop
 from flexros.robot import load_robot
 from tests.compile.conftest import GAINS, PARAMETERS, SAMPLE_TIME, STATE, reference, rich_inputs, unstable
 
@@ -47,7 +47,7 @@ def assert_equal(results: list[LoopResult]) -> None:
 def test_machine_code_equals_the_virtual_machine(
     chain: LoopFunctions, timing: dict[str, float], limit: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("flexros.compile.runge_kutta.MERGED_INSTRUCTIONS", limit)
+    monkeypatch.setattr("flexros.compile.loop.runge_kutta.MERGED_INSTRUCTIONS", limit)
     assert_equal(both(chain, 250, rich_inputs(250), **timing))
 
 

@@ -18,7 +18,7 @@ At every sampling instant t_k = k T:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
@@ -26,19 +26,46 @@ from flexros.compile.command_delay import split_delays
 from flexros.compile.loop.arrays import LoopInputs, LoopState, loop_result, make_job
 from flexros.compile.loop.functions import loop_sizes
 from flexros.compile.loop.machine_code import MachineCodeLoop
+from flexros.compile.loop.virtual_machine import VirtualMachineLoop
 from flexros.compile.machine_code import can_compile
-from flexros.compile.virtual_machine import VirtualMachineLoop
 from flexros.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from flexros.arrays import FloatArray
-    from flexros.compile.loop.arrays import LoopResult
-    from flexros.compile.loop.engine import LoopEngine
+    from flexros.compile.loop.arrays import LoopJob, LoopResult
     from flexros.compile.loop.functions import LoopFunctions, LoopSizes
 
 _SLICE_WORK = 2_000_000  # states times lanes times samples between two looks at Ctrl-C
+
+
+class LoopEngine(Protocol):
+    """Seam between machine code and virtual machine: whole jobs, and the two halves of a sample on fixed arrays.
+
+    All arrays have a last axis of lanes.
+    """
+
+    def run(self, job: LoopJob) -> int:
+        """Run a job in place; return the number of samples until every lane has diverged, else all."""
+        ...
+
+    def measure(
+        self, plant: FloatArray, noise: FloatArray, parameters: FloatArray, encoder: FloatArray, tool_pose: FloatArray
+    ) -> Callable[[], None]:
+        """Prepare the measurement of encoders and tool pose."""
+        ...
+
+    def advance(
+        self,
+        plant: FloatArray,
+        line: FloatArray,
+        command: FloatArray,
+        disturbance: FloatArray,
+        parameters: FloatArray,
+    ) -> Callable[[], None]:
+        """Prepare the step from one sample to the next."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -50,7 +77,7 @@ class LoopKernel:
         sample_time: T [s].
         line_length: Number of past commands that the delay remembers.
         lanes: Simulations side by side.
-        engine: What carries it out.
+        engine: Implementation: machine code or virtual machine.
     """
 
     sizes: LoopSizes
@@ -60,7 +87,7 @@ class LoopKernel:
     engine: LoopEngine
 
     def initial_state(self, plant: FloatArray, controller: FloatArray | None = None) -> LoopState:
-        """Return a state to start from, with past commands of zero.
+        """Return an initial state with past commands of zero.
 
         Args:
             plant: Plant state x, shape (n_states,) or (n_states, lanes).

@@ -38,6 +38,6 @@ def runge_kutta_step(functions: LoopFunctions, symbol: type[Symbol]) -> ca.Funct
 
 
 def is_merged(functions: LoopFunctions) -> bool:
-    """Tell whether the step is short enough to be compiled as one function."""
+    """Return whether the step is short enough to be compiled as one function."""
     derivative = functions.derivative
     return bool(derivative.is_a("SXFunction")) and derivative.n_instructions() <= MERGED_INSTRUCTIONS
