@@ -1,4 +1,4 @@
-"""Many runs at once: sets of plant parameters, gains and seeds, on SIMD lanes and threads."""
+"""Many runs at once, with sets of plant parameters, gains and seeds, on SIMD lanes and threads."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ if TYPE_CHECKING:
     from flexros.simulate.sample_blocks import SampleBlocks
 
 LANES = 8
-"""Runs side by side in one thread, where there are as many: as wide as the widest vector registers [1]."""
+"""Largest number of runs in parallel lanes of one thread: the width of the widest vector registers [1]."""
 
 Figure = TypeVar("Figure")
 
 
 @dataclass(frozen=True, eq=False)
 class RunRecord:
-    """What one run of a batch recorded.
+    """Signals of one run of a batch.
 
     Attributes:
         encoder: Measured motor positions [rad or m], shape (n, M).
         command: Torque commands [Nm or N], shape (n, M).
         tool_pose: Measured tool pose, position [m] and quaternion x, y, z, w, shape (n, 7).
-        diverged: Sample at which the state became infinite, where the arrays end; -1 if it did not.
+        diverged: Sample at which the state became infinite and the arrays end; -1 for none.
     """
 
     encoder: FloatArray
@@ -52,14 +52,14 @@ class RunRecord:
 
 @dataclass(frozen=True, eq=False)
 class BatchSets:
-    """The numbers of all runs.
+    """Parameters, gains, seeds and initial states of all runs.
 
     Attributes:
         names: Plant parameters that differ between runs.
         parameters: Their values (SI), shape (n_runs, n_parameters).
         gains: All gains of the controller, shape (n_runs, n_gains).
         seeds: Seeds, length n_runs.
-        rests: Where the plants start, length n_runs.
+        rests: Initial states of the plants, length n_runs.
     """
 
     names: tuple[str, ...]
@@ -73,7 +73,7 @@ class BatchSets:
 
 
 def whole_record(record: RunRecord) -> RunRecord:
-    """Keep all signals of a run, as the figure of a batch."""
+    """Return all signals of a run, for `figure` of `batch`."""
     return record
 
 
@@ -87,23 +87,23 @@ def batch(
     threads: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> list[Figure]:
-    """Run an experiment with many sets of numbers; all share its reference.
+    """Run an experiment with many sets of values; all share its reference.
 
     Args:
-        experiment: What to run.
-        figure: What is kept of each run, computed as soon as it ends; `whole_record` keeps everything.
+        experiment: The experiment.
+        figure: Result of each run, computed when it ends; `whole_record` keeps all signals.
         values: Parameter of the plant -> its value in every run (SI), each of shape (n_runs,); of the robot, e.g.
             "body_3.mass", or of an effect in the scenario, e.g. "coulomb_friction@motor_1.level".
         gains: Gain by the names of the control law, e.g. "motor_1.kp" -> its value in every run, shape (n_runs,).
         seeds: Seed of noise and random disturbances in every run; default: that of the scenario in all.
         threads: Number of threads; default: one per processor.
-        progress: Called with the number of runs done, now and then.
+        progress: Called repeatedly with the number of completed runs.
 
     Returns:
-        The figure of every run, in order; a run that diverges does not end the others.
+            The results of all runs, in order; a run that diverges does not affect the others.
 
     Raises:
-        InputError: Unknown names, or different numbers of values.
+            InputError: Unknown names, or different numbers of values.
     """
     model = PlantModel(experiment.plant, experiment.laws, tuple(values or ()))
     sets = batch_sets(experiment, model, values or {}, gains or {}, seeds)
@@ -115,7 +115,7 @@ def batch(
         delay=model.delay,
         lanes=lanes,
     )
-    _ = experiment.reference_signal  # made once, before the threads ask for it
+    _ = experiment.reference_signal  # computed once, before the threads use it
     groups = [range(first, min(first + lanes, len(sets))) for first in range(0, len(sets), lanes)]
     figures: dict[int, Figure] = {}
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
@@ -138,7 +138,7 @@ def batch_sets(
     gains: Mapping[str, ArrayLike],
     seeds: Sequence[int] | None,
 ) -> BatchSets:
-    """Bring the numbers of all runs into arrays, and check that they are of one length; see `batch`."""
+    """Build the arrays of all runs, and check that they have one length; see `batch`."""
     arrays = {f"values of {name}": np.asarray(given, dtype=float) for name, given in values.items()}
     arrays |= {f"gains {name}": np.asarray(given, dtype=float) for name, given in gains.items()}
     if seeds is not None:
@@ -167,7 +167,7 @@ def batch_sets(
 
 
 def _rests(experiment: Experiment, model: PlantModel, parameters: FloatArray) -> tuple[Rest, ...]:
-    """Find where every plant starts; the smallest and the largest value of each parameter must be physical."""
+    """Compute the initial state of every plant; smallest and largest value of each parameter must be physical."""
     start = Rest(experiment.start_state, experiment.start_torque)
     if not model.parameter_names:
         return (start,) * len(parameters)
@@ -193,7 +193,7 @@ def _run_group(
     sets: BatchSets,
     group: range,
 ) -> dict[int, Figure]:
-    """Run as many sets as there are lanes, the last one repeated where sets are missing."""
+    """Run one set per lane, with the last one repeated to fill the lanes."""
     members = [*group, *[group[-1]] * (kernel.lanes - len(group))]
     n, law = experiment.n_samples, experiment.scenario.controller
     rests = [sets.rests[run] for run in members]
@@ -221,24 +221,25 @@ def _run_group(
 
 
 def _record(result: LoopResult, lane: int, lanes: int, tool_noise: SampleBlocks) -> RunRecord:
-    """Take the signals of one lane, up to where it diverged."""
+    """Return the signals of one lane up to its divergence."""
     assert result.tool_pose is not None
     pick = ... if lanes == 1 else (..., lane)
     diverged = int(result.diverged[pick])
     end = len(result.encoder) if diverged < 0 else diverged
-    encoder, command, pose = (np.array(one[pick][:end]) for one in (result.encoder, result.command, result.tool_pose))
+    signals = (result.encoder, result.command, result.tool_pose)
+    encoder, command, pose = (np.array(signal[pick][:end]) for signal in signals)
     if not isinstance(tool_noise, Zeros):
         pose[:, :3] += tool_noise.rows(0, end)
     return RunRecord(encoder, command, pose, diverged)
 
 
 def _lanes(columns: Sequence[FloatArray]) -> FloatArray:
-    """Put vectors of the lanes side by side, shape (size, lanes), or (size,) for one lane."""
+    """Stack vectors of the lanes, shape (size, lanes), or (size,) for one lane."""
     return columns[0] if len(columns) == 1 else np.stack(columns, axis=-1)
 
 
 def _signal(lanes: list[SampleBlocks], n: int) -> FloatArray | None:
-    """Put signals of the lanes side by side, shape (n, width, lanes); (n, width) where all share one, None for zero."""
+    """Stack signals of the lanes, shape (n, width, lanes); (n, width) if all share one, None for zero."""
     if all(isinstance(signal, Zeros) for signal in lanes):
         return None
     if all(signal is lanes[0] for signal in lanes):

@@ -1,4 +1,4 @@
-"""A whole run in this process: the same numbers as over topics, without them."""
+"""A whole run in this process, with the same result as over topics."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from flexros.scenario.experiment import Experiment
 
 SLICE = 65_536
-"""Samples whose noise and disturbances are made at once [1]."""
+"""Samples whose noise and disturbances are generated at once [1]."""
 
 
 class DivergedRunError(RunError):
     """A run whose state became infinite.
 
     Attributes:
-        log: The samples up to there.
+        log: The samples before.
     """
 
     def __init__(self, message: str, log: Log) -> None:
@@ -37,17 +37,17 @@ class DivergedRunError(RunError):
 
 
 def closed_loop(experiment: Experiment, progress: Callable[[int], None] | None = None) -> Log:
-    """Run an experiment.
+    """Simulate the closed loop of an experiment.
 
     Args:
-        experiment: What to run.
-        progress: Called with the number of samples done, now and then.
+        experiment: The experiment.
+        progress: Called repeatedly with the number of completed samples.
 
     Returns:
-        The log with all five topics, from sample 0 to the last.
+        The log with all five topics.
 
     Raises:
-        DivergedRunError: The state became infinite; names sample and time and holds the log up to there.
+        DivergedRunError: The state became infinite; names sample and time and holds the log before.
     """
     scenario, plant, n = experiment.scenario, experiment.plant, experiment.n_samples
     law, references = scenario.controller, experiment.reference_signal
@@ -91,16 +91,13 @@ def closed_loop(experiment: Experiment, progress: Callable[[int], None] | None =
 
 
 def run_log(experiment: Experiment, encoder: FloatArray, command: FloatArray, pose: FloatArray) -> Log:
-    """Put the samples of a run into a log.
+    """Return the log of a run, with all five topics from sample 0 on.
 
     Args:
-        experiment: What was run.
+        experiment: The experiment.
         encoder: Measured motor positions [rad or m], shape (n, M).
         command: Torque commands [Nm or N], shape (n, M).
         pose: Measured tool pose, shape (n, 7).
-
-    Returns:
-        The log with all five topics, from sample 0 on.
     """
     n, names, reference = len(encoder), experiment.plant.joint_names, experiment.reference
     stamp = stamps_ns(n, experiment.sample_time)

@@ -1,4 +1,4 @@
-"""A scenario made ready to run: robots, reference, controller, start."""
+"""A scenario prepared to run: robots, reference, controller, initial state."""
 
 from __future__ import annotations
 
@@ -35,20 +35,20 @@ if TYPE_CHECKING:
     from flexros.simulate.signals import PlantSignals
 
 MOST_BYTES = 4_000_000_000
-"""Largest memory for the signals of a run [bytes]; a longer run is taken for a mistake in its duration (chosen)."""
+"""Largest memory for the signals of a run [bytes]; beyond, a mistake in the duration is assumed (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """All that a run needs, made from its scenario; everything costly is made when first asked for.
+    """A scenario prepared to run; everything costly is computed on first access.
 
     Attributes:
-        scenario: What was asked for.
-        models: The robot as the scenario names it, as the feedforward knows it, and as it is simulated.
+        scenario: The scenario.
+        models: The nominal robot, that of the feedforward, and the simulated one.
         sample_time: Time between two samples [s].
-        trajectory: Desired motion; a rest where the scenario has none, the moves alone where it is an identification.
+        trajectory: Desired motion; a hold if the scenario has none, the moves alone for an identification.
         n_samples: Number of samples, the first at 0 and the last at or just before the end.
-        plan: Plan of the identification experiment; None where the scenario is none.
+        plan: Plan of the identification experiment; None for other scenarios.
     """
 
     scenario: Scenario
@@ -62,14 +62,8 @@ class Experiment:
     def prepare(cls, scenario: Scenario) -> Experiment:
         """Load the robots and plan the motion.
 
-        Args:
-            scenario: What to run.
-
-        Returns:
-            The experiment.
-
         Raises:
-            InputError: Robot, values, start or trajectory are not possible; the sentence names scenario and key.
+            InputError: Invalid robot, values, start or trajectory; names scenario and key.
         """
         source = f"scenario {scenario.name}"
         models = ScenarioModels.of(scenario)
@@ -87,18 +81,18 @@ class Experiment:
                 f"{MOST_BYTES / 1e9:g} GB; shorten the duration or raise the sample time"
             )
         experiment = cls(scenario, models, sample_time, trajectory, n_samples, plan)
-        with source_named(source):  # what is cheap to check is refused before anything costly is made
+        with source_named(source):  # cheap checks come before costly computations
             _ = experiment.gains, experiment.signals(scenario.seed)
         return experiment
 
     @property
     def nominal(self) -> Robot:
-        """The robot that the scenario names, without the laws of a patch."""
+        """The nominal robot, without the laws of a patch."""
         return self.models.nominal.robot
 
     @property
     def plant(self) -> Robot:
-        """The robot that is simulated, without the laws of its effects."""
+        """The simulated robot, without the laws of its effects."""
         return self.models.plant.robot
 
     @property
@@ -113,15 +107,15 @@ class Experiment:
 
     @cached_property
     def start(self) -> FloatArray:
-        """Arm coordinates near which the motion starts [rad or m], shape (N,)."""
+        """Approximate initial arm coordinates [rad or m], shape (N,)."""
         return self.nominal.home if self.scenario.start is None else np.array(self.scenario.start, dtype=float)
 
     @cached_property
     def reference(self) -> Reference:
-        """References and feedforward torques of all samples; the torques are zero where the scenario says so.
+        """References and feedforward torques of all samples; the torques are zero without `feedforward_torque`.
 
         Raises:
-            InputError: The robot cannot reach the path, or the nominal robot would leave a limit of an identification.
+            InputError: The path is out of reach, or the nominal robot would exceed a limit of an identification.
         """
         with source_named(f"scenario {self.scenario.name}"):
             if self.plan is None:
@@ -154,21 +148,21 @@ class Experiment:
 
     @cached_property
     def start_state(self) -> FloatArray:
-        """State of the plant before the first sample: at rest, the encoders on their first reference."""
+        """Initial state of the plant: at rest, with the encoders at their first reference."""
         held = position_of_reading(self.plant, self.laws, self.start_motor_position)
         state = self.plant.equilibrium(self.start, motor_position=held)
         return self.plant_model.rest(state).state if self.plant_model.moves_rest else state
 
     @cached_property
     def start_torque(self) -> FloatArray:
-        """Command that holds the plant at its start [Nm or N], shape (M,); what a delayed command stands for."""
+        """Command that holds the plant at its start [Nm or N], shape (M,); it fills the delay line."""
         model, state = self.plant_model, self.start_state
         torque = model.rest(state).torque if model.moves_rest else self.plant.holding_torque(state)
         return model.command_at_rest(state, torque, np.zeros(0))
 
     @cached_property
     def plant_model(self) -> PlantModel:
-        """The plant with the laws of its effects, as functions."""
+        """The plant with the laws of its effects."""
         return PlantModel(self.plant, self.laws)
 
     @cached_property
@@ -178,22 +172,22 @@ class Experiment:
 
     @cached_property
     def gains(self) -> FloatArray:
-        """Gains of the controller within the limits of the nominal robot, shape (n_gains,)."""
+        """Gains of the controller, shape (n_gains,)."""
         return self.scenario.controller.gains(self.loop_context)
 
     def controller(self) -> Controller:
-        """Make a controller in its state before the first sample."""
+        """Build the controller in its initial state."""
         return Controller(self.scenario.controller, self.loop_context)
 
     def signals(self, seed: int) -> PlantSignals:
-        """Make sensor noise and disturbances of a seed."""
+        """Generate sensor noise and disturbances of a seed."""
         scenario = self.scenario
         return plant_signals(
             self.plant, self.sample_time, seed, noise=scenario.noise, disturbances=scenario.disturbances
         )
 
     def plant_in_time(self) -> Plant:
-        """Make the simulated robot at its start, to be stepped sample by sample."""
+        """Build the simulated robot at its start, to be stepped sample by sample."""
         return Plant(
             self.plant,
             self.sample_time,
@@ -208,12 +202,12 @@ class Experiment:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the feedforward knows of but cannot make up for, a sentence each."""
+        """Effects known to the feedforward that it cannot compensate, one sentence each."""
         known = self.models.known
         return uncompensated(known.robot, known.laws, self.scenario.feedforward)
 
     def provenance(self) -> dict[str, Any]:
-        """Describe the run for the log's side-car: scenario, hashes, versions."""
+        """Return the provenance of the run for the log's side-car: scenario, hashes, versions."""
         return {
             "scenario": self.scenario.model_dump(mode="json"),
             "scenario_hash": self.scenario.digest(),
@@ -241,23 +235,22 @@ class Experiment:
         return self._with_torque(reference)
 
     def _with_torque(self, reference: Reference) -> Reference:
-        """Take the feedforward torque away where the scenario does not want it."""
+        """Set the feedforward torque to zero without `feedforward_torque`."""
         if self.scenario.feedforward_torque:
             return reference
         return replace(reference, torque=np.zeros_like(reference.torque))
 
 
 def bytes_per_sample(robot: Robot, n_out: int, *, planned: bool = False) -> int:
-    """Give the memory that each sample of a run takes, as all signals are held at once.
+    """Return the memory per sample of a run [bytes], as all signals are held at once.
+
+    It holds the reference (its parts and the whole), the signal to the controller, the motion with its derivatives
+    from which the reference is computed, and the log.
 
     Args:
         robot: The robot, with M motors.
         n_out: Number of coordinates of the trajectory.
-        planned: Whether it is an identification, whose reference is written where it stays.
-
-    Returns:
-        Memory [bytes]: the reference (its parts and the whole), the signal to the controller, the motion with its
-        derivatives that the reference is made from, and the log.
+        planned: Whether it is an identification, whose reference is computed in place.
     """
     m = robot.n_motors
     reference, signal, derivatives, log = 8 + 3 * m + n_out, 3 * m, 5 * (m + n_out), 7 + 2 * m
@@ -265,7 +258,7 @@ def bytes_per_sample(robot: Robot, n_out: int, *, planned: bool = False) -> int:
 
 
 def _trajectory(scenario: Scenario, robot: Robot, source: str, sample_time: float) -> Trajectory:
-    """Plan the scenario's motion from its start pose."""
+    """Plan the motion from the start pose."""
     near = robot.home
     if scenario.start is not None:
         with source_named(f"{source}, key start"):
@@ -295,7 +288,7 @@ def _trajectory(scenario: Scenario, robot: Robot, source: str, sample_time: floa
 
 
 def _check_reachable(trajectory: Trajectory, robot: Robot, near: FloatArray) -> None:
-    """Refuse a tool path that leaves the reach of the rigid arm or passes a singularity; names the place."""
+    """Refuse a tool path that leaves the reach of the rigid arm or passes a singularity; names the point."""
     if trajectory.joints or not robot.spec.outputs[trajectory.output].pose:
         return
     gears = list(robot.gear_rows)

@@ -48,10 +48,10 @@ def unknown_names(robot: Robot, given: Sequence[str] = ()) -> tuple[str, ...]:
 
     Args:
         robot: The robot.
-        given: Names that replace the default: those that the robot file lists, else all springs and dampers above zero.
+        given: Names; default: those listed in the robot file, else all springs and dampers above zero.
 
     Returns:
-        The names, each once.
+            The names without duplicates.
 
     Raises:
         InputError: A name is not a parameter of the robot, or there is none.
@@ -83,7 +83,7 @@ def template_scenario(robot: Robot, reference: str, given: str = "") -> Scenario
             controller designed for the robot and defaults otherwise.
 
     Returns:
-        A scenario with identification; its positions are still to be chosen.
+        A scenario with identification, whose positions are to be chosen.
 
     Raises:
         InputError: The scenario has no identification.
@@ -92,7 +92,7 @@ def template_scenario(robot: Robot, reference: str, given: str = "") -> Scenario
     if given or built_in in scenario_names():
         scenario = load_scenario(given or built_in)
         if scenario.identification is None:
-            raise InputError(f"scenario {scenario.name} has no key identification, so it is no experiment; add the key")
+            raise InputError(f"scenario {scenario.name} has no key identification; add it")
         return scenario.with_values({"robot": reference})
     flexible = bool(robot.flexible_motors)
     settings = {
@@ -107,15 +107,15 @@ def template_scenario(robot: Robot, reference: str, given: str = "") -> Scenario
 
 
 def with_real_robot(template: Scenario, nominal: Robot, real: Robot) -> Scenario:
-    """Let another robot play the real one in the plant.
+    """Set the plant of an experiment to another robot that stands in for the real one.
 
     Args:
         template: The experiment.
         nominal: The nominal robot.
-        real: The robot that plays the real one; it may differ in parameters of the equations of motion.
+        real: The stand-in; it may differ in parameters of the equations of motion.
 
     Returns:
-        The experiment with the values of the plant; values that the template sets itself take precedence.
+        The experiment with the values of the plant; values of the template take precedence.
 
     Raises:
         InputError: The robots differ in more than parameters.
@@ -131,9 +131,9 @@ class DesignedExperiment:
     """A designed identification experiment.
 
     Attributes:
-        design: The positions, and what they were chosen from.
+        design: The positions and their candidates.
         scenario: The experiment in these positions.
-        amplitude_factor: Factor on the amplitudes of the template, below 1 because of the torque limits.
+        amplitude_factor: Factor on the amplitudes of the template, below 1 if torque limits require it.
         duration: Robot time [s].
     """
 
@@ -160,20 +160,20 @@ def design_identification(
         robot: The nominal robot.
         names: Unknown parameters.
         template: Excitation and controller, see `template_scenario`.
-        file: File of the scenario; one that exists is replaced.
-        settings: How many positions, out of how many; default: `default_positions` with the seed of the template.
+        file: File of the scenario; an existing one is replaced.
+        settings: Number of positions and candidates; default: `default_positions` with the seed of the template.
         ranges: Smallest and largest coordinate of each gear [rad or m], shape (M, 2); see `candidate_positions`.
-        longest: Robot time up to which transient periods are added [s].
-        progress: Called with the current step, the amount done and the amount in all.
+        longest: Largest robot time with added transient periods [s].
+        progress: Called with the current step, the amount done and the total.
 
     Returns:
-        The experiment, its scenario as read back from the file.
+        The experiment, with its scenario as read back from the file.
 
     Raises:
-        InputError: Template, ranges or names are not possible, or the file cannot be written.
+            InputError: Invalid template, ranges or names, or the file cannot be written.
     """
     if template.identification is None:
-        raise InputError(f"scenario {template.name} has no key identification, so it is no experiment; add the key")
+        raise InputError(f"scenario {template.name} has no key identification; add it")
     settings = settings or DesignSettings(default_positions(len(names)), seed=template.seed)
     sample_time = robot.sample_time if template.sample_time is None else template.sample_time
     design = design_experiment(
@@ -189,10 +189,10 @@ def design_identification(
 def designed_scenario(
     template: Scenario, robot: Robot, design: ExperimentDesign, longest: float = LONGEST
 ) -> tuple[Scenario, float]:
-    """Put the chosen positions into a scenario.
+    """Return the scenario with the chosen positions.
 
-    Amplitude and speed of the moves are lowered where the torque limits leave no room for them, and transient periods
-    are added where the loop settles slowly and time is left.
+    Amplitude and speed of the moves are reduced to the torque limits. Transient periods are added where the loop
+    settles slowly, as far as time allows.
 
     Args:
         template: The experiment in each position.
@@ -201,7 +201,7 @@ def designed_scenario(
         longest: Longest experiment to which transient periods are added [s].
 
     Returns:
-        The scenario, and the factor by which amplitudes were lowered, 1 where they were not.
+        The scenario, and the factor on the amplitudes, at most 1.
     """
     assert template.identification is not None
     blocks = max(template.identification.blocks_per_position)
@@ -224,7 +224,7 @@ def designed_scenario(
 
 
 def _move_changes(template: Scenario, robot: Robot, design: ExperimentDesign) -> dict[str, Any]:
-    """Lower acceleration and speed of the moves as far as the torque limits ask for."""
+    """Reduce acceleration and speed of the moves to the torque limits."""
     specification = template.identification
     assert specification is not None
     allowed = specification.limits.torque_share * template.controller.command_limits(robot)
@@ -239,13 +239,13 @@ def _move_changes(template: Scenario, robot: Robot, design: ExperimentDesign) ->
 
 
 def _scaled(values: float | tuple[float, ...], factor: float) -> float | list[float]:
-    """Multiply one number or one per motor, with three digits left."""
+    """Multiply one value or one per motor, rounded to three digits."""
     scaled = [float(f"{factor * value:.2e}") for value in np.atleast_1d(values)]
     return scaled if len(scaled) > 1 else scaled[0]
 
 
 def _transient_periods(scenario: Scenario, robot: Robot, design: ExperimentDesign, longest: float) -> int:
-    """Give the periods after which the loop has settled in every position, as far as time allows."""
+    """Return the periods after which the loop has settled in every position, as far as time allows."""
     specification = scenario.identification
     assert specification is not None
     own = specification.transient_periods
@@ -256,8 +256,8 @@ def _transient_periods(scenario: Scenario, robot: Robot, design: ExperimentDesig
     if min(decays) <= 0:
         where = np.round(design.positions[int(np.argmin(decays))], 3).tolist()
         raise InputError(
-            f"the controller of scenario {scenario.name} does not hold robot {robot.name} steady at the gear positions "
-            f"{where}; lower its gains, or narrow the ranges"
+            f"the loop of scenario {scenario.name} with robot {robot.name} is unstable at the gear positions {where}; "
+            "lower the gains of the controller, or narrow the ranges"
         )
     period = specification.excitation.record_samples(design.sample_time) * design.sample_time
     experiments = robot.n_motors * sum(specification.blocks_per_position)
@@ -275,14 +275,7 @@ def _description(robot: Robot, design: ExperimentDesign) -> str:
 
 
 def scenario_yaml(scenario: Scenario) -> str:
-    """Write a scenario as the text of a file.
-
-    Args:
-        scenario: The scenario.
-
-    Returns:
-        The text; lists of numbers take one line each.
-    """
+    """Return the YAML text of a scenario, with each list of numbers on one line."""
     writer, text = YAML(), io.StringIO()
     writer.width = 120
     writer.indent(mapping=2, sequence=4, offset=2)

@@ -1,4 +1,4 @@
-"""The plan of the identification experiment of a scenario, or of the scenario that a log was recorded by."""
+"""The plan of the identification experiment of a scenario, or of the scenario of a log."""
 
 from __future__ import annotations
 
@@ -15,20 +15,14 @@ if TYPE_CHECKING:
 
 
 def plan_of_scenario(scenario: Scenario) -> ExperimentPlan:
-    """Make the plan of a scenario.
-
-    Args:
-        scenario: A scenario with the key `identification`.
-
-    Returns:
-        The plan.
+    """Build the plan of a scenario with the key `identification`.
 
     Raises:
-        InputError: The scenario has no such key, or the plan is not possible.
+        InputError: The key is missing, or the plan is not possible.
     """
     source = f"scenario {scenario.name}"
     if scenario.identification is None:
-        raise InputError(f"{source} has no key identification, so there is no experiment to plan; add the key")
+        raise InputError(f"{source} has no key identification; add it")
     patched = load_patched(scenario.robot).with_values(scenario.model.values, f"{source}, key model.values")
     robot = patched.model.robot
     with source_named(source):
@@ -39,13 +33,7 @@ def plan_of_scenario(scenario: Scenario) -> ExperimentPlan:
 
 
 def plan_of_log(log: Log) -> ExperimentPlan:
-    """Make the plan again that a log was recorded by, from the scenario in its provenance.
-
-    Args:
-        log: A log of an identification scenario.
-
-    Returns:
-        The plan.
+    """Rebuild the plan of a log from the scenario in its provenance.
 
     Raises:
         InputError: The log has no scenario, or one without identification.
@@ -54,7 +42,7 @@ def plan_of_log(log: Log) -> ExperimentPlan:
     if not isinstance(settings, dict) or settings.get("identification") is None:
         what = "holds no scenario" if not isinstance(settings, dict) else "is of a scenario without identification"
         raise InputError(
-            f"the provenance of the log {what}, so positions and periods of the experiment are not known; give the "
-            "scenario of the experiment, or the log of one with the key identification"
+            f"the provenance of the log {what}, so positions and periods of the experiment are unknown; give the "
+            "scenario of the experiment, or the log of an identification"
         )
     return plan_of_scenario(validate(Scenario, settings, "provenance of the log, key scenario"))

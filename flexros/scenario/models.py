@@ -1,4 +1,4 @@
-"""The robots of a scenario: as the feedforward knows it, and as it is simulated."""
+"""The models of a scenario: nominal robot, robot of the feedforward, simulated robot."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ScenarioModels:
-    """The robots of a scenario.
+    """The models of a scenario.
 
     Attributes:
-        nominal: The robot that the scenario names, with the effects of a patch, if it names one.
-        known: What the feedforward believes in: the nominal one, or that of the key `feedforward_model`.
-        plant: What is simulated: the nominal one with the deviations of the plant on top.
-        nominal_effects: Effects of the patch that the scenario names as its robot.
-        known_effects: Effects of the patch that the scenario names as `feedforward_model`.
+        nominal: The robot of the scenario, with the effects of a patch if it names one.
+        known: Model of the feedforward: the nominal one, or that of the key `feedforward_model`.
+        plant: The simulated robot: the nominal one with the deviations of the plant.
+        nominal_effects: Effects of the patch named by the key `robot`.
+        known_effects: Effects of the patch named by the key `feedforward_model`.
     """
 
     nominal: RobotWithEffects
@@ -36,17 +36,13 @@ class ScenarioModels:
 
     @classmethod
     def of(cls, scenario: Scenario) -> ScenarioModels:
-        """Load the robots of a scenario.
+        """Load the models of a scenario.
 
-        Args:
-            scenario: The scenario.
-
-        Returns:
-            The robots. Values replace numbers of the robot file; effects come on top of all values: first those of
-            the patch, then those of the plant.
+        Values replace those of the robot file. Effects are applied to the result: first those of the patch, then
+        those of the plant.
 
         Raises:
-            InputError: A robot cannot be loaded, or has no such number or place; names scenario and key.
+            InputError: A robot cannot be loaded, or has no such parameter or location; names scenario and key.
         """
         source = f"scenario {scenario.name}"
         nominal = load_patched(scenario.robot).with_values(scenario.model.values, f"{source}, key model.values")
@@ -57,17 +53,13 @@ class ScenarioModels:
         return cls(nominal.model, known.model, plant, nominal.placed, known.placed)
 
     def provenance(self) -> dict[str, Any]:
-        """Describe the robots for the provenance of a run.
-
-        Returns:
-            Fingerprints of the robots; that of the feedforward's, and effects of patches, where there are any.
-        """
+        """Return fingerprints of the models and effects of patches for the provenance of a run."""
         content: dict[str, Any] = {"model_hash": self._hash(self.nominal), "plant_hash": self._hash(self.plant)}
         if self.known is not self.nominal:
             content["feedforward_hash"] = self._hash(self.known)
         for key, placed in (("model_effects", self.nominal_effects), ("feedforward_effects", self.known_effects)):
             if placed:
-                content[key] = [str(one) for one in placed]
+                content[key] = [str(effect) for effect in placed]
         return content
 
     @staticmethod
@@ -76,7 +68,7 @@ class ScenarioModels:
 
 
 def _plant(scenario: Scenario, nominal: PatchedRobot, source: str) -> RobotWithEffects:
-    """Change the robot by the plant's values, then by the effects of the patch and of the plant."""
+    """Apply the plant's values, then the effects of the patch and of the plant."""
     key = f"{source}, key plant"
     if "sample_time" in scenario.plant.values:
         raise InputError(
@@ -90,7 +82,7 @@ def _plant(scenario: Scenario, nominal: PatchedRobot, source: str) -> RobotWithE
 
 
 def _known(scenario: Scenario, name: str, nominal: Robot, source: str) -> PatchedRobot:
-    """Load what the feedforward believes in, a model of the same robot."""
+    """Load the model of the feedforward and check that it describes the same robot."""
     key = f"{source}, key feedforward_model"
     with source_named(key):
         known = load_patched(name).with_values(scenario.model.values, "model.values of the scenario")

@@ -1,4 +1,4 @@
-"""The experiment that a log was recorded by, made again from the scenario in its provenance."""
+"""The experiment of a log, rebuilt from the scenario in its provenance."""
 
 from __future__ import annotations
 
@@ -15,14 +15,10 @@ if TYPE_CHECKING:
 
 
 def recorded_experiment(log: Log) -> Experiment | None:
-    """Prepare the scenario of a log, without noise and with nothing hidden in the plant.
-
-    Args:
-        log: The log.
+    """Prepare the scenario of a log, without noise and deviations of the plant.
 
     Returns:
-        The experiment; None where the log names none, one of another version, or one whose robot is not on this
-        machine.
+        The experiment; None if the log has none, one of another version, or one whose robot is not on this machine.
     """
     from flexros.scenario.experiment import Experiment
     from flexros.scenario.scenario import Scenario
@@ -37,14 +33,9 @@ def recorded_experiment(log: Log) -> Experiment | None:
 
 
 def with_recorded_parts(record: Record, log: Log) -> Record:
-    """Add the multisines of a diagnosis experiment to the record of its log.
+    """Add the multisines of a diagnosis experiment to the record of its log, as whole periods within the record.
 
-    Args:
-        record: The record.
-        log: The log it was read from.
-
-    Returns:
-        The record with the whole periods within it; unchanged where the experiment is another or not known.
+    A record of another or unknown experiment is returned unchanged.
     """
     given = log.provenance.get("scenario")
     if not isinstance(given, dict) or not given.get("diagnosis"):

@@ -1,4 +1,4 @@
-"""A scenario: everything that determines one run, as one typed, validated and frozen object."""
+"""A scenario: the complete, validated and frozen description of one run."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _FOLDER = Path(__file__).parent / "library"
 
 
 def _designed_controller(given: dict[str, Any]) -> Any:
-    """Design the controller of a diagnosis experiment that has none; nothing otherwise, which is refused."""
+    """Design the controller of a diagnosis experiment without one; return None otherwise, which is refused."""
     if given.get("diagnosis") is None:
         return None
     from flexros.identify.diagnosis_experiment.controller import designed_controller
@@ -40,7 +40,7 @@ def _designed_controller(given: dict[str, Any]) -> Any:
 
 
 def _control_law(given: Any) -> Any:
-    """Let the registry of controllers choose the class; its error becomes part of the scenario's."""
+    """Build the control law by its kind; its error becomes part of the scenario's."""
     if given is None:
         raise PydanticKnownError("missing")
     if isinstance(given, AbstractControlLaw):
@@ -71,16 +71,16 @@ Values: TypeAlias = Annotated[dict[str, float], AfterValidator(_finite)]
 
 
 class ModelSettings(Settings):
-    """How a robot deviates from its file."""
+    """Deviations of a robot from its file."""
 
     values: Values = Field(
         default_factory=dict,
-        description="numbers of the robot file to replace, e.g. {body_3.mass: 190}, each in the unit of the file",
+        description="values of the robot file to replace, e.g. {body_3.mass: 190}, each in the unit of the file",
     )
 
 
 def _effect(text: str) -> str:
-    """Refuse an effect that is not well-formed; its place is checked when it meets the robot."""
+    """Refuse a malformed effect; its location is checked on the robot."""
     try:
         parse_effect(text, "effect")
     except InputError as error:
@@ -93,7 +93,7 @@ EffectText: TypeAlias = Annotated[str, AfterValidator(_effect)]
 
 
 class PlantSettings(ModelSettings):
-    """How the simulated robot deviates from the nominal one."""
+    """Deviations of the simulated robot from the nominal one."""
 
     effects: tuple[EffectText, ...] = Field(
         default=(),
@@ -103,23 +103,23 @@ class PlantSettings(ModelSettings):
 
 
 class Scenario(Settings):
-    """Everything that determines one run.
+    """Complete description of one run.
 
-    The nominal robot, with the effects of a patch if `robot` names one, is what the feedforward knows unless
-    `feedforward_model` names another one; the plant is the nominal robot with its own deviations on top.
+    The feedforward uses the nominal robot, with the effects of a patch if `robot` names one, unless
+    `feedforward_model` names another model. The plant is the nominal robot with additional deviations.
     """
 
     name: str = Field(
         default="",
         pattern=r"^[\w.+ -]*$",
         max_length=100,
-        description="name of the run, part of file names; the file's name when left out",
+        description="name of the run, part of file names; default: the file's name",
     )
     description: str = Field(
-        default="", description="what the scenario shows, and which numbers are published or chosen"
+        default="", description="purpose of the scenario, and which values are published or chosen"
     )
     robot: str = Field(
-        description="shipped robot, or path of a robot file or of a patch, relative to the scenario's folder"
+        description="built-in robot, or path of a robot file or of a patch, relative to the scenario's folder"
     )
     model: ModelSettings = Field(
         default_factory=ModelSettings, description="deviations of the nominal robot from its file, also in the plant"
@@ -128,14 +128,14 @@ class Scenario(Settings):
         default_factory=PlantSettings, description="deviations of the simulated robot from the nominal one"
     )
     sample_time: float | None = Field(
-        default=None, gt=0.0, le=1.0, description="time between two samples [s]; the robot's when left out"
+        default=None, gt=0.0, le=1.0, description="time between two samples [s]; default: that of the robot"
     )
     substeps: int = Field(default=1, ge=1, le=1000, description="integration steps of the plant in a sample [1]")
     start: tuple[float, ...] | None = Field(
-        default=None, description="arm coordinates at the start [rad or m]; the robot's home when left out"
+        default=None, description="initial arm coordinates [rad or m]; default: home of the robot"
     )
     trajectory: TrajectorySpecification | None = Field(
-        default=None, description="path and time law of the controlled output; the start is held when left out"
+        default=None, description="path and time law of the controlled output; default: hold the start"
     )
     identification: IdentificationSpecification | None = Field(
         default=None,
@@ -149,24 +149,24 @@ class Scenario(Settings):
     )
     feedforward_model: str | None = Field(
         default=None,
-        description="robot file or patch that the feedforward believes in instead of the nominal robot, e.g. the patch "
-        "of a diagnosis; relative to the scenario's folder; the plant stays as it is",
+        description="robot file or patch that the feedforward uses instead of the nominal robot, e.g. the patch of a "
+        "diagnosis; relative to the scenario's folder; the plant is unaffected",
     )
     feedforward_torque: bool = Field(
         default=True,
-        description="whether the torque of the feedforward acts; false: only its motor positions are followed",
+        description="whether the feedforward torque is applied; false: only its motor positions are followed",
     )
     controller: ControlLaw = Field(
         default_factory=_designed_controller,
-        description="kind and settings of the feedback controller; a diagnosis has one of its own",
+        description="kind and settings of the feedback controller; default for a diagnosis: designed for the robot",
     )
     disturbances: tuple[Disturbance, ...] = Field(
         default=(), description="torques that the plant adds at motors and tool"
     )
-    noise: bool = Field(default=True, description="whether the sensors have the noise that the robot file states")
+    noise: bool = Field(default=True, description="whether the sensors have the noise of the robot file")
     seed: int = Field(default=1, ge=0, lt=2**63, description="seed of sensor noise and random disturbances [1]")
     duration: float | None = Field(
-        default=None, gt=0.0, description="length of the run [s]; that of the trajectory with its rests when left out"
+        default=None, gt=0.0, description="length of the run [s]; default: that of the trajectory with its holds"
     )
 
     @model_validator(mode="after")
@@ -177,29 +177,26 @@ class Scenario(Settings):
                 if key != leader and getattr(self, key) is not None:
                     raise ValueError(
                         f"the scenario has {leader} and {key}, allowed is one of them, because {leader} "
-                        f"says itself how the robot moves and how long; remove {key}"
+                        f"determines motion and duration; remove {key}"
                     )
         elif self.trajectory is None and self.duration is None:
             raise ValueError("the scenario has neither trajectory nor duration; add duration in s")
         return self
 
     def settings(self) -> dict[str, Any]:
-        """Give the scenario as plain data, with what was left out left out; a scenario again by `Scenario(**...)`."""
+        """Return the keys that were set as plain data, from which `Scenario(**...)` builds the scenario again."""
         return self.model_dump(mode="json", exclude_unset=True)
 
     def with_values(self, values: Mapping[str, Any], source: str = "") -> Scenario:
-        """Copy with some keys changed.
+        """Return a copy with some keys changed.
 
         Args:
             values: Dotted key -> new value, e.g. {"sample_time": 0.001, "plant.values.body_3.mass": 190,
                 "disturbances.0.amplitude": 5}.
-            source: Where the values came from, for errors; default: the scenario's name.
-
-        Returns:
-            The changed scenario.
+            source: Origin of the values, for error messages; default: the scenario's name.
 
         Raises:
-            InputError: A key does not exist or a value is not allowed.
+                InputError: Unknown key or invalid value.
         """
         origin = source or f"scenario {self.name}"
         settings = self.settings()
@@ -208,9 +205,9 @@ class Scenario(Settings):
         return validate(Scenario, settings, origin)
 
     def digest(self) -> str:
-        """Give the SHA-256 of everything that determines the run, as sorted JSON; name and description do not."""
+        """Return the SHA-256 of everything that determines the run, as sorted JSON without name and description."""
         settings = self.model_dump(mode="json", exclude={"name", "description"})
-        if not self.plant.effects:  # none determine nothing: scenarios keep the hash they had without the key
+        if not self.plant.effects:  # scenarios without effects keep the hash from before this key existed
             del settings["plant"]["effects"]
         for key in ("identification", "diagnosis", "feedforward_model"):
             if settings[key] is None:
@@ -219,7 +216,7 @@ class Scenario(Settings):
 
 
 def scenario_names() -> tuple[str, ...]:
-    """List the shipped scenarios."""
+    """Return the names of the built-in scenarios."""
     return tuple(sorted(path.stem for path in _FOLDER.glob("*.yaml")))
 
 
@@ -227,13 +224,11 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
     """Load a scenario.
 
     Args:
-        name_or_path: A shipped name, or the path of a YAML file.
-
-    Returns:
-        The scenario; relative paths of robot and feedforward model are taken from the scenario's folder.
+        name_or_path: Built-in name, or path of a YAML file. Relative paths of robot and feedforward model in the file
+            are relative to its folder.
 
     Raises:
-        InputError: No such scenario, broken YAML, unknown key or value not allowed; names file and key.
+            InputError: Unknown scenario, malformed YAML, unknown key or invalid value; names file and key.
     """
     path = _path(name_or_path)
     settings = {"name": path.stem, **read_yaml(path)}
@@ -254,20 +249,18 @@ def _path(name_or_path: str | Path) -> Path:
 
 
 def _set(container: Any, keys: list[str], value: Any, source: str) -> None:
-    """Write a value into nested plain data; below `values` the rest of the key is one name with dots."""
+    """Set a value in nested plain data; below `values` the rest of the key is one name with dots."""
     key, rest = keys[0], keys[1:]
     if isinstance(container, list):
         if not key.isdigit() or int(key) >= len(container):
             allowed = f"0 to {len(container) - 1}" if container else "none, the list is empty"
-            raise InputError(
-                f"{source}: there is no entry {key}, allowed are {allowed}; write the entry into the scenario"
-            )
+            raise InputError(f"{source}: there is no entry {key}, allowed are {allowed}; add the entry to the scenario")
         if rest:
             _set(container[int(key)], rest, value, source)
         else:
             container[int(key)] = value
     elif not isinstance(container, dict):
-        raise InputError(f"{source}: '{key}' lies within {container!r}, which has no keys; give a key that exists")
+        raise InputError(f"{source}: '{key}' is within {container!r}, which has no keys; give a key that exists")
     elif not rest:
         container[key] = value
     elif key == "values":

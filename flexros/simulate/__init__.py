@@ -1,1 +1,1 @@
-"""Plants in time: robot, disturbances and noise, alone or in the closed loop, one run or many."""
+"""Simulated plants in time: robot with effects, disturbances and sensor noise."""

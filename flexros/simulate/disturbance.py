@@ -25,14 +25,12 @@ WRENCH = ("tool.fx", "tool.fy", "tool.fz", "tool.tx", "tool.ty", "tool.tz")
 
 
 class AbstractDisturbance(Settings, ABC):
-    """Disturbance at one place; held from each sampling instant to the next, as a torque command is.
+    """Disturbance at one location, held between sampling instants like a torque command.
 
-    How to add one: write a final subclass with `kind`, its fields and `values`, and put it into `Disturbance`.
+    How to add one: write a final subclass with `kind`, its fields and `values`, and add it to `Disturbance`.
     """
 
-    at: str = Field(
-        description="motor_1, motor_2, ... (torque added to the command's [Nm, or N]) or tool.fx ... tool.tz"
-    )
+    at: str = Field(description="motor_1, motor_2, ... (torque added to the command [Nm, or N]) or tool.fx ... tool.tz")
     start: float = Field(default=0.0, ge=0.0, description="start time, counted from the start of the run [s]")
 
     @abstractmethod
@@ -40,17 +38,17 @@ class AbstractDisturbance(Settings, ABC):
         """Evaluate at sampling instants.
 
         Args:
-            index: Sample numbers, shape (n,).
+            index: Sample indices, shape (n,).
             sample_time: Time between two samples [s].
             seed: Seed of the run.
-            number: Place in the scenario's list, which tells random disturbances apart.
+            number: Index in the scenario's list, which separates the random streams of disturbances.
 
         Returns:
-            Disturbance in the unit of its place, shape (n,).
+                Disturbance in the unit of its location, shape (n,).
         """
 
     def highest_frequency(self) -> float:
-        """Give the highest frequency that must stay below half the sampling rate [Hz]."""
+        """Return the highest frequency, which must be below half the sampling rate [Hz]."""
         return 0.0
 
     def require(self, sample_time: float, source: str) -> None:
@@ -58,7 +56,7 @@ class AbstractDisturbance(Settings, ABC):
 
         Args:
             sample_time: Time between two samples [s].
-            source: Where the disturbance came from, e.g. "disturbances[0]".
+            source: Origin of the disturbance, e.g. "disturbances[0]".
 
         Raises:
             InputError: A frequency is above half the sampling rate.
@@ -70,7 +68,7 @@ class AbstractDisturbance(Settings, ABC):
             )
 
     def elapsed(self, index: IntArray, sample_time: float) -> FloatArray:
-        """Give the time since the first sample at or after `start` [s], shape (n,); negative before it."""
+        """Return the time since the first sample at or after `start` [s], shape (n,); negative before it."""
         first = sample_index(self.start, sample_time)
         return np.asarray((index - first) * sample_time, dtype=float)
 
@@ -87,11 +85,11 @@ class Step(AbstractDisturbance):
 
 
 class Pulse(AbstractDisturbance):
-    """Constant from `start` for the time `width`."""
+    """Constant from `start` for the duration `width`."""
 
     kind: Literal["pulse"] = Field(description="kind of disturbance [name]")
     amplitude: float = Field(description="height [Nm at a motor; N or Nm at the tool]")
-    width: float = Field(gt=0.0, description="how long it lasts, rounded up to whole samples [s]")
+    width: float = Field(gt=0.0, description="duration, rounded up to whole samples [s]")
 
     def values(self, index: IntArray, sample_time: float, seed: int, number: int) -> FloatArray:
         """Evaluate at sampling instants."""
@@ -101,44 +99,44 @@ class Pulse(AbstractDisturbance):
 
 
 class Chirp(AbstractDisturbance):
-    """Sine whose frequency moves linearly from `from_hz` to `to_hz` during `duration`, then zero."""
+    """Sine whose frequency changes linearly from `from_hz` to `to_hz` during `duration`, then zero."""
 
     kind: Literal["chirp"] = Field(description="kind of disturbance [name]")
     amplitude: float = Field(description="amplitude [Nm at a motor; N or Nm at the tool]")
     from_hz: float = Field(ge=0.0, description="frequency at the start [Hz]")
     to_hz: float = Field(ge=0.0, description="frequency at the end [Hz]")
-    duration: float = Field(gt=0.0, description="how long it lasts [s]")
+    duration: float = Field(gt=0.0, description="duration [s]")
 
     def values(self, index: IntArray, sample_time: float, seed: int, number: int) -> FloatArray:
         """Evaluate at sampling instants."""
         time = self.elapsed(index, sample_time)
         turns = self.from_hz * time + 0.5 * (self.to_hz - self.from_hz) / self.duration * time**2
-        wave = self.amplitude * np.sin(2.0 * math.pi * turns)
-        return np.where((time >= 0.0) & (time < self.duration), wave, 0.0)
+        sine = self.amplitude * np.sin(2.0 * math.pi * turns)
+        return np.where((time >= 0.0) & (time < self.duration), sine, 0.0)
 
     def highest_frequency(self) -> float:
-        """Give the higher one of the two ends [Hz]."""
+        """Return the higher end of the sweep [Hz]."""
         return max(self.from_hz, self.to_hz)
 
 
 class Noise(AbstractDisturbance):
-    """Band-limited random noise: equal amplitudes and random phases on all lines within the band, nearly normal."""
+    """Band-limited random noise: equal amplitudes and random phases on all lines of the band, nearly normal."""
 
     kind: Literal["noise"] = Field(description="kind of disturbance [name]")
     rms: float = Field(ge=0.0, description="root mean square over a period [Nm at a motor; N or Nm at the tool]")
     low_hz: float = Field(default=0.0, ge=0.0, description="lower end of the band [Hz]")
     high_hz: float = Field(gt=0.0, description="upper end of the band [Hz]")
-    duration: float | None = Field(default=None, gt=0.0, description="how long it lasts [s]; to the end when left out")
-    period: float = Field(default=60.0, gt=0.0, le=3600.0, description="time after which it repeats itself [s]")
+    duration: float | None = Field(default=None, gt=0.0, description="duration [s]; default: to the end of the run")
+    period: float = Field(default=60.0, gt=0.0, le=3600.0, description="period [s]")
 
     @model_validator(mode="after")
     def _band_has_a_width(self) -> Noise:
         if self.high_hz <= self.low_hz:
-            raise ValueError(f"high_hz is {self.high_hz:g} Hz, but must lie above low_hz = {self.low_hz:g} Hz")
+            raise ValueError(f"high_hz is {self.high_hz:g} Hz, but must be above low_hz = {self.low_hz:g} Hz")
         return self
 
     def require(self, sample_time: float, source: str) -> None:
-        """Check frequency and number of lines; see `AbstractDisturbance.require`."""
+        """Check the frequency and that the band holds a line; see `AbstractDisturbance.require`."""
         super().require(sample_time, source)
         samples = self._samples(sample_time)
         first, last = _lines(samples, self.low_hz * sample_time, self.high_hz * sample_time)
@@ -159,31 +157,31 @@ class Noise(AbstractDisturbance):
         return np.where((time >= 0.0) & (time < end), self.rms * table[(index - first) % samples], 0.0)
 
     def highest_frequency(self) -> float:
-        """Give the upper end of the band [Hz]."""
+        """Return the upper end of the band [Hz]."""
         return self.high_hz
 
     def _samples(self, sample_time: float) -> int:
-        """Give the period in samples."""
+        """Return the period in samples."""
         return max(sample_index(self.period, sample_time), 2)
 
 
 Disturbance: TypeAlias = Annotated[Step | Pulse | Chirp | Noise, Field(discriminator="kind")]
-"""Any disturbance of a scenario, told apart by its key `kind`."""
+"""Any disturbance of a scenario, selected by its key `kind`."""
 
 
 def sample_index(time: float, sample_time: float) -> int:
-    """Give the number of the first sample at or after a time; a millionth of a sample counts as rounding."""
+    """Return the index of the first sample at or after a time, with a tolerance of a millionth of a sample."""
     return math.ceil(time / sample_time - 1e-6)
 
 
 def _lines(samples: int, low: float, high: float) -> tuple[int, int]:
-    """Number the first and the last line of a period between two frequencies, fractions of the sampling rate."""
+    """Return the first and last line of a period between two frequencies, given as fractions of the sampling rate."""
     return max(math.ceil(low * samples - 1e-9), 1), math.floor(high * samples + 1e-9)
 
 
 @lru_cache(maxsize=16)
 def _noise_table(samples: int, low: float, high: float, seed: int, number: int) -> FloatArray:
-    """Make one period of unit rms from lines between two frequencies, given as fractions of the sampling rate."""
+    """Synthesise one period of unit rms from lines between two frequencies, given as fractions of the sampling rate."""
     first, last = _lines(samples, low, high)
     lines = np.zeros(samples // 2 + 1, dtype=complex)
     phases = generator(seed, Stream.DISTURBANCE, number).uniform(0.0, 2.0 * math.pi, last - first + 1)
@@ -195,7 +193,7 @@ def _noise_table(samples: int, low: float, high: float, seed: int, number: int) 
 def disturbance_signal(
     disturbances: Sequence[AbstractDisturbance], n_motors: int, sample_time: float, seed: int
 ) -> SampleBlocks:
-    """Add up disturbances by place.
+    """Sum disturbances by location.
 
     Args:
         disturbances: Disturbances of a scenario.
@@ -207,8 +205,7 @@ def disturbance_signal(
         Signal with the columns [motor torque (M), wrench at the tool (6)].
 
     Raises:
-        InputError: A place does not exist on this robot, a frequency is above half the sampling rate, or a band holds
-            no line.
+        InputError: Unknown location, a frequency above half the sampling rate, or a band without line.
     """
     width = n_motors + len(WRENCH)
     if not disturbances:
@@ -228,7 +225,7 @@ def disturbance_signal(
 
 
 def _column(disturbance: AbstractDisturbance, number: int, n_motors: int) -> int:
-    places = (*(f"motor_{motor}" for motor in range(1, n_motors + 1)), *WRENCH)
-    if disturbance.at not in places:
-        raise unknown_name("place", disturbance.at, places, f"disturbances[{number}].at")
-    return places.index(disturbance.at)
+    locations = (*(f"motor_{motor}" for motor in range(1, n_motors + 1)), *WRENCH)
+    if disturbance.at not in locations:
+        raise unknown_name("location", disturbance.at, locations, f"disturbances[{number}].at")
+    return locations.index(disturbance.at)

@@ -1,4 +1,4 @@
-"""Laws of a plant sorted by their kinds."""
+"""Laws of a plant by kind."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class LawsByKind:
-    """Laws with their effects, in the order in which they were given; an effect may be of several kinds.
+    """Laws with their effects, in the order given; an effect may be of several kinds.
 
     Attributes:
         all: All laws.
@@ -31,28 +31,28 @@ class LawsByKind:
 
     @cached_property
     def commands(self) -> list[tuple[PlacedLaw, AbstractCommandLaw]]:
-        """Laws between command and motor, in the order in which a torque passes them."""
+        """Laws between command and motor, in order of `rank`."""
         found = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractCommandLaw)]
         return sorted(found, key=lambda pair: pair[1].rank)
 
     @cached_property
     def torques(self) -> list[tuple[PlacedLaw, AbstractMotorTorque]]:
-        """Torques at motors without jumps."""
+        """Continuous torques at motors."""
         return [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractMotorTorque)]
 
     @cached_property
     def frictions(self) -> list[tuple[PlacedLaw, AbstractDryFriction]]:
-        """Frictions that can stick."""
+        """Friction with sticking."""
         return [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractDryFriction)]
 
     @cached_property
     def bristles(self) -> list[tuple[PlacedLaw, AbstractBristleFriction]]:
-        """Frictions with presliding."""
+        """Friction with presliding."""
         return [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractBristleFriction)]
 
     @cached_property
     def gears(self) -> list[tuple[PlacedLaw, AbstractGearLaw]]:
-        """Laws of springs, in the order in which each sees what those before it have made of the spring."""
+        """Laws of springs, in order of `rank`."""
         found = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractGearLaw)]
         return sorted(found, key=lambda pair: pair[1].rank)
 
@@ -63,7 +63,7 @@ class LawsByKind:
 
     @cached_property
     def sensors(self) -> list[tuple[PlacedLaw, AbstractSensor]]:
-        """Errors of encoders, in the order in which a reading passes them."""
+        """Errors of encoders, in order of `rank`."""
         found = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractSensor)]
         return sorted(found, key=lambda pair: pair[1].rank)
 

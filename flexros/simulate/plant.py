@@ -1,4 +1,4 @@
-"""The simulated robot, stepped sample by sample: what a plant node drives."""
+"""The simulated robot, stepped sample by sample, as in the plant node."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ if TYPE_CHECKING:
 
 
 class Plant:
-    """Robot, sensors and disturbances in time; equal, bit for bit, to the run of the whole loop.
+    """Robot, sensors and disturbances in time; equal to the run of the whole loop to the last bit.
 
-    At sample k, `measure` and `tool_pose` tell what the sensors see at t_k = k T, and `advance` moves to t_(k+1) under
-    the command of t_k, which acts from t_k + delay on. Everything is determined by the arguments.
+    At sample k, `measure` and `tool_pose` return the measurements at t_k = k T, and `advance` integrates to t_(k+1)
+    under the command of t_k, which acts from t_k + delay on. The arguments determine all results.
 
     Args:
         robot: The robot, with its delay and sensor noise.
         sample_time: Time T between two samples [s].
         state: State at t_0, shape (2 nq,).
         seed: Seed of noise and random disturbances.
-        noise: Whether the sensors have the noise that the robot states.
-        disturbances: Torques and forces added at motors and tool.
+        noise: Whether the sensors have the noise of the robot file.
+        disturbances: Torques and forces at motors and tool.
         substeps: Integration steps in a sample.
         torque: Command that acts until the first one arrives through the delay [Nm or N], shape (M,); default: zero.
         laws: Laws of effects.
 
     Raises:
-        InputError: A disturbance has a place or frequency that does not exist here, or a number is out of range.
+        InputError: Unknown location or too high frequency of a disturbance, or an argument out of range.
     """
 
     def __init__(
@@ -85,26 +85,18 @@ class Plant:
 
     @property
     def state(self) -> FloatArray:
-        """State x of the robot at the present sample, shape (2 nq,), a copy."""
+        """Copy of the robot's state x at the present sample, shape (2 nq,)."""
         state: FloatArray = self._step.plant[: 2 * self.robot.n_coordinates].copy()
         return state
 
     def measure(self) -> FloatArray:
-        """Read the encoders at the present sample.
-
-        Returns:
-            Motor positions with noise [rad or m], shape (M,).
-        """
+        """Return the encoders' motor positions at the present sample, with noise [rad or m], shape (M,)."""
         self._sense()
         encoder: FloatArray = self._step.encoder.copy()
         return encoder
 
     def tool_pose(self) -> FloatArray:
-        """Read the tool tracker at the present sample.
-
-        Returns:
-            Position with noise x, y, z [m] and quaternion x, y, z, w, shape (7,).
-        """
+        """Return the tracker's tool pose at the present sample: noisy position [m] and quaternion xyzw, shape (7,)."""
         self._sense()
         pose: FloatArray = self._step.tool_pose.copy()
         if not isinstance(self._signals.tool_noise, Zeros):
@@ -112,25 +104,25 @@ class Plant:
         return pose
 
     def advance(self, command: FloatArray | Sequence[float]) -> None:
-        """Move on to the next sample.
+        """Integrate to the next sample.
 
         Args:
             command: Torque command of the present sample [Nm or N], shape (M,).
 
         Raises:
-            RunError: The command has the wrong size or is not finite (the state is as before), or the state is not
-                finite any more.
+            RunError: The command has the wrong size or is not finite (the state is unchanged), or the new state is not
+                finite.
         """
         if len(command) != self.robot.n_motors:
             raise RunError(
-                f"{self._place()}: the torque command has {len(command)} values, needed are {self.robot.n_motors}"
+                f"{self._source()}: the torque command has {len(command)} values, needed are {self.robot.n_motors}"
             )
         step = self._step
         step.command[:] = command
         if not math.isfinite(sum(step.command.tolist())):
             motor = int(np.argmin(np.isfinite(step.command)))
             given = f"the torque command of motor_{motor + 1} is {step.command[motor]}"
-            raise RunError(f"{self._place()}: {given}, needed is a finite number")
+            raise RunError(f"{self._source()}: {given}, needed is a finite number")
         if not isinstance(self._signals.disturbance, Zeros):
             step.disturbance[:] = self._signals.disturbance.row(self.sample)
         step.advance()
@@ -145,27 +137,24 @@ class Plant:
             self._step.measure()
             self._measured = self.sample
 
-    def _place(self) -> str:
+    def _source(self) -> str:
         return f"robot {self.robot.name} at sample {self.sample} (t = {self.time:.4f} s)"
 
 
 def delayed_start(plant: FloatArray, controller: FloatArray, torque: FloatArray, line_length: int) -> LoopState:
-    """Make the state of a loop at rest, with a torque that has been acting for as long as the delay lasts.
+    """Return the initial state of a loop at rest, with its delay line filled with a constant torque.
 
     Args:
         plant: State of the plant, shape (n_states,) or (n_states, lanes).
         controller: State of the controller, shape (n_c,).
         torque: Torque that acts until the first command arrives [Nm or N], shape (M,) or (M, lanes).
-        line_length: Number of past commands that the delay remembers.
-
-    Returns:
-        State from which the loop starts.
+        line_length: Number of past commands in the delay line.
     """
     return LoopState(plant, controller, np.repeat(np.asarray(torque, dtype=float)[np.newaxis], line_length, axis=0))
 
 
 def diverged_text(name: str, sample: int, sample_time: float) -> str:
-    """Say that a simulation has run away, and when."""
+    """Return the message for a diverged simulation."""
     return (
         f"robot {name}: the simulated state is not finite at sample {sample} (t = {sample * sample_time:.4f} s): the "
         "loop is unstable or the integration step too long; lower the gains or raise substeps"

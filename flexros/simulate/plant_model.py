@@ -1,4 +1,4 @@
-"""Robot and laws of its effects together, as functions of the loop."""
+"""Robot and laws of its effects as functions of the loop."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 
 
 class PlantModel:
-    """The simulated plant; its state is that of the robot, [q, v], then the states of effects.
+    """The simulated plant; its state is [q, v] of the robot, then the states of effects.
 
-    Without laws its functions are those of the robot's own model. Laws that are neutral are left out.
+    Without laws its functions are those of the robot's model. Neutral laws are omitted.
 
     Args:
         robot: The robot.
-        laws: Laws of effects at its places.
+        laws: Laws of effects at its locations.
         parameters: Names of the free parameters, of the robot or of laws, e.g. "coulomb_friction@motor_1.level".
 
     Raises:
@@ -56,19 +56,20 @@ class PlantModel:
 
     @property
     def n_states(self) -> int:
-        """Number of states, those of effects included."""
+        """Number of states, including those of effects."""
         return int(self._plant.x.numel())
 
     @property
     def nominal_values(self) -> FloatArray:
-        """Values of the free parameters that robot and laws were given with (SI), shape (n_parameters,)."""
-        numbers = {name: value for law in self.laws for name, value in law.parameters.items()}
-        own = [numbers[name] if name in numbers else self.robot.parameters[name].value for name in self.parameter_names]
-        return np.array(own, dtype=float)
+        """Values of the free parameters in robot and laws (SI), shape (n_parameters,)."""
+        of_laws = {name: value for law in self.laws for name, value in law.parameters.items()}
+        robot = self.robot.parameters
+        values = [of_laws[name] if name in of_laws else robot[name].value for name in self.parameter_names]
+        return np.array(values, dtype=float)
 
     @property
     def delay(self) -> float | tuple[float, ...]:
-        """Delay of the commands [s]: one number, or one for each motor where effects delay single motors."""
+        """Delay of the commands [s]; one per motor if effects delay single motors."""
         if not self._delays:
             return self.robot.delay
         delays = [self.robot.delay] * self.robot.n_motors
@@ -79,7 +80,7 @@ class PlantModel:
 
     @property
     def moves_rest(self) -> bool:
-        """Whether laws of effects change where the robot is at rest."""
+        """Whether laws of effects change the equilibrium of the robot."""
         return bool(self._plant.laws.gears or self._plant.laws.arms)
 
     @cached_property
@@ -87,14 +88,14 @@ class PlantModel:
         return PlantRestFinder(self._plant, self.parameter_names) if self.moves_rest else RestFinder(self.model)
 
     def rest(self, near: FloatArray, parameters: FloatArray | None = None) -> Rest:
-        """Find the rest of the plant with its motors held.
+        """Compute the equilibrium of the plant with its motors held.
 
         Args:
-            near: State of the robot [q, v], or its coordinates q alone, to start from, the motors where they are held.
+            near: Initial state of the robot [q, v] or coordinates q alone, with the motors at their held positions.
             parameters: Values of the free parameters (SI), shape (n_parameters,); default: `nominal_values`.
 
         Returns:
-            State of the robot, shape (2 nq,), and the torque that the motors need [Nm or N], shape (M,).
+            State of the robot, shape (2 nq,), and holding torque of the motors [Nm or N], shape (M,).
 
         Raises:
             InputError: The springs do not balance gravity.
@@ -111,22 +112,22 @@ class PlantModel:
         *,
         time: float = 0.0,
     ) -> FloatArray:
-        """Put the states of the effects behind a state of the robot, as they are when it has been at rest there.
+        """Append the states of the effects to a state of the robot, in steady state at its coordinates.
 
-        What sits on the arm moves along with it.
+        Masses attached to the arm move with it.
 
         Args:
             state: State of the robot [q, v], shape (2 nq,).
-            torque: Commands that have been acting [Nm or N], shape (M,); default: those that hold the robot there.
+            torque: Steady commands [Nm or N], shape (M,); default: those that hold the robot.
             parameters: Values of the free parameters (SI), shape (n_parameters,); default: `nominal_values`.
-            time: Time since the begin of the run [s], for what changes with time.
+            time: Time since the start of the run [s], for effects that depend on time.
 
         Returns:
             State of the plant, shape (n_states,).
         """
-        plain = np.concatenate([state, np.zeros(self.n_states - len(state))])
+        extended = np.concatenate([state, np.zeros(self.n_states - len(state))])
         if not self._plant.own_states.numel():
-            return plain
+            return extended
         values = self.nominal_values if parameters is None else np.asarray(parameters, dtype=float)
         if torque is None:
             torque = np.zeros(self.robot.n_motors)
@@ -134,14 +135,14 @@ class PlantModel:
                 wanted = values if self.moves_rest else values[self.robot_columns]
                 held = self._rest_finder.holding_torque(np.asarray(state[: self.model.n_coordinates]), wanted)
                 torque = self.command_at_rest(state, held, values)
-        plain[self._plant.friction_end :] = self._own_at_start(plain, torque, values).full().ravel()
+        extended[self._plant.friction_end :] = self._own_at_start(extended, torque, values).full().ravel()
         for law in self.laws:
-            begin, timed = self._plant.place(law).start, law.effect.states_of_time(time)
-            plain[begin : begin + len(timed)] = timed
-        return plain
+            begin, timed = self._plant.rows(law).start, law.effect.states_of_time(time)
+            extended[begin : begin + len(timed)] = timed
+        return extended
 
     def corrections(self, gain: FloatArray) -> FloatArray:
-        """Extend corrections of the robot's state to those of the effects: deflections that they hold move along.
+        """Extend a correction of the robot's state to the effects, whose deflections follow motor and arm.
 
         Args:
             gain: Change of [q, v] per unit of a prediction error, shape (2 nq, M).
@@ -155,38 +156,31 @@ class PlantModel:
             if effect.holds_deflection:
                 index, joint = self._plant.joint(law)
                 motor = 0.0 if joint.motor_coordinate is None else gain[self.model.n_arm + joint.motor_coordinate]
-                extended[self._plant.place(law)] = motor - gain[index]
+                extended[self._plant.rows(law)] = motor - gain[index]
         return extended
 
     def command_at_rest(self, state: FloatArray, torque: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Find the command under which the motors get a torque, at rest.
+        """Compute the command that produces a motor torque at rest.
 
         Args:
             state: State of the robot at rest, shape (2 nq,).
-            torque: Torque that is needed at the motors [Nm or N], shape (M,).
+            torque: Required motor torque [Nm or N], shape (M,).
             parameters: Values of the free parameters (SI), shape (n_parameters,).
 
         Returns:
-            Command [Nm or N], shape (M,); beyond a saturation there is none, and the torque itself is given.
+            Command [Nm or N], shape (M,); for torques beyond a saturation the torque itself.
         """
         if not self._plant.laws.torques and not self._plant.laws.commands:
             return torque
-        plain = np.concatenate([state, np.zeros(self.n_states - len(state))])
-        beyond, slope = (value.full() for value in self._torque_beyond_command(plain, torque, parameters))
-        # the laws are linear in the torque, so that one Newton step is exact
+        extended = np.concatenate([state, np.zeros(self.n_states - len(state))])
+        beyond, slope = (value.full() for value in self._torque_beyond_command(extended, torque, parameters))
+        # the laws are linear in the torque, so one Newton step is exact
         step = np.linalg.lstsq(np.eye(len(torque)) + slope, beyond.ravel(), rcond=None)[0]
         command: FloatArray = torque - step
         return command
 
     def functions(self, controller: ca.Function) -> LoopFunctions:
-        """Put plant and controller together.
-
-        Args:
-            controller: Update (c, r, y, g) -> (u, c_next).
-
-        Returns:
-            The functions from which the loop is compiled.
-        """
+        """Return the functions of the loop with a controller (c, r, y, g) -> (u, c_next)."""
         before, after = self._updates
         return LoopFunctions(
             derivative=self.derivative,
@@ -206,8 +200,8 @@ class PlantModel:
         plant = self._plant
         passed = plant.torques(plant.u)
         torque = passed + smooth_torque(plant, passed)
-        for place, motor in enumerate(plant.rubbing):
-            torque[motor] -= plant.friction[place]
+        for row, motor in enumerate(plant.sticking_motors):
+            torque[motor] -= plant.friction[row]
         for law, _ in plant.laws.bristles:
             torque[law.motor] -= plant.own(law)[-1]
         if plant.added_force() is None:
@@ -215,7 +209,7 @@ class PlantModel:
             robot = self.model.derivative(plant.x[:n], torque, plant.w, plant.robot_parameters)
         else:
             robot = ca.vertcat(plant.v, motor_accelerations(plant, torque))
-        rates = ca.vertcat(robot, ca.SX.zeros(len(plant.rubbing)), own_rates(plant, passed))
+        rates = ca.vertcat(robot, ca.SX.zeros(len(plant.sticking_motors)), own_rates(plant, passed))
         arguments = [plant.x, plant.u, plant.w, plant.p]
         return ca.Function("derivative", arguments, [ca.densify(rates)], {"cse": True})
 
@@ -230,19 +224,19 @@ class PlantModel:
             return self.model.tool_pose
         qa = ca.SX.sym("q_a", self.model.n_arm)
         moved = ca.SX(qa)
-        numbers: dict[str, Value] = {}
+        geometry: dict[str, Value] = {}
         for law, effect in errors:
             for name, value in effect.offsets(self.robot, law.location, plant.values(law)).items():
                 moved[self.robot.arm_names.index(name)] += value
             for name, value in effect.geometry(self.robot, law.location, plant.values(law)).items():
-                before = numbers[name] if name in numbers else plant.robot_value(name)
-                numbers[name] = before + value
-        if not numbers:
+                before = geometry[name] if name in geometry else plant.robot_value(name)
+                geometry[name] = before + value
+        if not geometry:
             pose = self.model.tool_pose(moved, plant.robot_parameters)
         else:
-            others = [name for name in self.model.parameter_names if name not in numbers]
-            given = ca.vertcat(*numbers.values(), *[plant.robot_value(name) for name in others])
-            pose = self.robot.symbolic([*numbers, *others]).tool_pose(moved, given)
+            others = [name for name in self.model.parameter_names if name not in geometry]
+            values = ca.vertcat(*geometry.values(), *[plant.robot_value(name) for name in others])
+            pose = self.robot.symbolic([*geometry, *others]).tool_pose(moved, values)
         return ca.Function("tool_pose", [qa, plant.p], [ca.densify(pose)])
 
     @cached_property
@@ -251,12 +245,12 @@ class PlantModel:
         if not sensors:
             return None
         y = ca.SX.sym("y", self.robot.n_motors)
-        read = ca.SX(y)
+        measured = ca.SX(y)
         for law, effect in sensors:
             motor = law.motor
             angle = plant.motor(law, plant.u).angle
-            read[motor] = effect.read(read[motor], angle, plant.values(law))
-        return ca.Function("sensor", [y, plant.x, plant.p], [ca.densify(read)])
+            measured[motor] = effect.read(measured[motor], angle, plant.values(law))
+        return ca.Function("sensor", [y, plant.x, plant.p], [ca.densify(measured)])
 
     @cached_property
     def _torque_beyond_command(self) -> ca.Function:

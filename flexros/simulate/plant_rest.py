@@ -1,4 +1,4 @@
-"""States of rest of a plant whose springs or arm have laws of effects."""
+"""Equilibria of a plant whose springs or arm have laws of effects."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 
 class PlantRestFinder(RestFinder):
-    """Finds where gravity, springs and the laws of effects balance while the motors are held.
+    """Finds the equilibrium of gravity, springs and laws of effects with the motors held.
 
     Args:
-        plant: Symbols of the plant; its free parameters may differ from search to search.
+        plant: Symbols of the plant; its free parameters are arguments of each search.
         names: Names of the free parameters.
     """
 
@@ -41,11 +41,11 @@ class PlantRestFinder(RestFinder):
 
 
 def own_at_rest(plant: PlantSymbols, command: ca.SX) -> ca.SX:
-    """Give the own states of all laws of a plant at rest.
+    """Return the own states of all laws of a plant at rest.
 
     Args:
         plant: Symbols of the plant.
-        command: Commands that have been acting for ever [Nm or N], SX (M, 1).
+        command: Steady commands [Nm or N], SX (M, 1).
 
     Returns:
         Own states, SX, a function of q, p and the commands.
@@ -54,11 +54,11 @@ def own_at_rest(plant: PlantSymbols, command: ca.SX) -> ca.SX:
 
 
 def own_at_start(plant: PlantSymbols, command: ca.SX) -> ca.SX:
-    """Give the own states of all laws of a plant as at rest, but what sits on the arm moves along with it.
+    """Return the own states of all laws of a plant as at rest, except that masses attached to the arm move with it.
 
     Args:
         plant: Symbols of the plant.
-        command: Commands that have been acting for ever [Nm or N], SX (M, 1).
+        command: Steady commands [Nm or N], SX (M, 1).
 
     Returns:
         Own states, SX, a function of q, v, p and the commands.
@@ -67,21 +67,21 @@ def own_at_start(plant: PlantSymbols, command: ca.SX) -> ca.SX:
     for law, effect in plant.laws.commands:
         motor, values = law.motor, plant.values(law)
         own = effect.rest(torque[motor], values)
-        x[plant.place(law)] = own
+        x[plant.rows(law)] = own
         torque[motor] = effect.passed(torque[motor], own, values)
     for law, gear_effect in plant.laws.gears:
         own = gear_effect.rest(plant.gear(law), plant.values(law))
-        x[plant.place(law)] = ca.substitute(own, plant.own_states, x[plant.friction_end :])
+        x[plant.rows(law)] = ca.substitute(own, plant.own_states, x[plant.friction_end :])
     x = ca.substitute(x, plant.v, ca.SX.zeros(plant.v.numel()))
     for law, arm_effect in plant.laws.arms:
-        x[plant.place(law)] = arm_effect.rest(plant.arm(law), plant.values(law))
+        x[plant.rows(law)] = arm_effect.rest(plant.arm(law), plant.values(law))
     return x[plant.friction_end :]
 
 
 def torque_beyond_command(plant: PlantSymbols) -> ca.Function:
-    """Make the function (x, u, p) -> what the motors get at rest beyond the commands, and its slope over the commands.
+    """Build the function (x, u, p) -> motor torque at rest in excess of the commands, and its slope over the commands.
 
-    The laws are linear in the torque, but for a saturation, which counts as if it were not reached where it is not.
+    The laws are linear in the torque, except for a saturation, which is linear where it is not reached.
     """
     passed = plant.torques(plant.u)
     beyond = (passed - plant.u) + smooth_torque(plant, passed)

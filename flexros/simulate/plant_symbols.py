@@ -1,4 +1,4 @@
-"""State of a plant with effects, as symbols, and what each kind of law sees of it."""
+"""Symbolic state of a plant with effects, and the view of it passed to each kind of law."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class PlantSymbols:
-    """Symbols of a plant: its state is [q, v], then friction torques of motors that can stick, then the laws' own.
+    """Symbols of a plant: its state is [q, v], friction torques of motors with dry friction, own states of the laws.
 
     Args:
         robot: The robot.
@@ -40,18 +40,18 @@ class PlantSymbols:
         u: Motor torques, shape (M,).
         w: Wrench at the tool.
         p: Free parameters.
-        rubbing: Numbers of the motors that can stick.
-        robot_columns: Places of the robot's free parameters in `p`.
+        sticking_motors: Indices of the motors with dry friction.
+        robot_columns: Indices of the robot's free parameters in `p`.
     """
 
     def __init__(self, robot: Robot, model: SymbolicModel, laws: Sequence[PlacedLaw], names: Sequence[str]) -> None:
         self.robot, self.model, self.laws = robot, model, LawsByKind(tuple(laws))
         self.robot_columns = [names.index(name) for name in model.parameter_names]
-        self.rubbing = tuple(sorted({law.motor for law, _ in self.laws.frictions}))
-        end = self.friction_end = 2 * model.n_coordinates + len(self.rubbing)
-        self._places: dict[str, slice] = {}
+        self.sticking_motors = tuple(sorted({law.motor for law, _ in self.laws.frictions}))
+        end = self.friction_end = 2 * model.n_coordinates + len(self.sticking_motors)
+        self._rows: dict[str, slice] = {}
         for law in self.laws.all:
-            self._places[law.name] = slice(end, end + law.effect.n_states)
+            self._rows[law.name] = slice(end, end + law.effect.n_states)
             end += law.effect.n_states
         self.x = ca.SX.sym("x", end)
         self.u, self.w = ca.SX.sym("u", robot.n_motors), ca.SX.sym("w", WRENCH_SIZE)
@@ -70,7 +70,7 @@ class PlantSymbols:
 
     @property
     def friction(self) -> ca.SX:
-        """Friction torques of the motors that can stick."""
+        """Friction torques of the motors with dry friction."""
         return self.x[2 * self.model.n_coordinates : self.friction_end]
 
     @property
@@ -83,26 +83,26 @@ class PlantSymbols:
         """Argument p of the functions of the robot's model."""
         return ca.vertcat(ca.SX(0, 1), *[self.p[column] for column in self.robot_columns])
 
-    def place(self, law: PlacedLaw) -> slice:
-        """Return where the own states of a law stand in the state of the plant."""
-        return self._places[law.name]
+    def rows(self, law: PlacedLaw) -> slice:
+        """Return the rows of a law's own states in the state of the plant."""
+        return self._rows[law.name]
 
     def own(self, law: PlacedLaw) -> ca.SX:
         """Return the own states of a law."""
-        return self.x[self._places[law.name]]
+        return self.x[self._rows[law.name]]
 
     def values(self, law: PlacedLaw) -> Mapping[str, Value]:
-        """Return number or symbol of every parameter of a law."""
+        """Return the value or symbol of every parameter of a law."""
         own = law.parameters.items()
         return {name.rpartition(".")[2]: self._free.get(name, value) for name, value in own}
 
     def robot_value(self, name: str) -> Value:
-        """Return number or symbol of a parameter of the robot."""
+        """Return the value or symbol of a parameter of the robot."""
         value: Value = self._free[name] if name in self._free else self.robot.parameters[name].value
         return value
 
     def torques(self, commands: ca.SX) -> ca.SX:
-        """Return the torques of the motors for commands: behind saturation, gain and lag."""
+        """Return the motor torques for commands, after saturation, gain and lag."""
         torque = ca.SX(commands)
         for law, effect in self.laws.commands:
             motor = law.motor
@@ -110,16 +110,15 @@ class PlantSymbols:
         return torque
 
     def motor(self, law: PlacedLaw, torque: ca.SX) -> MotorState:
-        """Return what a law at a motor sees; `torque` is that of all motors."""
-        number = law.motor
-        place = self.robot.motor_rows[number]
-        position, speed = self.q[place], self.v[place]
-        angle = float(self.robot.rotor_turns[number]) * position
+        """Return the motor state for a law at a motor; `torque` is that of all motors."""
+        row = self.robot.motor_rows[law.motor]
+        position, speed = self.q[row], self.v[row]
+        angle = float(self.robot.rotor_turns[law.motor]) * position
         friction = self.robot_value(f"{law.location}.viscous_friction")
-        return MotorState(position, angle, speed, torque[number], self.own(law), friction)
+        return MotorState(position, angle, speed, torque[law.motor], self.own(law), friction)
 
     def joint(self, law: PlacedLaw) -> tuple[int, Joint]:
-        """Return the arm coordinate at which a law of a spring sits, by its motor's or by its own name."""
+        """Return the arm coordinate of a spring law, located by the name of a motor or of the joint."""
         joints = self.robot.joints
         names = self.robot.joint_names
         index = (
@@ -130,7 +129,7 @@ class PlantSymbols:
         return index, joints[index]
 
     def gear(self, law: PlacedLaw) -> GearState:
-        """Return what a law of a spring sees: the spring with the laws of lower rank in it."""
+        """Return the state of the spring for a law, as changed by the laws of lower rank."""
         index = self.joint(law)[0]
         gear = self._nominal_gear(index)
         for other, effect in self.laws.gears:
@@ -148,9 +147,9 @@ class PlantSymbols:
         if joint.motor_coordinate is None:
             motor, speed, turns = ca.SX(0), ca.SX(0), 0.0
         else:
-            place = self.model.n_arm + joint.motor_coordinate
+            row = self.model.n_arm + joint.motor_coordinate
             assert joint.motor is not None
-            motor, speed, turns = self.q[place], self.v[place], float(self.robot.rotor_turns[joint.motor])
+            motor, speed, turns = self.q[row], self.v[row], float(self.robot.rotor_turns[joint.motor])
         deflection, rate = motor - self.q[index], speed - self.v[index]
         return GearState(
             deflection=deflection,
@@ -165,7 +164,7 @@ class PlantSymbols:
         )
 
     def arm(self, law: PlacedLaw) -> ArmState:
-        """Return what a law of the arm sees."""
+        """Return the state of the arm for a law."""
         n = self.model.n_arm
         return ArmState(
             position=self.q[:n],
@@ -180,7 +179,7 @@ class PlantSymbols:
         )
 
     def added_force(self) -> ca.SX | None:
-        """Return the forces of all laws of springs and arm on the coordinates; None where there is no such law."""
+        """Return the forces of all spring and arm laws on the coordinates; None without such laws."""
         gears, arms = self.laws.gears, self.laws.arms
         if not gears and not arms:
             return None

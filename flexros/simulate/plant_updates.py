@@ -1,7 +1,7 @@
-"""What happens between the integration steps of a plant: dry friction, bristles, lags, slip.
+"""Updates of a plant between its integration steps: dry friction, bristles, lags, slip.
 
-Before a step: the torques of the motors behind saturation, gain and lag, then the friction torques of the step, from
-the accelerations under those torques. All are held through it. After it: what remembers where the step ended.
+Before a step: the motor torques after saturation, gain and lag, then the friction torques of the step from the
+accelerations under those torques. All are held through the step. After it: states with memory of its end.
 """
 
 from __future__ import annotations
@@ -22,18 +22,15 @@ if TYPE_CHECKING:
     from flexros.simulate.plant_symbols import PlantSymbols
 
 SWEEPS = 8
-"""Passes over frictions that act on each other, per step; each starts from the last (chosen)."""
+"""Sweeps over coupled friction torques per step, warm-started from the last step (chosen)."""
 
 
 def smooth_torque(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
-    """Add up the torques without jumps at the motors.
+    """Sum the continuous torques of laws at the motors, SX (M, 1).
 
     Args:
         plant: Symbols of the plant.
-        torque: Torques of the motors behind saturation, gain and lag, SX (M, 1).
-
-    Returns:
-        Added torques, SX (M, 1).
+        torque: Motor torques after saturation, gain and lag [Nm or N], SX (M, 1).
     """
     added = ca.SX.zeros(plant.robot.n_motors)
     for law, effect in plant.laws.torques:
@@ -42,19 +39,16 @@ def smooth_torque(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
 
 
 def own_rates(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
-    """Evaluate the derivatives of the own states of all laws; zero for those that are updated between the steps.
+    """Return the derivatives of the own states of all laws; zero for those updated between the steps.
 
     Args:
         plant: Symbols of the plant.
-        torque: Torques of the motors behind saturation, gain and lag, SX (M, 1).
-
-    Returns:
-        Derivatives, SX.
+        torque: Motor torques after saturation, gain and lag [Nm or N], SX (M, 1).
     """
     rates = ca.SX.zeros(plant.x.numel())
     for law in plant.laws.all:
         effect, values = law.effect, plant.values(law)
-        smooth = slice(plant.place(law).start, plant.place(law).start + effect.smooth_states)
+        smooth = slice(plant.rows(law).start, plant.rows(law).start + effect.smooth_states)
         if not effect.smooth_states:
             continue
         if isinstance(effect, AbstractMotorLaw):
@@ -67,22 +61,15 @@ def own_rates(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
 
 
 def step_updates(plant: PlantSymbols) -> tuple[ca.Function | None, ca.Function | None]:
-    """Make the updates before and after an integration step.
-
-    Args:
-        plant: Symbols of the plant.
-
-    Returns:
-        Functions (x, u, w, p, h) -> x, None where a plant needs none.
-    """
+    """Build the updates (x, u, w, p, h) -> x before and after an integration step; None where not needed."""
     step = ca.SX.sym("h")
     before, after = ca.SX(plant.x), ca.SX(plant.x)
-    _pass_commands(plant, before, step)
+    _update_command_laws(plant, before, step)
     for law, effect in plant.laws.gears:
-        place = _stepwise(plant, law)
-        before[place] = effect.before_step(plant.gear(law), plant.values(law), step)
-        after[place] = effect.after_step(plant.gear(law), plant.values(law), step)
-    _rub(plant, before, step)
+        rows = _stepwise(plant, law)
+        before[rows] = effect.before_step(plant.gear(law), plant.values(law), step)
+        after[rows] = effect.after_step(plant.gear(law), plant.values(law), step)
+    _update_friction(plant, before, step)
     arguments = [plant.x, plant.u, plant.w, plant.p, step]
 
     def function(name: str, changed: ca.SX) -> ca.Function | None:
@@ -94,47 +81,47 @@ def step_updates(plant: PlantSymbols) -> tuple[ca.Function | None, ca.Function |
 
 
 def _stepwise(plant: PlantSymbols, law: PlacedLaw) -> slice:
-    place = plant.place(law)
-    return slice(place.start + law.effect.smooth_states, place.stop)
+    rows = plant.rows(law)
+    return slice(rows.start + law.effect.smooth_states, rows.stop)
 
 
-def _pass_commands(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
-    """Lead the commands through saturation, gain and lag, and write the memory of these into x."""
+def _update_command_laws(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
+    """Write the own states of saturation, gain and lag under the commands into x."""
     torque = ca.SX(plant.u)
     for law, effect in plant.laws.commands:
         motor, values = law.motor, plant.values(law)
         own = effect.before_step(torque[motor], plant.own(law), values, step)
-        x[plant.place(law)] = own
+        x[plant.rows(law)] = own
         torque[motor] = effect.passed(torque[motor], own, values)
 
 
-def _rub(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
-    """Find the friction torques of all motors that can stick, which act on each other, and write them into x."""
+def _update_friction(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
+    """Solve for the coupled friction torques of all motors by Gauss-Seidel sweeps, and write them into x."""
     bristles = plant.laws.bristles
-    if not plant.rubbing and not bristles:
+    if not plant.sticking_motors and not bristles:
         return
-    motors = [*plant.rubbing, *[law.motor for law, _ in bristles]]
-    held = [plant.place(law).stop - 1 for law, _ in bristles]
+    motors = [*plant.sticking_motors, *[law.motor for law, _ in bristles]]
+    held = [plant.rows(law).stop - 1 for law, _ in bristles]
     nq = plant.model.n_coordinates
-    friction = ca.vertcat(plant.friction, *[plant.x[place] for place in held])
+    friction = ca.vertcat(plant.friction, *[plant.x[row] for row in held])
     free, slope, mobility = _accelerations(plant, x, motors, step)
     middle = 0.5 * step
-    places = [plant.robot.motor_rows[motor] for motor in motors]
+    rows = [plant.robot.motor_rows[motor] for motor in motors]
     speeds = [
-        _within_direction(plant.v[place], plant.v[place] + middle * (free[k] - mobility[k, :] @ friction))
-        for k, place in enumerate(places)
+        _within_direction(plant.v[row], plant.v[row] + middle * (free[k] - mobility[k, :] @ friction))
+        for k, row in enumerate(rows)
     ]
     for _ in range(1 if mobility.sparsity().is_diag() else SWEEPS):
         for k, motor in enumerate(motors):
             own = mobility[k, k]
             others = own * friction[k] - mobility[k, :] @ friction
-            speed = plant.v[places[k]]
-            if k < len(plant.rubbing):
+            speed = plant.v[rows[k]]
+            if k < len(plant.sticking_motors):
                 acceleration = free[k] + AHEAD * step * slope[k] + others
                 friction[k] = mean_friction(speed, acceleration, own, _levels(plant, motor, speeds[k], middle), step)
                 continue
-            law, effect = bristles[k - len(plant.rubbing)]
-            deflection = plant.place(law).start
+            law, effect = bristles[k - len(plant.sticking_motors)]
+            deflection = plant.rows(law).start
             x[deflection], friction[k] = bristle_step(
                 plant.x[deflection],
                 speed,
@@ -143,20 +130,20 @@ def _rub(plant: PlantSymbols, x: ca.SX, step: ca.SX) -> None:
                 effect.bristle(speeds[k], plant.values(law)),
                 step,
             )
-    for place, torque in zip([*range(2 * nq, plant.friction_end), *held], ca.vertsplit(friction)):
-        x[place] = torque
+    for row, torque in zip([*range(2 * nq, plant.friction_end), *held], ca.vertsplit(friction)):
+        x[row] = torque
 
 
 def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Return accelerations without friction, what springs and own states add to them per time, and mobilities."""
+    """Return accelerations without friction, their rates due to springs and own states, and mobilities."""
     torque = ca.SX.sym("torque", plant.robot.n_motors)
-    places = [plant.robot.motor_rows[motor] for motor in motors]
-    free = motor_accelerations(plant, torque)[places]
+    rows = [plant.robot.motor_rows[motor] for motor in motors]
+    free = motor_accelerations(plant, torque)[rows]
     mobility = ca.jacobian(free, torque)[:, motors]
     passed = plant.torques(plant.u)
     free = ca.substitute(free, torque, passed + smooth_torque(plant, passed))
     own = plant.own_states
-    if plant.laws.gears or plant.laws.arms:  # which may have corners, where a derivative would be a matter of rounding
+    if plant.laws.gears or plant.laws.arms:  # these may have corners, where a derivative would depend on round-off
         ahead = AHEAD * step
         moved = ca.vertcat(plant.q + ahead * plant.v, own + ahead * own_rates(plant, passed))
         slope = (ca.substitute(free, ca.vertcat(plant.q, own), moved) - free) / ahead
@@ -165,19 +152,16 @@ def _accelerations(plant: PlantSymbols, x: ca.SX, motors: list[int], step: ca.SX
         if own.numel():
             slope = slope + ca.jtimes(free, own, own_rates(plant, passed))
     if own.numel() and not ca.is_equal(x[plant.friction_end :], own):
-        free, slope = (ca.substitute(one, own, x[plant.friction_end :]) for one in (free, slope))
+        free, slope = (ca.substitute(value, own, x[plant.friction_end :]) for value in (free, slope))
     return free, slope, mobility
 
 
 def motor_accelerations(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
-    """Evaluate the accelerations of all coordinates under motor torques, without friction that can stick.
+    """Return the accelerations of all coordinates, SX (n_coordinates, 1), under motor torques without dry friction.
 
     Args:
         plant: Symbols of the plant.
-        torque: Torques at the motors, SX (M, 1).
-
-    Returns:
-        Accelerations, SX (n_coordinates, 1).
+        torque: Motor torques [Nm or N], SX (M, 1).
     """
     force = plant.added_force()
     state = (plant.q, plant.v, torque, plant.w)
@@ -187,16 +171,16 @@ def motor_accelerations(plant: PlantSymbols, torque: ca.SX) -> ca.SX:
 
 
 def _within_direction(speed: ca.SX, later: ca.SX) -> ca.SX:
-    """Return a speed that is expected later, but less by how fast the motor still turns the other way, down to zero.
+    """Return the predicted speed, on a reversal reduced in magnitude by the present speed, down to zero.
 
-    It is continuous, so that rounding of the speed of a motor at rest decides nothing.
+    It is continuous, so that round-off in the speed of a motor at rest has no effect.
     """
     beyond = ca.sign(later) * ca.fmax(ca.fabs(later) - ca.fabs(speed), 0)
     return ca.if_else(later * speed >= 0, later, beyond)
 
 
 def _levels(plant: PlantSymbols, motor: int, speed: ca.SX, middle: ca.SX) -> FrictionLevels:
-    """Add up the levels at a motor in the middle of a step, `middle` after its begin."""
+    """Sum the levels at a motor in the middle of a step, `middle` after its start."""
     total, eased = FrictionLevels(ca.SX(0), ca.SX(0)), False
     for law, effect in plant.laws.frictions:
         if law.motor == motor:

@@ -1,4 +1,4 @@
-"""Signals by sample index, the same however the samples are asked for."""
+"""Signals by sample index, independent of the order in which samples are requested."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 BLOCK = 1024
-"""Samples made at once [1]."""
+"""Samples per block [1]."""
 
 
 class SampleBlocks:
-    """Signal made in blocks of fixed place and length.
+    """Signal generated in blocks of fixed position and length.
 
-    A plant asks sample by sample, a whole run in slices of any length. Both must see the same numbers to the last
-    bit, so every block is made from its number alone, and asking only cuts from blocks.
+    A plant requests sample by sample, a whole run in slices of any length. Both must get the same values to the last
+    bit, so every block depends on its index alone, and requests return parts of blocks.
 
     Args:
-        make_block: Gives block b, samples b * BLOCK to (b + 1) * BLOCK - 1, shape (BLOCK, width).
+        make_block: Returns block b, samples b * BLOCK to (b + 1) * BLOCK - 1, shape (BLOCK, width).
         width: Number of columns.
     """
 
@@ -33,15 +33,7 @@ class SampleBlocks:
         self._block = np.empty((BLOCK, width))
 
     def rows(self, first: int, n: int) -> FloatArray:
-        """Cut samples.
-
-        Args:
-            first: Index of the first sample, 0 or more.
-            n: Number of samples.
-
-        Returns:
-            Samples first to first + n - 1, shape (n, width), contiguous.
-        """
+        """Return samples first to first + n - 1, shape (n, width), contiguous."""
         rows = np.empty((n, self.width))
         done = 0
         while done < n:
@@ -52,12 +44,12 @@ class SampleBlocks:
         return rows
 
     def row(self, index: int) -> FloatArray:
-        """Give one sample, shape (width,); not to be written to."""
+        """Return one sample, shape (width,); read-only."""
         row: FloatArray = self.block(index // BLOCK)[index % BLOCK]
         return row
 
     def block(self, number: int) -> FloatArray:
-        """Give one block, shape (BLOCK, width); not to be written to."""
+        """Return one block, shape (BLOCK, width); read-only."""
         if number != self._number:
             self._block = self._make_block(number)
             self._number = number
@@ -65,11 +57,7 @@ class SampleBlocks:
 
 
 class Zeros(SampleBlocks):
-    """The signal that is zero at all samples; known as such, so that a plant can pass it over.
-
-    Args:
-        width: Number of columns.
-    """
+    """The zero signal, recognisable so that a plant can skip it."""
 
     def __init__(self, width: int) -> None:
         block = np.zeros((BLOCK, width))

@@ -1,4 +1,4 @@
-"""What acts on a simulated robot beside the commands: sensor noise and disturbances of one seed."""
+"""Sensor noise and disturbances of one seed, pure functions of seed and sample index."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.random_streams import Stream
+from flexros.random_streams import Stream, generator
 from flexros.simulate.disturbance import disturbance_signal
-from flexros.simulate.noise import white_noise
+from flexros.simulate.sample_blocks import BLOCK, SampleBlocks, Zeros
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flexros.arrays import FloatArray
     from flexros.robot import Robot
     from flexros.simulate.disturbance import AbstractDisturbance
-    from flexros.simulate.sample_blocks import SampleBlocks
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,20 +37,17 @@ class PlantSignals:
 def plant_signals(
     robot: Robot, sample_time: float, seed: int, *, noise: bool, disturbances: Sequence[AbstractDisturbance]
 ) -> PlantSignals:
-    """Make the signals of a seed.
+    """Generate the signals of a seed.
 
     Args:
         robot: The robot, with its sensor noise.
         sample_time: Time between two samples [s].
         seed: Seed of noise and random disturbances.
-        noise: Whether the sensors have the noise that the robot states.
+        noise: Whether the sensors have the noise of the robot file.
         disturbances: Torques and forces at motors and tool.
 
-    Returns:
-        The signals.
-
     Raises:
-        InputError: A disturbance has a place or frequency that does not exist here.
+        InputError: A disturbance has an unknown location or a frequency that is too high.
     """
     scale = 1.0 if noise else 0.0
     return PlantSignals(
@@ -58,3 +55,21 @@ def plant_signals(
         tool_noise=white_noise(np.full(3, scale * robot.tool_noise), seed, Stream.TOOL),
         disturbance=disturbance_signal(disturbances, robot.n_motors, sample_time, seed),
     )
+
+
+def white_noise(rms: FloatArray, seed: int, stream: Stream) -> SampleBlocks:
+    """Generate white normal noise.
+
+    Args:
+        rms: Standard deviation of each channel, shape (width,).
+        seed: Seed of the run.
+        stream: Random stream of the seed.
+    """
+    width = len(rms)
+    if not np.any(rms):
+        return Zeros(width)
+
+    def make_block(number: int) -> FloatArray:
+        return generator(seed, stream, number).standard_normal((BLOCK, width)) * rms
+
+    return SampleBlocks(make_block, width)

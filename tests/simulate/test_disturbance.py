@@ -92,8 +92,10 @@ def test_values_do_not_depend_on_slicing(kind: str) -> None:
     assert np.array_equal(one_by_one, signal(60, disturbance, first=1000))
 
 
-def test_unknown_place_is_named_with_the_allowed_ones() -> None:
-    with pytest.raises(InputError, match=r"unknown place 'motor_2' in disturbances\[0\]\.at: did you mean 'motor_1'\?"):
+def test_unknown_location_is_named_with_the_allowed_ones() -> None:
+    with pytest.raises(
+        InputError, match=r"unknown location 'motor_2' in disturbances\[0\]\.at: did you mean 'motor_1'\?"
+    ):
         signal(1, make(kind="step", amplitude=1.0, at="motor_2"))
 
 
@@ -119,5 +121,5 @@ def test_band_is_checked_with_the_period_in_whole_samples() -> None:
 
 
 def test_band_upside_down_is_refused() -> None:
-    with pytest.raises(ValidationError, match="high_hz is 5 Hz, but must lie above low_hz = 9 Hz"):
+    with pytest.raises(ValidationError, match="high_hz is 5 Hz, but must be above low_hz = 9 Hz"):
         make(kind="noise", rms=1.0, low_hz=9.0, high_hz=5.0)

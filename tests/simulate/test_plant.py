@@ -121,7 +121,7 @@ def test_state_that_is_not_finite_breaks_the_run_with_sample_and_time() -> None:
         running.advance([1e300, 1e300])
 
 
-def test_unknown_place_of_a_disturbance_is_refused() -> None:
+def test_unknown_location_of_a_disturbance_is_refused() -> None:
     wrong = TypeAdapter(Disturbance).validate_python({"kind": "step", "at": "motor_3", "amplitude": 1.0})
-    with pytest.raises(InputError, match=r"unknown place 'motor_3' in disturbances\[0\]\.at"):
+    with pytest.raises(InputError, match=r"unknown location 'motor_3' in disturbances\[0\]\.at"):
         plant(disturbances=(wrong,))

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexros.random_streams import Stream
-from flexros.simulate.noise import white_noise
 from flexros.simulate.sample_blocks import BLOCK, SampleBlocks, Zeros
+from flexros.simulate.signals import white_noise
 
 WHOLE = white_noise(np.array([1.0, 2.0]), 7, Stream.ENCODER).rows(0, 4 * BLOCK)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexros.random_streams import Stream
-from flexros.simulate.noise import white_noise
+from flexros.simulate.signals import white_noise
 
 RMS = np.array([2e-6, 1e-4])
 
