@@ -102,7 +102,7 @@ def test_plant_hash_tells_a_changed_plant() -> None:
         ({"controller": {"kind": "pid", "kp": [1, 2, 3]}}, r"scenario mine: controller\.kp has 3 values"),
         (
             {"disturbances": [{"kind": "step", "at": "motor_9", "amplitude": 1}]},
-            r"scenario mine: unknown place 'motor_9' in disturbances\[0\]\.at",
+            r"scenario mine: unknown location 'motor_9' in disturbances\[0\]\.at",
         ),
         (
             {

@@ -116,7 +116,7 @@ def test_controller_that_does_not_hold_the_robot_is_refused() -> None:
     settings = DesignSettings(positions=2, candidates=10)
     assert template.identification is not None
     design = design_experiment(E12, unknown_names(E12), template.identification, template.controller, 5e-4, settings)
-    with pytest.raises(InputError, match="does not hold robot e12 steady at the gear positions .*; lower its gains"):
+    with pytest.raises(InputError, match="robot e12 is unstable at the gear positions .*; lower the gains"):
         designed_scenario(template, E12, design)
 
 

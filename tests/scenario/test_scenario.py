@@ -212,7 +212,7 @@ def test_what_is_wrong_is_said_in_one_sentence(tmp_path: Path, text: str, messag
     ("key", "value", "message"),
     [
         ("sampletime", 1.0, r"scenario circle_pd: unknown key 'sampletime': did you mean 'sample_time'\?"),
-        ("seed.x", 1, r"key seed\.x: 'x' lies within .*, which has no keys"),
+        ("seed.x", 1, r"key seed\.x: 'x' is within .*, which has no keys"),
         ("disturbances.3.amplitude", 1, r"key disturbances\.3\.amplitude: there is no entry 3, allowed are none"),
         ("duration", "long", r"scenario circle_pd: key 'duration' is 'long'"),
     ],
