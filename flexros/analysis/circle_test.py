@@ -1,4 +1,4 @@
-"""The figures of the circle test in Paper B of the thesis (Moberg 2007), published and read independently."""
+"""Figures of the circle test in Paper B of the thesis (Moberg 2007), published and independently reproduced."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from flexros.analysis.comparison import QuotedFigure
 PD, FLEXIBLE_JOINT, DAE, DAE_SECOND_ORDER = "PD alone", "flexible-joint", "DAE, as published", "DAE, second order"
 """Names of the methods."""
 NOMINAL, LOAD, SLOW, SMOOTH = "nominal", "load ±10 kg", "1 ms", "smooth motion"
-"""Names of the cases; of the two loads the worse counts. The smooth motion is not in the thesis."""
+"""Names of the cases; of the two loads the worse one is used. The smooth motion is not in the thesis."""
 
 QUOTED_FIGURES = (
     QuotedFigure(PD, NOMINAL, None, 9.30e-3),
@@ -22,11 +22,11 @@ QUOTED_FIGURES = (
 
 CAVEATS = (
     "Published: Moberg 2007, Paper B. Our reading: the same test from our reading of the text by an independent "
-    "program, with its open choices made as in the shipped scenarios.",
-    "The DAE figures hardly depend on the choices the text leaves open, so they count as reproduced.",
+    "program, with its open choices made as in the built-in scenarios.",
+    "The DAE figures hardly depend on the choices the text leaves open, so they are regarded as reproduced.",
     "The flexible-joint figures are not fully determined by the text: the published 2.82 mm needs a detuning that is "
-    "not stated, so a difference there says nothing about either program.",
+    "not stated, so a difference there is no evidence about either program.",
     "For PD alone the thesis prints a picture and no figure. The second-order DAE and the smooth motion (the same "
     "circle with a polynomial time law) are not in the thesis.",
 )
-"""What must be said beside these figures."""
+"""Caveats for comparisons with these figures."""

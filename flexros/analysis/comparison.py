@@ -1,4 +1,4 @@
-"""Methods and cases side by side with figures that others quote, as the thesis' table for its circle test."""
+"""Methods and cases compared with quoted figures, like the table of the circle test in the thesis."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class QuotedFigure:
-    """A path error that somebody else states.
+    """A published path error.
 
     Attributes:
         method: Name of the method, as in `MethodRun`.
         case: Name of the case, as in `MethodRun`.
         published: Published maximum path error [m]; None where none is published.
-        reading: Maximum path error that an independent program gets from our reading of the text [m]; None where none.
+        reading: Maximum path error of an independent program based on our reading of the text [m]; None where none.
     """
 
     method: str
@@ -30,7 +30,7 @@ class QuotedFigure:
 
 @dataclass(frozen=True, eq=False)
 class MethodRun:
-    """One run of a method in a case; of several runs of one case the worst counts.
+    """One run of a method in a case; of several runs of one case the worst is used.
 
     Attributes:
         method: Name of the method, e.g. "DAE".
@@ -79,12 +79,12 @@ HEADINGS = ("Method", "Case", "published [mm]", "our reading [mm]", "this run [m
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Runs by method and case beside quoted figures.
+    """Runs by method and case, compared with quoted figures.
 
     Attributes:
         runs: The runs.
         quoted: The quoted figures.
-        caveats: Sentences that say how far the quoted figures can be compared.
+        caveats: Sentences on the limits of the comparison.
     """
 
     runs: tuple[MethodRun, ...]
@@ -97,7 +97,7 @@ class Comparison:
         return tuple(dict.fromkeys(run.method for run in self.runs))
 
     def rows(self) -> tuple[ComparisonRow, ...]:
-        """Return the table: every method and case that was run, in order, then what is only quoted."""
+        """Return the table: every method and case that was run, in order, then those that are only quoted."""
         quotes = {(quote.method, quote.case): quote for quote in self.quoted}
         keys = list(dict.fromkeys([*((run.method, run.case) for run in self.runs), *quotes]))
         methods = list(dict.fromkeys(method for method, _ in keys))

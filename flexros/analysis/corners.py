@@ -22,9 +22,9 @@ _SMOOTH_BEND = np.radians(2.0)
 _STRAIGHT = np.cos(np.radians(0.1))
 """A leg is straight as far as its direction keeps within a tenth of a degree."""
 _LEG_SAMPLES, _LEG_LENGTH = 5, 1e-3
-"""Both legs of a corner are straight over so many samples and so far [m] (chosen); where curves meet there is none."""
+"""Both legs of a corner are straight over so many samples and so far [m] (chosen); transitions of curves are none."""
 _REVERSAL = np.cos(np.radians(170.0))
-"""A path that turns by more than 170 degrees goes back on itself; the standard has no corner there."""
+"""A path that turns by more than 170 degrees reverses; the standard has no corner there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,12 +32,12 @@ class Corner:
     """A corner of the commanded path.
 
     Attributes:
-        point: Where the two legs meet [m], shape (3,).
+        point: Intersection of the two legs [m], shape (3,).
         position: Distance along the path [m].
         before: Unit direction of the leg before it, shape (3,).
         after: Unit direction of the leg after it, shape (3,).
-        before_length: How far the leg before it is straight [m].
-        after_length: How far the leg after it is straight [m].
+        before_length: Straight length of the leg before it [m].
+        after_length: Straight length of the leg after it [m].
     """
 
     point: FloatArray
@@ -55,7 +55,7 @@ class Corner:
 
 @dataclass(frozen=True, eq=False)
 class CornerDeviation:
-    """What became of one corner over all cycles.
+    """Deviations at one corner over all cycles.
 
     Attributes:
         corner: The corner.
@@ -80,7 +80,7 @@ class CornerDeviation:
 def find_corners(points: FloatArray) -> tuple[Corner, ...]:
     """Find the sharp corners between straight legs of a sampled path; the corner itself need not be a sample.
 
-    A zone programmed to be rounded is no corner of the commanded path and is not found.
+    A rounded zone is not a corner of the commanded path and is not found.
 
     Args:
         points: Commanded positions [m], shape (n, 3).
@@ -100,7 +100,7 @@ def find_corners(points: FloatArray) -> tuple[Corner, ...]:
         if bend[k] <= _SMOOTH_BEND:
             k += 1
             continue
-        # The corner is vertex k + 1, or lies between it and the next one if the path turns at both.
+        # The corner is vertex k + 1, or between it and the next one if the path turns at both.
         last = k + 2 if k + 1 < len(bend) and bend[k + 1] > _SMOOTH_BEND else k + 1
         sharp = float(np.sum(bend[k:last])) > _SHARPEST_BEND and float(direction[k] @ direction[last]) > _REVERSAL
         if sharp:
@@ -137,8 +137,8 @@ def corner_deviations(cycles: Sequence[Cycle], corners: Sequence[Corner] | None 
     """Evaluate rounding and overshoot at each corner, the worst of all cycles.
 
     CR = max_j min_k |Z_jk - c|;  CO = largest distance of Z from the line of the second leg, counted on the side the
-    first leg points to (ISO 9283:1998, 8.5). Only the time counts in which the command is on the straight parts of the
-    two legs, and nearer to this corner than to its neighbours.
+    first leg points to (ISO 9283:1998, 8.5). Only the time is used in which the command is on the straight parts of the
+    two legs, and closer to this corner than to its neighbours.
 
     Args:
         cycles: Passes of the same commanded path, at least one.
@@ -147,13 +147,13 @@ def corner_deviations(cycles: Sequence[Cycle], corners: Sequence[Corner] | None 
     Returns:
         One result per corner, in order of travel.
     """
-    found = find_corners(cycles[0].commanded) if corners is None else tuple(corners)
-    if not found:
+    used = find_corners(cycles[0].commanded) if corners is None else tuple(corners)
+    if not used:
         return ()
-    places = np.array([corner.position for corner in found])
-    edges = np.concatenate([[-np.inf], 0.5 * (places[1:] + places[:-1]), [np.inf]])
+    positions = np.array([corner.position for corner in used])
+    edges = np.concatenate([[-np.inf], 0.5 * (positions[1:] + positions[:-1]), [np.inf]])
     results = []
-    for corner, low, high in zip(found, edges[:-1], edges[1:], strict=True):
+    for corner, low, high in zip(used, edges[:-1], edges[1:], strict=True):
         rounding, overshoot = 0.0, 0.0
         for cycle in cycles:
             travelled = cycle.arc_length()

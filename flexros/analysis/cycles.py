@@ -1,4 +1,4 @@
-"""The repeated cycles of a run: where the commanded path repeats itself, and the samples that belong to it."""
+"""Repeated cycles of a run, where the commanded path repeats itself."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
 
 _AT_REST = 1e-7
-"""A commanded path that moves less than this [m] per sample rests."""
+"""A commanded path that moves less than this [m] per sample is at rest."""
 
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """One pass of the commanded path, with what was attained.
+    """One pass of the commanded path, with the attained one.
 
     Attributes:
         time: Time of each sample [s], shape (n,).
@@ -34,7 +34,7 @@ class Cycle:
     attained_orientation: FloatArray | None = None
 
     def arc_length(self) -> FloatArray:
-        """Return the commanded distance travelled since the start of the cycle [m], shape (n,), never decreasing."""
+        """Return the commanded distance since the beginning of the cycle [m], shape (n,), never decreasing."""
         step = np.linalg.norm(np.diff(self.commanded, axis=0), axis=1)
         return np.concatenate([[0.0], np.cumsum(step)])
 
@@ -51,9 +51,9 @@ class Cycle:
 
 
 def split_cycles(run: Cycle) -> tuple[Cycle, ...]:
-    """Cut a run into the repetitions of its commanded path.
+    """Split a run into the repetitions of its commanded path.
 
-    Rest before the first and after the last move is left out, except one sample of it on either side.
+    Rest before the first and after the last move is removed, except one sample of it on either side.
 
     Args:
         run: The whole run.
@@ -75,14 +75,14 @@ def split_cycles(run: Cycle) -> tuple[Cycle, ...]:
 def repetition(points: FloatArray) -> int | None:
     """Find the number of samples after which a commanded path repeats itself.
 
-    The mean square of p[k + L] - p[k] over all L comes from one correlation; its low points are then checked sample by
+    The mean square of p[k + L] - p[k] over all L comes from one correlation; its minima are then checked sample by
     sample.
 
     Args:
         points: Commanded positions from the first to the last move [m], shape (n, 3).
 
     Returns:
-        The smallest such number of samples, or None where the path is passed less than twice.
+        The smallest such number of samples, or None where the path is traversed less than twice.
     """
     largest_step = float(np.max(np.linalg.norm(np.diff(points, axis=0), axis=1)))
     for lag in _low_lags(points):

@@ -1,4 +1,4 @@
-"""Time since the start of a log: nanosecond stamps to seconds."""
+"""Conversion of nanosecond stamps to seconds since the start of a log."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ if TYPE_CHECKING:
 
 
 def start_stamp(log: Log) -> int:
-    """Return the stamp that counts as time 0 of a log [ns]: the first of joint_states, else the first of any topic."""
+    """Return the stamp of time 0 of a log [ns]: the first of joint_states, else the first of any topic."""
     if len(log.joint_states.stamp):
         return int(log.joint_states.stamp[0])
     others = (log.joint_commands, log.joint_reference, log.tool_pose, log.tool_reference)
-    return min((int(one.stamp.min()) for one in others if one is not None and len(one.stamp)), default=0)
+    return min((int(series.stamp.min()) for series in others if series is not None and len(series.stamp)), default=0)
 
 
 def elapsed_seconds(stamp: IntArray, start: int) -> FloatArray:
-    """Convert stamps to seconds since `start`; the difference is taken in whole nanoseconds, so none is lost.
+    """Convert stamps to seconds since `start`; the difference is exact, in whole nanoseconds.
 
     Args:
         stamp: Stamps [ns], shape (n,).
-        start: Stamp that counts as time 0 [ns].
+        start: Stamp of time 0 [ns].
 
     Returns:
         Time [s], shape (n,).

@@ -1,4 +1,4 @@
-"""The figures that stand for an error series: maximum, rms, percentile, and where the maximum is."""
+"""Statistics of an error series: maximum, rms, percentile, and location of the maximum."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ErrorStatistics:
-    """Size of an error series; every size has the unit of the series.
+    """Statistics of an error series; sizes have the unit of the series.
 
     Attributes:
         maximum: Largest absolute value.
@@ -44,7 +44,7 @@ class ErrorStatistics:
 
 
 def error_statistics(error: FloatArray, time: FloatArray, position: FloatArray | None = None) -> ErrorStatistics:
-    """Reduce an error series to its figures.
+    """Compute the statistics of an error series.
 
     Args:
         error: Error, signed or not, any unit, shape (n,), n >= 1, finite.
@@ -52,7 +52,7 @@ def error_statistics(error: FloatArray, time: FloatArray, position: FloatArray |
         position: Distance along the commanded path of each sample [m], shape (n,); None where there is no path.
 
     Returns:
-        The figures of the absolute error.
+        The statistics of the absolute error.
     """
     size = np.abs(error)
     worst = int(np.argmax(size))

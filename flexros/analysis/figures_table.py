@@ -32,10 +32,10 @@ class FigureRow:
     """One figure of all runs.
 
     Attributes:
-        group: What it belongs to, e.g. "Path".
+        group: Its group, e.g. "Path".
         name: Its name.
         unit: Its unit, "" where it has none.
-        values: Its value in each run as text, "-" where the log does not tell.
+        values: Its value in each run as text, "-" where the log does not contain it.
     """
 
     group: str
@@ -45,7 +45,7 @@ class FigureRow:
 
 
 def figure_rows(analyses: Sequence[Analysis]) -> tuple[FigureRow, ...]:
-    """Collect the figures of all runs; a figure that no run has is left out.
+    """Collect the figures of all runs; a figure that no run has is omitted.
 
     Args:
         analyses: The runs.
@@ -53,7 +53,7 @@ def figure_rows(analyses: Sequence[Analysis]) -> tuple[FigureRow, ...]:
     Returns:
         Rows grouped as path, each motor, frequency responses, timing.
     """
-    columns = [{(group, name, unit): value for group, name, unit, value in _figures(one)} for one in analyses]
+    columns = [{(group, name, unit): value for group, name, unit, value in _figures(analysis)} for analysis in analyses]
     keys = list(dict.fromkeys(key for column in columns for key in column))
     groups = list(dict.fromkeys(group for group, _, _ in keys))
     keys.sort(key=lambda key: groups.index(key[0]))
@@ -95,11 +95,11 @@ def _performance(performance: PathPerformance) -> Iterator[_Figure]:
     yield "ISO 9283", "path accuracy AT_p", "mm", 1e3 * performance.position_accuracy
     if performance.position_repeatability is not None:
         yield "ISO 9283", "path repeatability RT_p", "mm", 1e3 * performance.position_repeatability
-    for place, axis in enumerate("abc"):
+    for index, axis in enumerate("abc"):
         if performance.orientation_accuracy is not None:
-            yield "ISO 9283", f"path accuracy AT_{axis}", "mrad", 1e3 * float(performance.orientation_accuracy[place])
+            yield "ISO 9283", f"path accuracy AT_{axis}", "mrad", 1e3 * float(performance.orientation_accuracy[index])
         if performance.orientation_repeatability is not None:
-            turn = float(performance.orientation_repeatability[place])
+            turn = float(performance.orientation_repeatability[index])
             yield "ISO 9283", f"path repeatability RT_{axis}", "mrad", 1e3 * turn
     if performance.velocity is not None:
         yield "ISO 9283", "path velocity accuracy AV", "%", 1e2 * performance.velocity.accuracy
@@ -133,17 +133,17 @@ def _motor(motor: MotorTracking) -> Iterator[_Figure]:
         yield motor.joint, "time with feedforward above limit", "%", 1e2 * motor.overload_share
 
 
-def _responses(told: LogResponses) -> Iterator[_Figure]:
+def _responses(responses: LogResponses) -> Iterator[_Figure]:
     group = "Responses"
-    yield group, "positions", "", float(len(told.positions))
-    if not told.positions:
+    yield group, "positions", "", float(len(responses.positions))
+    if not responses.positions:
         return
-    yield group, "lines", "", float(len(told.positions[0].frequency))
-    yield group, "lowest frequency", "Hz", float(told.positions[0].frequency[0])
-    yield group, "highest frequency", "Hz", float(told.positions[0].frequency[-1])
-    shares = [relative_deviation(response) for response in told.positions]
+    yield group, "lines", "", float(len(responses.positions[0].frequency))
+    yield group, "lowest frequency", "Hz", float(responses.positions[0].frequency[0])
+    yield group, "highest frequency", "Hz", float(responses.positions[0].frequency[-1])
+    shares = [relative_deviation(response) for response in responses.positions]
     for name in shares[0]:
-        known = [share for one in shares if (share := one[name]) is not None]
+        known = [share for by_output in shares if (share := by_output[name]) is not None]
         if known:
             yield group, f"{name}, standard deviation, median", "%", 1e2 * float(np.median(known))
 
@@ -172,7 +172,7 @@ def _timing(timing: LoopTiming) -> Iterator[_Figure]:
 
 
 def _pacing(pacing: Pacing) -> Iterator[_Figure]:
-    """Give what the plant told of its schedule."""
+    """Figures of the schedule of the plant."""
     figures = (
         ("plant, period, median", "ms", 1e3, pacing.period_median),
         ("plant, period, 99 %", "ms", 1e3, pacing.period_p99),

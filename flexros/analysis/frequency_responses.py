@@ -1,4 +1,4 @@
-"""Frequency responses that the log of an identification experiment tells."""
+"""Frequency responses of the log of an identification experiment."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class LogResponses:
     """Responses from torque commands to motor accelerations in the positions of an experiment.
 
     Attributes:
-        positions: One response per position that was recorded completely enough; none where `reason` says why.
-        reason: Why there is none, one sentence; empty where there are.
+        positions: One response per sufficiently recorded position; none where `reason` is given.
+        reason: Why there is none, one sentence; empty otherwise.
     """
 
     positions: tuple[FrequencyResponse, ...]
@@ -31,7 +31,7 @@ class LogResponses:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What was found in the record, each sentence once."""
+        """Findings in the record, each sentence once."""
         return tuple(dict.fromkeys(text for response in self.positions for text in response.warnings))
 
     def as_dict(self) -> dict[str, Any]:
@@ -40,11 +40,7 @@ class LogResponses:
 
 
 def is_identification(provenance: Mapping[str, Any]) -> bool:
-    """Tell whether a log is that of an identification experiment.
-
-    Args:
-        provenance: Where the log came from.
-    """
+    """Whether the provenance is that of an identification experiment."""
     scenario = provenance.get("scenario")
     return isinstance(scenario, dict) and scenario.get("identification") is not None
 
@@ -57,7 +53,7 @@ def log_responses(log: Log, robot: Robot | None = None) -> LogResponses | None:
         robot: The robot of the run, for checks of torque limits and of the order of joints; None where not known.
 
     Returns:
-        The responses, or why they cannot be told; None for logs that are not of an identification experiment.
+        The responses, or the reason why there are none; None for logs that are not of an identification experiment.
     """
     if not is_identification(log.provenance):
         return None
@@ -72,13 +68,13 @@ def log_responses(log: Log, robot: Robot | None = None) -> LogResponses | None:
 
 
 def relative_deviation(response: FrequencyResponse) -> dict[str, float | None]:
-    """Compute the median over frequency of the standard deviation of each diagonal element, relative to its magnitude.
+    """Compute the median over frequency of the relative standard deviation of each diagonal element.
 
     Args:
         response: A measured response.
 
     Returns:
-        The median [1] by output; None where the record does not tell the deviation.
+        The median [1] by output; None where the record does not determine the deviation.
     """
     from flexros.identify.graybox.response_noise import response_noise
 
@@ -86,11 +82,11 @@ def relative_deviation(response: FrequencyResponse) -> dict[str, float | None]:
     if noise is None:
         return dict.fromkeys(response.output_names)
     share = np.sqrt(noise.variance) / np.abs(response.response)
-    return {name: float(np.median(share[:, place, place])) for place, name in enumerate(response.output_names)}
+    return {name: float(np.median(share[:, motor, motor])) for motor, name in enumerate(response.output_names)}
 
 
 def position_record(response: FrequencyResponse) -> dict[str, Any]:
-    """Return what is known of one response for JSON.
+    """Return the summary of one response for JSON.
 
     Args:
         response: A measured response.

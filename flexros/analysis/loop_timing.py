@@ -1,4 +1,4 @@
-"""Timing of the control loop: by its stamps period, misses, order and which match; in real time its pace as well."""
+"""Timing of the control loop: period, gaps, order and matching of stamps; in real time also its pace."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _GAP = 1.5
 _ROUND_OFF = 1
 """Steps of stamps on an exact grid differ by this much from rounding to whole nanoseconds [ns]."""
 _NAMED_GAPS = 20
-"""So many gaps are named one by one; all are counted."""
+"""Number of gaps that are listed one by one; all are counted."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Gap:
     """Samples missing between two consecutive stamps.
 
     Attributes:
-        time: Time of the last sample before the gap, from the start of the log [s].
+        missing: Number of samples missing in it.
         missing: Number of samples that should lie in it.
     """
 
@@ -44,15 +44,13 @@ class TopicTiming:
         count: Number of messages.
         start: Time of the first stamp, from the start of the log [s].
         period: Median of the steps between stamps [s]; nan with fewer than two different stamps.
-        mean_period: Mean of the steps that are no gaps [s].
-        jitter_std: Standard deviation of the steps that are no gaps [s].
-        jitter_p99: 99th percentile of |step - period| over these steps [s].
-        jitter_max: Largest |step - period| over these steps [s].
+        mean_period: Mean of the steps without gaps [s].
+        jitter_std: Standard deviation of the steps without gaps [s].
         missed: Number of samples missing in gaps.
         gaps: The first gaps, at most 20.
-        duplicates: Number of messages whose stamp was there before.
-        out_of_order: Number of messages whose stamp is older than that of the one before.
-        exact: Whether the stamps lie on an exact grid: no step differs from the period by more than rounding.
+        duplicates: Number of messages whose stamp occurred before.
+        out_of_order: Number of messages whose stamp is older than the previous one.
+        exact: Whether the stamps are on an exact grid: no step differs from the period by more than rounding.
         steps: Steps between consecutive different stamps, in order of stamps [s], shape (n - 1,).
         step_time: Time of the end of each step, from the start of the log [s], shape (n - 1,).
     """
@@ -100,9 +98,9 @@ class LoopTiming:
         answered: Share of joint_states with a joint_commands message of the same stamp; 1 in lock-step.
         unanswered: Number of joint_states without one.
         unasked: Number of joint_commands without a joint_states message of the same stamp.
-        real_time: Whether the loop ran by the wall clock; False in lock-step or simulated, None where nothing tells.
-        arrivals: When the messages of the loop were received, where that is known.
-        pacing: How the plant kept its schedule; None where it kept none or did not tell.
+        real_time: Whether the loop ran by the wall clock; False in lock-step or simulated, None where unknown.
+        arrivals: Receive times of the messages of the loop, where known.
+        pacing: Schedule of the plant; None where it had none or did not report it.
     """
 
     topics: tuple[TopicTiming, ...]
@@ -115,7 +113,7 @@ class LoopTiming:
 
     @property
     def exact(self) -> bool:
-        """Whether the stamps of every topic lie on an exact grid and every state has its command: nothing was lost."""
+        """Whether all stamps are on an exact grid and every state has its command: no sample was lost."""
         return all(topic.exact for topic in self.topics) and self.unanswered == 0 and self.unasked == 0
 
     def topic(self, name: str) -> TopicTiming | None:
@@ -123,7 +121,7 @@ class LoopTiming:
         return next((topic for topic in self.topics if topic.topic == name), None)
 
     def arrival(self, name: str) -> ArrivalTiming | None:
-        """Return when the messages of a topic of the loop were received, or None where that is not known."""
+        """Return the receive times of a topic of the loop, or None where they are not known."""
         return next((arrival for arrival in self.arrivals if arrival.topic == name), None)
 
     def as_dict(self) -> dict[str, object]:
@@ -141,13 +139,10 @@ class LoopTiming:
 
 
 def loop_timing(log: Log) -> LoopTiming:
-    """Evaluate the stamps of a log, and in real time when messages came and how the plant kept its schedule.
+    """Evaluate the stamps of a log, and in real time receive times and the schedule of the plant.
 
     Args:
-        log: The log; topics it lacks are left out.
-
-    Returns:
-        The timing of each topic, the match of commands with states, and the pace.
+        log: The log; missing topics are omitted.
     """
     series: dict[str, JointSeries | PoseSeries | None] = {
         "joint_states": log.joint_states,
@@ -180,7 +175,7 @@ def topic_timing(topic: str, stamp: IntArray, start: int) -> TopicTiming:
     Args:
         topic: Name of the topic.
         stamp: Stamps in the order of the log [ns], shape (n,), n >= 1.
-        start: Stamp that counts as time 0 [ns].
+        start: Stamp of time 0 [ns].
 
     Returns:
         Period, jitter, misses, duplicates and order.

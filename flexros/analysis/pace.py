@@ -1,4 +1,4 @@
-"""How evenly a loop ran in real time: when its messages were received, and how the plant kept its schedule."""
+"""Pace of a loop in real time: receive times of its messages, and the schedule of the plant."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexros.logs.time_series import Log
 
 LOOP_TOPICS = ("joint_states", "joint_commands")
-"""Topics that go on sample by sample; references may be sent ahead in bursts."""
+"""Topics that continue sample by sample; references may be sent ahead in bursts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class ArrivalTiming:
 
 @dataclass(frozen=True)
 class Pacing:
-    """How the plant kept its wall-clock schedule, by its own account; None where it did not tell.
+    """Wall-clock schedule of the plant, as it reported it; None where it did not.
 
     Attributes:
         cycles: Number of cycles.
@@ -67,10 +67,10 @@ class Pacing:
         period_median: Median of the period [s].
         period_p99: 99th percentile of the period [s].
         period_max: Longest period [s].
-        lateness_p99: 99th percentile of start after due [s].
-        lateness_max: Largest start after due [s].
+        lateness_p99: 99th percentile of the delay after the scheduled time [s].
+        lateness_max: Largest delay after the scheduled time [s].
         late_share: Share of the cycles that began more than a tenth of the sample time late.
-        missed_commands: Samples for which no new command was there, so that the last one was held.
+        missed_commands: Samples without a new command, so that the last one was held.
     """
 
     cycles: int | None = None
@@ -89,7 +89,7 @@ class Pacing:
 
 
 def arrival_timing(topic: str, received: IntArray) -> ArrivalTiming | None:
-    """Evaluate when the messages of a topic were received.
+    """Evaluate the receive times of a topic.
 
     Args:
         topic: Name of the topic.
@@ -117,7 +117,7 @@ def arrival_timing(topic: str, received: IntArray) -> ArrivalTiming | None:
 
 
 def loop_arrivals(log: Log) -> tuple[ArrivalTiming, ...]:
-    """Evaluate the topics of the loop whose times of receipt are known."""
+    """Evaluate the topics of the loop whose receive times are known."""
     known = [(name, getattr(log, name)) for name in LOOP_TOPICS]
     timings = [
         arrival_timing(name, series.received)
@@ -129,13 +129,13 @@ def loop_arrivals(log: Log) -> tuple[ArrivalTiming, ...]:
 
 
 def plant_pacing(figures: Mapping[str, float]) -> Pacing | None:
-    """Take what the plant says of its schedule.
+    """Convert the schedule figures of the plant.
 
     Args:
         figures: Figures of the plant node by key; times in microseconds, shares in percent.
 
     Returns:
-        The same in SI units; None where the plant kept no schedule, as in lock-step.
+        The same in SI units; None where the plant had no schedule, as in lock-step.
     """
     if not figures.keys() & {"cycles", "missed_commands"}:
         return None
@@ -160,19 +160,16 @@ def plant_pacing(figures: Mapping[str, float]) -> Pacing | None:
 
 
 def ran_in_real_time(log: Log) -> bool | None:
-    """Tell whether a loop ran by the wall clock.
-
-    Args:
-        log: Its log.
+    """Determine whether a loop ran by the wall clock.
 
     Returns:
-        What the provenance says; without it True where the plant kept a schedule or messages were received at other
-        times than their stamps, False for other runs of a scenario (lock-step or simulated), None where nothing tells.
+        The entry of the provenance. Without it True where the plant had a schedule or messages were received at other
+        times than their stamps, False for other runs of a scenario (lock-step or simulated), None where unknown.
     """
     said = log.provenance.get("real_time")
     if isinstance(said, bool):
         return said
     series = (log.joint_states, log.joint_commands, log.joint_reference, log.tool_pose, log.tool_reference)
-    if plant_pacing(log.plant_figures) or any(one is not None and one.received is not None for one in series):
+    if plant_pacing(log.plant_figures) or any(topic is not None and topic.received is not None for topic in series):
         return True
     return False if "scenario" in log.provenance else None

@@ -1,4 +1,4 @@
-"""Error of the tool along its commanded path in one run: distance to the path, and difference at the same time."""
+"""Error of the tool in one run: distance to the commanded path, and difference at the same time."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class PathError:
     """Tool error of one run; all series are at the stamps of tool_pose that lie within tool_reference.
 
     Attributes:
-        shape: The commanded path in words, e.g. "circle of radius 25 mm".
+        shape: Description of the commanded path, e.g. "circle of radius 25 mm".
         run: Commanded and attained pose over time, times from the start of the log [s]; components not in `axes` are 0.
-        axes: The position components that count, e.g. ("x", "z").
+        axes: The position components used, e.g. ("x", "z").
         length: Length of the commanded path [m].
         nearest: Point of the commanded path nearest to the attained one [m], shape (n, 3).
         position: Distance of that point along the path [m], shape (n,).
@@ -39,7 +39,7 @@ class PathError:
         path: Figures of `distance` [m].
         synchronised: Figures of `time_difference` [m].
         orientation: Figures of `angle` [rad]; None where no orientation is commanded.
-        chord_error: How far the path may leave the chords between its samples [m]; 0 for a circle, known exactly.
+        chord_error: Largest deviation of the path from the chords between its samples [m]; 0 for a circle.
     """
 
     shape: str
@@ -85,15 +85,15 @@ def path_error(
     Args:
         pose: Attained poses, in order of stamps.
         reference: Commanded poses, in order of stamps.
-        start: Stamp that counts as time 0 [ns]; None for the first stamp of `pose`.
-        axes: Position components that count; None for those that move in the pose or the reference.
-        turned: Whether the orientation counts too, if the reference commands one.
+        start: Stamp of time 0 [ns]; None for the first stamp of `pose`.
+        axes: Position components to use; None for those that move in the pose or the reference.
+        turned: Whether to use the orientation, if the reference commands one.
 
     Returns:
         Error series and figures.
 
     Raises:
-        InputError: The two series share no time or hold numbers that are not finite, or `axes` is not of x, y, z.
+        InputError: The two series share no time or contain values that are not finite, or `axes` is not of x, y, z.
     """
     run = _common_run(pose, reference, int(pose.stamp[0]) if start is None else start)
     if not turned:
@@ -134,7 +134,7 @@ def _shape(path: CommandedPath, circle: Circle | None) -> str:
 
 
 def _common_run(pose: PoseSeries, reference: PoseSeries, start: int) -> Cycle:
-    """Bring both series to the stamps of the pose that the reference covers."""
+    """Resample both series at the stamps of the pose that the reference covers."""
     first, last = int(reference.stamp[0]), int(reference.stamp[-1])
     inside = (pose.stamp >= first) & (pose.stamp <= last)
     if not np.any(inside):
@@ -151,7 +151,7 @@ def _common_run(pose: PoseSeries, reference: PoseSeries, start: int) -> Cycle:
         if not np.all(np.isfinite(values)):
             row = int(np.flatnonzero(~np.all(np.isfinite(values), axis=1))[0])
             raise InputError(
-                f"{name} holds a position that is not finite near {(stamp[row] - start) * 1e-9:.4f} s after the start: "
+                f"{name} has a position that is not finite near {(stamp[row] - start) * 1e-9:.4f} s after the start: "
                 "every position must be a number [m]; cut the log or repair the recording"
             )
     commanded_turn, attained_turn = _orientations(pose, reference, inside.nonzero()[0], at, known)
@@ -161,7 +161,7 @@ def _common_run(pose: PoseSeries, reference: PoseSeries, start: int) -> Cycle:
 def _orientations(
     pose: PoseSeries, reference: PoseSeries, rows: IntArray, at: FloatArray, known: FloatArray
 ) -> tuple[FloatArray | None, FloatArray | None]:
-    """Bring both orientations to the same stamps; none where either is no rotation or the command is identity."""
+    """Resample both orientations; None where either is not a rotation or the command is identity."""
     quaternion = np.asarray(reference.orientation, dtype=np.float64)
     attained = np.asarray(pose.orientation, dtype=np.float64)[rows]
     if not _are_rotations(quaternion) or not _are_rotations(attained):
@@ -174,7 +174,7 @@ def _orientations(
 
 
 def _are_rotations(quaternion: FloatArray) -> bool:
-    """Tell whether all quaternions are near unit length; a sender that knows no orientation leaves zeros."""
+    """Whether all quaternions are near unit length; a sender without orientation leaves zeros."""
     return bool(np.all(np.isfinite(quaternion)) and np.all(np.linalg.norm(quaternion, axis=1) >= 0.5))
 
 

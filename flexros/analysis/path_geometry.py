@@ -1,4 +1,4 @@
-"""Geometry of a commanded path that is known by samples: exact distance to its polyline, and the circle behind it."""
+"""Geometry of a sampled commanded path: exact distance to its polyline, and the underlying circle."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
 
 _SAME_POINT = 1e-7
-"""Samples closer than this [m] to the one before are the same vertex (the path rests there)."""
+"""Samples closer than this [m] to the previous one are the same vertex (the path is at rest there)."""
 _FIRST_CANDIDATES = 8
-"""Segments looked at first for each point; more are taken until the nearest one is proved."""
+"""Number of candidate segments of each point at first; more are taken until the nearest one is proved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +24,7 @@ class Projection:
     Attributes:
         distance: Distance to the path [m], shape (n,).
         nearest: Nearest point of the path [m], shape (n, 3).
-        position: Distance along the path from its start to the nearest point [m], shape (n,).
+        position: Distance along the path from its beginning to the nearest point [m], shape (n,).
     """
 
     distance: FloatArray
@@ -70,7 +70,7 @@ class CommandedPath:
         return _project(self, points)
 
     def chord_error(self) -> float:
-        """Return how far the sampled path may leave its chords [m]: largest chord times turning angle over eight."""
+        """Return the largest deviation of the path from its chords [m]: max of chord times turning angle over eight."""
         if len(self.vertices) < 3:
             return 0.0
         step = np.diff(self.vertices, axis=0)
@@ -83,13 +83,10 @@ class CommandedPath:
 
 
 def path_through(points: FloatArray) -> CommandedPath:
-    """Build the polyline through samples of a commanded path, dropping the samples where it rests.
+    """Build the polyline through samples of a commanded path, without the samples at rest.
 
     Args:
         points: Commanded positions in order of time [m], shape (n, 3), n >= 1.
-
-    Returns:
-        The path.
     """
     kept = [0]
     step = np.linalg.norm(np.diff(points, axis=0), axis=1)
@@ -124,7 +121,7 @@ def _project(path: CommandedPath, points: FloatArray) -> Projection:
         row = np.arange(len(open_points))
         distance[open_points], segment[open_points] = gap[row, best], candidates[row, best]
         fraction[open_points] = along[row, best]
-        # A segment not looked at has its middle beyond the farthest candidate, so it is at least far - half away.
+        # The centre of any other segment is beyond the farthest candidate, so the segment is at least far - half away.
         proved = (far[:, -1] - half >= gap[row, best]) | (k == len(starts))
         open_points = open_points[~proved]
         k = min(4 * k, len(starts))
@@ -140,8 +137,8 @@ class Circle:
     Attributes:
         centre: Centre [m], shape (3,).
         radius: Radius [m].
-        normal: Unit vector across its plane, in the sense of travel, shape (3,).
-        start: Unit vector from the centre to the start of the path, shape (3,).
+        normal: Unit vector normal to its plane, in the sense of travel, shape (3,).
+        start: Unit vector from the centre to the first point of the path, shape (3,).
     """
 
     centre: FloatArray
@@ -156,7 +153,7 @@ class Circle:
             points: Attained positions [m], shape (n, 3), none on the axis of the circle.
 
         Returns:
-            Distance, nearest point, and position along the circle from its start, 0 to 2 pi r.
+            Distance, nearest point, and position along the circle from its first point, 0 to 2 pi r.
         """
         offset = points - self.centre
         flat = offset - np.outer(offset @ self.normal, self.normal)
@@ -177,7 +174,7 @@ def circle_behind(path: CommandedPath, tolerance: float = 1e-6) -> Circle | None
         tolerance: Largest distance of a vertex from the circle [m].
 
     Returns:
-        The circle, or None where the path is none or goes round less than once.
+        The circle, or None where the path is not a circle or covers less than a full turn.
     """
     if len(path.vertices) < 8:
         return None

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
 
 STANDARD_CYCLES = 10
-"""Number of cycles the standard asks for."""
+"""Number of cycles that the standard requires."""
 POINTS = 200
 """Number of points along the path that are evaluated (chosen)."""
 _SAME_PLACE = 1e-9
@@ -87,7 +87,7 @@ class PathPerformance:
 
 @dataclass(frozen=True, eq=False)
 class _Crossings:
-    """Where the attained path of one cycle crosses the planes normal to the commanded path; NaN where it does not."""
+    """Crossings of the attained path of a cycle with the planes normal to the commanded path; NaN where none."""
 
     time: FloatArray
     position: FloatArray
@@ -107,7 +107,7 @@ def path_performance(cycles: Sequence[Cycle], points: int = POINTS) -> PathPerfo
         points: Number of points evaluated, spread evenly along the path.
 
     Returns:
-        The figures. The standard asks for 10 cycles; fewer are evaluated all the same, with their number stated.
+        The figures. The standard requires 10 cycles; fewer are evaluated as well, and their number is reported.
 
     Raises:
         InputError: The cycles do not follow the same path, or the path does not move.
@@ -118,7 +118,7 @@ def path_performance(cycles: Sequence[Cycle], points: int = POINTS) -> PathPerfo
             f"cycles with commanded paths of {min(length):.6g} to {max(length):.6g} m were given for path performance: "
             "all must be passes of one moving path; compare different paths with a report instead"
         )
-    # The ends are left out: the attained path need not reach their normal planes.
+    # Without the ends, whose normal planes the attained path need not reach.
     position = length[0] * (np.arange(points) + 0.5) / points
     crossings = [_crossings(cycle, position) for cycle in cycles]
     attained = np.stack([c.position for c in crossings])
@@ -172,27 +172,29 @@ def _crossings(cycle: Cycle, position: FloatArray) -> _Crossings:
     commanded = cycle.commanded[segment] + share[:, None] * step
     tangent = step / np.linalg.norm(step, axis=1, keepdims=True)
     at = segment + share
-    # A crossing farther away than the tool ever is from where it should be belongs to another part of the path.
+    # A crossing farther away than the largest tool error belongs to another part of the path.
     reach = float(np.max(np.linalg.norm(cycle.attained - cycle.commanded, axis=1))) + _SAME_PLACE
-    places = zip(commanded, tangent, at, strict=True)
-    index = np.array([_nearest_crossing(cycle, p, d, k, reach) for p, d, k in places])
+    planes = zip(commanded, tangent, at, strict=True)
+    index = np.array([_nearest_crossing(cycle, p, d, k, reach) for p, d, k in planes])
     samples = np.arange(len(cycle.time), dtype=np.float64)
-    found = np.isfinite(index)
+    crossed = np.isfinite(index)
     attained = np.full_like(commanded, np.nan)
-    attained[found] = _at(cycle.attained, index[found])
-    time = np.where(found, np.interp(index, samples, cycle.time), np.nan)
+    attained[crossed] = _at(cycle.attained, index[crossed])
+    time = np.where(crossed, np.interp(index, samples, cycle.time), np.nan)
     rotation = None
     if cycle.attained_orientation is not None and cycle.commanded_orientation is not None:
         rotation = np.full_like(commanded, np.nan)
-        goal = Rotation.from_quat(_at(cycle.commanded_orientation, at[found]))
-        rotation[found] = (Rotation.from_quat(_at(cycle.attained_orientation, index[found])) * goal.inv()).as_rotvec()
+        goal = Rotation.from_quat(_at(cycle.commanded_orientation, at[crossed]))
+        rotation[crossed] = (
+            Rotation.from_quat(_at(cycle.attained_orientation, index[crossed])) * goal.inv()
+        ).as_rotvec()
     return _Crossings(time, attained, commanded, rotation)
 
 
 def _nearest_crossing(cycle: Cycle, point: FloatArray, tangent: FloatArray, sample: float, reach: float) -> float:
     """Return the (fractional) sample nearest to `sample` where the attained path crosses the plane forward.
 
-    Only crossings within `reach` of the point count [m]; nan where there is none.
+    Only crossings within `reach` of the point are used [m]; nan where there is none.
     """
     ahead = (cycle.attained - point) @ tangent
     crossing = np.flatnonzero((ahead[:-1] <= 0.0) & (ahead[1:] > 0.0))

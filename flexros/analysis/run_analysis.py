@@ -1,4 +1,4 @@
-"""One run analysed: path error, path performance, corners, tracking, timing and frequency responses together."""
+"""Analysis of one run: path error, path performance, corners, tracking, timing and frequency responses."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 _FOLLOWED = 0.95
-"""A tool that crosses fewer of the planes along the path than this share does not follow it (chosen)."""
+"""A tool that crosses a smaller share of the planes along the path does not follow it (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """What the log of one run tells.
+    """Results of the analysis of one run.
 
     Attributes:
         label: Name of the run in tables and pictures.
         duration: Time from the first to the last joint_states stamp [s].
         path: Error of the tool along its path; None where tool_pose or tool_reference is missing, and for an
-            identification experiment, whose excitation is no path to be followed.
+            identification experiment, whose excitation is not a path to be followed.
         performance: Path accuracy and repeatability (ISO 9283); None without `path` or where the path does not move.
         corners: Deviations at the corners of the path, in order of travel.
         motors: Tracking and torque of each motor.
         timing: Timing of the topics.
-        provenance: Where the log came from.
-        warnings: What limits these results, one sentence each; those of the log first.
+        provenance: Origin of the log.
+        warnings: Limits of these results, one sentence each; those of the log first.
         responses: Frequency responses; None where the log is not of an identification experiment.
     """
 
@@ -57,7 +57,7 @@ class Analysis:
     responses: LogResponses | None = None
 
     def as_dict(self) -> dict[str, object]:
-        """Return all figures as plain numbers, lists and strings, ready for JSON; units stand in the keys."""
+        """Return all figures as plain numbers, lists and strings, ready for JSON; units are in the keys."""
         return {
             "label": self.label,
             "duration_s": self.duration,
@@ -81,7 +81,7 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
         label: Name of the run in tables and pictures; None for the scenario in the provenance.
 
     Returns:
-        The analysis. What the log does not hold is None there and named in the warnings.
+        The analysis. What the log does not contain is None there and named in the warnings.
 
     Raises:
         InputError: The log contradicts itself or the robot.
@@ -92,17 +92,17 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
     warnings.extend(_cut_short(log))
     responses = log_responses(log, robot)
     path, performance, corners = (None, None, ()) if responses else _tool(log, start, robot, warnings)
-    own = None if robot is None else _drives(robot)
-    motors = motor_tracking(log, start, limited_drives(own, log.joint_states.names, log.provenance, warnings))
+    drives = None if robot is None else _drives(robot)
+    motors = motor_tracking(log, start, limited_drives(drives, log.joint_states.names, log.provenance, warnings))
     if not any(motor.tracking is not None for motor in motors):
-        warnings.append("the log has no joint_reference with positions, so motor tracking cannot be told")
+        warnings.append("the log has no joint_reference with positions, so motor tracking is not evaluated")
     if not any(motor.feedforward is not None for motor in motors):
-        warnings.append("the log has no feedforward torque, so the share of the feedback cannot be told")
+        warnings.append("the log has no feedforward torque, so the share of the feedback is not evaluated")
     warnings.extend(limit_warnings(motors))
     if responses is not None:
         warnings.extend(responses.warnings)
     if responses is not None and responses.reason:
-        warnings.append(f"the frequency responses cannot be told: {responses.reason}")
+        warnings.append(f"the frequency responses were not estimated: {responses.reason}")
     return Analysis(
         label=_scenario_name(log.provenance) if label is None else label,
         duration=float((stamp[-1] - stamp[0]) * 1e-9) if len(stamp) else 0.0,
@@ -118,7 +118,7 @@ def analyse(log: Log, *, robot: Robot | None = None, label: str | None = None) -
 
 
 def _cut_short(log: Log) -> list[str]:
-    """Say that a log holds fewer samples than its run was to have, and why as far as it is known."""
+    """Report that a log has fewer samples than its run was planned to have, with the reason if it is known."""
     recorded, planned = len(log.joint_states.stamp), log.provenance.get("n_samples")
     stopped = log.provenance.get("stopped")
     if isinstance(stopped, dict) and {"completed", "planned"} <= set(stopped):
@@ -127,18 +127,18 @@ def _cut_short(log: Log) -> list[str]:
         ]
     if not isinstance(planned, int) or recorded >= planned:
         return []
-    return [f"the log holds {recorded} of the {planned} samples of its run, which broke off or lost some"]
+    return [f"the log has {recorded} of the {planned} samples of its run, which was aborted or lost samples"]
 
 
 def _scenario_name(provenance: Mapping[str, Any]) -> str:
-    """Return the name of the scenario, which stands by itself or in the description of the scenario."""
+    """Return the name of the scenario from the provenance, given directly or in the scenario."""
     scenario = provenance.get("scenario", "")
     name = scenario.get("name", "") if isinstance(scenario, dict) else scenario
     return str(name) or "run"
 
 
 def _controlled(robot: Robot) -> tuple[tuple[str, ...] | None, bool]:
-    """Return the position components that the robot controls (None: those of its joints), and whether it turns."""
+    """Return the position components that the robot controls (None: those of its joints), and whether it rotates."""
     pose = robot.spec.outputs[robot.controlled].pose
     position = tuple(component for component in pose if component in AXES)
     return position or None, not pose or len(position) < len(pose)
@@ -156,7 +156,7 @@ def _drives(robot: Robot) -> tuple[Drive, ...]:
 def _tool(
     log: Log, start: int, robot: Robot | None, warnings: list[str]
 ) -> tuple[PathError | None, PathPerformance | None, tuple[CornerDeviation, ...]]:
-    """Evaluate what the tool topics tell; what they do not is added to the warnings."""
+    """Evaluate the tool topics; missing ones are added to the warnings."""
     pose, reference = log.tool_pose, log.tool_reference
     absent = [
         name
@@ -164,28 +164,28 @@ def _tool(
         if series is None or len(series.stamp) == 0
     ]
     if pose is None or reference is None or absent:
-        warnings.append(f"the log has no {' and no '.join(absent)}, so only the motor side of the error can be told")
+        warnings.append(f"the log has no {' and no '.join(absent)}, so only the motor side of the error is evaluated")
         return None, None, ()
     axes, turned = (None, True) if robot is None else _controlled(robot)
     error = path_error(pose, reference, start=start, axes=axes, turned=turned)
     if error.chord_error > 0.05 * error.path.maximum:
         warnings.append(
-            f"the commanded path may leave the chords between its samples by {1e3 * error.chord_error:.2g} mm, "
-            "which counts as path error; record tool_reference at a higher rate"
+            f"the commanded path may deviate from the chords between its samples by {1e3 * error.chord_error:.2g} mm, "
+            "which adds to the path error; record tool_reference at a higher rate"
         )
     if error.length == 0.0:
-        warnings.append("the commanded tool position never moves, so path accuracy cannot be told")
+        warnings.append("the commanded tool position never moves, so path accuracy is not evaluated")
         return error, None, ()
     cycles = split_cycles(error.run)
     return error, _performance(cycles, warnings), corner_deviations(cycles)
 
 
 def _performance(cycles: Sequence[Cycle], warnings: list[str]) -> PathPerformance | None:
-    """Evaluate path performance; where the tool does not follow the path (a run that broke off), say so."""
+    """Evaluate path performance; warn where the tool does not follow the path, as in an aborted run."""
     try:
         performance = path_performance(cycles)
     except InputError as error:
-        warnings.append(f"path accuracy cannot be told: {error}")
+        warnings.append(f"path accuracy was not evaluated: {error}")
         return None
     if performance.points < _FOLLOWED * POINTS:
         warnings.append(
@@ -193,5 +193,5 @@ def _performance(cycles: Sequence[Cycle], warnings: list[str]) -> PathPerformanc
             "accuracy is that of a part of it"
         )
     if 1 < performance.cycles < STANDARD_CYCLES:
-        warnings.append(f"repeatability is from {performance.cycles} cycles; ISO 9283 asks for {STANDARD_CYCLES}")
+        warnings.append(f"repeatability is from {performance.cycles} cycles; ISO 9283 requires {STANDARD_CYCLES}")
     return performance

@@ -1,4 +1,4 @@
-"""Which torque limit holds for each motor, and what it did to a run."""
+"""Effective torque limit of each motor, and its influence on a run."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 CONTROLLER_LIMIT = "controller.torque_limit"
-"""Key of a scenario that limits the command below what the robot allows."""
+"""Key of a scenario that limits the command below the limit of the robot."""
 
 _LONG = 0.01
-"""A command that is at its limit for a larger share of the run is warned of (chosen)."""
+"""Share of the run at the limit above which a warning is given (chosen)."""
 
 
 def limited_drives(
     drives: Sequence[Drive] | None, joints: Sequence[str], provenance: Mapping[str, Any], warnings: list[str]
 ) -> dict[str, Drive] | None:
-    """Tell the motor of each joint, with the smaller of the limits of robot and controller.
+    """Return the motor of each joint, with the smaller of the limits of robot and controller.
 
     Args:
         drives: The motors of the robot, in the order of the chain; None where the robot is not known.
         joints: Joint names of the log.
         provenance: Where the log came from; its scenario may limit the command.
-        warnings: Gets a sentence where names differ or a limit cannot be used.
+        warnings: Receives a sentence where names differ or a limit cannot be used.
 
     Returns:
         Motor by joint; None where neither robot nor limit is known.
@@ -50,7 +50,7 @@ def limited_drives(
         if limits is None:
             warnings.append(
                 f"{CONTROLLER_LIMIT} in the provenance is {given!r}, allowed is a positive number or one for each of "
-                f"the motors ({len(known)}); it was left out"
+                f"the motors ({len(known)}); it was ignored"
             )
         else:
             known = [
@@ -63,7 +63,7 @@ def limited_drives(
 
 
 def _limits(given: object, n_motors: int) -> FloatArray | None:
-    """Spread a limit over the motors; None where it is none."""
+    """Expand a limit to the motors; None where it is not a valid one."""
     try:
         values = np.atleast_1d(np.asarray(given, dtype=np.float64))
     except (TypeError, ValueError):
@@ -74,7 +74,7 @@ def _limits(given: object, n_motors: int) -> FloatArray | None:
 
 
 def limit_warnings(motors: Sequence[MotorTracking]) -> Iterator[str]:
-    """Say where the limit held a motor back, and where the motion asks for more than it allows.
+    """Warn where the limit restricts a motor, and where the motion requires more than it allows.
 
     Args:
         motors: Torques of the motors.

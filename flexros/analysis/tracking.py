@@ -1,4 +1,4 @@
-"""What the feedback had to do: tracking error of the motors, torque against feedforward, saturation."""
+"""Tracking error of the motors, torque against feedforward, saturation."""
 
 from __future__ import annotations
 
@@ -34,14 +34,15 @@ class MotorTracking:
         torque_time: Time of the torque samples, from the start of the log [s], shape (k,).
         torque: Commanded torque [Nm, or N], shape (k,).
         feedforward: Feedforward torque at the same stamps [Nm, or N], shape (k,).
-        feedback: `torque` minus `feedforward`: what the feedback added [Nm, or N], shape (k,).
+        feedback: `torque` minus `feedforward` [Nm, or N], shape (k,).
         torque_max: Largest absolute commanded torque [Nm, or N].
         feedback_rms: Rms of `feedback` [Nm, or N].
-        feedback_share: Rms of `feedback` over rms of `torque`: 0 where the feedforward does it all, 1 where there is
+        feedback_share: Rms of `feedback` over rms of `torque`: 0 for pure feedforward, 1 without feedforward; above 1
+            where the two oppose each other.
             none; above 1 where the two work against each other.
         torque_limit: Torque limit [Nm, or N]; inf where there is none, None where it is not known.
         limited_by: Where the limit comes from.
-        saturated_share: Share of the torque samples at the limit.
+        limited_by: Source of the limit.
         overload_share: Share of the torque samples whose feedforward alone exceeds the limit.
     """
 
@@ -78,7 +79,7 @@ class MotorTracking:
 
 @dataclass(frozen=True)
 class Drive:
-    """What is known of a motor.
+    """Known properties of a motor.
 
     Attributes:
         joint: Name of its joint.
@@ -94,12 +95,12 @@ class Drive:
 
 
 def assign_drives(drives: Sequence[Drive], joints: Sequence[str], warnings: list[str]) -> dict[str, Drive]:
-    """Tell which motor of the robot moves which joint of the log: by name, by place where the names differ.
+    """Assign the motors of the robot to the joints of the log: by name, by order where the names differ.
 
     Args:
         drives: The motors of the robot, in the order of the chain.
         joints: Joint names of the log.
-        warnings: Gets a sentence where the names differ.
+        warnings: Receives a sentence where the names differ.
 
     Returns:
         Motor by joint of the log.

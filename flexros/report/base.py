@@ -1,4 +1,4 @@
-"""What a report consists of: sections, each made of blocks of text, tables and pictures."""
+"""Elements of a report: sections, each made of blocks of text, tables and pictures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 FACTORS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
-"""Magnifications a reader can choose."""
+"""Magnifications that a reader can choose."""
 
 
 @dataclass(frozen=True)
@@ -32,11 +32,11 @@ class Heading:
 
 @dataclass(frozen=True)
 class Listing:
-    """Text of a file or a command, set as it is, with a button that copies it.
+    """Text of a file or a command, verbatim, with a button that copies it.
 
     Attributes:
         text: The text.
-        caption: One sentence that says what it is.
+        caption: One sentence that describes it.
     """
 
     text: str
@@ -45,20 +45,20 @@ class Listing:
 
 @dataclass(frozen=True)
 class Tiles:
-    """The few figures that matter most, each as name, value, unit and one line below."""
+    """The main figures, each as name, value, unit and one line below."""
 
     items: tuple[tuple[str, str, str, str], ...]
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table of texts; columns after `left` are figures and set to the right.
+    """A table of texts; columns after `left` are figures and right-aligned.
 
     Attributes:
         header: Heading of each column.
         rows: The rows; a row of one cell is a heading within the table.
-        caption: One sentence that says what it shows.
-        left: Number of columns set to the left.
+        caption: One sentence that describes it.
+        left: Number of left-aligned columns.
     """
 
     header: tuple[str, ...]
@@ -88,9 +88,9 @@ class Picture:
 
     Attributes:
         figure: The picture.
-        caption: What it shows; "{factor}" stands for the magnification.
-        magnified: Lines whose error the reader can magnify, drawn at `factor` at first, one of `FACTORS`.
-        factor: Magnification at first.
+        caption: Caption; "{factor}" is replaced by the magnification.
+        magnified: Lines whose error the reader can magnify, drawn at `factor` initially, one of `FACTORS`.
+        factor: Initial magnification.
     """
 
     figure: go.Figure
@@ -103,17 +103,17 @@ Block: TypeAlias = "Paragraph | Heading | Listing | Tiles | TextTable | Picture"
 
 
 Shown = TypeVar("Shown", contravariant=True)
-"""What a report is of: runs, an identification, a diagnosis."""
+"""Subject of a report: runs, an identification, a diagnosis."""
 
 
 class AbstractSection(ABC, Generic[Shown]):
     """One section of a report.
 
-    A new section is a class in a file of its own that
+    How to add a section: write a class in a module of its own that
     1. sets `title`, the heading;
-    2. implements `blocks`, which turns what is shown into blocks and returns none where it holds nothing for it;
-    3. takes every figure from what is shown and computes none of its own, so that report, table and JSON agree;
-    4. is listed, in order of appearance, in the module `write` beside it.
+    2. implements `blocks`, which converts the subject into blocks and returns none where the section does not apply;
+    3. takes every figure from the subject and computes none of its own, so that report, table and JSON agree;
+    4. is listed, in order of appearance, in the module `write` of the same folder.
     """
 
     title: ClassVar[str]
@@ -123,7 +123,7 @@ class AbstractSection(ABC, Generic[Shown]):
         """Return the content of the section.
 
         Args:
-            shown: The runs, at least one, or what was identified or found.
+            shown: The runs, at least one, or the result of an identification or diagnosis.
 
         Returns:
             Blocks in order; none where the section does not apply.

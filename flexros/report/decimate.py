@@ -1,4 +1,4 @@
-"""Fewer points for a picture than a log has samples, without losing a peak."""
+"""Reduction of long series to the points of a picture, without losing peaks."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
 
 SCREEN_POINTS = 3000
-"""Points drawn per curve at most; a wide screen shows about as many columns."""
+"""Largest number of points per curve; a wide screen has about as many columns."""
 
 
 def screen_samples(values: FloatArray, limit: int = SCREEN_POINTS) -> IntArray:
-    """Choose the samples of a series to draw: first, last, and the smallest and largest of each of many equal pieces.
+    """Choose the samples of a series to draw: first, last, smallest and largest of each of many equal pieces.
 
     Args:
         values: The series, shape (n,), n >= 1.
-        limit: Number of samples to choose at most, at least 4.
+        limit: Largest number of samples, at least 4.
 
     Returns:
         Chosen indices, increasing; all of them if there are not more than `limit`.

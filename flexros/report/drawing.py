@@ -1,4 +1,4 @@
-"""Small still pictures for results that are kept with the project: panels with axes, lines and bands, as SVG."""
+"""Small static pictures for results that are kept with the project: panels with axes, lines and bands, as SVG."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Band:
-    """The room between two lines.
+    """The area between two lines.
 
     Attributes:
         x: Abscissa, shape (n,).
@@ -96,10 +96,10 @@ class Drawing:
     legend: tuple[tuple[str, str], ...] = field(default=())
 
     def svg(self) -> str:
-        """Return the picture."""
+        """Return the picture as SVG text."""
         across, down = self.width + _LEFT + _RIGHT, self.height + _TOP + _BOTTOM
         rows = -(-len(self.panels) // self.columns)
-        body = [self._panel(panel, place, across, down) for place, panel in enumerate(self.panels)]
+        body = [self._panel(panel, index, across, down) for index, panel in enumerate(self.panels)]
         x, y = _LEFT, down * rows + 12
         for name, colour in self.legend:
             room = 40 + 6.5 * len(name)
@@ -115,10 +115,10 @@ class Drawing:
             f'<rect width="100%" height="100%" fill="#ffffff"/>{"".join(body)}</svg>\n'
         )
 
-    def _panel(self, panel: Panel, place: int, across: float, down: float) -> str:
-        left, top = (place % self.columns) * across + _LEFT, (place // self.columns) * down + _TOP
+    def _panel(self, panel: Panel, index: int, across: float, down: float) -> str:
+        left, top = (index % self.columns) * across + _LEFT, (index // self.columns) * down + _TOP
         parts = [
-            f'<clipPath id="c{place}"><rect width="{self.width}" height="{self.height}"/></clipPath>',
+            f'<clipPath id="c{index}"><rect width="{self.width}" height="{self.height}"/></clipPath>',
             f'<rect width="{self.width}" height="{self.height}" fill="none" stroke="#8b949e"/>',
             _text(0, -_GAP, panel.title, INK),
         ]
@@ -134,7 +134,7 @@ class Drawing:
             y = self.height * (1 - float(_share(np.array(level), panel.y_range, panel.y_log)))
             parts.append(f'<path d="M0 {y:.1f}h{self.width}" stroke="{INK}" stroke-dasharray="3 3"/>')
         drawn = "".join(self._item(panel, item) for item in panel.items)
-        parts.append(f'<g clip-path="url(#c{place})">{drawn}</g>')
+        parts.append(f'<g clip-path="url(#c{index})">{drawn}</g>')
         return f'<g transform="translate({left:.1f} {top:.1f})">{"".join(parts)}</g>'
 
     def _item(self, panel: Panel, item: Line | Band) -> str:
@@ -152,7 +152,7 @@ class Drawing:
 
 
 def _share(values: FloatArray, ends: tuple[float, float], logarithmic: bool) -> FloatArray:
-    """Place of values between the ends, 0 to 1."""
+    """Position of values between the ends, 0 to 1."""
     if logarithmic:
         tiny = np.finfo(float).tiny
         values, ends = np.log(np.maximum(values, tiny)), (float(np.log(ends[0])), float(np.log(ends[1])))

@@ -21,14 +21,14 @@ _TOP, _BOTTOM = 108, 56
 
 
 def panels(rows: int, columns: int, titles: Sequence[str], height: int, gap: int = 30) -> go.Figure:
-    """Make an empty picture of small panels whose axes agree, in the style of the report.
+    """Create an empty picture of small panels with common axes, in the style of the report.
 
     Args:
         rows: Number of rows.
         columns: Number of columns.
         titles: Title of each panel, row by row.
         height: Height of one row [px].
-        gap: Room between rows, for titles [px].
+        gap: Space between rows, for titles [px].
 
     Returns:
         The picture; x is a logarithmic frequency.
@@ -52,12 +52,12 @@ def panels(rows: int, columns: int, titles: Sequence[str], height: int, gap: int
 
 
 def menu(buttons: Sequence[dict[str, Any]], x: float = 0.0, width_ahead: int = 0) -> dict[str, Any]:
-    """Make a drop-down menu above the panels.
+    """Create a drop-down menu above the panels.
 
     Args:
         buttons: Its entries, as plotly takes them.
-        x: Place along the picture, 0 to 1.
-        width_ahead: Room before it [px].
+        x: Position along the picture, 0 to 1.
+        width_ahead: Space before it [px].
 
     Returns:
         The menu for `layout.updatemenus`.
@@ -78,13 +78,10 @@ def menu(buttons: Sequence[dict[str, Any]], x: float = 0.0, width_ahead: int = 0
 
 
 def digits(values: FloatArray, significant: int = 4) -> list[float | None]:
-    """Round to significant digits so that the page stays small; what is not finite becomes none.
+    """Round to significant digits so that the page stays small; values that are not finite become None.
 
     Args:
-        values: Numbers, shape (n,).
+        values: Values, shape (n,).
         significant: Number of digits.
-
-    Returns:
-        The numbers.
     """
     return [float(f"{value:.{significant - 1}e}") if np.isfinite(value) else None for value in values]

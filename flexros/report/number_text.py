@@ -13,8 +13,8 @@ def number(value: float | None, digits: int = 4) -> str:
         return str(round(value))
     if abs(value) >= 1e6 or abs(value) < 1e-4:
         return f"{value:.{digits - 1}e}"
-    places = max(digits - 1 - int(np.floor(np.log10(abs(value)))), 0)
-    return f"{value:.{places}f}"
+    decimals = max(digits - 1 - int(np.floor(np.log10(abs(value)))), 0)
+    return f"{value:.{decimals}f}"
 
 
 def percent(share: float, digits: int = 3) -> str:

@@ -1,4 +1,4 @@
-"""One HTML page out of the blocks of its sections; everything it needs stands in it."""
+"""Assembly of the blocks of sections to one self-contained HTML page."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Page:
         self._tables = 0
 
     def add(self, chapter: Chapter) -> None:
-        """Append a chapter; one without blocks is left out."""
+        """Append a chapter; one without blocks is omitted."""
         if not chapter.blocks:
             return
         heading = f"<h2>{escape(chapter.title)}</h2>" if chapter.title else ""
@@ -54,7 +54,7 @@ class Page:
         Args:
             packed: Whether the plotting library is compressed, for a page of 2 MB less that needs a browser of 2023.
         """
-        # A "</script" or "<!--" inside the data would change where the script element ends.
+        # A "</script" or "<!--" inside the data would end the script element early.
         data = json.dumps(self._pictures, separators=(",", ":")).replace("<", "\\u003c")
         drawing = f'<script type="application/json" id="pictures">{data}</script>{_scripts(packed)}'
         return (
@@ -83,13 +83,13 @@ class Page:
 
     def _table(self, table: TextTable) -> str:
         self._tables += 1
-        head = "".join(_cell("th", text, place < table.left) for place, text in enumerate(table.header))
+        head = "".join(_cell("th", text, column < table.left) for column, text in enumerate(table.header))
         rows = []
         for row in table.rows:
             if len(row) == 1:
                 rows.append(f'<tr><td class="group" colspan="{len(table.header)}">{escape(row[0])}</td></tr>')
             else:
-                cells = "".join(_cell("td", text, place < table.left) for place, text in enumerate(row))
+                cells = "".join(_cell("td", text, column < table.left) for column, text in enumerate(row))
                 rows.append(f"<tr>{cells}</tr>")
         return (
             f"<figure><figcaption><b>Table {self._tables}.</b> {escape(table.caption)}</figcaption>"
@@ -100,8 +100,8 @@ class Page:
     def _picture(self, picture: Picture) -> str:
         name = f"picture-{len(self._pictures) + 1}"
         curves = [
-            {"trace": one.trace, "base": _digits(one.base), "deviation": _digits(one.deviation)}
-            for one in picture.magnified
+            {"trace": curve.trace, "base": _digits(curve.base), "deviation": _digits(curve.deviation)}
+            for curve in picture.magnified
         ]
         figure = json.loads(picture.figure.to_json())
         self._pictures.append({"id": name, "figure": figure, "magnified": curves, "factors": FACTORS})
@@ -140,7 +140,7 @@ def page_html(title: str, subtitle: str, chapters: Sequence[Chapter], *, packed:
 
 
 def _scripts(packed: bool) -> str:
-    """Return the plotting library and the script that draws."""
+    """Return the plotting library and the drawing script."""
     if not packed:
         return f"<script>{get_plotlyjs()}</script><script>{SCRIPT}</script>"
     return f'<script type="text/plain" id="library">{_packed_library()}</script><script>{UNPACK}</script>'
@@ -160,7 +160,7 @@ def _tile(name: str, value: str, unit: str, below: str) -> str:
 
 
 def _listing(listing: Listing) -> str:
-    """Set a text with a button that copies it; without a clipboard the text is selected instead."""
+    """Return a text with a button that copies it; without a clipboard the text is selected instead."""
     copy = (
         "const p=this.nextElementSibling,s=getSelection();s.selectAllChildren(p);"
         "if(navigator.clipboard)navigator.clipboard.writeText(p.textContent).then(()=>{this.textContent='copied'})"

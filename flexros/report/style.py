@@ -1,4 +1,4 @@
-"""Style sheet and script of a report page; both stand in the page itself, so that it opens offline."""
+"""Style sheet and script of a report page, embedded in the page so that it opens offline."""
 
 from __future__ import annotations
 
@@ -64,14 +64,14 @@ const data = JSON.parse(document.getElementById("pictures").textContent);
 const tools = ["zoom2d", "pan2d", "resetScale2d", "toImage"];
 const options = {responsive: true, displaylogo: false, modeBarButtons: [tools]};
 for (const picture of data) {
-  const place = document.getElementById(picture.id);
-  Plotly.newPlot(place, picture.figure.data, picture.figure.layout, options);
+  const element = document.getElementById(picture.id);
+  Plotly.newPlot(element, picture.figure.data, picture.figure.layout, options);
   if (!picture.magnified.length) continue;
   const slider = document.getElementById(picture.id + "-slider");
   slider.addEventListener("input", () => {
     const factor = picture.factors[Number(slider.value)];
     const moved = (k) => picture.magnified.map((c) => c.base.map((p, i) => p[k] + factor * c.deviation[i][k]));
-    Plotly.restyle(place, {x: moved(0), y: moved(1)}, picture.magnified.map((c) => c.trace));
+    Plotly.restyle(element, {x: moved(0), y: moved(1)}, picture.magnified.map((c) => c.trace));
     for (const text of document.querySelectorAll("." + picture.id + "-factor")) text.textContent = String(factor);
   });
 }
@@ -99,4 +99,4 @@ unpack().catch((fault) => {
 });
 """
 )
-"""Script that unpacks the plotting library first; without it the page still shows its tables, and says why."""
+"""Script that unpacks the plotting library first; if that fails, the page still shows its tables and the reason."""

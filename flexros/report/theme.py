@@ -1,4 +1,4 @@
-"""How all pictures of a report look: colours, fonts, axes."""
+"""Common appearance of the pictures of a report: colours, fonts, axes."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ INK = "#1b1f24"
 MUTED = "#59636e"
 GRID = "#e7eaee"
 REFERENCE = "#59636e"
-"""Colour of what was commanded; it is dotted as well."""
+"""Colour of commanded signals; they are also dotted."""
 _RUNS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#5e3c99", "#8c510a")
-"""Colours of runs, to be told apart also by the colour-blind (Okabe and Ito 2008, extended)."""
+"""Colours of runs, distinguishable for the colour-blind (Okabe and Ito 2008, extended)."""
 
 
 _TOP, _BOTTOM = 64, 52
@@ -37,17 +37,14 @@ def run_colour(index: int) -> str:
 def stacked(
     titles: Sequence[str], columns: int = 1, height: int = 230, shared_x: bool = True, gap: int = 56
 ) -> go.Figure:
-    """Make an empty picture of panels in rows, top to bottom, in the style of the report.
+    """Create an empty picture of panels in rows, top to bottom, in the style of the report.
 
     Args:
         titles: Title of each panel, row by row.
         columns: Number of panels side by side.
         height: Height of one row [px].
         shared_x: Whether zooming along x in one panel zooms the others.
-        gap: Room between rows, for the title of a panel and the labels of the axis above it [px].
-
-    Returns:
-        The picture.
+        gap: Space between rows, for the title of a panel and the labels of the axis above it [px].
     """
     rows = len(titles) // columns
     total = _TOP + _BOTTOM + height * rows
@@ -64,20 +61,20 @@ def stacked(
         axes(ticklen=4, title_standoff=8)
     figure.update_annotations(font={"size": 13, "color": INK}, xanchor="left", x=0)
     if columns > 1:
-        for place, note in enumerate(figure.layout.annotations):
-            note.x = figure.layout[f"xaxis{place + 1 if place else ''}"].domain[0]
+        for index, note in enumerate(figure.layout.annotations):
+            note.x = figure.layout[f"xaxis{index + 1 if index else ''}"].domain[0]
     return figure
 
 
 def dress(figure: go.Figure, height: int, margins: tuple[int, int, int, int], font: int, legend: float) -> None:
-    """Give a picture the paper, fonts, legend and axes of the report.
+    """Apply paper, fonts, legend and axes of the report to a picture.
 
     Args:
         figure: The picture.
         height: Its height [px].
         margins: Left, right, above and below the panels [px].
         font: Size of its texts [px].
-        legend: Where the legend stands, in heights of all panels from their lower end.
+        legend: Position of the legend, in heights of all panels from their lower end.
     """
     left, right, top, bottom = margins
     figure.update_layout(
@@ -116,7 +113,7 @@ def curve(
     group: str = "",
     width: float = 1.6,
 ) -> go.Scatter:
-    """Make one line of a picture, reduced to what a screen shows.
+    """Create one line of a picture, reduced to screen resolution.
 
     Args:
         x: Abscissa, shape (n,).
@@ -128,9 +125,6 @@ def curve(
         legend: Whether it appears in the legend.
         group: Lines of one group are switched on and off together.
         width: Width [px].
-
-    Returns:
-        The line.
     """
     shown = screen_samples(y)
     return go.Scatter(
@@ -146,6 +140,6 @@ def curve(
 
 
 def compact(values: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.float32]]:
-    """Return numbers in single precision: seven digits are more than a picture shows, in half the room."""
-    largest = np.finfo(np.float32).max  # the numbers of a run that diverged may be larger
+    """Convert to single precision: seven digits exceed the resolution of a picture, at half the size."""
+    largest = np.finfo(np.float32).max  # the values of a diverged run may be larger
     return np.asarray(np.clip(values, -largest, largest), dtype=np.float32)

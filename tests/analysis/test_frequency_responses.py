@@ -52,13 +52,13 @@ def test_deviation_is_a_figure_of_the_run(experiment_log: Log) -> None:
     np.testing.assert_allclose(rows["Responses", "motor_1, standard deviation, median"], expected, rtol=1e-3)
 
 
-def test_complete_blocks_of_a_log_that_broke_off_are_used(experiment_log: Log) -> None:
+def test_complete_blocks_of_a_log_that_was_aborted_are_used(experiment_log: Log) -> None:
     plan = plan_of_log(experiment_log)
     analysis = analyse(cut(experiment_log, slice(0, plan.segments[-1].stop - 100)))
     assert analysis.responses is not None
     assert [response.n_blocks for response in analysis.responses.positions] == [2, 1]
-    assert any(text.startswith("the log ends before its plan; 1 blocks") for text in analysis.warnings)
-    assert any("samples of its run, which broke off" in text for text in analysis.warnings)
+    assert any(text.startswith("the log ends before its plan; 1 incomplete blocks") for text in analysis.warnings)
+    assert any("samples of its run, which was aborted" in text for text in analysis.warnings)
 
 
 def test_stopped_experiment_is_said_to_be_stopped(experiment_log: Log) -> None:
@@ -67,7 +67,7 @@ def test_stopped_experiment_is_said_to_be_stopped(experiment_log: Log) -> None:
     log = replace(experiment_log, provenance={**experiment_log.provenance, "stopped": stopped})
     warnings = analyse(log).warnings
     assert "the experiment was stopped when 7 of 8 experiments were complete" in warnings
-    assert not any("broke off" in text for text in warnings)
+    assert not any("aborted" in text for text in warnings)
 
 
 def test_log_whose_responses_cannot_be_told_is_analysed_without(experiment_log: Log) -> None:
@@ -75,7 +75,9 @@ def test_log_whose_responses_cannot_be_told_is_analysed_without(experiment_log: 
     assert analysis.responses is not None
     assert analysis.responses.positions == ()
     assert analysis.as_dict()["frequency_responses"] == {"positions": []}
-    assert any(text.startswith("the frequency responses cannot be told: the log has no") for text in analysis.warnings)
+    assert any(
+        text.startswith("the frequency responses were not estimated: the log has no") for text in analysis.warnings
+    )
 
 
 def test_other_logs_have_none(make_run) -> None:

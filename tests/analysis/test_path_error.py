@@ -148,7 +148,7 @@ def test_a_position_that_is_no_number_is_named_with_its_time():
     points = ring(np.linspace(0, 1, 11))
     broken = points.copy()
     broken[4, 0] = np.nan
-    with pytest.raises(InputError, match=r"tool_pose holds a position that is not finite near 0\.0020 s"):
+    with pytest.raises(InputError, match=r"tool_pose has a position that is not finite near 0\.0020 s"):
         path_error(series(broken), series(points))
 
 

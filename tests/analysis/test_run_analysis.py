@@ -33,7 +33,7 @@ def test_cycles_are_cut_and_counted(make_run):
     analysis = analyse(make_run(cycles=3))
     assert analysis.performance is not None
     assert analysis.performance.cycles == 3
-    assert "repeatability is from 3 cycles; ISO 9283 asks for 10" in analysis.warnings
+    assert "repeatability is from 3 cycles; ISO 9283 requires 10" in analysis.warnings
 
 
 @pytest.mark.parametrize("absent", ["tool_reference", "tool_pose"])
@@ -41,14 +41,14 @@ def test_without_a_tool_topic_only_the_motor_side_is_told(make_run, absent):
     analysis = analyse(replace(make_run(), **{absent: None}))
     assert analysis.path is None
     assert analysis.motors[0].tracking is not None
-    assert f"the log has no {absent}, so only the motor side of the error can be told" in analysis.warnings
+    assert f"the log has no {absent}, so only the motor side of the error is evaluated" in analysis.warnings
 
 
 def test_without_reference_and_commands_timing_remains(make_run):
     analysis = analyse(replace(make_run(), joint_reference=None, joint_commands=None))
     assert analysis.timing.topic("joint_states") is not None
-    assert "the log has no joint_reference with positions, so motor tracking cannot be told" in analysis.warnings
-    assert "the log has no feedforward torque, so the share of the feedback cannot be told" in analysis.warnings
+    assert "the log has no joint_reference with positions, so motor tracking is not evaluated" in analysis.warnings
+    assert "the log has no feedforward torque, so the share of the feedback is not evaluated" in analysis.warnings
 
 
 def test_a_reference_too_coarse_for_the_error_is_warned_of(make_run):
@@ -58,7 +58,7 @@ def test_a_reference_too_coarse_for_the_error_is_warned_of(make_run):
     coarse = PoseSeries(reference.stamp[::16], "base", ellipse[::16], reference.orientation[::16])
     pose = replace(log.tool_pose, position=log.tool_pose.position * np.array([1.0, 1.0, 1.2]))
     warnings = analyse(replace(log, tool_pose=pose, tool_reference=coarse)).warnings
-    assert any("may leave the chords between its samples by" in warning for warning in warnings)
+    assert any("may deviate from the chords between its samples by" in warning for warning in warnings)
 
 
 def test_a_tool_at_rest_has_an_error_but_no_performance(make_run):
@@ -67,7 +67,7 @@ def test_a_tool_at_rest_has_an_error_but_no_performance(make_run):
     analysis = analyse(replace(log, tool_reference=still))
     assert analysis.path is not None
     assert analysis.performance is None
-    assert "the commanded tool position never moves, so path accuracy cannot be told" in analysis.warnings
+    assert "the commanded tool position never moves, so path accuracy is not evaluated" in analysis.warnings
 
 
 def test_a_robot_that_does_not_turn_its_tool_has_no_orientation_error(make_run):
@@ -121,7 +121,9 @@ def test_a_tool_that_never_follows_its_path_is_analysed_all_the_same(make_run):
     assert analysis.path.path.maximum > 1.0
     assert analysis.performance is None
     (warning,) = analysis.warnings
-    assert warning.startswith("path accuracy cannot be told: tool_pose crosses no plane normal to the commanded path")
+    assert warning.startswith(
+        "path accuracy was not evaluated: tool_pose crosses no plane normal to the commanded path"
+    )
 
 
 def test_a_path_followed_in_part_says_how_much(make_run):
@@ -139,5 +141,5 @@ def test_a_path_followed_in_part_says_how_much(make_run):
 def test_a_log_that_ends_early_says_so(make_run, planned, warned):
     log = make_run()
     warnings = analyse(replace(log, provenance={**log.provenance, "n_samples": planned})).warnings
-    told = "the log holds 1001 of the 2000 samples of its run, which broke off or lost some"
+    told = "the log has 1001 of the 2000 samples of its run, which was aborted or lost samples"
     assert warnings == ((told,) if warned else ())

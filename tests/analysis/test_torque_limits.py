@@ -60,7 +60,7 @@ def test_a_limit_that_is_none_is_left_out_with_a_sentence(limit):
     assert {joint: drive.torque_limit for joint, drive in found.items()} == {"motor_1": 100.0, "motor_2": np.inf}
     assert warnings == [
         f"controller.torque_limit in the provenance is {limit!r}, allowed is a positive number or one for each of the "
-        "motors (2); it was left out"
+        "motors (2); it was ignored"
     ]
 
 

@@ -1,4 +1,4 @@
-"""The report of runs: one HTML file with interactive pictures; one file per section."""
+"""Report of runs: one HTML file with interactive pictures; one module per section."""
 
 from __future__ import annotations
 

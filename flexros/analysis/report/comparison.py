@@ -1,4 +1,4 @@
-"""Sections of the comparison report: the table of methods and cases, and their paths and errors."""
+"""Sections of the comparison report: table of methods and cases, their paths and errors."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from flexros.analysis.run_analysis import Analysis
 
 
-_CAPTION = "Maximum path error by method and case, beside quoted figures; of several runs of one case the worst counts."
+_CAPTION = "Maximum path error by method and case, with quoted figures; of several runs of one case the worst is used."
 
 
 class ComparisonSection(AbstractSection["Sequence[Analysis]"]):
-    """Verdict over the methods, the table beside the quoted figures, and the caveats."""
+    """Verdict on the methods, table with the quoted figures, and caveats."""
 
     title: ClassVar[str] = ""
 
@@ -60,7 +60,7 @@ class OverlaySection(AbstractSection["Sequence[Analysis]"]):
         blocks: list[Block] = []
         overlaid = [run.analysis for run in runs if run.case == first_case]
         if len(overlaid) > 1:
-            text = f"All methods in the case {first_case}, at one magnification; the methods one by one follow below."
+            text = f"All methods in the case {first_case}, at one magnification; each method follows below."
             blocks += [Paragraph(text), path_picture(overlaid), tool_errors(overlaid)]
         for method in self._comparison.methods:
             cases = [run.analysis for run in runs if run.method == method]
@@ -72,7 +72,7 @@ class OverlaySection(AbstractSection["Sequence[Analysis]"]):
 def _verdict(rows: Sequence[ComparisonRow]) -> str:
     ranked = sorted((row.attained, row.method, row.case) for row in rows if row.attained is not None)
     if not ranked:
-        return "No run has a path error, so nothing can be compared."
+        return "No run has a path error, so there is nothing to compare."
     best, method, case = ranked[0]
     text = f"{method} has the smallest path error, {number(1e3 * best, 3)} mm in the case {case}"
     worst, worst_method, worst_case = ranked[-1]

@@ -30,7 +30,7 @@ class ErrorSection(AbstractSection["Sequence[Analysis]"]):
 
 def tool_errors(analyses: Sequence[Analysis]) -> Picture:
     """Draw the errors of the tool over time, one panel per kind of error and one line per run."""
-    turned = any(one.path is not None and one.path.angle is not None for one in analyses)
+    turned = any(analysis.path is not None and analysis.path.angle is not None for analysis in analyses)
     titles = [
         "Path error: distance to the commanded path",
         "Time-synchronised error: distance to the commanded position",

@@ -23,7 +23,7 @@ class FiguresSection(AbstractSection["Sequence[Analysis]"]):
     title: ClassVar[str] = "All figures"
 
     def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
-        """Return the table, in parts of a few runs each so that it fits a page."""
+        """Return the table, split into parts of a few runs so that it fits a page."""
         parts = [analyses[first : first + _COLUMNS] for first in range(0, len(analyses), _COLUMNS)]
         return tuple(map(_table, parts))
 
@@ -36,5 +36,5 @@ def _table(analyses: Sequence[Analysis]) -> TextTable:
             group = row.group
             rows.append((group,))
         rows.append((row.name, row.unit, *row.values))
-    header = ("Figure", "Unit", *(one.label for one in analyses))
+    header = ("Figure", "Unit", *(analysis.label for analysis in analyses))
     return TextTable(header, tuple(rows), "All figures; they are computed from every sample.", left=2)

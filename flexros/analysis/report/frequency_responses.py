@@ -1,4 +1,4 @@
-"""Section: frequency responses of an identification experiment, with their uncertainty and levels of distortion."""
+"""Section: frequency responses of an identification experiment, with uncertainty and levels of distortion."""
 
 from __future__ import annotations
 
@@ -19,33 +19,33 @@ if TYPE_CHECKING:
 
 
 class FrequencyResponseSection(AbstractSection["Sequence[Analysis]"]):
-    """Per run of an identification: measured responses by position, a table, distortions and what limits them."""
+    """Per run of an identification: measured responses by position, table, distortions and warnings."""
 
     title: ClassVar[str] = "Frequency responses"
 
     def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
         """Return the blocks of all runs; none where no run is an identification."""
-        found: list[Block] = []
+        blocks: list[Block] = []
         for analysis in analyses:
             if analysis.responses is not None:
                 heading = f"{analysis.label}: " if len(analyses) > 1 else ""
-                found.extend(_of_run(analysis.responses, heading))
-        return tuple(found)
+                blocks.extend(_of_run(analysis.responses, heading))
+        return tuple(blocks)
 
 
-def _of_run(told: LogResponses, heading: str) -> tuple[Block, ...]:
-    if not told.positions:
-        return (Paragraph(f"{heading}The frequency responses cannot be told: {told.reason}"),)
+def _of_run(responses: LogResponses, heading: str) -> tuple[Block, ...]:
+    if not responses.positions:
+        return (Paragraph(f"{heading}The frequency responses were not estimated: {responses.reason}"),)
     caption = (
         "Measured response of the motor accelerations to the motor torques, columns: input, rows: output; shaded: one "
-        "standard deviation, where the record tells it. The menus choose position, and magnitude or phase."
+        "standard deviation, where it is known. The menus choose position, and magnitude or phase."
     )
     return (
-        Paragraph(f"{heading}{_sentence(told.positions)}"),
-        Picture(response_picture(told.positions), caption),
-        _table(told.positions),
-        *distortion_blocks(told.positions),
-        *(Paragraph(f"Warning: {text}.", "note") for text in told.warnings),
+        Paragraph(f"{heading}{_sentence(responses.positions)}"),
+        Picture(response_picture(responses.positions), caption),
+        _table(responses.positions),
+        *distortion_blocks(responses.positions),
+        *(Paragraph(f"Warning: {text}.", "note") for text in responses.warnings),
     )
 
 
@@ -60,11 +60,11 @@ def _sentence(positions: Sequence[FrequencyResponse]) -> str:
 
 def _table(positions: Sequence[FrequencyResponse]) -> TextTable:
     rows = []
-    for place, response in enumerate(positions):
+    for index, response in enumerate(positions):
         shares = relative_deviation(response).values()
         counts = (str(len(response.frequency)), str(response.n_blocks), str(response.n_periods))
-        told = ("-" if share is None else percent(share) for share in shares)
-        rows.append((position_name(place, response.gears), *counts, *told))
+        texts = ("-" if share is None else percent(share) for share in shares)
+        rows.append((position_name(index, response.gears), *counts, *texts))
     header = ("Position", "lines", "blocks", "periods", *(f"{name} [%]" for name in positions[0].output_names))
     caption = "Standard deviation of the diagonal responses, motor to itself, relative to their magnitude (median)."
     return TextTable(header, tuple(rows), caption)

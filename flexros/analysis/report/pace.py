@@ -1,4 +1,4 @@
-"""What the report says of the pace of a loop in real time."""
+"""Texts and tables of the pace of a loop in real time."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 
 _BURSTS = 0.9
-"""Messages whose median period is below this share of the mean come in bursts (chosen)."""
+"""Messages whose median period is below this share of the mean arrive in bursts (chosen)."""
 
 
 def pace_sentence(analysis: Analysis, named: bool) -> str:
-    """Say how a run in real time kept its pace.
+    """Describe the pace of a run in real time.
 
     Args:
         analysis: The run.
@@ -33,11 +33,11 @@ def pace_sentence(analysis: Analysis, named: bool) -> str:
     text = f"{begin} in real time, paced by the wall clock: {_schedule(timing.pacing)}."
     states = timing.arrival("joint_states")
     if states is None:
-        return f"{text} The log times are the stamps, so when messages were received is not known."
+        return f"{text} The log times are the stamps, so the receive times are not known."
     if states.period_median < _BURSTS * states.mean_period:
         return (
-            f"{text} The recorder took joint_states in bursts, after waits of up to "
-            f"{number(1e3 * states.period_max)} ms, so its times tell more of the recorder than of the loop."
+            f"{text} The recorder received joint_states in bursts, after waits of up to "
+            f"{number(1e3 * states.period_max)} ms, so its times describe the recorder rather than the loop."
         )
     return (
         f"{text} The recorder received joint_states every {number(1e3 * states.period_median)} ms (median); 99 % of "
@@ -48,8 +48,8 @@ def pace_sentence(analysis: Analysis, named: bool) -> str:
 
 def _schedule(pacing: Pacing | None) -> str:
     if pacing is None:
-        return "the log does not hold the plant's account of it"
-    return ", and ".join(filter(None, (_late(pacing), missed_text(pacing)))) or "the plant did not say how well"
+        return "the log does not contain the plant's report of it"
+    return ", and ".join(filter(None, (_late(pacing), missed_text(pacing)))) or "the plant did not report how well"
 
 
 def _late(pacing: Pacing) -> str:
@@ -61,7 +61,7 @@ def _late(pacing: Pacing) -> str:
 
 
 def missed_text(pacing: Pacing) -> str:
-    """Say how many commands came too late; nothing where the plant did not tell."""
+    """Describe how many commands came too late; empty where the plant did not report it."""
     if pacing.missed_commands is None:
         return ""
     if pacing.missed_commands == 0:
@@ -71,11 +71,11 @@ def missed_text(pacing: Pacing) -> str:
 
 
 def pace_tables(analyses: Sequence[Analysis]) -> list[Block]:
-    """Return the times of receipt and the plant's account, for the runs that have them."""
+    """Return the tables of receive times and of the plant's schedule, for the runs that have them."""
     several = len(analyses) > 1
     received = [
         (
-            f"{one.label} {arrival.topic}" if several else arrival.topic,
+            f"{analysis.label} {arrival.topic}" if several else arrival.topic,
             str(arrival.count),
             number(1e3 * arrival.mean_period),
             number(1e3 * arrival.period_median),
@@ -83,11 +83,13 @@ def pace_tables(analyses: Sequence[Analysis]) -> list[Block]:
             number(1e3 * arrival.period_max),
             number(1e6 * arrival.jitter_std),
         )
-        for one in analyses
-        for arrival in one.timing.arrivals
+        for analysis in analyses
+        for arrival in analysis.timing.arrivals
     ]
     paced = [
-        (one.label if several else "plant", one.timing.pacing) for one in analyses if one.timing.pacing is not None
+        (analysis.label if several else "plant", analysis.timing.pacing)
+        for analysis in analyses
+        if analysis.timing.pacing is not None
     ]
     tables: list[Block] = []
     if received:
@@ -122,9 +124,7 @@ def _schedules(paced: Sequence[tuple[str, Pacing]]) -> TextTable:
         )
         for label, pacing in paced
     ]
-    caption = (
-        "How the plant kept its schedule, by its own account on /diagnostics; missed are commands that came too late."
-    )
+    caption = "Schedule of the plant, as reported on /diagnostics; missed are commands that came too late."
     return TextTable(header, tuple(rows), caption)
 
 

@@ -1,4 +1,4 @@
-"""Section: the path of the tool with its error magnified, and path performance along it."""
+"""Section: path of the tool with magnified error, and path performance along it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 _SHOWN_SHARE = 0.12
-"""The largest error is drawn about this large, relative to the size of the path."""
+"""Size of the largest drawn error, relative to the size of the path."""
 
 
 class PathSection(AbstractSection["Sequence[Analysis]"]):
@@ -34,13 +34,13 @@ class PathSection(AbstractSection["Sequence[Analysis]"]):
         if all(analysis.path is None for analysis in analyses):
             return ()
         blocks: list[Block] = [path_picture(analyses)]
-        if any(one.performance is not None and one.performance.cycles > 1 for one in analyses):
+        if any(analysis.performance is not None and analysis.performance.cycles > 1 for analysis in analyses):
             blocks.append(_performance(analyses))
         return tuple(blocks)
 
 
 def magnification(error: float, extent: float) -> int:
-    """Choose the factor at which an error is drawn well visible beside its path.
+    """Choose the factor at which an error is clearly visible next to its path.
 
     Args:
         error: Largest error [m].
@@ -53,7 +53,7 @@ def magnification(error: float, extent: float) -> int:
 
 
 def path_picture(analyses: Sequence[Analysis], title: str = "") -> Picture:
-    """Draw commanded and attained paths, each attained point moved away from its nearest path point by the factor.
+    """Draw commanded and attained paths; each attained point is moved away from its nearest path point by the factor.
 
     Args:
         analyses: The runs; those without a path are left out. All are drawn at one factor.
@@ -62,7 +62,7 @@ def path_picture(analyses: Sequence[Analysis], title: str = "") -> Picture:
     Returns:
         The picture, with a factor chosen from the largest error.
     """
-    shown = [(index, one, one.path) for index, one in enumerate(analyses) if one.path is not None]
+    shown = [(index, analysis, analysis.path) for index, analysis in enumerate(analyses) if analysis.path is not None]
     axes = _picture_axes([path for _, _, path in shown])
     figure = stacked([title], height=_height([path for _, _, path in shown], axes))
     extent = max(float(np.linalg.norm(np.ptp(path.run.commanded, axis=0))) for _, _, path in shown)
@@ -106,7 +106,7 @@ def _picture_axes(paths: Sequence[PathError]) -> tuple[str, ...]:
     span = {axis: max(float(np.ptp(path.run.commanded[:, AXES.index(axis)])) for path in paths) for axis in used}
     largest = sorted(used, key=lambda axis: span[axis], reverse=True)[:2]
     axes = tuple(axis for axis in used if axis in largest)
-    # A path that is higher than wide lies better on its side, unless its height is a height.
+    # A path that is higher than wide is drawn on its side, unless its height is vertical.
     tall = len(axes) == 2 and axes[1] != "z" and span[axes[1]] > span[axes[0]]
     return axes[::-1] if tall else axes
 
@@ -174,7 +174,7 @@ def _axes(figure: go.Figure, axes: tuple[str, ...]) -> None:
 
 
 def _room(paths: Sequence[PathError], axes: tuple[str, ...], factor: int, figure: go.Figure) -> MagnifiedCurve:
-    """Add two unseen points beside the paths, so that no line touches the frame at any magnification."""
+    """Add two invisible points next to the paths, so that no line touches the frame at any magnification."""
     points = np.concatenate([1e3 * path.run.commanded[:, [AXES.index(axis) for axis in axes]] for path in paths])
     low, high, height = points[:, 0].min(), points[:, 0].max(), points[0, 1]
     margin = 0.03 * (high - low)

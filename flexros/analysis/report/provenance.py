@@ -1,4 +1,4 @@
-"""Section: where the runs came from, and what limits the figures."""
+"""Section: origin of the runs, and limits of the figures."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LONGEST = 300
 
 
 class ProvenanceSection(AbstractSection["Sequence[Analysis]"]):
-    """Scenario, robot, seed, versions, model hash; warnings; how pictures are drawn."""
+    """Scenario, robot, seed, versions, model hash; warnings; note on pictures."""
 
     title: ClassVar[str] = "Provenance and limits"
 
@@ -31,7 +31,7 @@ class ProvenanceSection(AbstractSection["Sequence[Analysis]"]):
         blocks.append(
             Paragraph(
                 f"Pictures draw at most {SCREEN_POINTS} points per curve; longer series are reduced to the smallest "
-                "and largest value of equal pieces, so that peaks stay. All figures are computed from every sample.",
+                "and largest value of equal pieces, which keeps peaks. All figures are computed from every sample.",
                 "note",
             )
         )
@@ -39,23 +39,24 @@ class ProvenanceSection(AbstractSection["Sequence[Analysis]"]):
 
 
 def _origin(analyses: Sequence[Analysis]) -> list[Block]:
-    """Return what all runs share as one table, and what differs as another with a row per run."""
+    """Return a table of what all runs share, and one of the differences with a row per run."""
     runs = [dict(_flat(analysis.provenance)) for analysis in analyses]
     keys = list(dict.fromkeys(key for run in runs for key in run))
     if not keys:
-        return [Paragraph("The logs say nothing about where they came from.", "warning")]
+        return [Paragraph("The logs do not state their origin.", "warning")]
     differing = [key for key in keys if len({run.get(key, "-") for run in runs}) > 1]
     common = tuple((key, runs[0][key]) for key in keys if key not in differing)
     tables: list[Block] = []
     if common:
-        caption = "Where the run came from." if len(runs) == 1 else "What all runs have in common."
+        caption = "Origin of the run." if len(runs) == 1 else "Common to all runs."
         tables.append(TextTable(("Entry", "Value"), common, caption, left=2))
     if differing:
         rows = tuple(
-            (one.label, *(run.get(key, "-") for key in differing)) for one, run in zip(analyses, runs, strict=True)
+            (analysis.label, *(run.get(key, "-") for key in differing))
+            for analysis, run in zip(analyses, runs, strict=True)
         )
         header = ("Run", *differing)
-        tables.append(TextTable(header, rows, "In what the runs differ.", left=len(header)))
+        tables.append(TextTable(header, rows, "Differences between the runs.", left=len(header)))
     return tables
 
 

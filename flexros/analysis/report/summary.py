@@ -1,4 +1,4 @@
-"""Section: the verdict in a sentence, and the figures that matter most."""
+"""Section: verdict in a sentence, and main figures."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ class SummarySection(AbstractSection["Sequence[Analysis]"]):
 
 
 def verdict(analyses: Sequence[Analysis]) -> str:
-    """Say in a sentence or two how the runs went, with figures."""
+    """Summarise the runs in one or two sentences with figures."""
     if len(analyses) == 1:
         return _one_run(analyses[0])
-    known = [(one.path.path.maximum, one.label) for one in analyses if one.path is not None]
+    known = [(analysis.path.path.maximum, analysis.label) for analysis in analyses if analysis.path is not None]
     if not known:
-        what = "a path" if any(one.responses for one in analyses) else "the tool and its reference"
-        unknown = f"{len(analyses)} runs, none with {what}: only the motor side can be told"
+        what = "a path" if any(analysis.responses for analysis in analyses) else "the tool and its reference"
+        unknown = f"{len(analyses)} runs, none with {what}: only the motor side is evaluated"
         return f"{unknown}. {_timing(analyses)}"
     (best, best_label), (worst, worst_label) = min(known), max(known)
     return (
@@ -51,7 +51,7 @@ def _one_run(analysis: Analysis) -> str:
     if analysis.responses is not None:
         return f"{_experiment(analysis.responses)}{f'; {followed}' if followed else ''}. {_timing([analysis])}"
     if analysis.path is None:
-        tool = "The tool was not recorded with its reference, so only the motor side can be told"
+        tool = "The tool was not recorded with its reference, so only the motor side is evaluated"
         return f"{tool}{f': {followed}' if followed else ''}. {_timing([analysis])}"
     tool = (
         f"The tool stayed within {_mm(analysis.path.path.maximum)} mm of its commanded {analysis.path.shape} "
@@ -60,10 +60,10 @@ def _one_run(analysis: Analysis) -> str:
     return f"{tool}{f'; {followed}' if followed else ''}. {_timing([analysis])}"
 
 
-def _experiment(told: LogResponses) -> str:
-    if not told.positions:
-        return "An identification experiment whose frequency responses cannot be told"
-    first, count = told.positions[0], len(told.positions)
+def _experiment(responses: LogResponses) -> str:
+    if not responses.positions:
+        return "An identification experiment whose frequency responses were not estimated"
+    first, count = responses.positions[0], len(responses.positions)
     return (
         f"An identification experiment: frequency responses of {len(first.output_names)} "
         f"motor{'s' if len(first.output_names) > 1 else ''} in {count} position{'s' if count > 1 else ''} "
@@ -91,24 +91,24 @@ def _timing(analyses: Sequence[Analysis]) -> str:
 
 
 def _pace(analyses: Sequence[Analysis]) -> str:
-    """Say how the runs in real time kept their pace: the worst of them."""
-    pacings = [one.timing.pacing for one in analyses if one.timing.pacing is not None]
+    """Describe the pace of the runs in real time by the worst of them."""
+    pacings = [analysis.timing.pacing for analysis in analyses if analysis.timing.pacing is not None]
     late = max((pacing.late_share for pacing in pacings if pacing.late_share is not None), default=None)
     missed = max((pacing.missed_commands for pacing in pacings if pacing.missed_commands is not None), default=None)
-    told = [] if late is None else [f"{number(1e2 * late, 3)} % of the cycles began late"]
+    parts = [] if late is None else [f"{number(1e2 * late, 3)} % of the cycles began late"]
     if missed is not None:
-        told.append(missed_text(Pacing(missed_commands=missed)))
+        parts.append(missed_text(Pacing(missed_commands=missed)))
     most = "at most " if len(pacings) > 1 else ""
-    return f"In real time {most}{' and '.join(told)}." if told else ""
+    return f"In real time {most}{' and '.join(parts)}." if parts else ""
 
 
 def _loss(analyses: Sequence[Analysis]) -> str:
-    if all(one.timing.exact for one in analyses):
-        if any(one.timing.real_time for one in analyses):
+    if all(analysis.timing.exact for analysis in analyses):
+        if any(analysis.timing.real_time for analysis in analyses):
             return "No sample is missing."
         return "No sample is missing and every stamp is exact."
-    missed = sum(topic.missed for one in analyses for topic in one.timing.topics)
-    unanswered = sum(one.timing.unanswered for one in analyses)
+    missed = sum(topic.missed for analysis in analyses for topic in analysis.timing.topics)
+    unanswered = sum(analysis.timing.unanswered for analysis in analyses)
     if missed == 0 and unanswered == 0:
         return "No sample is missing."
     return f"{missed} samples are missing and {unanswered} measurements have no command of the same stamp."
@@ -131,7 +131,7 @@ def _tiles(analysis: Analysis) -> tuple[tuple[str, str, str, str], ...]:
         tiles.append(_response_tile(analysis.responses.positions))
     tracked = [motor.tracking for motor in analysis.motors if motor.tracking is not None]
     if tracked:
-        worst = max(tracked, key=lambda one: one.maximum)
+        worst = max(tracked, key=lambda statistics: statistics.maximum)
         unit = "mm" if analysis.motors[0].linear else "mrad"
         below = f"rms {number(1e3 * worst.rms, 3)} {unit}"
         tiles.append(("Motor tracking error, max", number(1e3 * worst.maximum, 3), unit, below))
@@ -142,15 +142,15 @@ def _tiles(analysis: Analysis) -> tuple[tuple[str, str, str, str], ...]:
 
 
 def _response_tile(positions: Sequence[FrequencyResponse]) -> tuple[str, str, str, str]:
-    """Return how well the diagonal responses are known, in the motor where they are known worst."""
-    shares = [share for one in positions for share in relative_deviation(one).values() if share is not None]
+    """Return the standard deviation of the diagonal responses, of the motor where it is largest."""
+    shares = [share for response in positions for share in relative_deviation(response).values() if share is not None]
     below = f"of the diagonal, worst median of {len(positions)} positions"
     worst = percent(max(shares)) if shares else "-"
     return "Standard deviation of the responses", worst, "%", below if len(positions) > 1 else "of the diagonal, median"
 
 
 def _period_tile(analysis: Analysis, states: TopicTiming) -> tuple[str, str, str, str]:
-    """Return the period of the loop: as the plant ran, as it was received, or by the stamps."""
+    """Return the period of the loop: as reported by the plant, as received, or by the stamps."""
     pacing, arrival = analysis.timing.pacing, analysis.timing.arrival("joint_states")
     if pacing is not None and pacing.period_median is not None and pacing.late_share is not None:
         below = f"late {number(1e2 * pacing.late_share, 3)} %, missed {number(pacing.missed_commands)}"
@@ -186,4 +186,4 @@ def _table(analyses: Sequence[Analysis]) -> TextTable:
                 str(sum(topic.missed for topic in analysis.timing.topics)),
             )
         )
-    return TextTable(header, tuple(rows), "The runs side by side; all figures stand in a table further down.")
+    return TextTable(header, tuple(rows), "The runs side by side; all figures are in a table further down.")

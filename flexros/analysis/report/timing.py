@@ -1,4 +1,4 @@
-"""Section: timing of the nodes, as the stamps tell it; in real time, as the recorder and the plant saw it too."""
+"""Section: timing of the nodes by their stamps; in real time also by the recorder and the plant."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _BINS = 120
 _SHOWN = 3.0
-"""The histogram of periods of receipt reaches to so many medians, or to twice the 99th percentile (chosen)."""
+"""Range of the histogram of receive periods in medians, or in multiples of the 99th percentile (chosen)."""
 
 
 class TimingSection(AbstractSection["Sequence[Analysis]"]):
@@ -30,18 +30,24 @@ class TimingSection(AbstractSection["Sequence[Analysis]"]):
     title: ClassVar[str] = "Node timing"
 
     def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
-        """Return how the loop was paced, what the stamps say, the tables, and the periods where they are not exact."""
+        """Return the pace of the loop, the timing by stamps, the tables, and the periods where they are not exact."""
         several = len(analyses) > 1
         blocks: list[Block] = []
         for lock_step in (False, None):
-            labels = [one.label for one in analyses if one.timing.exact and one.timing.real_time is lock_step]
+            labels = [
+                analysis.label
+                for analysis in analyses
+                if analysis.timing.exact and analysis.timing.real_time is lock_step
+            ]
             if labels:
                 blocks.append(Paragraph(_exact(labels, len(analyses), lock_step is False)))
-        blocks += [Paragraph(pace_sentence(one, several)) for one in analyses if one.timing.real_time]
+        blocks += [Paragraph(pace_sentence(analysis, several)) for analysis in analyses if analysis.timing.real_time]
         blocks += [Paragraph(_sentence(analysis)) for analysis in analyses if not analysis.timing.exact]
         blocks += [_table(analyses), *pace_tables(analyses)]
         loose = [
-            (f"{one.label} {name}" if several else name, periods) for one in analyses for name, periods in _periods(one)
+            (f"{analysis.label} {name}" if several else name, periods)
+            for analysis in analyses
+            for name, periods in _periods(analysis)
         ]
         if loose:
             blocks.append(_picture(loose))
@@ -57,7 +63,7 @@ class _Periods(NamedTuple):
 
 
 def _periods(analysis: Analysis) -> list[tuple[str, _Periods]]:
-    """Return the periods by the times of receipt where they are known, else by the stamps that are not exact."""
+    """Return the periods by receive times where they are known, else by the stamps that are not exact."""
     arrivals = analysis.timing.arrivals
     if arrivals:
         return [
@@ -74,7 +80,7 @@ def _periods(analysis: Analysis) -> list[tuple[str, _Periods]]:
 
 
 def _within(steps: FloatArray) -> FloatArray:
-    """Count the few that are far longer than the rest with the longest that are shown, so that bars stay narrow."""
+    """Count the few longest periods with the longest one shown, so that bars stay narrow."""
     median, p99 = np.percentile(steps, [50.0, 99.0])
     return np.asarray(np.minimum(steps, max(_SHOWN * median, 2.0 * p99)), dtype=np.float64)
 
@@ -89,14 +95,14 @@ def _loop_topics(analysis: Analysis) -> list[TopicTiming]:
 def _exact(labels: Sequence[str], runs: int, lock_step: bool) -> str:
     who = "" if runs == 1 else "In all runs " if len(labels) == runs else f"In {', '.join(labels)} "
     text = (
-        f"{who}{'all' if who else 'All'} stamps lie on an exact grid and every measurement has the command of its own "
+        f"{who}{'all' if who else 'All'} stamps are on an exact grid and every measurement has the command of its own "
         "stamp."
     )
     if not lock_step:
         return f"{text} Whether the loop ran in real time or in lock-step is not known."
     return (
         f"{text} In lock-step, where the plant waits for the command, the timing is exact by construction; "
-        "this says nothing of the speed at which the nodes ran."
+        "it does not show the speed at which the nodes ran."
     )
 
 
@@ -134,7 +140,7 @@ def _table(analyses: Sequence[Analysis]) -> TextTable:
     caption = (
         "Timing of the topics by their stamps; those with the same figures share a row; jitter is without the gaps."
     )
-    if any(one.timing.real_time and one.timing.exact for one in analyses):
+    if any(analysis.timing.real_time and analysis.timing.exact for analysis in analyses):
         caption += " Exact stamps of a run in real time are the planned instants: they show loss, but no jitter."
     return TextTable(header, tuple(rows), caption)
 
@@ -180,7 +186,7 @@ def _picture(topics: Sequence[tuple[str, _Periods]]) -> Picture:
     figure.update_yaxes(title_text="period [ms]", row=1)
     figure.update_yaxes(title_text="number of samples", type="log", row=2)
     caption = (
-        "Periods of the loop by the stamps of its topics, in real time by the times of receipt. In the histogram gaps "
-        "between stamps are left out, and periods of receipt far above the others count in the last bar."
+        "Periods of the loop by the stamps of its topics, in real time by the receive times. In the histogram gaps "
+        "between stamps are omitted, and receive periods far above the others are counted in the last bar."
     )
     return Picture(figure, caption)

@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 
 class TorqueSection(AbstractSection["Sequence[Analysis]"]):
-    """Commanded torque and feedforward of each motor, and the difference, which is the work of the feedback."""
+    """Commanded torque and feedforward of each motor, and the difference, which is the feedback."""
 
     title: ClassVar[str] = "Torques against feedforward"
 
     def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
         """Return a sentence per run and the picture; none where no commands were recorded."""
-        motors = {m.joint: m.linear for one in analyses for m in one.motors if m.torque is not None}
+        motors = {m.joint: m.linear for analysis in analyses for m in analysis.motors if m.torque is not None}
         if not motors:
             return ()
         titles = [
@@ -38,7 +38,7 @@ class TorqueSection(AbstractSection["Sequence[Analysis]"]):
         for row, linear in enumerate(motors.values(), start=1):
             figure.update_yaxes(title_text="force [N]" if linear else "torque [Nm]", row=row, col=1)
         figure.update_xaxes(title_text="time since start [s]", row=len(motors))
-        caption = "Commanded torque of each motor with the feedforward (dotted), and what the feedback added to it."
+        caption = "Commanded torque of each motor with the feedforward (dotted), and the feedback added to it."
         return (_shares(analyses, tuple(motors)), Picture(figure, caption))
 
 
@@ -87,7 +87,7 @@ def _sentence(analysis: Analysis) -> str:
         if motor.feedback_share is not None
     ]
     if not shares:
-        return "The log holds no feedforward torque, so the share of the feedback cannot be told."
+        return "The log has no feedforward torque, so the share of the feedback is not evaluated."
     text = f"Share of the feedback in the torque (rms over rms): {', '.join(shares)}"
     limited = [
         f"{motor.joint} (for {number(1e2 * motor.saturated_share, 3)} % of the run)"

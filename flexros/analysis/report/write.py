@@ -1,4 +1,4 @@
-"""Write a report: one HTML file that opens offline, of one run or of several side by side."""
+"""Write a report of one or several runs: one HTML file that opens offline."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ def write_report(analyses: Sequence[Analysis], file: Path, *, title: str | None 
     """Write the report of one run, or of several side by side.
 
     Args:
-        analyses: The runs, at least one.
-        file: The HTML file; one that exists is replaced once the new one is complete.
+        analyses: The runs, at least analysis.
+        file: The HTML file; an existing one is replaced once the new one is complete.
         title: Heading; None for the labels of the runs.
 
     Raises:
@@ -57,11 +57,11 @@ def write_report(analyses: Sequence[Analysis], file: Path, *, title: str | None 
 
 
 def write_comparison(comparison: Comparison, file: Path, *, title: str = "Comparison of methods") -> None:
-    """Write the report of methods and cases beside quoted figures.
+    """Write the report of methods and cases compared with quoted figures.
 
     Args:
-        comparison: The runs by method and case, and the figures quoted beside them.
-        file: The HTML file; one that exists is replaced once the new one is complete.
+        comparison: The runs by method and case, and the quoted figures.
+        file: The HTML file; an existing one is replaced once the new one is complete.
         title: Heading.
 
     Raises:
@@ -86,6 +86,8 @@ def write_comparison(comparison: Comparison, file: Path, *, title: str = "Compar
 
 def _subtitle(analyses: Sequence[Analysis]) -> str:
     longest = max(analysis.duration for analysis in analyses)
-    samples = sum(topic.count for one in analyses for topic in one.timing.topics if topic.topic == "joint_states")
+    samples = sum(
+        topic.count for analysis in analyses for topic in analysis.timing.topics if topic.topic == "joint_states"
+    )
     runs = "One run" if len(analyses) == 1 else f"{len(analyses)} runs"
     return f"{runs}, {'' if len(analyses) == 1 else 'up to '}{longest:.4g} s, {samples} samples"

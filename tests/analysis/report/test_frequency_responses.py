@@ -60,8 +60,10 @@ def test_reason_is_shown_where_responses_cannot_be_told(experiment_log: Log) -> 
     analysis = analyse(replace(experiment_log, joint_commands=None))
     (only,) = FrequencyResponseSection().blocks([analysis])
     assert isinstance(only, Paragraph)
-    assert only.text.startswith("The frequency responses cannot be told: the log has no joint_commands.effort")
-    assert verdict([analysis]).startswith("An identification experiment whose frequency responses cannot be told; the")
+    assert only.text.startswith("The frequency responses were not estimated: the log has no joint_commands.effort")
+    assert verdict([analysis]).startswith(
+        "An identification experiment whose frequency responses were not estimated; the"
+    )
 
 
 def test_summary_is_that_of_an_experiment(experiment: Analysis) -> None:
@@ -71,4 +73,4 @@ def test_summary_is_that_of_an_experiment(experiment: Analysis) -> None:
         "An identification experiment: frequency responses of 2 motors in 2 positions from 3 to 39 Hz; the motors "
     )
     assert tiles.items[0][0] == "Standard deviation of the responses"  # type: ignore[union-attr]
-    assert verdict([experiment, experiment]).startswith("2 runs, none with a path: only the motor side can be told")
+    assert verdict([experiment, experiment]).startswith("2 runs, none with a path: only the motor side is evaluated")
