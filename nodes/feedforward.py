@@ -1,4 +1,4 @@
-"""Feedforward node: streams the motor reference ahead of the loop, and the tool reference beside it."""
+"""Feedforward node: streams the motor reference ahead of the loop, and the tool reference."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ from flexros_nodes.shell.reference_stream import ReferenceStream
 
 
 class FeedforwardNode(FlexrosNode):
-    """The reference of a scenario, streamed as `ReferenceStream` does it."""
+    """Streams the reference of a scenario; see `ReferenceStream`."""
 
     node_name = "feedforward"
 
     def configure(self) -> None:
-        """Compute the reference; make publishers and the subscription to the clock."""
+        """Compute the reference; create publishers and the subscription to the clock."""
         self._stream = ReferenceStream(self, prepared_run(self.value("scenario")))
 
     def start(self) -> None:
-        """Look for the readers; the first chunks go out when they are there."""
+        """Search for the subscribers; the first chunks are sent once they are connected."""
         self._stream.start()
 
     def figures(self) -> dict[str, float]:
-        """Give what was sent and sent again."""
+        """Return counts of sent and repeated messages."""
         return self._stream.figures()
 
 
 def main() -> int:
-    """Run the node as an executable."""
+    """Run the node in this process."""
     return run_node(FeedforwardNode)
 
 

@@ -1,4 +1,4 @@
-"""Gap monitor node: the nominal robot beside a running one; tells on /diagnostics how far both are apart, and where."""
+"""Gap monitor node: compares a running robot with its model and publishes the mismatch on /diagnostics."""
 
 from __future__ import annotations
 
@@ -32,67 +32,67 @@ from flexros_nodes.shell.topic_interface import message_class, qos_profile, topi
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-LOOK_PERIOD = 0.1
-"""Period at which messages are taken up [s], chosen: a window."""
+UPDATE_PERIOD = 0.1
+"""Period at which messages are processed [s], chosen: one window."""
 
 SILENCE = 2.0
-"""Time without messages of a topic from which the node says so [s], chosen."""
+"""Time without messages of a topic after which the node reports it [s], chosen."""
 
 LEVELS = {Level.OK: DiagnosticStatus.OK, Level.WARNING: DiagnosticStatus.WARN, Level.ALARM: DiagnosticStatus.ERROR}
 
 
 class GapMonitorNode(FlexrosNode):
-    """Observer of a robot: nobody waits for it, it asks nobody for repeats, and it publishes on /diagnostics alone."""
+    """Passive monitor: no node waits for it, it requests no repeats and publishes only on /diagnostics."""
 
     node_name = "gap_monitor"
     monitor: GapMonitor | None = None
 
     def configure(self) -> None:
-        """Load the model, make the twin, and listen to states and commands."""
+        """Load the model, create the monitor, and subscribe to states and commands."""
         if not self.value("model"):
             raise InputError("parameter model of node gap_monitor is empty; give a robot, by name or file, or a patch")
-        known = load_patched(self.value("model"))
+        model = load_patched(self.value("model"))
         calibration = None
         if self.value("thresholds"):
             path = Path(self.value("thresholds"))
-            calibration = read_calibration(path, known.fingerprint, known.base.joint_names)
-        self.monitor = GapMonitor(known.model, false_alarms=self.value("false_alarms"), calibration=calibration)
-        self._units = torque_units(known.base)
+            calibration = read_calibration(path, model.fingerprint, model.base.joint_names)
+        self.monitor = GapMonitor(model.model, false_alarms=self.value("false_alarms"), calibration=calibration)
+        self._units = torque_units(model.base)
         self._budget = LoadBudget(self.value("max_load"))
         self._used = 0.0
-        self._passed_over = 0
+        self._skipped = 0
         self._waiting: dict[str, list[bytes]] = {}
         self._readers = {}
         for name, field in (("joint_states", "position"), ("joint_commands", "effort")):
             self._waiting[name] = []
-            self._readers[name] = JointMessages(known.base, name, field)
-            self._hear(name)
+            self._readers[name] = JointMessages(model.base, name, field)
+            self._subscribe(name)
 
-    def _hear(self, name: str) -> None:
-        """Subscribe as the recorder does, but without asking for repeats."""
+    def _subscribe(self, name: str) -> None:
+        """Subscribe with the depth of the recorder, but best effort."""
         row = topic(name)
         profile = qos_profile(row.qos.model_copy(update={"reliability": "best_effort"}))
         subscription = self.create_subscription(
             message_class(row.type), row.name, partial(self._take, name), profile, raw=True
         )
-        self._made.append(partial(self.destroy_subscription, subscription))
+        self.on_close(partial(self.destroy_subscription, subscription))
 
     def _take(self, name: str, message: bytes) -> None:
         if self.active:
             self._waiting[name].append(message)
 
     def start(self) -> None:
-        """Begin to watch."""
+        """Start monitoring."""
         self._begun = perf_counter()
         self._heard = dict.fromkeys(self._waiting, self._begun)
         for messages in self._waiting.values():
             messages.clear()
-        self.every(LOOK_PERIOD, self._watch)
-        self.every(self.value("period"), self._tell)
+        self.every(UPDATE_PERIOD, self._update)
+        self.every(self.value("period"), self._publish_diagnostics)
 
-    def _watch(self) -> None:
-        """Watch what has come since the last time, where there is processor time for it."""
-        monitor, now = self._watching(), perf_counter()
+    def _update(self) -> None:
+        """Process the messages received since the last call, as far as the processor budget allows."""
+        monitor, now = self._configured_monitor(), perf_counter()
         allowed = self._budget.allows(now)
         begun = thread_time()
         for name, add in (("joint_states", monitor.add_states), ("joint_commands", monitor.add_commands)):
@@ -102,7 +102,7 @@ class GapMonitorNode(FlexrosNode):
             if allowed:
                 add(*self._readers[name].take(messages))
             else:
-                self._passed_over += len(messages)
+                self._skipped += len(messages)
             messages.clear()
         if allowed:
             monitor.advance()
@@ -110,20 +110,20 @@ class GapMonitorNode(FlexrosNode):
         self._budget.use(used)
         self._used += used
 
-    def _watching(self) -> GapMonitor:
+    def _configured_monitor(self) -> GapMonitor:
         if self.monitor is None:
             raise InputError("the gap monitor is not configured; configure it first")
         return self.monitor
 
-    def _tell(self) -> None:
+    def _publish_diagnostics(self) -> None:
         """Publish one status for the robot and one for each motor."""
         begun = thread_time()
-        reading = self._watching().reading()
+        reading = self._configured_monitor().reading()
         level, text = LEVELS[reading.level], robot_sentence(reading)
-        not_heard = self._not_heard()
-        if not_heard:
-            text = f"{text}; {not_heard}"
-        if not_heard or stands_still(reading):
+        input_problems = self._input_problems()
+        if input_problems:
+            text = f"{text}; {input_problems}"
+        if input_problems or stands_still(reading):
             level = max(level, DiagnosticStatus.WARN)
         name = self.get_fully_qualified_name()
         statuses = [self._status(name, level, text, {**robot_values(reading), **self.figures()})]
@@ -140,13 +140,13 @@ class GapMonitorNode(FlexrosNode):
         self._budget.use(used)
         self._used += used
 
-    def _not_heard(self) -> str:
-        """Say which topics are silent or cannot be used."""
+    def _input_problems(self) -> str:
+        """Return which topics are silent or unusable."""
         now = perf_counter()
         silent = [name for name, last in self._heard.items() if now - last > SILENCE]
         problems = [reader.problem for reader in self._readers.values() if reader.problem]
-        told = [f"nothing is heard on {' and '.join(silent)}"] if silent else []
-        return "; ".join([*told, *problems])
+        silence = [f"no messages on {' and '.join(silent)}"] if silent else []
+        return "; ".join([*silence, *problems])
 
     def _status(self, name: str, level: bytes, message: str, values: Mapping[str, float | str]) -> DiagnosticStatus:
         pairs = [
@@ -154,12 +154,12 @@ class GapMonitorNode(FlexrosNode):
             for key, value in values.items()
         ]
         return DiagnosticStatus(
-            level=level, name=name, message=message, hardware_id=self._watching().robot.name, values=pairs
+            level=level, name=name, message=message, hardware_id=self._configured_monitor().robot.name, values=pairs
         )
 
     def figures(self) -> dict[str, float]:
-        """Give what was watched, what was not and why, and what it cost."""
-        monitor = self._watching()
+        """Return counts of processed and skipped data, and the processor time used."""
+        monitor = self._configured_monitor()
         counts = monitor.counts
         return {
             "windows": monitor.windows,
@@ -173,14 +173,14 @@ class GapMonitorNode(FlexrosNode):
             "missing_states": counts.missing,
             "late_messages": counts.late,
             "unusable_messages": counts.unusable + sum(reader.unusable for reader in self._readers.values()),
-            "passed_over": self._passed_over,
+            "passed_over": self._skipped,
             "restarts": counts.restarts,
             "processor_time_s": self._used,
         }
 
 
 def main() -> int:
-    """Run the node as an executable."""
+    """Run the node in this process."""
     return run_node(GapMonitorNode)
 
 

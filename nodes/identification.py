@@ -1,4 +1,4 @@
-"""Identification node: leads an identification experiment in the place of the feedforward node."""
+"""Identification node: conducts an identification experiment in place of the feedforward node."""
 
 from __future__ import annotations
 
@@ -20,36 +20,36 @@ if TYPE_CHECKING:
     from flexros.scenario.experiment import Experiment
 
 STATE_PERIOD = 0.2
-"""Period at which the state goes to plant and recorder [s] (wall clock), chosen: a lost one is soon made up for."""
+"""Period at which the state is sent to plant and recorder [s] (wall clock), chosen: a lost one is soon replaced."""
 
 LEAST_REST = 0.5
-"""Shortest time for which the robot stands still after a stop [s], chosen: until oscillations have died away."""
+"""Shortest rest after a stop [s], chosen: until oscillations have decayed."""
 
 
 class IdentificationNode(FlexrosNode):
-    """Streams the reference of an identification experiment and tells how far it is.
+    """Streams the reference of an identification experiment and reports its progress.
 
-    Its services are of type std_srvs/srv/Trigger, below its name:
+    Its services have type std_srvs/srv/Trigger, in the namespace of the node:
 
-    1. `start` begins an experiment that waits (parameter `begin_at_once` is false). While it waits plant and controller
-       repeat their first sample: what the node says on experiment_state keeps the plant from giving up.
-    2. `stop` brings the robot to rest on its planned way (within the fade time, in a move at its acceleration), leaves
-       it at rest for a while and ends the run before its time. That is an end in order, with exit code 0, because the
-       user asked for it and everything that was done is in the log; the provenance of the log says that it was
-       stopped, at which sample, and how many experiments were complete by then.
-    3. `status` gives the state as JSON, see `ExperimentState`.
+    1. `start` starts an experiment that waits (parameter `begin_at_once` is false). Meanwhile plant and controller
+       repeat their first sample, and the messages on experiment_state keep the plant from aborting.
+    2. `stop` brings the robot to rest on its planned path (within the fade time, in a move at its acceleration), keeps
+       it at rest for a while and ends the run early. The exit code is 0, because the user requested it and the log is
+       complete up to the stop. The provenance of the log states the sample of the stop and the number of experiments
+       completed by then.
+    3. `status` returns the state as JSON, see `ExperimentState`.
     """
 
     node_name = "identification"
 
     def configure(self) -> None:
-        """Compute plan and reference; make publishers, services and the subscription to the clock."""
+        """Compute plan and reference; create publishers, services and the subscription to the clock."""
         self._run: Experiment = prepared_run(self.value("scenario"))
         settings = self._run.scenario.identification
         if self._run.plan is None or settings is None:
             raise InputError(
                 f"scenario {self._run.scenario.name} has no key identification, which node identification needs; add "
-                "the key, or take node feedforward"
+                "the key, or use node feedforward"
             )
         self._n_rest = round(max(settings.settle, LEAST_REST) / self._run.sample_time)
         self._course = ExperimentCourse(self._run.plan)
@@ -63,20 +63,20 @@ class IdentificationNode(FlexrosNode):
         self._begin()
 
     def _begin(self) -> None:
-        """Stand before the first sample."""
+        """Return to the state before the first sample."""
         self._stream.closed = not self.value("begin_at_once")
         self._stopped: tuple[int, int] | None = None
-        self._told = -1
+        self._last_completed = -1
 
     def start(self) -> None:
-        """Look for the readers; begin the experiment, or wait for the service."""
+        """Search for the subscribers; start the experiment, or wait for the service."""
         self._begin()
         self._stream.start()
-        self.every(period("diagnostics"), self._tell)
+        self.every(period("diagnostics"), self._publish_progress)
         self.every(STATE_PERIOD, self._send_state)
 
     def state(self) -> ExperimentState:
-        """Give the present state of the experiment."""
+        """Return the present state of the experiment."""
         progress, last = self._stream.progress, self._run.n_samples - 1
         if self._stopped is not None:
             return self._course.state("stopping", progress, self._stopped)
@@ -85,22 +85,22 @@ class IdentificationNode(FlexrosNode):
         return self._course.state("done" if progress + self._stream.clock_samples > last else "running", progress)
 
     def figures(self) -> dict[str, float]:
-        """Give how far the experiment is, and what was sent and sent again."""
+        """Return the progress of the experiment, and counts of sent and repeated messages."""
         return {**self.state().numbers(), **self._stream.figures()}
 
     def _on_progress(self, progress: int) -> None:
-        """Tell at once when an experiment begins or ends."""
+        """Publish the progress at once when an experiment begins or ends."""
         completed = self._course.n_completed(progress)
-        if completed != self._told and self._stopped is None:
-            self._told = completed
-            self._tell()
+        if completed != self._last_completed and self._stopped is None:
+            self._last_completed = completed
+            self._publish_progress()
 
     def _on_restart(self) -> None:
-        """Follow a plant that was reset: the experiment has not begun."""
+        """Restart after a reset of the plant: the experiment has not begun."""
         self._begin()
         self._send_state()
 
-    def _tell(self) -> None:
+    def _publish_progress(self) -> None:
         self.diagnose(message=self.state().sentence())
 
     def _send_state(self) -> None:
@@ -114,7 +114,7 @@ class IdentificationNode(FlexrosNode):
         if not self._stream.closed:
             return Answer(False, f"the experiment has been started already: {self.state().sentence()}")
         self._stream.open()
-        self._tell()
+        self._publish_progress()
         return Answer(True, f"the experiment begins; it takes {self.state().time_left_s:g} s of simulated time")
 
     def _on_stop(self) -> Answer:
@@ -128,7 +128,7 @@ class IdentificationNode(FlexrosNode):
         self._stream.replace(RowsToRest(self._run.reference, first, n_slowing, self._run.sample_time))
         self._send_state()
         self._stream.open()
-        self._tell()
+        self._publish_progress()
         return Answer(True, f"{self.state().sentence()}; the run ends in {self.state().time_left_s:g} s")
 
     def _on_status(self) -> Answer:
@@ -136,7 +136,7 @@ class IdentificationNode(FlexrosNode):
 
 
 def main() -> int:
-    """Run the node as an executable."""
+    """Run the node in this process."""
     return run_node(IdentificationNode)
 
 

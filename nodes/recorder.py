@@ -1,4 +1,4 @@
-"""Recorder node: writes what it hears on the topics of the contract into a log."""
+"""Recorder node: writes the messages on the topics of the contract to a log."""
 
 from __future__ import annotations
 
@@ -27,36 +27,37 @@ if TYPE_CHECKING:
     from flexros.config.topics import Topic
 
 CONFIRM_PERIOD = 0.05
-"""Longest time until what was recorded is confirmed [s] (wall clock), chosen."""
+"""Longest time until a recording is confirmed [s] (wall clock), chosen."""
 
 STALL_PERIODS = 16
-"""While the loop stands still, confirmations are said again after 1, 2, 4, 8 and then every 16 periods, chosen."""
+"""In a stalled loop confirmations are repeated after 1, 2, 4, 8 and then every 16 periods, chosen."""
 
 MARKERS = "arm_markers"
-"""Topic that is recorded where the user wants it, so that a player shows the arm."""
+"""Topic that is recorded on request, so that a player shows the arm."""
 
 LOOP_PRODUCERS = ("plant", "controller")
-"""Nodes whose topics go on sample by sample; the others may run ahead, or end."""
+"""Nodes whose topics advance with the samples; the others may run ahead, or end."""
 
 
 class RecorderNode(FlexrosNode):
-    """Log of a run: raw messages into a rosbag2 folder, log time = stamp, or time of arrival in real time.
+    """Log of a run: raw messages in a rosbag2 folder; log time is the stamp, or the arrival time in real time.
 
-    It confirms on recorder_progress up to where each topic is recorded, so that a run in lock-step never outruns it.
+    The node confirms on recorder_progress up to which stamp each topic is recorded, so that a run in lock-step never
+    overruns it.
     """
 
     node_name = "recorder"
     _writer: LogWriter | None = None
 
     def configure(self) -> None:
-        """Open the log and subscribe to what is recorded."""
+        """Open the log and subscribe to the recorded topics."""
         run = prepared_run(self.value("scenario"))
         self._sample_time = run.sample_time
         real_time = bool(self.value("real_time"))
         self._provenance: Mapping[str, Any] = {**run.provenance(), "transport": "ros", "real_time": real_time}
         self._arrival = ArrivalTime(perf_counter) if real_time else None
-        more = [MARKERS] if self.value("markers") else []
-        self._topics = {name: row for name, row in load_topics().items() if row.recorded or name in more}
+        requested = [MARKERS] if self.value("markers") else []
+        self._topics = {name: row for name, row in load_topics().items() if row.recorded or name in requested}
         self._all_confirmed = -1
         self._confirmed: dict[str, int] = {}
         self._confirm_every = self.value("confirm_every")
@@ -77,13 +78,13 @@ class RecorderNode(FlexrosNode):
             return LogWriter(Path(self.value("folder")), topics, self._provenance, namespace=self.get_namespace())
         except InputError as error:
             if isinstance(error.__cause__, OSError) and not isinstance(error.__cause__, FileExistsError):
-                raise RunError(str(error)) from error  # the disk refuses: nothing in the input is wrong
+                raise RunError(str(error)) from error  # the disk fails: the input is valid
             raise
 
     def _record(self, writer: LogWriter, name: str, row: Topic, number: int) -> None:
         if name not in sampled_topics():
             present = self._present
-            read_stamp = present if name == MARKERS else stamp_of  # the headers of markers stand in a list
+            read_stamp = present if name == MARKERS else stamp_of  # the headers of markers are in a list
             self._events[name] = EventRecording(writer, number, self._arrival, present, read_stamp)
             self.listen(name, self._events[name].take, recorder=True)
             return
@@ -102,60 +103,60 @@ class RecorderNode(FlexrosNode):
         recording.take(message)
         self._since_confirmed += 1
         if self._since_confirmed >= self._confirm_every and not self._confirm():
-            self._confirm_each()  # the loop is broken: the plant brakes, and waits for its own topics alone
+            self._confirm_each()  # the run was aborted: the plant brakes, and waits only for its own topics
 
     def _confirm(self) -> bool:
-        """Say up to where all topics of the loop that have begun are recorded; tells whether that is news."""
+        """Confirm the stamp up to which all active topics of the loop are recorded; return whether it has advanced."""
         self._since_confirmed = 0
         until = min((recording.last for recording in self._in_loop if recording.count), default=-1)
         if until <= self._all_confirmed:
             return False
         self.stamp = self._all_confirmed = until
-        self._say("", until)
+        self._publish_progress("", until)
         return True
 
     def _confirm_each(self) -> bool:
-        """Say of each topic that went on up to where it is recorded; tells whether there was news."""
-        news = self._confirm()
+        """Confirm the recorded stamp of each topic that has advanced; return whether any has."""
+        advanced = self._confirm()
         for name, recording in self._samples.items():
             if recording.last > self._confirmed.get(name, -1):
-                news = True
+                advanced = True
                 self._confirmed[name] = recording.last
-                self._say(name, recording.last)
-        return news
+                self._publish_progress(name, recording.last)
+        return advanced
 
-    def _look_around(self) -> None:
-        """Confirm what is new; when the loop stands still, say again what the plant may not have heard.
+    def _confirm_periodically(self) -> None:
+        """Confirm new recordings; in a stalled loop repeat the confirmations.
 
-        It may know this recorder only since a moment ago, and would wait for ever for what was said before.
+        The plant may have discovered this recorder only now, and would wait forever for the earlier ones.
         """
         self._stalls = 0 if self._confirm_each() else self._stalls + 1
         if self._stalls and (self._stalls & (self._stalls - 1) == 0 or self._stalls % STALL_PERIODS == 0):
             for name, stamp in {"": self._all_confirmed, **self._confirmed}.items():
                 if stamp >= 0:
-                    self._say(name, stamp)
+                    self._publish_progress(name, stamp)
 
     def _on_experiment(self, message: bytes) -> None:
-        """Remember that the user has stopped an experiment, and what was complete by then."""
+        """Store the state of an experiment that the user has stopped."""
         state = read_experiment_state(message)
         if state.stopped_at_sample >= 0:
             self._stopped = state.as_dict()
 
-    def _say(self, name: str, stamp: int) -> None:
+    def _publish_progress(self, name: str, stamp: int) -> None:
         message = Header(frame_id=name)
         message.stamp.sec, message.stamp.nanosec = divmod(stamp, NANOSECONDS)
         self._progress.publish(message)
 
     def start(self) -> None:
-        """Confirm now and then, also when the loop stands still."""
-        self.every(CONFIRM_PERIOD, self._look_around)
+        """Confirm periodically, also in a stalled loop."""
+        self.every(CONFIRM_PERIOD, self._confirm_periodically)
 
     def refusal(self) -> str:
-        """Refuse to go on with a log that is closed."""
+        """Refuse to continue a closed log."""
         if not self._closed:
             return ""
         folder = self.value("folder")
-        return f"the log {folder} is closed and cannot go on; clean the node up, and configure it with another folder"
+        return f"the log {folder} is closed; clean up the node and configure it with another folder"
 
     def stop(self) -> None:
         """Close the log."""
@@ -165,12 +166,12 @@ class RecorderNode(FlexrosNode):
             self._writer.close({**self._provenance, **stopped, "recorded": self.figures()})
 
     def release(self) -> None:
-        """Close the log of a run that never began."""
+        """Close the log of a run that never started."""
         self.stop()
         self._writer = None
 
     def figures(self) -> dict[str, float]:
-        """Give for each topic how many messages were written, left out as repeats, and missing."""
+        """Return the numbers of written, repeated and missing messages by topic."""
         figures: dict[str, float] = {}
         for name, recording in self._samples.items():
             figures[f"{name}.messages"] = recording.count
@@ -183,7 +184,7 @@ class RecorderNode(FlexrosNode):
 
 
 def main() -> int:
-    """Run the node as an executable."""
+    """Run the node in this process."""
     return run_node(RecorderNode)
 
 

@@ -1,4 +1,4 @@
-"""Replay node: publishes the messages of a log again, at a pace."""
+"""Replay node: publishes the messages of a log again."""
 
 from __future__ import annotations
 
@@ -32,28 +32,28 @@ if TYPE_CHECKING:
     from flexros.logs.replay.source import PlayedTopic
     from flexros_nodes.protocol.parameters import Value
 
-LOOK_PERIOD = 5e-4
-"""Period at which the node looks what is due [s], chosen: a message is seldom later than that."""
+PLAY_PERIOD = 5e-4
+"""Period at which due messages are published [s], chosen: it limits the usual delay of a message."""
 
-TURN = 5e-3
-"""Longest time for which it publishes without looking for services [s], chosen."""
+SLICE = 5e-3
+"""Longest time of publishing without serving other callbacks [s], chosen."""
 
-GOODBYE_TIMEOUT = 1.0
-"""Longest wait at the end until readers have everything [s], chosen."""
+FLUSH_TIMEOUT = 1.0
+"""Longest wait at the end for acknowledgements of the subscribers [s], chosen."""
 
 DIAGNOSTICS_PERIOD = 1.0
 """Period of the diagnostics [s]."""
 
 
 class ReplayNode(FlexrosNode):
-    """A log played again: raw messages in the order of log time, as they were recorded, header stamps included."""
+    """Replay of a log: raw messages in the order of log time, unchanged including header stamps."""
 
     node_name = "replay"
     playlist: Playlist | None = None
     warnings: Sequence[str] = ()
 
     def configure(self) -> None:
-        """Go through the log, make a publisher for each topic that can be played here, offer pause and resume."""
+        """Scan the log, create a publisher for each playable topic, offer pause and resume."""
         if not self.value("bag"):
             raise InputError("parameter bag of node replay is empty; give a rosbag2 folder or an .mcap file")
         self.playlist = playlist = Playlist(
@@ -63,14 +63,16 @@ class ReplayNode(FlexrosNode):
             feeds_controller=self.value("feed_controller"),
         )
         if playlist.controller is not None and self.value("loop"):
-            raise InputError("a controller takes no stamp twice, so it cannot be fed in a loop; leave out one of both")
+            raise InputError(
+                "feed_controller and loop are both true, but a controller accepts no stamp twice; set one to false"
+            )
         self._pace = ReplayPace(self._rate())
         self._answers: ControllerAnswers | None = None
         self._outlets, left_out = self._announced(playlist)
         not_played = [f"topic {name} is not played: {why}" for name, why in left_out.items()]
         self.warnings = [*playlist.source.warnings, *not_played]
         if playlist.controller is not None:
-            self._hear(playlist.controller.commands)
+            self._listen_to_commands(playlist.controller.commands)
         self.offer("pause", self._pause)
         self.offer("resume", self._resume)
         for warning in self.warnings if self.tells_errors else ():
@@ -90,33 +92,33 @@ class ReplayNode(FlexrosNode):
         return math.inf if self.value("as_fast_as_possible") else float(self.value("rate"))
 
     def _announced(self, playlist: Playlist) -> tuple[dict[int, Publisher], dict[str, str]]:
-        """Make the publishers, and say which topics cannot be published here."""
+        """Create the publishers, and return the reasons for topics that cannot be published."""
         types: dict[str, type] = {}
 
-        def refusal(topic: PlayedTopic) -> str:
+        def problem(topic: PlayedTopic) -> str:
             try:
                 types[topic.recorded.type] = installed_class(topic.recorded.type)
             except MissingTypeError as why:
                 return str(why)
             return ""
 
-        played, left_out = playlist.playable(refusal)
+        played, left_out = playlist.playable(problem)
         publishers = {}
         for number, row in played.items():
             publisher = self.create_publisher(types[row.recorded.type], row.name, played_qos(row.recorded))
-            self._made.append(partial(self.destroy_publisher, publisher))
+            self.on_close(partial(self.destroy_publisher, publisher))
             publishers[number] = publisher
         return publishers, left_out
 
-    def _hear(self, commands: str) -> None:
-        """Subscribe to the commands of the controller that is fed."""
+    def _listen_to_commands(self, commands: str) -> None:
+        """Subscribe to the commands of the fed controller."""
         profile = qos_profile(topic("joint_commands").subscription_qos)
         subscription = self.create_subscription(JointState, commands, self._on_command, profile, raw=True)
-        self._made.append(partial(self.destroy_subscription, subscription))
+        self.on_close(partial(self.destroy_subscription, subscription))
 
     def _begin(self) -> None:
-        """Stand before the first message."""
-        playlist = self._playing()
+        """Return to the state before the first message."""
+        playlist = self._configured_playlist()
         self._counts = dict.fromkeys(self._outlets, 0)
         self._turns, self._latest = 0, 0.0
         self._messages = playlist.messages()
@@ -124,39 +126,39 @@ class ReplayNode(FlexrosNode):
         if playlist.controller is not None:
             self._answers = ControllerAnswers(playlist.controller.feed, self.value("answer_timeout"))
 
-    def _playing(self) -> Playlist:
+    def _configured_playlist(self) -> Playlist:
         if self.playlist is None:
             raise InputError("the replay is not configured; configure it first")
         return self.playlist
 
     def start(self) -> None:
-        """Begin to play, from the beginning also when the node has played before."""
+        """Start playing, always from the beginning."""
         self._begin()
         self._pace = ReplayPace(self._rate())
-        self._pace.begin(perf_counter() + self.value("start_delay"), self._playing().source.window.first)
+        self._pace.begin(perf_counter() + self.value("start_delay"), self._configured_playlist().source.window.first)
         if self.value("paused"):
             self._pace.pause(perf_counter())
-        self.every(LOOK_PERIOD, self._play)
+        self.every(PLAY_PERIOD, self._play)
         self.every(DIAGNOSTICS_PERIOD, self.diagnose)
 
     def parameters_changed(self, values: Mapping[str, Value]) -> None:
-        """Take over another rate."""
+        """Apply a changed rate."""
         if "rate" in values and not self.value("as_fast_as_possible"):
             self._pace.change_rate(float(values["rate"]), perf_counter())
 
     # Playing.
 
     def _play(self) -> None:
-        """Send what is due."""
-        stop = perf_counter() + TURN
-        while self._next is not None and not self._waits():
+        """Publish the messages that are due."""
+        stop = perf_counter() + SLICE
+        while self._next is not None and not self._awaits_command():
             now = perf_counter()
             if (due := self._pace.due(self._next.log_time)) > now or now > stop:
                 return
             self._latest = max(self._latest, now - due)
             self._send(self._next, now)
             self._next = next(self._messages, None)
-        if self._next is None and not self._waits():
+        if self._next is None and not self._awaits_command():
             self._end_turn()
 
     def _send(self, message: ReplayMessage, now: float) -> None:
@@ -165,7 +167,7 @@ class ReplayNode(FlexrosNode):
         publisher.publish(message.payload)
         self.stamp = min(message.log_time, LATEST_STAMP)
         self._counts[message.topic] += 1
-        controller = self._playing().controller
+        controller = self._configured_playlist().controller
         if controller is None or self._answers is None:
             return
         if message.topic == controller.states:
@@ -176,23 +178,23 @@ class ReplayNode(FlexrosNode):
     def _end_turn(self) -> None:
         self._turns += 1
         if self.value("loop"):
-            playlist = self._playing()
+            playlist = self._configured_playlist()
             self._messages = playlist.messages()
             self._next = next(self._messages, None)
             self._pace.begin(perf_counter(), playlist.source.window.first)
             return
-        patience = perf_counter() + GOODBYE_TIMEOUT
+        patience = perf_counter() + FLUSH_TIMEOUT
         for publisher in self._outlets.values():
             publisher.wait_for_all_acked(Duration(seconds=max(patience - perf_counter(), 0.0)))
         self.end()
 
-    # The controller that is fed.
+    # The fed controller.
 
-    def _waits(self) -> bool:
-        """Tell whether a command is owed; the measurement is sent again when it takes long."""
+    def _awaits_command(self) -> bool:
+        """Return whether a command is awaited; repeat the measurement when it is overdue."""
         if self._answers is None or not self._answers.waits:
             return False
-        controller = self._playing().controller
+        controller = self._configured_playlist().controller
         state, chunks = self._answers.to_repeat(perf_counter())
         if state and controller is not None:
             for chunk in chunks:
@@ -220,17 +222,17 @@ class ReplayNode(FlexrosNode):
 
     @property
     def position(self) -> float:
-        """Log time of the newest message, after the beginning of what is played [s]."""
-        return max(self.stamp - self._playing().source.window.first, 0) / NANOSECONDS
+        """Log time of the newest message since the start of the played window [s]."""
+        return max(self.stamp - self._configured_playlist().source.window.first, 0) / NANOSECONDS
 
     @property
     def duration(self) -> float:
-        """Time of the log that is played [s]."""
-        return self._playing().source.duration
+        """Duration of the played window [s]."""
+        return self._configured_playlist().source.duration
 
     def figures(self) -> dict[str, float]:
-        """Give what was played, how late at most, and what a controller answered."""
-        topics = self._playing().topics
+        """Return counts of messages, the largest delay, and the answers of a fed controller."""
+        topics = self._configured_playlist().topics
         figures: dict[str, float] = {"messages": sum(self._counts.values()), "turns": self._turns}
         if math.isfinite(self._rate()):
             figures["latest_ms"] = 1e3 * self._latest
@@ -246,7 +248,7 @@ class ReplayNode(FlexrosNode):
 
 
 def main() -> int:
-    """Run the node as an executable."""
+    """Run the node in this process."""
     return run_node(ReplayNode)
 
 

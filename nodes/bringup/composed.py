@@ -1,4 +1,4 @@
-"""All nodes in one process with one executor: the fastest layout."""
+"""Layout composed: all nodes in one process with one executor, the fastest layout."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def run_composed(plan: RunPlan, interrupted: Interruption) -> RunSummary:
 
     Args:
         plan: What to run.
-        interrupted: Tells whether the user wants an end.
+        interrupted: Returns whether termination was requested.
 
     Returns:
         Summary of the run.
@@ -55,10 +55,10 @@ def run_composed(plan: RunPlan, interrupted: Interruption) -> RunSummary:
     try:
         for name in plan.nodes:
             nodes.append(NODE_CLASSES[name](context=context, values=plan.values(name)))
-            nodes[-1].tells_errors = False  # the summary does
+            nodes[-1].tells_errors = False  # the summary reports them
             executor.add_node(nodes[-1])
         check_exposure(os.environ, domain)
-        _work(plan, nodes, executor, interrupted)
+        _spin_nodes(plan, nodes, executor, interrupted)
         reports = {node.node_name: close(node) for node in reversed(nodes)}
         return summarise(reports, plan.folder, "composed", interrupted=interrupted())
     finally:
@@ -70,8 +70,8 @@ def run_composed(plan: RunPlan, interrupted: Interruption) -> RunSummary:
         rclpy.try_shutdown(context=context)
 
 
-def _work(plan: RunPlan, nodes: Sequence[FlexrosNode], executor: Executor, interrupted: Interruption) -> None:
-    """Bring the nodes up and spin until one ends; if that is not the plant, it gets its time to brake."""
+def _spin_nodes(plan: RunPlan, nodes: Sequence[FlexrosNode], executor: Executor, interrupted: Interruption) -> None:
+    """Bring the nodes up and spin until one ends; if it is not the plant, let the plant brake."""
     stop, plant_over = Future(), Future()
     plant = nodes[-1]
     for node in nodes:

@@ -1,4 +1,4 @@
-"""What a launch file starts: nodes and their parameters, from the texts that `ros2 launch` was given; free of ROS."""
+"""Nodes and parameters of a launch file, from the arguments of `ros2 launch`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Argument(NamedTuple):
-    """An argument of a launch file: default, description, and the words that are allowed if not all are."""
+    """Argument of a launch file: default, description and, if restricted, the allowed values."""
 
     default: str
     description: str
@@ -35,45 +35,45 @@ YES_OR_NO = ("true", "false")
 COMMON_ARGUMENTS = {
     "realtime": Argument("false", "Pace the loop by the wall clock instead of lock-step", YES_OR_NO),
     "record": Argument("true", "Record the run as a rosbag2 folder", YES_OR_NO),
-    "out": Argument("", "Folder of the log, to be made; default: bags/SCENARIO_<time>"),
-    "params_file": Argument("", "Parameter file for all nodes; what it says goes before everything else"),
-    "remappings": Argument("", "Names to change in all nodes, FROM:=TO FROM:=TO ..."),
+    "out": Argument("", "New folder for the log; default: bags/SCENARIO_<time>"),
+    "params_file": Argument("", "Parameter file for all nodes; it takes precedence over everything else"),
+    "remappings": Argument("", "Remappings of names in all nodes, FROM:=TO FROM:=TO ..."),
 }
 """Arguments of every launch file, by name."""
 
 RUN_ARGUMENTS = {
-    "robot": Argument("", "Robot instead of the scenario's: shipped name, robot file or patch"),
-    "seed": Argument("", "Seed of noise and random disturbances instead of the scenario's"),
+    "robot": Argument("", "Robot instead of that of the scenario: built-in name, robot file or patch"),
+    "seed": Argument("", "Seed of noise and random disturbances instead of that of the scenario"),
     "effects": Argument("", "Effects in the plant, NAME@LOCATION:parameter=value,... separated by spaces"),
-    "begin_at_once": Argument("", "Begin an identification at once; false waits for ~/start", ("", *YES_OR_NO)),
-    "monitor": Argument("", "Robot as it is thought to be, which a gap monitor runs beside; empty for no monitor"),
-    "namespace": Argument("", "Namespace of nodes and topics; /clock becomes its own too"),
+    "begin_at_once": Argument("", "Start an identification at once; false waits for ~/start", ("", *YES_OR_NO)),
+    "monitor": Argument("", "Nominal robot of a gap monitor that watches the run; empty for no monitor"),
+    "namespace": Argument("", "Namespace of nodes and topics, including the clock"),
 }
-"""Further arguments where one robot runs."""
+"""Further arguments of launch files for one robot."""
 
 ROBOTS = Argument("left=circle_dae, right=circle_pd", "Robots side by side, NAMESPACE=SCENARIO, ...")
-"""The argument that several robots have instead."""
+"""Argument of the launch file for several robots, instead of the previous ones."""
 
 
 def run_arguments(scenarios: Sequence[str]) -> dict[str, Argument]:
-    """Give the arguments of a launch file that runs one robot.
+    """Return the arguments of a launch file for one robot.
 
     Args:
-        scenarios: Shipped scenarios of the experiment, the default first.
+        scenarios: Built-in scenarios of the experiment, the default first.
     """
-    shipped = ", ".join(scenarios)
-    scenario = Argument(scenarios[0], f"Scenario: {shipped}, or the path of a scenario file")
+    built_in = ", ".join(scenarios)
+    scenario = Argument(scenarios[0], f"Scenario: {built_in}, or the path of a scenario file")
     return {"scenario": scenario, **RUN_ARGUMENTS, **COMMON_ARGUMENTS}
 
 
 @dataclass(frozen=True)
 class NodeStart:
-    """A node to be started.
+    """Node to start.
 
     Attributes:
         name: Name of node and executable.
-        parameters: Those that are not at their default.
-        leads_end: Whether the run is over when it ends.
+        parameters: Parameters that differ from their defaults.
+        leads_end: Whether the run ends with this node.
     """
 
     name: str
@@ -83,7 +83,7 @@ class NodeStart:
 
 @dataclass(frozen=True)
 class LaunchPlan:
-    """What a launch starts for one robot.
+    """Nodes that a launch starts for one robot.
 
     Attributes:
         nodes: Nodes in the order in which they start.
@@ -105,13 +105,13 @@ def plan_launch(given: Mapping[str, str], scratch: Path) -> LaunchPlan:
 
     Args:
         given: Values of `run_arguments`.
-        scratch: Folder for the scenario, where it is not a shipped one as it stands.
+        scratch: Folder for a scenario that is not an unchanged built-in one.
 
     Returns:
         The plan; nodes configure and activate themselves.
 
     Raises:
-        InputError: An argument is not possible.
+        InputError: An argument is invalid.
     """
     scenario, file = _scenario(given, scratch)
     real_time = given["realtime"] == "true"
@@ -127,9 +127,9 @@ def plan_launch(given: Mapping[str, str], scratch: Path) -> LaunchPlan:
     nodes = [NodeStart(name, _parameters(plan, name), name == "plant") for name in plan.nodes]
     if model := given["monitor"]:
         load_model(model)
-        believed = Path(model)
+        nominal = Path(model)
         nodes.append(
-            NodeStart("gap_monitor", {"model": str(believed.absolute()) if believed.is_file() else model}, False)
+            NodeStart("gap_monitor", {"model": str(nominal.absolute()) if nominal.is_file() else model}, False)
         )
     return LaunchPlan(
         nodes=tuple(nodes),
@@ -148,13 +148,13 @@ def plan_robots(given: Mapping[str, str], scratch: Path) -> tuple[LaunchPlan, ..
         scratch: Folder for scenarios.
 
     Returns:
-        One plan per robot; each has a log folder of its own below the one that was given.
+        One plan per robot; each has its own subfolder of the log folder.
 
     Raises:
-        InputError: An argument is not possible.
+        InputError: An argument is invalid.
     """
     plans: dict[str, LaunchPlan] = {}
-    together = log_folder(given["out"], "robots") if given["record"] == "true" else Path()
+    parent = log_folder(given["out"], "robots") if given["record"] == "true" else Path()
     for entry in given["robots"].split(","):
         namespace, equals, scenario = (part.strip() for part in entry.partition("="))
         if not equals or not namespace or not scenario or namespace in plans:
@@ -162,36 +162,36 @@ def plan_robots(given: Mapping[str, str], scratch: Path) -> tuple[LaunchPlan, ..
                 f"robots is '{given['robots']}', but must be NAMESPACE=SCENARIO separated by commas, each once; "
                 f"e.g. {ROBOTS.default}"
             )
-        one = {name: argument.default for name, argument in run_arguments([scenario]).items()}
+        defaults = {name: argument.default for name, argument in run_arguments([scenario]).items()}
         common = {name: given[name] for name in COMMON_ARGUMENTS}
-        chosen = {**one, **common, "namespace": namespace, "out": str(together / namespace)}
-        plans[namespace] = plan_launch(chosen, scratch)
+        arguments = {**defaults, **common, "namespace": namespace, "out": str(parent / namespace)}
+        plans[namespace] = plan_launch(arguments, scratch)
     return tuple(plans.values())
 
 
 def log_folder(out: str, name: str) -> Path:
-    """Choose the folder of a log.
+    """Return the folder of a log.
 
     Args:
-        out: What was given, empty for nothing.
+        out: Given folder, empty for the default.
         name: Name of scenario or launch.
 
     Returns:
-        Absolute path: what was given, else bags/NAME_<time>.
+        Absolute path: the given folder, else bags/NAME_<time>.
 
     Raises:
-        InputError: It exists already.
+        InputError: The folder exists.
     """
     folder = Path(out or f"bags/{name}_{datetime.datetime.now().astimezone():%Y%m%d_%H%M%S}").absolute()
     if folder.exists():
-        raise InputError(f"the log folder {folder} exists already; name another one with out:=FOLDER, or remove it")
+        raise InputError(f"the log folder {folder} exists already; choose another one with out:=FOLDER, or remove it")
     return folder
 
 
 def _scenario(given: Mapping[str, str], scratch: Path) -> tuple[Scenario, str]:
-    """Load the scenario with its changes, and give the name or file by which nodes find it.
+    """Load the scenario with its changes, and return the name or file from which the nodes load it.
 
-    What can be refused at once is refused here: of four nodes with one fault, each would say it.
+    Invalid input is rejected here: otherwise each of the nodes would report the same error.
     """
     scenario = load_scenario(given["scenario"])
     changes: dict[str, Any] = {}
@@ -203,8 +203,8 @@ def _scenario(given: Mapping[str, str], scratch: Path) -> tuple[Scenario, str]:
         changes["plant.effects"] = [*scenario.plant.effects, *effects]
     if not changes:
         load_model(scenario.robot)
-        shipped = given["scenario"] in scenario_names()
-        return scenario, given["scenario"] if shipped else str(Path(given["scenario"]).absolute())
+        built_in = given["scenario"] in scenario_names()
+        return scenario, given["scenario"] if built_in else str(Path(given["scenario"]).absolute())
     changed = scenario.with_values(changes, "launch arguments")
     load_model(changed.robot)
     file = scratch / f"{changed.name or 'scenario'}{len(list(scratch.iterdir())) or ''}.yaml"
@@ -219,7 +219,7 @@ def _seed(text: str) -> int:
 
 
 def _parameters(plan: RunPlan, name: str) -> dict[str, Value]:
-    """Give the parameters that differ from their defaults: a parameter file may say the others."""
+    """Return the parameters that differ from their defaults: a parameter file may set the others."""
     rows = node_parameters(name)
     values = {**plan.process_values(name), "autostart": True}
     return {key: value for key, value in values.items() if key == "scenario" or value != rows[key].default}

@@ -1,7 +1,7 @@
-"""Launch descriptions for `nodes/launch`: arguments, and one process for each node.
+"""Launch descriptions for `nodes/launch`: arguments, and one process per node.
 
-Needs launch and launch_ros, which only a full ROS 2 installation has: they are imported when a launch file asks for its
-description. `flexros run --layout processes` starts the same nodes without them.
+The packages launch and launch_ros exist only in a full ROS 2 installation, so they are imported when a launch file asks
+for its description. `flexros run --layout processes` starts the same nodes without them.
 """
 
 from __future__ import annotations
@@ -36,16 +36,16 @@ def run_description(*scenarios: str) -> LaunchDescription:
     """Describe the run of one robot.
 
     Args:
-        *scenarios: Shipped scenarios of the experiment, the default first.
+        *scenarios: Built-in scenarios of the experiment, the default first.
 
     Returns:
-        Arguments and nodes; which nodes depends on the scenario. The launch ends when the plant does.
+        Arguments and nodes; the nodes depend on the scenario. The launch ends with the plant.
     """
     return _description(run_arguments(scenarios), lambda given, scratch: (plan_launch(given, scratch),))
 
 
 def robots_description() -> LaunchDescription:
-    """Describe several robots side by side, each in a namespace; the launch ends when all plants have ended."""
+    """Describe several robots, each in a namespace; the launch ends when all plants have ended."""
     return _description({"robots": ROBOTS, **COMMON_ARGUMENTS}, plan_robots)
 
 
@@ -80,7 +80,7 @@ def _description(
 
 
 def _actions(plans: tuple[LaunchPlan, ...]) -> list[Action]:
-    """Make the nodes of all plans, and say where their logs will lie."""
+    """Create the nodes of all plans, and print the folders of their logs."""
     from launch.actions import LogInfo, OpaqueFunction, Shutdown
 
     running = {plan.namespace for plan in plans}
@@ -105,7 +105,7 @@ def _node(plan: LaunchPlan, node: NodeStart, on_exit: list[Action] | None) -> No
     from launch_ros.actions import Node
     from launch_ros.parameter_descriptions import ParameterValue
 
-    # a text without its type would be read as YAML: a scenario called 1 would become a number
+    # an untyped text would be parsed as YAML: a scenario named 1 would become a number
     typed = {name: ParameterValue(value, value_type=type(value)) for name, value in node.parameters.items()}
     return Node(
         package="flexros",

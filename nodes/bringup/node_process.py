@@ -1,4 +1,4 @@
-"""A node as a child process: started, watched and stopped; free of ROS."""
+"""A node as a child process: start, supervision and stop."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ _LAST_LINES = 5
 
 
 class NodeProcess:
-    """One node in a process of its own, which does not outlive this one.
+    """Node in a child process, which does not outlive this process.
 
-    It stands in a process group of its own, so that Ctrl-C in the terminal reaches the parent alone and the nodes go
+    The child has its own process group, so that Ctrl-C in the terminal reaches only the parent and the nodes are shut
     down in order.
 
     Args:
-        name: Node, one of the modules of this package.
+        name: Name of the node.
         values: Parameter values.
-        scratch: Folder for the parameter file, the report and what the node prints.
+        scratch: Folder for the parameter file, the report and the output of the node.
     """
 
     def __init__(self, name: str, values: Mapping[str, Value], scratch: Path) -> None:
@@ -57,25 +57,25 @@ class NodeProcess:
                 env=environment,
                 start_new_session=True,
             )
-        self._asked_to_stop = False
+        self._stop_requested = False
 
     @property
     def pid(self) -> int:
-        """Number of the process."""
+        """Process identifier."""
         return self._process.pid
 
     @property
     def ended(self) -> bool:
-        """Whether the process is over."""
+        """Whether the process has ended."""
         return self._process.poll() is not None
 
     @property
     def killed(self) -> bool:
-        """Whether a signal has ended the process."""
+        """Whether a signal ended the process."""
         return (self._process.poll() or 0) < 0
 
     def report(self) -> NodeReport | None:
-        """Give the report that the node left; of one that refused to begin, what it printed; else None."""
+        """Return the report of the node; if it ended during its start, a report of what it printed; else None."""
         if (report := read_report(self._report_file)) is not None:
             return report
         code, lines = self._process.poll(), self._last_lines()
@@ -87,32 +87,32 @@ class NodeProcess:
         return self._output.read_text(encoding="utf-8", errors="replace").strip().splitlines()[-_LAST_LINES:]
 
     def death(self) -> str:
-        """Say how the process died, nothing if it ended with a report or because it was asked to."""
+        """Return how the process died; empty if it ended with a report or on request."""
         code = self._process.poll()
-        if code is None or self.report() is not None or (self._asked_to_stop and code == -signal.SIGTERM):
+        if code is None or self.report() is not None or (self._stop_requested and code == -signal.SIGTERM):
             return ""
         how = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
         lines = self._last_lines()
-        said = f", its last words: {' | '.join(lines)}" if lines and code > 0 else ""
-        return f"the process of node {self.name} {how}{said}"
+        output = f", its last output: {' | '.join(lines)}" if lines and code > 0 else ""
+        return f"the process of node {self.name} {how}{output}"
 
-    def ask_to_stop(self) -> None:
-        """Tell the process to shut its node down, without waiting for it.
+    def request_stop(self) -> None:
+        """Request the shutdown of the node, without waiting for it.
 
-        By SIGTERM, because a process that a shell started in the background has its children ignore SIGINT too.
+        The signal is SIGTERM, because children of a background process of a shell ignore SIGINT.
         """
         if not self.ended:
-            self._asked_to_stop = True
+            self._stop_requested = True
             self._process.send_signal(signal.SIGTERM)
 
-    def tell_partner_ended(self) -> None:
-        """Tell a node at work that another one of the run has ended."""
+    def report_partner_ended(self) -> None:
+        """Inform the node that another node of the run has exited."""
         if not self.ended:
             self._process.send_signal(PARTNER_ENDED)
 
     def stop(self, timeout: float) -> None:
-        """End the process: ask, and after a time-out [s] make it."""
-        self.ask_to_stop()
+        """Stop the process: by request, after a time-out [s] by SIGKILL."""
+        self.request_stop()
         if not self.ended:
             try:
                 self._process.wait(timeout)

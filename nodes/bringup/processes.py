@@ -1,4 +1,4 @@
-"""One process for each node, brought up and down through their lifecycle services."""
+"""Layout processes: one process per node, controlled by the lifecycle services."""
 
 from __future__ import annotations
 
@@ -35,22 +35,22 @@ if TYPE_CHECKING:
     from flexros_nodes.protocol.process.interruption import Interruption
 
 CONFIGURE_TIMEOUT = 60.0
-"""Longest time for a node to start and to prepare its part of the scenario [s], chosen."""
+"""Longest time for a node to start and prepare its part of the scenario [s], chosen."""
 
 START_TIMEOUT = 10.0
-"""Time after which a process that offers no services is started once more [s], chosen: discovery takes about one."""
+"""Time after which a process without services is restarted once [s], chosen: discovery takes about one second."""
 
 SHUTDOWN_TIMEOUT = 20.0
-"""Longest time for a node to shut down [s], chosen: on a loaded machine a recorder needs seconds to close its log."""
+"""Longest time for a node to shut down [s], chosen: under load a recorder takes seconds to close its log."""
 
 VANISHING_TIMEOUT = 0.5
-"""Longest wait for nodes that have ended to vanish from the graph [s], chosen: one that was killed stays for long."""
+"""Longest wait for ended nodes to leave the graph [s], chosen: a killed one remains for long."""
 
 BRAKING_MARGIN = 2.0
-"""Times the duration of braking and one second: longest that the plant may take to brake, chosen."""
+"""Factor on braking duration plus one second, gives the longest time that the plant may take to brake; chosen."""
 
 ANSWER_TIMEOUT = 2.0
-"""Time after which a lifecycle service is asked again [s], chosen."""
+"""Time after which a request to a lifecycle service is repeated [s], chosen."""
 
 _STATES = {
     Transition.TRANSITION_CONFIGURE: (State.PRIMARY_STATE_UNCONFIGURED, State.PRIMARY_STATE_INACTIVE),
@@ -59,16 +59,16 @@ _STATES = {
 """State before and after a transition."""
 
 SLICE = 0.05
-"""Period at which the processes are looked after [s]."""
+"""Period at which the processes are checked [s]."""
 
 
 class ProcessManager:
-    """Brings the nodes of a plan up, watches them, and brings them down.
+    """Brings up, supervises and shuts down the nodes of a plan.
 
     Args:
         plan: What to run.
         scratch: Folder for parameter files and reports.
-        interrupted: Tells whether the user wants an end.
+        interrupted: Returns whether termination was requested.
     """
 
     def __init__(self, plan: RunPlan, scratch: Path, interrupted: Interruption) -> None:
@@ -86,7 +86,7 @@ class ProcessManager:
         self.processes = {name: NodeProcess(name, plan.process_values(name), scratch) for name in plan.nodes}
 
     def run(self) -> None:
-        """Bring all nodes up and wait until the run is over."""
+        """Bring all nodes up and wait for the end of the run."""
         check_exposure(os.environ, int(os.environ[DOMAIN_VARIABLE]))
         with waking_at_clock_steps(self._executor.wake):
             self._bring_up_and_watch()
@@ -102,33 +102,33 @@ class ProcessManager:
         plant = self.processes["plant"]
         recorder = self.processes.get("recorder")
         if not self._interrupted() and (recorder is None or not recorder.ended):
-            plant.tell_partner_ended()
-            self._wait(lambda: plant.ended, self._plant_patience())
+            plant.report_partner_ended()
+            self._wait(lambda: plant.ended, self._braking_timeout())
 
-    def _plant_patience(self) -> float:
-        """Give the longest time that the plant may take to brake and to wait for the recorder [s]."""
+    def _braking_timeout(self) -> float:
+        """Return the longest time that the plant may take to brake and to wait for the recorder [s]."""
         default = node_parameters("plant")["brake_duration"].default
         braking = float(self._plan.parameters.get("plant", {}).get("brake_duration", default))
         return BRAKING_MARGIN * (braking + 1.0) + FLUSH_TIMEOUT
 
     def _await_services(self, name: str) -> None:
-        """Wait until a node offers its services; one that does not is started once more."""
+        """Wait until a node offers its services; restart it once if it does not."""
         clients = (self._changers[name], self._watchers[name])
 
         def ready() -> bool:
             return self.processes[name].ended or all(client.service_is_ready() for client in clients)
 
-        found = self._wait(ready, START_TIMEOUT)
-        if not found and not self._interrupted():
-            self.processes[name].stop(SHUTDOWN_TIMEOUT)  # killed at once, it would stand in the others' counts for long
+        is_ready = self._wait(ready, START_TIMEOUT)
+        if not is_ready and not self._interrupted():
+            self.processes[name].stop(SHUTDOWN_TIMEOUT)  # if killed at once, the others would count it for long
             self._has_killed |= self.processes[name].killed
             self.processes[name] = NodeProcess(name, self._plan.process_values(name), self._scratch)
 
     def _change(self, name: str, transition: int, timeout: float) -> bool:
-        """Ask a node for a transition; False when it refused, ended or the user wants an end.
+        """Request a transition; return False when it was refused, the node ended or termination was requested.
 
-        An answer can be lost when the service knew the client's request before its reply channel. After a while without
-        an answer the node is asked for its state, and once more for the transition if it never heard of it.
+        An answer is lost when the service discovers the request channel of the client before its reply channel. Without
+        an answer the state of the node is queried, and the request is repeated if it had not arrived.
         """
         process = self.processes[name]
         origin, target = _STATES[transition]
@@ -143,7 +143,7 @@ class ProcessManager:
             state = target if answer.done() and answer.result().success else self._state(name, deadline)
             if state == target:
                 return True
-            if state == origin:  # it refused, and ends with its reason; or it never heard
+            if state == origin:  # it failed and ends with its reason, or the request was lost
                 self._wait(lambda: process.ended, SLICE)
                 answer = self._ask(name, self._changers[name], request, deadline)
         if process.ended or self._interrupted():
@@ -151,7 +151,7 @@ class ProcessManager:
         raise RunError(f"node {name} did not finish a transition within {timeout:g} s; try again")
 
     def _ask(self, name: str, client: Client, request: object, deadline: float) -> Future | None:
-        """Send a request once the service is there; None when the node ended or the user wants an end."""
+        """Send a request once the service is available; None when the node ended or termination was requested."""
         process = self.processes[name]
         self._wait(lambda: client.service_is_ready() or process.ended, deadline - monotonic())
         if process.ended or self._interrupted():
@@ -161,7 +161,7 @@ class ProcessManager:
         return client.call_async(request)
 
     def _state(self, name: str, deadline: float) -> int | None:
-        """Ask a node for its lifecycle state; None when it does not answer."""
+        """Query the lifecycle state of a node; None when it does not answer."""
         answer = self._ask(name, self._watchers[name], GetState.Request(), deadline)
         if answer is None:
             return None
@@ -172,7 +172,7 @@ class ProcessManager:
         self._wait(lambda: answer.done() or self.processes[name].ended, ANSWER_TIMEOUT)
 
     def _wait(self, condition: Callable[[], bool], timeout: float | None) -> bool:
-        """Spin until a condition holds, the time is over, or the user wants an end; tell whether it holds."""
+        """Spin until a condition holds, a time-out or a termination request; return whether it holds."""
         deadline = None if timeout is None else monotonic() + timeout
         while not condition():
             if self._interrupted() or (deadline is not None and monotonic() > deadline):
@@ -181,37 +181,37 @@ class ProcessManager:
         return True
 
     def close(self) -> None:
-        """Bring the nodes down in order, the recorder last, and leave nothing behind."""
+        """Shut the nodes down in order, the recorder last, and release all resources."""
         for name in reversed(self._plan.nodes[1:]):
-            self.processes[name].ask_to_stop()
+            self.processes[name].request_stop()
         for name in reversed(self._plan.nodes):
             self.processes[name].stop(SHUTDOWN_TIMEOUT)
-        self._let_nodes_vanish()
+        self._await_removal_of_nodes()
         self._executor.shutdown()
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
         if self._has_killed or any(process.killed for process in self.processes.values()):
             remove_segments_without_owner()
 
-    def _let_nodes_vanish(self) -> None:
-        """Wait a little until the middleware knows that the nodes are gone: ended meanwhile, it may hang."""
+    def _await_removal_of_nodes(self) -> None:
+        """Wait until the nodes have left the graph: the middleware may hang if it is closed before."""
         deadline = monotonic() + VANISHING_TIMEOUT
         while len(self._node.get_node_names()) > 1 and monotonic() < deadline:
             sleep(SLICE)
 
 
 def run_processes(plan: RunPlan, interrupted: Interruption) -> RunSummary:
-    """Run each node of a plan in a process of its own.
+    """Run each node of a plan in its own process.
 
     Args:
         plan: What to run.
-        interrupted: Tells whether the user wants an end.
+        interrupted: Returns whether termination was requested.
 
     Returns:
         Summary of the run.
 
     Raises:
-        RunError: A process did not come up.
+        RunError: A process did not start.
     """
     with tempfile.TemporaryDirectory(prefix="flexros_") as scratch:
         manager = ProcessManager(plan, Path(scratch), interrupted)
@@ -219,6 +219,8 @@ def run_processes(plan: RunPlan, interrupted: Interruption) -> RunSummary:
             manager.run()
         finally:
             manager.close()
-        reports = {name: report for name, p in manager.processes.items() if (report := p.report()) is not None}
-        deaths = tuple(text for p in manager.processes.values() if (text := p.death()))
+        reports = {
+            name: report for name, process in manager.processes.items() if (report := process.report()) is not None
+        }
+        deaths = tuple(text for process in manager.processes.values() if (text := process.death()))
         return summarise(reports, plan.folder, "processes", interrupted=interrupted(), deaths=deaths)

@@ -31,11 +31,11 @@ PROGRESS_PERIOD = 0.2
 
 @dataclass(frozen=True)
 class ReplaySummary:
-    """What came of a replay.
+    """Result of a replay.
 
     Attributes:
-        exit_code: 0 done, 3 broken off, 130 interrupted.
-        message: What happened, as one sentence; empty when all was played.
+        exit_code: 0 complete, 3 aborted, 130 interrupted.
+        message: Error message in one sentence; empty when all was played.
         warnings: Damage in the log, and topics that were not played.
         figures: Counts by name.
     """
@@ -54,16 +54,16 @@ def replay_log(
 ) -> ReplaySummary:
     """Play a log.
 
-    It is played in the ROS domain of the environment, so that nodes of the user hear it; its sockets are bound to
+    The replay uses the ROS domain of the environment, so that nodes of the user receive it. Its sockets are bound to
     127.0.0.1 unless the environment says otherwise. SIGINT and SIGTERM end it in order.
 
     Args:
         values: Parameter values of the replay node; "bag" names the log.
-        progress: Called now and then with what is played and what is to be played in all [s].
-        network: Let nodes on other machines hear it.
+        progress: Called periodically with the time played and the total time [s].
+        network: Let nodes on other machines receive it.
 
     Returns:
-        Summary with exit code 0, 3 (broken off) or 130 (interrupted).
+        Summary with exit code 0, 3 (aborted) or 130 (interrupted).
 
     Raises:
         InputError: Log, topics, times or a value are not allowed.
@@ -88,7 +88,7 @@ def _play(
     executor = make_executor(context)
     try:
         check_exposure(os.environ, int(os.environ.get(DOMAIN_VARIABLE) or 0))
-        node.tells_errors = False  # the summary does
+        node.tells_errors = False  # the summary reports them
         executor.add_node(node)
         stop: Future = Future()
         node.on_end = lambda _: stop.set_result(None)

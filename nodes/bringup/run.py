@@ -1,4 +1,4 @@
-"""Running a scenario over ROS 2 topics: what `flexros run --transport ros` does."""
+"""Run of a scenario over ROS 2 topics (transport "ros")."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ LAYOUTS = {"composed": run_composed, "processes": run_processes}
 
 SET_BY_THE_RUN = {
     "scenario": " from its scenario",
-    "folder": " from its log folder (--out)",
+    "folder": " from its argument out",
     "autostart": "",
     "observers": "",
     "parent_process": "",
     "report_file": "",
 }
-"""Parameters that follow from the run, and from what."""
+"""Parameters set by the run, and their origin."""
 
 
 def run_scenario(
@@ -51,18 +51,18 @@ def run_scenario(
     """Run a scenario with plant, controller, feedforward or identification, and recorder as ROS 2 nodes.
 
     The run has a ROS domain of its own, and its sockets are bound to 127.0.0.1, unless the environment says otherwise.
-    A process decides this once: its later runs are heard where the first was. SIGINT and SIGTERM end a run in order.
+    A process decides this once, at its first run. SIGINT and SIGTERM end a run in order.
 
     Args:
-        scenario: The scenario, its shipped name or its file.
-        out: Folder of the log, to be made; None records nothing.
-        layout: "composed", all nodes in this process, or "processes", one for each node.
+        scenario: The scenario, its built-in name or its file.
+        out: New folder of the log; None records nothing.
+        layout: "composed", all nodes in this process, or "processes", one per node.
         real_time: Pace the loop by the wall clock instead of lock-step.
         network: Let nodes on other machines take part.
         parameters: Parameter values by node, e.g. {"plant": {"drop_fraction": 0.01}}.
 
     Returns:
-        Summary with exit code 0, 3 (broken off) or 130 (interrupted).
+        Summary with exit code 0, 3 (aborted) or 130 (interrupted).
 
     Raises:
         InputError: Scenario, parameters, layout or log folder are not allowed.
@@ -89,7 +89,7 @@ def run_scenario(
 
 
 def _checked(node: str, values: Mapping[str, Value], scenario: Scenario) -> dict[str, Value]:
-    """Check the parameters given for a node before anything starts."""
+    """Check the given parameters of a node before anything starts."""
     if node not in NODES:
         raise unknown_name("node", node, NODES)
     if node in LEADERS and node != (leader := leader_of(scenario)):
@@ -106,13 +106,13 @@ def _checked(node: str, values: Mapping[str, Value], scenario: Scenario) -> dict
     for name in values:
         if name in SET_BY_THE_RUN:
             raise InputError(
-                f"parameter {name} of node {node} is given, but the run sets it{SET_BY_THE_RUN[name]}; leave it out"
+                f"parameter {name} of node {node} is given, but the run sets it{SET_BY_THE_RUN[name]}; omit it"
             )
     return {name: check_value(node, name, value, specifications) for name, value in values.items()}
 
 
 def _scenario_file(scenario: Scenario | str | Path, scratch: Path) -> str:
-    """Give a name or file that every node can read; JSON is YAML."""
+    """Return a name or file from which every node can load the scenario; JSON is YAML."""
     if not isinstance(scenario, Scenario):
         return str(scenario)
     path = scratch / f"{scenario.name or 'scenario'}.yaml"

@@ -1,4 +1,4 @@
-"""What a run of all nodes consists of, and what it leaves behind; free of ROS."""
+"""Plan of a run of all nodes, and its summary."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from flexros_nodes.protocol.parameters import Value
 
 LEADERS = ("feedforward", "identification")
-"""Nodes that stream the reference; one of them leads a run."""
+"""Nodes that stream the reference; each run has one of them."""
 
 NODES = ("recorder", *LEADERS, "controller", "plant")
-"""Nodes in the order in which they come up; they go down the other way."""
+"""Nodes in the order of bring-up; shutdown is in reverse."""
 
 IN_REAL_TIME: dict[str, dict[str, Value]] = {
     "plant": {"priority": PRIORITY},
@@ -30,31 +30,31 @@ IN_REAL_TIME: dict[str, dict[str, Value]] = {
     **{leader: {"priority": PRIORITY // 2} for leader in LEADERS},
     "recorder": {"priority": PRIORITY // 2, "niceness": 10},
 }
-"""How nodes in processes of their own stand to each other in real time, chosen.
+"""Priorities of the nodes in processes of their own in real time, chosen.
 
-What others do on the machine must delay neither reference nor log; where the system gives no priority, the recorder
-steps back for the loop: it has until the end.
+Other processes of the machine must delay neither reference nor log. Where the system grants no priority, the recorder
+yields to the loop by its niceness: it has time until the end.
 """
 
 
 def leader_of(scenario: Scenario) -> str:
-    """Name the node that streams the reference of a scenario."""
+    """Return the node that streams the reference of a scenario."""
     return "feedforward" if scenario.identification is None else "identification"
 
 
 def nodes_led_by(leader: str) -> tuple[str, ...]:
-    """Name the nodes of a run in the order in which they come up: all but the other leaders."""
+    """Return the nodes of a run in the order of bring-up: all but the other leaders."""
     return tuple(name for name in NODES if name == leader or name not in LEADERS)
 
 
 @dataclass(frozen=True)
 class RunPlan:
-    """A run to be done.
+    """Plan of a run.
 
     Attributes:
-        scenario: Shipped scenario, or path of a scenario file.
+        scenario: Built-in scenario, or path of a scenario file.
         folder: Folder of the log; None records nothing.
-        parameters: Parameter values by node, beside those that follow from the plan.
+        parameters: Parameter values by node, in addition to those that follow from the plan.
         leader: Node that streams the reference: feedforward or identification.
     """
 
@@ -65,15 +65,11 @@ class RunPlan:
 
     @property
     def nodes(self) -> tuple[str, ...]:
-        """Names of the nodes that take part, in the order in which they come up."""
+        """Nodes of the run in the order of bring-up."""
         return tuple(name for name in nodes_led_by(self.leader) if name != "recorder" or self.folder is not None)
 
     def values(self, node: str) -> dict[str, Value]:
-        """Give the parameter values of a node.
-
-        Args:
-            node: Name of the node.
-        """
+        """Return the parameter values of a node."""
         values: dict[str, Value] = {"scenario": self.scenario, "autostart": False}
         values["observers"] = 0 if self.folder is None else 1
         if node == "recorder":
@@ -81,13 +77,9 @@ class RunPlan:
         return {**values, **self.parameters.get(node, {})}
 
     def process_values(self, node: str) -> dict[str, Value]:
-        """Give the parameter values of a node in a process of its own.
-
-        Args:
-            node: Name of the node.
-        """
-        standing = IN_REAL_TIME.get(node, {}) if self.real_time else {}
-        return {**standing, **self.values(node)}
+        """Return the parameter values of a node in a process of its own."""
+        priorities = IN_REAL_TIME.get(node, {}) if self.real_time else {}
+        return {**priorities, **self.values(node)}
 
     @property
     def real_time(self) -> bool:
@@ -97,24 +89,24 @@ class RunPlan:
 
 @dataclass(frozen=True)
 class RunSummary:
-    """What came of a run.
+    """Result of a run.
 
     Attributes:
-        exit_code: 0 done, 3 broken off, 130 interrupted.
-        message: What happened, as one sentence; empty when all was done that was planned.
+        exit_code: 0 complete, 3 aborted, 130 interrupted.
+        message: Error message in one sentence; empty when the plan was completed.
         log_folder: Folder of the log, None if there is no log.
         layout: "composed" or "processes".
-        samples: Samples of the loop.
-        simulated_time: Time that the run covers [s].
-        wall_time: Time that it took [s].
+        samples: Number of samples of the loop.
+        simulated_time: Simulated time of the run [s].
+        wall_time: Wall-clock time of the run [s].
         samples_per_second: Speed of the loop [1/s].
-        resends: States that were sent again.
-        dropped: Messages lost on purpose.
-        missing: Samples that are missing in the log, over all topics, though their node has sent them.
-        unseen: Samples in the midst that the controller never saw; they have neither command nor reference.
-        timing: Period and lateness of a real-time run by name, else empty.
-        reports: Report of each node that left one.
-        domain_id: ROS domain of the run, by which other nodes can join; -1 if not known.
+        resends: Repeated states.
+        dropped: Messages dropped on purpose.
+        missing: Sent samples that are missing in the log, over all topics.
+        unseen: Samples that never reached the controller; they have neither command nor reference.
+        timing: Period and lateness of a real-time run by name; else empty.
+        reports: Reports by node, of nodes that wrote one.
+        domain_id: ROS domain of the run, in which other nodes can join; -1 if unknown.
     """
 
     exit_code: int
@@ -145,21 +137,21 @@ def summarise(
     interrupted: bool,
     deaths: tuple[str, ...] = (),
 ) -> RunSummary:
-    """Sum a run up.
+    """Summarise a run.
 
     Args:
-        reports: Report of each node that left one.
+        reports: Reports by node, of nodes that wrote one.
         folder: Folder of the log.
         layout: "composed" or "processes".
-        interrupted: Whether the user ended the run.
-        deaths: Sentences about processes that died.
+        interrupted: Whether termination was requested.
+        deaths: How processes died.
 
     Returns:
-        The summary; its exit code is the worst of the nodes'.
+        The summary; its exit code is the largest of all nodes.
     """
     failed = [report for report in reports.values() if report.exit_code]
     exit_code = max((report.exit_code for report in failed), default=3 if deaths else 0)
-    # a broken partner silences the plant: what the partner says comes first
+    # a failed partner makes the plant abort: its message goes first
     failed.sort(key=lambda report: report.node == "plant")
     message = "; ".join((*deaths, *(report.message for report in failed)))
     if interrupted and not exit_code:
@@ -192,7 +184,7 @@ def summarise(
 
 
 def _missing(recorder: Mapping[str, float], unseen: int) -> int:
-    """Count the samples that the log lacks, but for those that nobody sent, because the controller never saw them."""
+    """Count the samples missing in the log, except those never sent because the controller did not receive them."""
     missing = 0
     for name, row in load_topics().items():
         never_sent = unseen if row.producer == "controller" else 0
@@ -201,7 +193,7 @@ def _missing(recorder: Mapping[str, float], unseen: int) -> int:
 
 
 def _stopped(reports: Mapping[str, NodeReport]) -> str:
-    """Say that the user stopped an identification; nothing if not."""
+    """Return that the user stopped an identification; empty if not."""
     figures = reports["identification"].figures if "identification" in reports else {}
     if figures.get("stopped_at_sample", -1) < 0:
         return ""
@@ -212,13 +204,13 @@ def _stopped(reports: Mapping[str, NodeReport]) -> str:
 
 
 def _state_of_log(log: Path | None, recorder: NodeReport | None, recorded: int, *, wanted: bool) -> str:
-    """Say what a run that broke off has left on the disk; nothing where the recorder itself failed and says so."""
+    """Return the state of the log of an aborted run; empty where the recorder itself failed and reports it."""
     if not wanted:
-        return "; nothing was to be recorded"
+        return "; no recording was requested"
     if recorder is not None and recorder.exit_code:
         return ""
     if log is None:
         return "; there is no log"
-    if recorder is None:  # killed: what it has written is readable, how much there is nobody knows
+    if recorder is None:  # killed: the log is readable, its length is unknown
         return f"; analyse {log} to see how far the log reaches"
-    return "; the log is readable up to there" if recorded else "; the log holds no samples"
+    return "; the log is valid up to that point" if recorded else "; the log holds no samples"

@@ -71,7 +71,7 @@ class ControllerNode(FlexrosNode):
         self.listen("joint_trajectory", self._on_trajectory)
         if (action := installed_action()) is not None:
             self._follower = FollowTrajectory(self, self._names, action)
-            self._made.append(self._close_follower)
+            self.on_close(self._close_follower)
 
     def _close_follower(self) -> None:
         if self._follower is not None:

@@ -1,1 +1,1 @@
-"""What all nodes share: lifecycle, parameters, topics, spinning, network exposure."""
+"""Common part of all nodes: lifecycle, parameters, topics, spinning, network exposure."""

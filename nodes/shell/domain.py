@@ -1,4 +1,4 @@
-"""A ROS domain of one's own for a run, so that runs beside each other do not meet; free of ROS."""
+"""ROS domain of a run, which separates concurrent runs."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
 DOMAIN_VARIABLE = "ROS_DOMAIN_ID"
 
 LAST_DOMAIN = 101
-"""Highest domain whose ports stay below those that Linux gives out by itself."""
+"""Highest domain whose ports are below the ephemeral ports of Linux."""
 
 FIRST_PORT = 7400
 """First port of domain 0 (OMG DDSI-RTPS 2.2, section 9.6.1.1)."""
 
 PORTS_PER_DOMAIN = 250
 
-# Of the ports of a domain, 10 is the first participant's own, and 2 to 9 are nobody's.
+# Within the ports of a domain, offset 10 belongs to the first participant and 2 to 9 are unused.
 _PARTICIPANT_OFFSET, _CLAIM_OFFSET = 10, 9
 
 
 def is_free(domain: int) -> bool:
-    """Tell whether no participant of this machine is in a domain."""
+    """Return whether no participant of this machine is in a domain."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.bind(("", FIRST_PORT + PORTS_PER_DOMAIN * domain + _PARTICIPANT_OFFSET))
@@ -37,16 +37,16 @@ def is_free(domain: int) -> bool:
 
 
 def claim_domain(start: int) -> tuple[int, socket.socket]:
-    """Find a domain without participants, and claim it before another run does.
+    """Find a domain without participants and reserve it.
 
     Args:
-        start: Number from which the search begins, e.g. that of the process, so that runs seldom try the same.
+        start: Start of the search, e.g. the process identifier, so that runs seldom try the same domains.
 
     Returns:
-        Domain, 1 to 101, and the socket that stands for the claim until it is closed.
+        Domain, 1 to 101, and the socket that reserves it until it is closed.
 
     Raises:
-        InputError: All are taken.
+        InputError: All domains are in use.
     """
     for step in range(LAST_DOMAIN):
         domain = 1 + (start + step) % LAST_DOMAIN
@@ -59,19 +59,19 @@ def claim_domain(start: int) -> tuple[int, socket.socket]:
         if is_free(domain):
             return domain, claim
         claim.close()
-    raise InputError(f"all ROS domains from 1 to {LAST_DOMAIN} are taken on this machine; set {DOMAIN_VARIABLE}")
+    raise InputError(f"all ROS domains from 1 to {LAST_DOMAIN} are in use on this machine; set {DOMAIN_VARIABLE}")
 
 
 @contextmanager
 def domain_of_run(given: Mapping[str, str], start: int) -> Iterator[int]:
-    """Give the domain of a run while in the block: the user's, else one that nobody else on this machine has.
+    """Yield the domain of a run: that of the user, else one that is reserved on this machine within the block.
 
     Args:
-        given: Environment of the user.
-        start: Number from which the search for a free domain begins.
+        given: Environment variables of the user.
+        start: Start of the search for a free domain.
 
     Raises:
-        InputError: The user's domain is not a number from 0 to 232, or all are taken.
+        InputError: The domain of the user is not a number from 0 to 232, or all are in use.
     """
     domain = given.get(DOMAIN_VARIABLE, "")
     if domain and (not domain.isdecimal() or int(domain) > 232):
@@ -88,7 +88,7 @@ def domain_of_run(given: Mapping[str, str], start: int) -> Iterator[int]:
 
 @contextmanager
 def environment(settings: Mapping[str, str]) -> Iterator[None]:
-    """Set environment variables while in the block; the ROS middleware reads them when a context begins."""
+    """Set environment variables within the block; the ROS middleware reads them when a context is created."""
     before = {name: os.environ.get(name) for name in settings}
     os.environ.update(settings)
     try:

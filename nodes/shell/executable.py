@@ -1,4 +1,4 @@
-"""A node as a process of its own, as `ros2 run` and the layout of processes start it."""
+"""A node as a process of its own, as started by `ros2 run` and by the layout processes."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from flexros_nodes.protocol.process.interruption import Interruption
     from flexros_nodes.shell.node_base import FlexrosNode
 
-LOOK_PERIOD = 0.02
-"""Period at which a node looks whether parent and partners still live [s], chosen."""
+WATCH_PERIOD = 0.02
+"""Period at which a node checks whether parent and partners are alive [s], chosen."""
 
 END_TIMEOUT = 5.0
-"""Time in which the middleware takes a node away, chosen: it needs some 0.1 s."""
+"""Longest time for the middleware to remove a node [s], chosen: it takes about 0.1 s."""
 
 
 def run_node(node_class: type[FlexrosNode], arguments: list[str] | None = None) -> int:
@@ -36,10 +36,10 @@ def run_node(node_class: type[FlexrosNode], arguments: list[str] | None = None) 
 
     Args:
         node_class: The node.
-        arguments: Command line with ROS arguments; that of the process if None.
+        arguments: Command line with ROS arguments; default: that of the process.
 
     Returns:
-        Exit code: 0 done or interrupted, 2 bad input, 3 broken off.
+        Exit code: 0 complete or interrupted, 2 bad input, 3 aborted.
     """
     with interruption() as interrupted:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
@@ -47,13 +47,13 @@ def run_node(node_class: type[FlexrosNode], arguments: list[str] | None = None) 
             report = _run(node_class, interrupted)
         except FlexrosError as error:
             report = NodeReport(node_class.node_name, error.exit_code, str(error))
-            _tell(report)
+            _print_error(report)
         finally:
             rclpy.try_shutdown()
-    # ros2 launch sends the SIGINT of the terminal a second time, which must not spoil a clean end
+    # ros2 launch repeats the SIGINT of the terminal, which must not disturb an orderly shutdown
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if interrupted.parent_died:
-        become_cleaner()  # nobody else will clean up behind the parent
+        become_cleaner()  # the parent can no longer clean up
     return report.exit_code
 
 
@@ -65,7 +65,7 @@ def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport
         os.nice(niceness)
     if priority := node.value("priority"):
         take_priority(priority, threads_of_loop())
-    node.create_timer(LOOK_PERIOD, partial(_look_around, node, stop, interrupted), clock=node.steady_clock)
+    node.create_timer(WATCH_PERIOD, partial(_watch_partners, node, stop, interrupted), clock=node.steady_clock)
     executor = make_executor(None)
     executor.add_node(node)
     if node.value("autostart"):
@@ -75,36 +75,33 @@ def _run(node_class: type[FlexrosNode], interrupted: Interruption) -> NodeReport
     report = close(node)
     if path := node.value("report_file"):
         report.write(Path(path))
-    _tell(report)
+    _print_error(report)
     if _parent_died(node):
-        interrupted.parent_died = True  # what the node holds of the middleware goes with the memory of this process
+        interrupted.parent_died = True  # the process ends at once; its memory takes the middleware with it
         return report
-    end_at_the_latest_after(END_TIMEOUT)
+    limit_exit_time(END_TIMEOUT)
     executor.shutdown()
     node.destroy_node()
     return report
 
 
-def _tell(report: NodeReport) -> None:
+def _print_error(report: NodeReport) -> None:
     if report.exit_code:
         print(f"{ERROR_PREFIX}{report.message}", file=sys.stderr, flush=True)
 
 
-def end_at_the_latest_after(timeout: float) -> None:
-    """Let the system end this process by SIGALRM after a time [s]: its work is done, its report written.
+def limit_exit_time(timeout: float) -> None:
+    """Let SIGALRM end this process after a time [s]; its report is written.
 
-    Where Fast DDS was built with an old compiler, as in the wheels, a participant that is taken away just while a
-    partner goes may wait for itself, with the lock of Python (eProsima/Fast-DDS issue 6513).
-
-    Args:
-        timeout: Time left to the process [s].
+    Where Fast DDS was built with an old compiler, as in the wheels, removing a participant while a partner leaves can
+    deadlock, holding the lock of Python (eProsima/Fast-DDS issue 6513).
     """
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.setitimer(signal.ITIMER_REAL, timeout)
 
 
-def _look_around(node: FlexrosNode, stop: Future, interrupted: Interruption) -> None:
-    """End with the parent, and pass on that a partner has ended."""
+def _watch_partners(node: FlexrosNode, stop: Future, interrupted: Interruption) -> None:
+    """End with the parent, and forward the exit of a partner."""
     if _parent_died(node):
         stop.set_result(None)
     if interrupted.partner_ended:
@@ -118,14 +115,14 @@ def _parent_died(node: FlexrosNode) -> bool:
 
 
 def bring_up(node: FlexrosNode) -> None:
-    """Configure and activate a node; if that fails its report says why."""
+    """Configure and activate a node; on failure its report gives the reason."""
     node.trigger_configure()
     if node.report is None:
         node.trigger_activate()
 
 
 def close(node: FlexrosNode) -> NodeReport:
-    """Shut a node down, if it has not ended by itself, and give its report."""
+    """Shut a node down unless it has ended, and return its report."""
     if node.report is None:
         node.trigger_shutdown()
     return node.report or NodeReport(node.node_name)

@@ -1,7 +1,7 @@
-"""Who can hear the nodes of a run: by default this machine alone; free of ROS.
+"""Network exposure of a run: by default this machine only.
 
-`ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST` narrows discovery, but its sockets listen on every interface of the machine.
-So a run gives Fast DDS a profile that binds them to 127.0.0.1. Nodes of the user on this machine find it all the same.
+`ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST` restricts discovery, but the sockets listen on every interface of the machine.
+A run therefore gives Fast DDS a profile that binds them to 127.0.0.1. Other nodes on this machine still find it.
 """
 
 from __future__ import annotations
@@ -22,50 +22,50 @@ PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
 MIDDLEWARE_VARIABLE = "RMW_IMPLEMENTATION"
 
 CHOICES = (RANGE_VARIABLE, OLD_RANGE_VARIABLE, PROFILE_VARIABLE, "ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
-"""Variables by which a user says who shall hear the nodes; where one is set, the run sets none of them."""
+"""Variables by which a user controls discovery; if one is set, the run sets none of them."""
 
 PROFILE = Path(__file__).resolve().parent / "local_host.xml"
 """Profile of Fast DDS that binds every socket to 127.0.0.1."""
 
 PROCESS = Path("/proc/self")
-_LOCAL_HOST = "0100007F"  # as the kernel writes 127.0.0.1
+_LOCAL_HOST = "0100007F"  # 127.0.0.1 in the notation of the kernel
 
 
 def exposure_settings(given: Mapping[str, str], *, network: bool) -> dict[str, str]:
-    """Give the settings by which a run is heard on this machine alone, or on the network.
+    """Return the environment settings that expose a run to this machine only, or to the network.
 
     Args:
-        given: Environment of the user; what it says of the middleware stays.
-        network: Whether other machines shall hear the run.
+        given: Environment variables of the user; their middleware settings are kept.
+        network: Whether other machines can access the run.
 
     Returns:
-        Values of the variables that the run sets.
+        Values of the variables to set.
 
     Raises:
-        InputError: The network is asked for and the environment forbids it.
+        InputError: Network access is requested and the environment forbids it.
     """
     forbidding = {RANGE_VARIABLE: ("LOCALHOST", "OFF"), OLD_RANGE_VARIABLE: ("1",)}
     for variable, values in forbidding.items():
         if network and given.get(variable, "").upper() in values:
-            raise InputError(f"the network is asked for, but {variable} is '{given[variable]}'; unset the variable")
+            raise InputError(f"network access is requested, but {variable} is '{given[variable]}'; unset the variable")
     if any(given.get(variable) for variable in CHOICES):
         return {}
     if network:
         return {RANGE_VARIABLE: "SUBNET"}
     if not given.get(MIDDLEWARE_VARIABLE, "rmw_fastrtps").startswith("rmw_fastrtps"):
-        return {RANGE_VARIABLE: "LOCALHOST"}  # what every middleware knows
+        return {RANGE_VARIABLE: "LOCALHOST"}  # supported by every middleware
     return {RANGE_VARIABLE: "SYSTEM_DEFAULT", PROFILE_VARIABLE: str(PROFILE)}
 
 
 def check_exposure(settings: Mapping[str, str], domain: int, process: Path = PROCESS) -> None:
-    """Make sure that a process which asked for the profile listens on 127.0.0.1 alone.
+    """Verify that this process, if the profile is set, listens on 127.0.0.1 only.
 
-    Fast DDS reads the profile when a process uses it for the first time: one that had nodes before lacks it.
+    Fast DDS reads the profile at its first use in a process: a process that had nodes before lacks it.
 
     Args:
         settings: Environment with the settings of the run.
         domain: ROS domain of the run.
-        process: Where the system shows the process.
+        process: Folder of the process in the proc file system.
 
     Raises:
         RunError: A socket of the run is bound to another address.
@@ -76,19 +76,19 @@ def check_exposure(settings: Mapping[str, str], domain: int, process: Path = PRO
     ports = range(first, first + PORTS_PER_DOMAIN)
     if any(port in ports and address != _LOCAL_HOST for address, port in _udp_sockets(process)):
         raise RunError(
-            "this process has used ROS 2 before with sockets open to the network, and cannot take that back; do the "
-            "run in a process of its own, or ask for the network"
+            "this process has used ROS 2 before with sockets open to the network, which cannot be undone; start the "
+            "run in a process of its own, or request network access"
         )
 
 
 def _udp_sockets(process: Path) -> list[tuple[str, int]]:
-    """Give address, in hexadecimal digits of the kernel, and port of the UDP sockets of a process."""
+    """Return address, in hexadecimal digits of the kernel, and port of the UDP sockets of a process."""
     own = set()
     with suppress(OSError):  # a system without /proc
         for link in (process / "fd").iterdir():
-            with suppress(OSError):  # closed meanwhile
+            with suppress(OSError):  # closed in the meantime
                 own.add(str(link.readlink()))
         rows = [row.split() for row in (process / "net" / "udp").read_text(encoding="utf-8").splitlines()[1:]]
-        places = [row[1].split(":") for row in rows if f"socket:[{row[9]}]" in own]
-        return [(address, int(port, 16)) for address, port in places]
+        endpoints = [row[1].split(":") for row in rows if f"socket:[{row[9]}]" in own]
+        return [(address, int(port, 16)) for address, port in endpoints]
     return []

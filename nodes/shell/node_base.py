@@ -1,4 +1,4 @@
-"""What all nodes share beside parameters and topics: lifecycle, diagnostics and the way a node ends."""
+"""Base of all nodes: lifecycle, diagnostics and shutdown."""
 
 from __future__ import annotations
 
@@ -10,42 +10,66 @@ from typing import TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.exceptions import InvalidHandle
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import TransitionCallbackReturn
 
 from flexros.errors import INTERNAL_ERROR, FlexrosError
 from flexros.logs.stamps import NANOSECONDS, START_NS
 from flexros_nodes.protocol.node_report import NodeReport
 from flexros_nodes.protocol.parameters import node_parameters
-from flexros_nodes.shell.lifecycle_service import refuse_impossible_transitions
 from flexros_nodes.shell.topic_node import AbstractTopicNode
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from lifecycle_msgs.srv import ChangeState
     from rclpy.context import Context
-    from rclpy.lifecycle import LifecycleState
+    from rclpy.lifecycle import LifecycleNode, LifecycleState
 
     from flexros_nodes.protocol.parameters import Value
     from flexros_nodes.protocol.real_time.schedule import Paced
 
 
 class NodeFaultError(FlexrosError):
-    """A fault in a node itself; its traceback is in the node's output."""
+    """Internal error of a node; the traceback is in its output."""
 
     exit_code = INTERNAL_ERROR
 
 
+def refuse_impossible_transitions(node: LifecycleNode) -> None:
+    """Answer requests for an impossible lifecycle transition with `success = false`.
+
+    rclpy raises in the service callback, which ends the node. A transition may be requested twice when an answer is
+    lost, or by a second `ros2 lifecycle set`.
+
+    Args:
+        node: The node, before it is added to an executor.
+    """
+    service = next(service for service in node.services if service.srv_name.endswith("/change_state"))
+    change = service.callback
+
+    def answer(request: ChangeState.Request, response: ChangeState.Response) -> ChangeState.Response:
+        try:
+            return change(request, response)
+        except rclpy_implementation.RCLError as error:
+            node.get_logger().warning(f"refused a transition: {error}")
+            response.success = False
+            return response
+
+    service.callback = answer
+
+
 class FlexrosNode(AbstractTopicNode):
-    """Base of all nodes: a lifecycle node that reads its parameters from data and ends with a report.
+    """Base of all nodes: lifecycle node that reads its parameters from data and ends with a report.
 
     How to add a node: write one file in `nodes` with one subclass and `main`, and `msgs_config/<node>.yaml`.
     It provides:
 
     1. `node_name`, a class variable: name of the node and of its parameter file.
-    2. `configure`: make the core, publishers and subscriptions; raise InputError or RunError if that cannot be.
-    3. `start` and `stop`: begin and end to work; timers belong here. Activated again, a node begins anew.
-    4. `release`: give back what `configure` opened, beside publishers and subscriptions.
-    5. `figures`: what diagnostics and report show.
+    2. `configure`: create core, publishers and subscriptions; raises InputError or RunError on failure.
+    3. `start` and `stop`: activation and deactivation, with timers. A node activated again restarts.
+    4. `release`: release what `configure` opened, except publishers and subscriptions.
+    5. `figures`: values for diagnostics and report.
 
     A callback given to `listen`, `offer` or `every` may raise a FlexrosError: the node then ends with its exit code.
 
@@ -61,51 +85,51 @@ class FlexrosNode(AbstractTopicNode):
         refuse_impossible_transitions(self)
         self.report: NodeReport | None = None
         self.on_end: Callable[[FlexrosNode], None] | None = None
-        self.tells_errors = True  # False where whoever holds the node says why it ended
+        self.tells_errors = True  # False where the owner of the node reports why it ended
         self._end_announced = False
         self.stamp = START_NS
-        self._holds = False
+        self._to_release = False
         try:
             self.declare(node_parameters(self.node_name))
             self._diagnostics = self.announce("diagnostics")
         except FlexrosError:
-            self.destroy_node()  # nobody else has it yet
+            self.destroy_node()  # it has no other owner yet
             raise
-        self._made.clear()  # the publisher of diagnostics stays for the node's whole life
+        self._resources.clear()  # the publisher of diagnostics remains for the lifetime of the node
 
-    # What a node provides.
+    # Overridden by the nodes.
 
     @property
     def paced(self) -> Paced | None:
-        """The node itself if whoever spins it has to start its cycles at the times of a schedule."""
+        """Cycles that the spinning loop starts at the times of a schedule; None where there are none."""
         return None
 
     @abstractmethod
     def configure(self) -> None:
-        """Make core, publishers and subscriptions from the parameters."""
+        """Create core, publishers and subscriptions from the parameters."""
 
     def start(self) -> None:
-        """Begin to work."""
+        """Activate."""
 
     def stop(self) -> None:
-        """End to work; called once for every `start`, also after a failure."""
+        """Deactivate; called once for every `start`, also after a failure."""
 
     def release(self) -> None:
-        """Give back what `configure` opened; called once for every `configure`, also for one that failed."""
+        """Release what `configure` opened; called once for every `configure`, also after a failure."""
 
     def refusal(self) -> str:
-        """Say why the node cannot be activated now; nothing if it can."""
+        """Return why the node cannot be activated now; empty if it can."""
         return ""
 
     def partner_ended(self) -> None:
-        """Hear that another node of the run has ended before its time."""
+        """React to the premature exit of another node of the run."""
 
     def figures(self) -> dict[str, float]:
-        """Give counts and statistics by name."""
+        """Return counts and statistics by name."""
         return {}
 
     def recent_figures(self) -> dict[str, float]:
-        """Give the figures for the diagnostics, which may tell of the time since the last ones."""
+        """Return the figures for the diagnostics, which may cover only the time since the last message."""
         return self.figures()
 
     # Diagnostics and end.
@@ -142,7 +166,7 @@ class FlexrosNode(AbstractTopicNode):
         """Publish the last diagnostics, once.
 
         Args:
-            error: Why the node broke off, None when it is done.
+            error: Why the node aborted, None if it is complete.
         """
         if not self._end_announced:
             self._end_announced = True
@@ -150,18 +174,18 @@ class FlexrosNode(AbstractTopicNode):
             self.diagnose(level, "done" if error is None else str(error))
 
     def end(self, error: FlexrosError | None = None) -> None:
-        """End the node's work once, with a report; the process or the run that holds the node decides what follows.
+        """End the node once, with a report; its process or run decides what follows.
 
         Args:
-            error: Why it broke off, None when it is done.
+            error: Why it aborted, None if it is complete.
         """
         if self.report is not None:
             return
-        for close in (self._halt, self._give_back):
+        for close in (self._halt, self._release_once):
             try:
                 close()
-            except FlexrosError as late:
-                error = error or late
+            except FlexrosError as close_error:
+                error = error or close_error
         figures = self._with_unreadable(self.figures()) if self.configured else {}
         if error is None:
             self.report = NodeReport(self.node_name, figures=figures)
@@ -179,9 +203,9 @@ class FlexrosNode(AbstractTopicNode):
             self._cancel_timers()
             self.stop()
 
-    def _give_back(self) -> None:
-        if self._holds:
-            self._holds = False
+    def _release_once(self) -> None:
+        if self._to_release:
+            self._to_release = False
             self.release()
 
     # Lifecycle.
@@ -194,16 +218,15 @@ class FlexrosNode(AbstractTopicNode):
             return TransitionCallbackReturn.FAILURE
         except Exception as error:  # noqa: BLE001 - rclpy would swallow it; it ends the node, with its traceback
             self.get_logger().error(traceback.format_exc())
-            self.end(
-                NodeFaultError(f"node {self.node_name} has a fault: {type(error).__name__}: {error}; please report it")
-            )
+            problem = f"{type(error).__name__}: {error}"
+            self.end(NodeFaultError(f"node {self.node_name} has an internal error: {problem}; please report it"))
             return TransitionCallbackReturn.FAILURE
         return TransitionCallbackReturn.SUCCESS
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Make what the node needs."""
-        self._begin_anew()
-        self._holds = True
+        """Configure the node."""
+        self._clear_report()
+        self._to_release = True
         result = self._transition(self.configure)
         self.configured = result is TransitionCallbackReturn.SUCCESS
         if not self.configured:
@@ -211,36 +234,36 @@ class FlexrosNode(AbstractTopicNode):
         return result
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Begin to work."""
+        """Activate the node."""
         if refusal := self.refusal():
             self.get_logger().error(refusal)
             return TransitionCallbackReturn.FAILURE
-        self._begin_anew()
+        self._clear_report()
         self.active = True
         return self._transition(self.start)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """End to work."""
+        """Deactivate the node."""
         return self._transition(self._halt)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Give back publishers, subscriptions and timers, except those that every node has."""
+        """Release publishers, subscriptions and services, except those common to all nodes."""
         return self._transition(self._release)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """End to work and leave a report."""
+        """End the node with a report."""
         return self._transition(partial(self.end, None))
 
     def destroy_node(self) -> None:
-        """Give everything back; when the last node of a context is destroyed, its sockets and shared memory go too."""
+        """Release everything; the last node of a context also releases its sockets and shared memory."""
         super().destroy_node()
-        self._state_machine.destroy_when_not_in_use()  # rclpy lets it hold the node until both are garbage collected
+        self._state_machine.destroy_when_not_in_use()  # else it keeps the node until garbage collection
 
-    def _begin_anew(self) -> None:
+    def _clear_report(self) -> None:
         self.report = None
         self._end_announced = False
 
     def _release(self) -> None:
         self.configured = False
         self._close_all()
-        self._give_back()
+        self._release_once()

@@ -1,4 +1,4 @@
-"""The experiment behind a scenario, prepared once for all nodes of a process."""
+"""Experiment of a scenario, prepared once for all nodes of a process."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ _prepared: dict[tuple[str, ...], Experiment] = {}
 
 
 def prepared_run(scenario: str) -> Experiment:
-    """Prepare a scenario, or give what another node of this process has prepared of the same scenario and robot.
+    """Prepare a scenario, or return the experiment already prepared for the same scenario and robot.
 
     Args:
-        scenario: Shipped name, or path of a scenario file.
+        scenario: Built-in name, or path of a scenario file.
 
     Returns:
-        The experiment; what is costly in it is made when first asked for.
+        The experiment; its costly parts are computed on first use.
 
     Raises:
-        InputError: The scenario is not possible.
+        InputError: The scenario is invalid.
     """
     loaded = load_scenario(scenario)
     robots = [name for name in (loaded.robot, loaded.feedforward_model) if name is not None]
     key = loaded.digest(), *(load_patched(name).fingerprint for name in robots)
     if key not in _prepared:
         experiment = Experiment.prepare(loaded)
-        _prepared.clear()  # one run at a time: the arrays of the one before may be large
+        _prepared.clear()  # one run at a time: the arrays of the previous one may be large
         _prepared[key] = experiment
     return _prepared[key]

@@ -1,7 +1,7 @@
-"""What the standard parameters `qos_overrides.*` may change, free of ROS.
+"""Limits of the standard parameters `qos_overrides.*`.
 
-Both ends of a topic connect only if the publisher offers at least what the subscription asks for. So a publisher may
-offer more than its profile in `msgs_config/qos.yaml`, a subscription may ask for less, and neither the other way.
+Both ends of a topic connect only if the publisher offers at least what the subscription requests. So a publisher may
+offer more than its profile in `msgs_config/qos.yaml`, and a subscription may request less, but not vice versa.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ _STRENGTH = {"reliability": ("best_effort", "reliable"), "durability": ("volatil
 def override_problem(
     profile: QosProfile, publisher: bool, *, history: str, depth: int, reliability: str, durability: str
 ) -> str:
-    """Say why a quality of service would break the loop.
+    """Return why a quality of service would break the loop, empty if it would not.
 
     Args:
-        profile: What `qos.yaml` states for this end of the topic.
-        publisher: Whether it is a publisher; else a subscription.
-        history: "keep_last" or another word of ROS 2.
+        profile: Profile of `qos.yaml` for this end of the topic.
+        publisher: Whether this end is a publisher.
+        history: History policy of ROS 2, e.g. "keep_last".
         depth: Number of messages kept.
         reliability: "reliable", "best_effort" or another word.
         durability: "volatile", "transient_local" or another word.
@@ -34,21 +34,19 @@ def override_problem(
         What is given, what is allowed and why; empty if it is allowed.
     """
     if history != "keep_last":
-        return f"history is {history}, allowed is keep_last: with keep_all a slow reader would stop its writer"
+        return f"history is {history}, allowed is keep_last: with keep_all a slow reader would block its writer"
     if not profile.least_depth <= depth <= MOST_DEPTH:
         why = (
-            "with fewer, some would be overwritten before they are read"
-            if depth < profile.least_depth
-            else "more help no reader"
+            "fewer would be overwritten before they are read" if depth < profile.least_depth else "more have no effect"
         )
         return f"depth is {depth}, allowed is {profile.least_depth} to {MOST_DEPTH}: {why}"
-    for policy, given in (("reliability", reliability), ("durability", durability)):
+    for policy, value in (("reliability", reliability), ("durability", durability)):
         weak, strong = _STRENGTH[policy]
-        stated = getattr(profile, policy)
-        allowed = {stated, strong} if publisher else {stated, weak}
-        why = "a subscription asks for it" if publisher else "a publisher that offers less would not be heard"
+        configured = getattr(profile, policy)
+        allowed = {configured, strong} if publisher else {configured, weak}
+        why = "a subscription requests it" if publisher else "a publisher that offers less would not connect"
         if not publisher and policy == "reliability" and profile.lossless:
-            allowed, why = {stated}, "none of these messages may be lost"
-        if given not in allowed:
-            return f"{policy} is {given}, allowed is {' or '.join(sorted(allowed))}: {why}"
+            allowed, why = {configured}, "none of these messages may be lost"
+        if value not in allowed:
+            return f"{policy} is {value}, allowed is {' or '.join(sorted(allowed))}: {why}"
     return ""

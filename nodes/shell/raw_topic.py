@@ -1,4 +1,4 @@
-"""Publishers of serialised messages of any type that is installed here, by the name of the type."""
+"""Publishers of serialised messages of any installed type."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 
 class MissingTypeError(Exception):
-    """Why messages of a type cannot be published here."""
+    """A message type cannot be used on this machine."""
 
 
 def installed_class(type_name: str) -> type:
-    """Give the Python class of a type that a log names.
+    """Return the Python class of a type named in a log.
 
-    Nothing is imported but a folder `msg`, `srv` or `action` of a package, because anybody may have written the name.
+    The name is untrusted: only a folder `msg`, `srv` or `action` of a package is imported.
 
     Args:
         type_name: Type, e.g. "sensor_msgs/msg/JointState".
@@ -33,7 +33,7 @@ def installed_class(type_name: str) -> type:
         The class.
 
     Raises:
-        MissingTypeError: It is not installed here.
+        MissingTypeError: The type is not installed.
     """
     package, kind, name = type_name.split("/")
     spec = find_spec(package)
@@ -41,15 +41,15 @@ def installed_class(type_name: str) -> type:
     if not any((Path(folder) / kind / "__init__.py").is_file() for folder in folders):
         raise MissingTypeError(f"the package {package} of its type {type_name} is not installed here")
     try:
-        found: type = getattr(import_module(f"{package}.{kind}"), name)
-        check_is_valid_msg_type(found)
+        message: type = getattr(import_module(f"{package}.{kind}"), name)
+        check_is_valid_msg_type(message)
     except (ImportError, AttributeError, RuntimeError, NoTypeSupportImportedException) as error:
         raise MissingTypeError(f"its type {type_name} cannot be used here ({type(error).__name__}: {error})") from error
-    return found
+    return message
 
 
 def played_qos(topic: RecordedTopic) -> QoSProfile:
-    """Choose the profile of a publisher: as reliable and durable as those offered that were recorded."""
+    """Return the profile of a publisher: as reliable and durable as the recorded ones."""
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
         depth=queue_depth(topic),

@@ -1,4 +1,4 @@
-"""Streaming a reference ahead of the loop, shared by the nodes that lead a run."""
+"""Stream of the reference ahead of the loop, shared by feedforward and identification."""
 
 from __future__ import annotations
 
@@ -21,32 +21,32 @@ if TYPE_CHECKING:
     from flexros_nodes.shell.node_base import FlexrosNode
 
 FIND_PERIOD = 0.01
-"""Period at which the node looks whether its readers are there [s], chosen."""
+"""Period of the search for subscribers [s], chosen."""
 
 CLOCK_PERIODS_AHEAD = 2
-"""Periods of the clock by which tool references are sent ahead: one may be lost without a gap, chosen."""
+"""Lead of the tool references in clock periods, chosen: one clock message may be lost without a gap."""
 
 STALL_PERIODS = 16
-"""A loop that stands still gets its chunks again after 1, 2, 4, 8 and then every 16 time-outs, chosen."""
+"""Chunks are repeated to a stalled loop after 1, 2, 4, 8 and then every 16 time-outs, chosen."""
 
 
 class ReferenceStream:
-    """The reference of a run in chunks that append to each other, and the tool reference beside it.
+    """Streams the reference of a run in consecutive chunks, and the tool reference.
 
-    /clock tells how far the loop is. When it stands still, what its readers may lack is sent again; so is a chunk
-    that is not confirmed by a controller which has confirmed others. That does no harm: a message says the same
-    however often it comes. When the loop begins anew, so does the stream.
+    The stream follows the loop by /clock. When the loop stalls, everything it may lack is sent again; so is a chunk
+    that remains unconfirmed by a controller that has confirmed others. Repeats are harmless, since messages are
+    idempotent. When the loop restarts, so does the stream.
 
     Args:
-        node: Node that owns the topics; configured anew, it makes a new stream.
-        run: What runs; its reference is computed here.
+        node: Node that owns the topics; it creates a new stream in each configuration.
+        run: The run; its reference is computed here.
 
     Attributes:
-        progress: Newest sample of the loop that is known.
+        progress: Newest known sample of the loop.
         clock_samples: Samples between two messages of the clock.
-        closed: Whether nothing is sent yet; set it before `start`, and call `open` when the time has come.
-        on_progress: Called with the progress when it has grown, before anything is sent.
-        on_restart: Called when the loop has begun anew, before anything is sent.
+        closed: Whether sending is suspended; set it before `start`, and call `open` to begin.
+        on_progress: Called with the progress when it has increased, before anything is sent.
+        on_restart: Called when the loop has restarted, before anything is sent.
     """
 
     def __init__(self, node: FlexrosNode, run: Experiment) -> None:
@@ -68,7 +68,7 @@ class ReferenceStream:
         node.listen("reference_received", self._on_received)
 
     def _begin(self) -> None:
-        """Stand before the first chunk."""
+        """Return to the state before the first chunk."""
         value, sample_time = self._node.value, self._sample_time
         chunk = max(round(value("chunk_duration") / sample_time), 1)
         self._stream = ChunkStream(self._n_samples, chunk, round(value("lead") / sample_time))
@@ -76,31 +76,31 @@ class ReferenceStream:
         self.progress = self._seen = self._poses_sent = 0
         self._stalls = 0
         self._restart = RestartDetector()
-        self._found = self._running = False
+        self._readers_found = self._running = False
 
     @property
     def sent(self) -> int:
-        """Samples that have been sent, from 0: these cannot be changed any more."""
+        """Number of samples already sent, which can no longer be changed."""
         return self._stream.sent
 
     def start(self) -> None:
-        """Stand before the first chunk and look for the readers; it goes out when they are there."""
+        """Search for the subscribers; the first chunk is sent once they are connected."""
         self._begin()
         self._node.every(FIND_PERIOD, self._find_readers)
         self._node.every(self._node.value("resend_timeout"), self._watch)
 
     def open(self) -> None:
-        """Begin to send."""
+        """Start sending."""
         self.closed = False
-        if self._found:
+        if self._readers_found:
             self._send_due()
 
     def replace(self, rows: ReferenceRows) -> None:
-        """Send these rows from now on; they have to agree with what has been sent already."""
+        """Send these rows from now on; they must agree with the samples already sent."""
         self._rows = rows
 
     def figures(self) -> dict[str, float]:
-        """Give what was sent and sent again."""
+        """Return counts of sent and repeated messages."""
         return {
             "samples_sent": self._stream.sent,
             "chunks_resent": self._stream.resends,
@@ -108,15 +108,17 @@ class ReferenceStream:
         }
 
     def _find_readers(self) -> None:
-        if self._found:
+        if self._readers_found:
             return
         observers = self._node.value("observers")
-        self._found = self._chunks.get_subscription_count() > 0 and self._poses.get_subscription_count() >= observers
-        if self._found and not self.closed:
+        self._readers_found = (
+            self._chunks.get_subscription_count() > 0 and self._poses.get_subscription_count() >= observers
+        )
+        if self._readers_found and not self.closed:
             self._send_due()
 
     def _on_clock(self, message: bytes) -> None:
-        # rosgraph_msgs/Clock is a time alone, which lies where other messages have header.stamp
+        # rosgraph_msgs/Clock is only a time, at the position of header.stamp in other messages
         self._node.stamp = stamp = stamp_of(message)
         if stamp == START_NS and self.progress and self._restart.restarted(self.progress):
             self._begin()
@@ -126,7 +128,7 @@ class ReferenceStream:
         if progress > self.progress:
             self.progress = progress
             self.on_progress(progress)
-        if self._found and not self.closed:
+        if self._readers_found and not self.closed:
             self._send_due()
 
     def _on_received(self, message: bytes) -> None:
@@ -136,7 +138,7 @@ class ReferenceStream:
     def _send_due(self) -> None:
         for samples in self._stream.due(self.progress):
             self._send(samples)
-        # at the first sample the loop waits until every reader is known: what is sent again then must be one message
+        # the loop waits at the first sample until all subscribers are connected: repeats must be that one message
         stop = min(self.progress + CLOCK_PERIODS_AHEAD * self.clock_samples, self._n_samples) if self.progress else 1
         self._send_poses(range(self._poses_sent, stop))
         self._poses_sent = max(self._poses_sent, stop)
@@ -162,14 +164,14 @@ class ReferenceStream:
         self._chunks.publish(serialise_joint_trajectory(chunk))
 
     def _watch(self) -> None:
-        """Send again what has not arrived, and what a loop that stands still may lack."""
-        stands_still = self._running and self.progress == self._seen and self.progress < self._n_samples - 1
+        """Repeat unconfirmed chunks, and everything that a stalled loop may lack."""
+        stalled = self._running and self.progress == self._seen and self.progress < self._n_samples - 1
         self._seen = self.progress
-        self._stalls = self._stalls + 1 if stands_still else 0
-        if stands_still and (self._stalls & (self._stalls - 1) == 0 or self._stalls % STALL_PERIODS == 0):
-            lacking = self._stream.since(self.progress)
+        self._stalls = self._stalls + 1 if stalled else 0
+        if stalled and (self._stalls & (self._stalls - 1) == 0 or self._stalls % STALL_PERIODS == 0):
+            missing = self._stream.since(self.progress)
             self._send_poses(range(self.progress, self._poses_sent))
         else:
-            lacking = self._stream.overdue(self.progress)
-        for samples in lacking:
+            missing = self._stream.overdue(self.progress)
+        for samples in missing:
             self._send(samples)

@@ -1,4 +1,4 @@
-"""Shared memory that a killed process leaves behind, free of ROS."""
+"""Removal of shared memory left behind by killed processes."""
 
 from __future__ import annotations
 
@@ -12,29 +12,28 @@ from typing import NoReturn
 
 try:
     import fcntl
-except ImportError:  # systems without POSIX locks have no such segments either
+except ImportError:  # systems without POSIX locks have no such segments
     fcntl = None  # type: ignore[assignment]
 
 FOLDER = Path("/dev/shm")  # noqa: S108 - where Linux keeps shared memory
 PROCESSES = Path("/proc")
 LOCK_SUFFIX = "_el"
 _MOST_FILES = 65_536
-_LOOKS, _PAUSE = 5, 0.05
-"""Looks while a segment is locked that nobody maps (another cleaner tries its lock), and seconds between (chosen)."""
+_ATTEMPTS, _PAUSE = 5, 0.05
+"""Attempts while an unmapped segment is locked (another cleaner tests its lock), and seconds between (chosen)."""
 
 _NAME = re.compile(r"^(?:sem\.)?((?:fastrtps|fastdds)_[a-z0-9]+)(?:_el|_sl|_mutex)?$")
 
 
 def remove_segments_without_owner(folder: Path = FOLDER, processes: Path = PROCESSES) -> list[str]:
-    """Remove Fast DDS segments of this user that no process uses any more.
+    """Remove Fast DDS segments of this user that no process uses.
 
-    A segment is in use when a process has it mapped, or holds a lock on the file `<segment>_el` beside it, which is
-    how Fast DDS itself tells. Call it when the processes that used the segments are gone: a living partner would make
-    them anew.
+    A segment is in use when a process has mapped it or holds a lock on the file `<segment>_el`, the criterion of Fast
+    DDS itself. Call it after the processes that used the segments have exited: a live partner would recreate them.
 
     Args:
-        folder: Where segments lie.
-        processes: Where the system shows its processes.
+        folder: Folder of the segments.
+        processes: Proc file system.
 
     Returns:
         Names of the removed segments.
@@ -42,8 +41,8 @@ def remove_segments_without_owner(folder: Path = FOLDER, processes: Path = PROCE
     removed: list[str] = []
     if fcntl is None or not folder.is_dir():
         return removed
-    for look in range(_LOOKS):
-        if look:
+    for attempt in range(_ATTEMPTS):
+        if attempt:
             sleep(_PAUSE)
         files = _files(folder)
         in_use = _mapped_names(folder, processes) if files else set()
@@ -59,18 +58,18 @@ def remove_segments_without_owner(folder: Path = FOLDER, processes: Path = PROCE
 
 
 def become_cleaner() -> NoReturn:
-    """Replace this process by one that removes segments without owner: the middleware's own go with its memory.
+    """Replace this process by one that removes unused segments; the old memory releases those of this process.
 
-    Of several processes that end together the last one finds all segments without owner.
+    Of several processes that exit together the last one finds all segments unused.
     """
     sys.stdout.flush()
     sys.stderr.flush()
-    os.closerange(3, _MOST_FILES)  # they would keep their locks
+    os.closerange(3, _MOST_FILES)  # they hold locks
     os.execv(sys.executable, [sys.executable, "-m", "flexros_nodes.shell.shared_memory"])  # noqa: S606 - our own module
 
 
 def _files(folder: Path) -> dict[str, list[Path]]:
-    """List the files of each segment of this user, by its name."""
+    """Return the files of each segment of this user by segment name."""
     files: dict[str, list[Path]] = {}
     for path in folder.iterdir():
         if (match := _NAME.match(path.name)) and _is_ours(path):
@@ -79,7 +78,7 @@ def _files(folder: Path) -> dict[str, list[Path]]:
 
 
 def _is_ours(path: Path) -> bool:
-    with suppress(OSError):  # gone meanwhile
+    with suppress(OSError):  # removed in the meantime
         return path.stat().st_uid == os.getuid()
     return False
 
@@ -87,7 +86,7 @@ def _is_ours(path: Path) -> bool:
 def _mapped_names(folder: Path, processes: Path) -> set[str]:
     names = set()
     for maps in processes.glob("[0-9]*/maps"):
-        with suppress(OSError):  # ended meanwhile, or another user's
+        with suppress(OSError):  # exited in the meantime, or of another user
             for line in maps.read_text(encoding="utf-8", errors="replace").splitlines():
                 _, _, name = line.partition(f"{folder}/")
                 if match := _NAME.match(name.removesuffix(" (deleted)")):

@@ -1,4 +1,4 @@
-"""Spinning nodes: the choice of the executor, and a loop that paces a plant by the wall clock."""
+"""Spinning of nodes: choice of the executor, and the loop that paces a plant by the wall clock."""
 
 from __future__ import annotations
 
@@ -31,17 +31,17 @@ SLICE = 0.2
 """Longest wait of an executor [s]: unbounded waits of EventsExecutor can hang."""
 
 WATCH_PERIOD = 0.05
-"""Period at which the executor looks whether a signal has come [s], chosen."""
+"""Period at which the executor checks for signals [s], chosen."""
 
 BUSY = 130e-6
-"""Time before a cycle is due from which the paced loop watches clock and messages instead of sleeping [s], chosen."""
+"""Time before a due cycle from which the paced loop polls clock and messages instead of sleeping [s], chosen."""
 
 MOST_EVENTS = 16
-"""Events in the queue that a late cycle looks through for its command, chosen: all that one sample makes."""
+"""Queued events that a late cycle processes to find its command, chosen: all events of one sample."""
 
 
 def make_executor(context: Context | None) -> Executor:
-    """Make the executor that suits the loop best: EventsExecutor where there is one, else SingleThreadedExecutor."""
+    """Create the fastest executor available: EventsExecutor, else SingleThreadedExecutor."""
     if EventsExecutor is None:
         return SingleThreadedExecutor(context=context)
     return EventsExecutor(context=context)
@@ -51,10 +51,10 @@ def spin(executor: Executor, stop: Future, interrupted: Interruption, node: Flex
     """Spin until a future is done.
 
     Args:
-        executor: Holds the nodes.
-        stop: Ends the spinning when it gets a result.
+        executor: Executor of the nodes.
+        stop: Ends the spinning when it has a result.
         interrupted: Ends the spinning too.
-        node: One of the nodes; it is called at the times of its schedule where the run is in real time.
+        node: One of the nodes; in real time it is called at the times of its schedule.
     """
     with _watching(interrupted, stop, node), waking_at_clock_steps(executor.wake):
         if (paced := node.paced) is None:
@@ -73,13 +73,13 @@ def spin(executor: Executor, stop: Future, interrupted: Interruption, node: Flex
 
 @contextmanager
 def _watching(interrupted: Interruption, stop: Future, node: FlexrosNode) -> Iterator[None]:
-    """Let the executor itself look for signals: one that is never idle returns for nothing else."""
+    """Check for signals in a timer of the executor: a busy executor does not return otherwise."""
 
-    def look() -> None:
+    def check() -> None:
         if interrupted():
             stop.set_result(None)
 
-    timer = node.create_timer(WATCH_PERIOD, look, clock=node.steady_clock)
+    timer = node.create_timer(WATCH_PERIOD, check, clock=node.steady_clock)
     try:
         yield
     finally:
@@ -88,11 +88,11 @@ def _watching(interrupted: Interruption, stop: Future, node: FlexrosNode) -> Ite
 
 
 def _start_cycle(executor: Executor, paced: Paced, schedule: Schedule) -> None:
-    """Start the cycle that is about to be due; until then others work: a node of this process may owe its command."""
+    """Start the cycle that is about to be due; until then spin: the controller may be a node of this process."""
     while perf_counter() < schedule.due:
         if not paced.answered():
             executor.spin_once(timeout_sec=0.0)
-    for _ in range(MOST_EVENTS):  # after a delay the answer may lie in the queue already
+    for _ in range(MOST_EVENTS):  # after a delay the answer may already be queued
         if paced.answered():
             break
         executor.spin_once(timeout_sec=0.0)

@@ -1,4 +1,4 @@
-"""Topics and QoS of `msgs_config` as ROS 2 types and profiles."""
+"""Topics and QoS of `msgs_config` as ROS 2 types and profiles, and QoS overrides by parameters."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from flexros_nodes.shell.qos_overrides import override_problem
 
 
 def topic(name: str) -> Topic:
-    """Give a row of `topics.yaml` by its name without a leading slash.
+    """Return a row of `topics.yaml` by its name without a leading slash.
 
     Raises:
-        InputError: There is no such topic.
+        InputError: The topic is unknown.
     """
     topics = load_topics()
     if name not in topics:
@@ -28,7 +28,7 @@ def topic(name: str) -> Topic:
 
 
 def period(name: str) -> float:
-    """Give the time between two messages of a topic that has a rate [s]."""
+    """Return the period of a topic that has a rate [s]."""
     return 1.0 / (topic(name).rate or 1.0)
 
 
@@ -40,14 +40,14 @@ def sampled_topics() -> tuple[str, ...]:
 
 @cache
 def message_class(type_name: str) -> type:
-    """Give the Python class of a message type, e.g. of "sensor_msgs/msg/JointState"."""
+    """Return the Python class of a message type, e.g. of "sensor_msgs/msg/JointState"."""
     package, _, name = type_name.split("/")
-    found: type = getattr(import_module(f"{package}.msg"), name)
-    return found
+    message: type = getattr(import_module(f"{package}.msg"), name)
+    return message
 
 
 def qos_profile(profile: QosProfile) -> QoSProfile:
-    """Translate a profile of `qos.yaml`."""
+    """Convert a profile of `qos.yaml`."""
     return QoSProfile(
         history=HistoryPolicy[profile.history.upper()],
         depth=profile.depth,
@@ -56,13 +56,13 @@ def qos_profile(profile: QosProfile) -> QoSProfile:
     )
 
 
-def overriding_options(profile: QosProfile, where: str, *, publisher: bool) -> QoSOverridingOptions:
-    """Let parameters `qos_overrides./<topic>.publisher.depth` and the like change a profile, within what is allowed.
+def overriding_options(profile: QosProfile, origin: str, *, publisher: bool) -> QoSOverridingOptions:
+    """Return options by which parameters such as `qos_overrides./<topic>.publisher.depth` may change a profile.
 
     Args:
-        profile: What `qos.yaml` states for this end of the topic.
-        where: Topic and node, for the error.
-        publisher: Whether it is a publisher; else a subscription.
+        profile: Profile of `qos.yaml` for this end of the topic.
+        origin: Topic and node, for error messages.
+        publisher: Whether this end is a publisher.
     """
 
     def check(given: QoSProfile) -> SetParametersResult:
@@ -75,7 +75,7 @@ def overriding_options(profile: QosProfile, where: str, *, publisher: bool) -> Q
             durability=given.durability.name.lower(),
         )
         if problem:
-            raise InputError(f"{where}: {problem}; correct it, or leave it out")
+            raise InputError(f"{origin}: {problem}; correct or omit it")
         return SetParametersResult(successful=True)
 
     kinds = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)

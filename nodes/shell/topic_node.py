@@ -1,4 +1,4 @@
-"""A node's dealings with others: topics, services and timers, made from data and closed with the node."""
+"""Topics, services and timers of a node, created from data and closed with the node."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 
 
 class Answer(NamedTuple):
-    """What a service answers: whether it did what was asked for, and a text."""
+    """Answer of a service: success and a text."""
 
     success: bool
     message: str
 
 
 class AbstractTopicNode(AbstractParameterNode):
-    """A node whose topics are data, and whose callbacks may raise a FlexrosError, which ends the node.
+    """Node whose topics are data and whose callbacks may raise a FlexrosError, which ends the node.
 
     Args:
         name: Name of the node.
@@ -43,9 +43,9 @@ class AbstractTopicNode(AbstractParameterNode):
         values: Parameter values that override files and defaults.
 
     Attributes:
-        active: Whether the node works; only then messages, services and timers are answered.
-        steady_clock: Clock of all timers: neither use_sim_time nor a system clock that is set can stop them.
-        unreadable: Messages that were none of their type, which anyone may send: they are left aside.
+        active: Whether the node is active; only then messages, services and timers are processed.
+        steady_clock: Clock of all timers, independent of use_sim_time and of steps of the system clock.
+        unreadable: Skipped messages that cannot be decoded; any node may send such.
     """
 
     def __init__(self, name: str, context: Context | None, values: Mapping[str, Value]) -> None:
@@ -55,23 +55,23 @@ class AbstractTopicNode(AbstractParameterNode):
         self.unreadable = 0
         self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._timers_while_active: list[Timer] = []
-        self._made: list[Callable[[], object]] = []
+        self._resources: list[Callable[[], object]] = []
 
     @abstractmethod
     def end(self, error: FlexrosError | None = None) -> None:
-        """End the node's work, because of an error if there is one."""
+        """End the node, because of an error if there is one."""
 
     def announce(self, name: str) -> Publisher:
-        """Make the publisher of a topic; it takes messages or their bytes."""
+        """Create the publisher of a topic; it accepts messages or their bytes."""
         row = topic(name)
-        with self._overriding_qos(row.name, "publisher") as where:
+        with self._overriding_qos(row.name, "publisher") as origin:
             publisher = self.create_publisher(
                 message_class(row.type),
                 row.name,
                 qos_profile(row.qos),
-                qos_overriding_options=overriding_options(row.qos, where, publisher=True),
+                qos_overriding_options=overriding_options(row.qos, origin, publisher=True),
             )
-        self._made.append(partial(self.destroy_publisher, publisher))
+        self.on_close(partial(self.destroy_publisher, publisher))
         return publisher
 
     def listen(self, name: str, callback: Callable[[bytes], None], *, recorder: bool = False) -> Subscription:
@@ -79,8 +79,8 @@ class AbstractTopicNode(AbstractParameterNode):
 
         Args:
             name: Topic.
-            callback: Takes the serialised message; called only while the node is active.
-            recorder: Ask for the producer's QoS instead of that of the loop.
+            callback: Called with the serialised message while the node is active.
+            recorder: Request the QoS of the producer instead of that of the loop.
 
         Returns:
             The subscription, for `poll`.
@@ -93,20 +93,20 @@ class AbstractTopicNode(AbstractParameterNode):
                 try:
                     callback(message)
                 except MessageError as error:
-                    self._leave_aside(name, error)
+                    self._skip_message(name, error)
                 except FlexrosError as error:
                     self.end(error)
 
-        with self._overriding_qos(row.name, "subscription") as where:
+        with self._overriding_qos(row.name, "subscription") as origin:
             subscription = self.create_subscription(
                 message_class(row.type),
                 row.name,
                 receive,
                 qos_profile(profile),
-                qos_overriding_options=overriding_options(profile, where, publisher=False),
+                qos_overriding_options=overriding_options(profile, origin, publisher=False),
                 raw=True,
             )
-        self._made.append(partial(self._forget_subscription, subscription))
+        self.on_close(partial(self._forget_subscription, subscription))
         return subscription
 
     def _forget_subscription(self, subscription: Subscription) -> None:
@@ -115,17 +115,17 @@ class AbstractTopicNode(AbstractParameterNode):
 
     @property
     def subscriptions(self) -> Iterator[Subscription]:
-        """Give the subscriptions that an executor answers: all but those that are polled."""
-        return (one for one in super().subscriptions if one not in self._polled)
+        """Return the subscriptions served by the executor: all but the polled ones."""
+        return (subscription for subscription in super().subscriptions if subscription not in self._polled)
 
     def poll(self, subscription: Subscription, *, polled: bool = True) -> None:
-        """Let no executor answer a subscription but `take` alone, or give it back to the executor."""
+        """Exclude a subscription from the executor, to be read by `take` only, or return it to the executor."""
         (self._polled.add if polled else self._polled.discard)(subscription)
         if self.executor is not None:
             self.executor.wake()
 
     def take(self, subscription: Subscription) -> bool:
-        """Hand the oldest message of a polled subscription to its callback; tells whether there was one."""
+        """Pass the oldest message of a polled subscription to its callback; return whether there was one."""
         handle = subscription.handle
         with handle:
             taken = handle.take_message(subscription.msg_type, subscription.raw)
@@ -134,40 +134,44 @@ class AbstractTopicNode(AbstractParameterNode):
         subscription.callback(taken[0])
         return True
 
-    def _leave_aside(self, name: str, error: MessageError) -> None:
+    def _skip_message(self, name: str, error: MessageError) -> None:
         self.unreadable += 1
         if self.unreadable == 1:
-            self.get_logger().warning(f"a message on {name} is left aside: {error}; further ones are only counted")
+            self.get_logger().warning(f"a message on {name} is skipped: {error}; further ones are only counted")
 
     @contextmanager
     def _overriding_qos(self, name: str, entity: str) -> Iterator[str]:
-        """Name the parameters for errors, and turn what rclpy raises about them into an error of the input."""
-        where = f"parameter qos_overrides.{self.resolve_topic_name(name)}.{entity} of node {self.get_name()}"
+        """Yield the name of the parameters for error messages, and convert what rclpy raises into an InputError."""
+        origin = f"parameter qos_overrides.{self.resolve_topic_name(name)}.{entity} of node {self.get_name()}"
         try:
-            yield where
+            yield origin
         except (InvalidParameterTypeException, RuntimeError) as error:
             if "qos" not in str(error).lower():
                 raise
-            raise InputError(f"{where}: {error}; correct it, or leave it out") from error
+            raise InputError(f"{origin}: {error}; correct or omit it") from error
+
+    def on_close(self, destroy: Callable[[], object]) -> None:
+        """Register a callback that releases a resource when the node is cleaned up."""
+        self._resources.append(destroy)
 
     def offer(self, name: str, answer: Callable[[], Answer]) -> None:
-        """Offer a service of type std_srvs/srv/Trigger below the node's name; it refuses unless the node is active."""
+        """Offer a service std_srvs/srv/Trigger in the namespace of the node; refused unless the node is active."""
 
         def respond(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-            given = Answer(False, f"node {self.get_name()} is not active; activate it first")
+            result = Answer(False, f"node {self.get_name()} is not active; activate it first")
             if self.active:
                 try:
-                    given = answer()
+                    result = answer()
                 except FlexrosError as error:
                     self.end(error)
-                    given = Answer(False, str(error))
-            response.success, response.message = given
+                    result = Answer(False, str(error))
+            response.success, response.message = result
             return response
 
-        self._made.append(partial(self.destroy_service, self.create_service(Trigger, f"~/{name}", respond)))
+        self.on_close(partial(self.destroy_service, self.create_service(Trigger, f"~/{name}", respond)))
 
     def every(self, period: float, callback: Callable[[], None]) -> None:
-        """Call back at a period of the wall clock [s] until the node is deactivated."""
+        """Call back at a wall-clock period [s] until the node is deactivated."""
 
         def fire() -> None:
             if self.active:
@@ -185,7 +189,7 @@ class AbstractTopicNode(AbstractParameterNode):
         self._timers_while_active.clear()
 
     def _close_all(self) -> None:
-        """Give back publishers, subscriptions and services."""
-        for destroy in self._made:
+        """Release publishers, subscriptions, services and registered resources."""
+        for destroy in self._resources:
             destroy()
-        self._made.clear()
+        self._resources.clear()

@@ -131,10 +131,10 @@ def test_it_says_what_it_does_not_hear(bench: Bench, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("flexros_nodes.gap_monitor.SILENCE", 0.2)
     watching(bench)
     robot = Robot(bench)
-    bench.spin_until(lambda: any("nothing is heard" in array.status[0].message for array in robot.heard))
+    bench.spin_until(lambda: any("no messages on" in array.status[0].message for array in robot.heard))
     status = robot.heard[-1].status[0]
     assert status.level == DiagnosticStatus.WARN
-    assert "nothing is heard on joint_states and joint_commands" in status.message
+    assert "no messages on joint_states and joint_commands" in status.message
 
 
 def test_messages_that_are_none_of_this_robot_are_counted(bench: Bench) -> None:

@@ -196,7 +196,7 @@ def test_the_launch_ends_with_the_last_plant(tmp_path: Path) -> None:
         ("closed_loop", {"namespace": "a b"}, "namespace is 'a b', but must be letters, digits and _ between slashes"),
         ("closed_loop", {"remappings": "a b"}, "remappings is 'a b', but must be FROM:=TO separated by spaces"),
         ("closed_loop", {"params_file": "no.yaml"}, "params_file is 'no.yaml', but there is no such file; give the"),
-        ("closed_loop", {"out": "."}, r"the log folder .* exists already; name another one with out:=FOLDER"),
+        ("closed_loop", {"out": "."}, r"the log folder .* exists already; choose another one with out:=FOLDER"),
         ("several_robots", {"robots": "left"}, "robots is 'left', but must be NAMESPACE=SCENARIO separated by commas"),
         ("several_robots", {"robots": "a=circle_pd, a=circle_pd"}, "each once; e.g. left=circle_dae, right=circle_pd"),
     ],

@@ -95,7 +95,7 @@ RECORDED = NodeReport("recorder", figures={"joint_states.messages": 700})
 @pytest.mark.parametrize(
     ("reports", "exists", "end"),
     [
-        ({"recorder": RECORDED}, True, "killed; the log is readable up to there"),
+        ({"recorder": RECORDED}, True, "killed; the log is valid up to that point"),
         (
             {"recorder": NodeReport("recorder", figures={"joint_states.messages": 0})},
             True,
@@ -120,7 +120,7 @@ def test_state_of_the_log_is_told_as_it_is(
 
 def test_run_without_a_log_says_so_when_it_breaks_off() -> None:
     summary = summarise({}, None, "composed", interrupted=True)
-    assert summary.message == "interrupted; nothing was to be recorded"
+    assert summary.message == "interrupted; no recording was requested"
 
 
 def test_samples_come_from_the_recorder_when_the_plant_left_no_report(tmp_path: Path) -> None:

@@ -72,7 +72,7 @@ def test_bad_command_breaks_the_run_off(
     summary = run_scenario("circle_dae", tmp_path / "log", parameters={"plant": PLANT})
     assert summary.exit_code == 3
     assert re.search(sentence, summary.message), summary.message
-    assert summary.message.endswith("the plant has braked to zero torque; the log is readable up to there")
+    assert summary.message.endswith("the plant has braked to zero torque; the log is valid up to that point")
     log = read_log(tmp_path / "log")
     assert log.joint_commands is not None
     assert len(log.joint_states.stamp) == LAST_GOOD + 2 + BRAKED
@@ -129,7 +129,7 @@ def test_controller_that_ends_is_told_to_the_plant_at_once(
     summary = run_scenario("circle_dae", tmp_path / "log", parameters=parameters)
     assert re.fullmatch(
         r"the controller has had enough; a partner of the plant exited at sample \d+ \(stamp 1\.0\d+ s\); the plant "
-        "has braked to zero torque; the log is readable up to there",
+        "has braked to zero torque; the log is valid up to that point",
         summary.message,
     )
     assert "has had enough" not in "".join(capfd.readouterr())

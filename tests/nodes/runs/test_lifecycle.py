@@ -131,7 +131,7 @@ def test_fault_in_a_node_is_told_as_such(bench: Bench, monkeypatch: pytest.Monke
     monkeypatch.setattr(node, "configure", lambda: {}["nothing"])
     assert node.trigger_configure() == FAILURE
     assert node.report.exit_code == 70
-    assert node.report.message == "node feedforward has a fault: KeyError: 'nothing'; please report it"
+    assert node.report.message == "node feedforward has an internal error: KeyError: 'nothing'; please report it"
 
 
 @pytest.mark.parametrize("node_class", [FeedforwardNode, ControllerNode, PlantNode])
@@ -168,8 +168,7 @@ def test_recorder_refuses_to_go_on_with_a_closed_log(bench: Bench, tmp_path: Pat
     assert recorder.trigger_deactivate() == SUCCESS
     assert recorder.trigger_activate() == FAILURE
     assert recorder.refusal() == (
-        f"the log {tmp_path / 'log'} is closed and cannot go on; clean the node up, and configure it with "
-        "another folder"
+        f"the log {tmp_path / 'log'} is closed; clean up the node and configure it with another folder"
     )
     assert recorder.trigger_cleanup() == SUCCESS
     assert recorder.set_parameters([Parameter("folder", value=str(tmp_path / "second"))])[0].successful

@@ -190,8 +190,8 @@ def test_lock_step_has_the_stamp_as_log_time(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("node", "name", "value", "sentence"),
     [
-        ("recorder", "folder", "/elsewhere", r"the run sets it from its log folder \(--out\); leave it out"),
-        ("plant", "autostart", False, "parameter autostart of node plant is given, but the run sets it; leave it out"),
+        ("recorder", "folder", "/elsewhere", r"the run sets it from its argument out; omit it"),
+        ("plant", "autostart", False, "parameter autostart of node plant is given, but the run sets it; omit it"),
         ("plant", "observers", 2, "the run sets it"),
         ("controller", "scenario", "circle_pd", "the run sets it from its scenario"),
         ("controller", "motor_1.kq", 1.0, "unknown parameter of node controller 'motor_1.kq': did you mean 'motor_1.k"),

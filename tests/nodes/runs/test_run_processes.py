@@ -61,7 +61,7 @@ def test_killed_node_breaks_the_run_off(
     assert len(log.joint_states.stamp) > 500
     if victim == "controller":
         assert "a partner of the plant exited at sample" in summary.message
-        assert summary.message.endswith("the plant has braked to zero torque; the log is readable up to there")
+        assert summary.message.endswith("the plant has braked to zero torque; the log is valid up to that point")
         assert summary.reports["plant"].figures["braked_samples"] == 20
     assert not left_ports(ros_domain), "the run left segments that nobody uses"
 
@@ -166,7 +166,7 @@ def test_segments_of_a_child_that_was_killed_and_started_once_more_are_removed(
             self._is_first = Child.made == 1
             self.killed = False
 
-        def ask_to_stop(self) -> None:
+        def request_stop(self) -> None:
             pass
 
         def stop(self, _: float) -> None:

@@ -43,7 +43,7 @@ def test_node_whose_parent_is_gone_ends_also_where_the_time_of_ros_stands_still(
 
 def test_process_that_the_middleware_does_not_let_go_is_ended_by_the_system() -> None:
     hang = (
-        "import ctypes; from flexros_nodes.shell.executable import end_at_the_latest_after as end; end(0.2); "
+        "import ctypes; from flexros_nodes.shell.executable import limit_exit_time as end; end(0.2); "
         "ctypes.PyDLL(None).pause()"  # PyDLL keeps the lock of Python meanwhile
     )
     environment = {**os.environ, "PYTHONPATH": str(CHECKOUT)}

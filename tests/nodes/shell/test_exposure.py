@@ -52,7 +52,7 @@ def test_network_is_asked_for() -> None:
     ],
 )
 def test_network_that_the_environment_forbids_is_bad_input(variable: str, value: str) -> None:
-    with pytest.raises(InputError, match=f"the network is asked for, but {variable} is '{value}'; unset the variable"):
+    with pytest.raises(InputError, match=f"requested, but {variable} is '{value}'; unset the variable"):
         exposure_settings({variable: value}, network=True)
 
 
@@ -161,4 +161,4 @@ def test_process_that_was_open_before_is_refused(ros_domain: int) -> None:
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("ROS_", "RMW_", "FAST"))}
     environment |= {"PYTHONPATH": str(CHECKOUT), "ROS_DOMAIN_ID": str(ros_domain)}
     output = subprocess.check_output([sys.executable, "-c", code], env=environment, text=True)
-    assert json.loads(output).endswith("do the run in a process of its own, or ask for the network")
+    assert json.loads(output).endswith("start the run in a process of its own, or request network access")

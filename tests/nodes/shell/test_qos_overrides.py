@@ -48,9 +48,9 @@ def test_publisher_may_offer_more_and_subscription_ask_for_less(
 @pytest.mark.parametrize(
     ("profile", "publisher", "changes", "sentence"),
     [
-        (OBSERVER, True, {"depth": 0}, "depth is 0, allowed is 100 to 100000: with fewer, some would be overwritten"),
+        (OBSERVER, True, {"depth": 0}, "depth is 0, allowed is 100 to 100000: fewer would be overwritten"),
         (LOOP, False, {"depth": -1}, "depth is -1, allowed is 1 to 100000"),
-        (LOOP, False, {"depth": 2**40}, "allowed is 1 to 100000: more help no reader"),
+        (LOOP, False, {"depth": 2**40}, "allowed is 1 to 100000: more have no effect"),
         (OBSERVER, True, {"reliability": "best_effort"}, "reliability is best_effort, allowed is reliable: a subsc"),
         (
             LATCHED,
@@ -110,7 +110,7 @@ def test_override_that_is_refused_fails_the_configuration(bench: Bench, name: st
     assert node.report.exit_code == 2
     assert node.report.message.startswith("parameter qos_overrides./joint_commands.publisher of node controller: ")
     assert sentence in node.report.message
-    assert node.report.message.endswith("; correct it, or leave it out")
+    assert node.report.message.endswith("; correct or omit it")
 
 
 def test_diagnostics_are_refused_when_the_node_is_made(bench: Bench) -> None:

@@ -92,7 +92,7 @@ def test_interrupted_run_closes_its_log(
     finally:
         process.kill()
     assert process.returncode == 130, errors
-    assert "interrupted; the log is readable up to there" in output
+    assert "interrupted; the log is valid up to that point" in output
     assert not any(exists(pid) for pid in nodes)
     log = read_log(folder)
     assert log.warnings == ()
