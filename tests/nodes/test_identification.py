@@ -246,7 +246,7 @@ def test_scenario_without_the_key_is_bad_input(bench: Bench) -> None:
     node.trigger_configure()
     assert node.report.exit_code == 2
     assert node.report.message == (
-        "scenario circle_dae has no key identification, which node identification needs; add the key, or take node "
+        "scenario circle_dae has no key identification, which node identification needs; add the key, or use node "
         "feedforward"
     )
 

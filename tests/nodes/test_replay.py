@@ -154,8 +154,8 @@ def test_a_controller_that_never_answers_ends_the_replay(bench: Bench) -> None:
     bench.spin_until(lambda: player.report is not None)
     assert player.report.exit_code == 3
     assert player.report.message.startswith(
-        "no command for the measurement at stamp 1.0000 s arrived within 0.3 s; start a controller with the scenario of "
-        "the log and with observers:=0"
+        "no command for the measurement at stamp 1.0000 s arrived within 0.3 s; start a controller with the scenario "
+        "of the log and with observers:=0"
     )
 
 
