@@ -35,7 +35,7 @@ class Case:
     """One run of the demonstration.
 
     Attributes:
-        scenario: Shipped scenario.
+        scenario: Built-in scenario.
         method: Name of the method in the table.
         case: Name of the case in the table.
         label: Name of the log folder.
@@ -51,13 +51,13 @@ class Case:
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What came of one case.
+    """The result of one case.
 
     Attributes:
         case: The case.
         run: The run over the transport.
         analysis: Its log, analysed.
-        equal: Whether the samples equal those of the in-process run; None when it was that run.
+        equal: Whether the samples equal those of the in-process run; None where it was that run.
     """
 
     case: Case
@@ -98,7 +98,7 @@ def demo(
     ),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> int:
-    """Run the circle test of Moberg (2007, Paper B) beside the published figures; then diagnose and repair a gap."""
+    """Run the circle test of Moberg (2007, Paper B), compare the published figures, then diagnose and repair a gap."""
     from flexros.analysis.report import write_comparison, write_report
 
     transport = choose_transport(transport, quiet=as_json)
@@ -129,7 +129,7 @@ def demo(
 
 
 def _repaired(folder: Path, transport: str) -> Repair:
-    """Diagnose and repair a hidden effect; write the report of its runs."""
+    """Diagnose and repair a hidden effect, and write the report of its runs."""
     from flexros.analysis.report import write_report
 
     with progress_bar() as progress:
@@ -146,11 +146,8 @@ def run_case(case: Case, folder: Path, transport: str) -> CaseResult:
 
     Args:
         case: The case.
-        folder: Folder that gets the log.
+        folder: Folder for the log.
         transport: "ros" or "direct".
-
-    Returns:
-        What came of it.
 
     Raises:
         RunError: The run aborted.
@@ -170,15 +167,7 @@ def run_case(case: Case, folder: Path, transport: str) -> CaseResult:
 
 
 def equal_to_direct(scenario: Scenario, log: Log) -> bool:
-    """Compare a log with the in-process run of its scenario, sample for sample and bit for bit.
-
-    Args:
-        scenario: The scenario of the log.
-        log: The log.
-
-    Returns:
-        Whether stamps, encoder positions and commands are equal.
-    """
+    """Return whether stamps, encoder positions and commands equal those of the in-process run, bit for bit."""
     from flexros.scenario.closed_loop import closed_loop
     from flexros.scenario.experiment import Experiment
 
@@ -195,14 +184,7 @@ def equal_to_direct(scenario: Scenario, log: Log) -> bool:
 
 
 def compare(results: list[CaseResult]) -> Comparison:
-    """Put the runs beside the published figures.
-
-    Args:
-        results: The runs.
-
-    Returns:
-        The comparison.
-    """
+    """Compare the runs with the published figures."""
     from flexros.analysis.circle_test import CAVEATS, QUOTED_FIGURES
     from flexros.analysis.comparison import Comparison, MethodRun
 

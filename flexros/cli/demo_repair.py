@@ -1,4 +1,4 @@
-"""The end of the demonstration: a hidden effect is diagnosed from a log, and the feedforward repaired with it."""
+"""Last part of the demonstration: a hidden effect is diagnosed from a log, and the feedforward repaired with it."""
 
 from __future__ import annotations
 
@@ -20,26 +20,26 @@ if TYPE_CHECKING:
     from flexros.scenario.scenario import Scenario
 
 HIDDEN = "hidden_effect"
-"""Shipped scenario whose plant has an effect that the model does not know."""
+"""Built-in scenario whose plant has an effect that the model lacks."""
 
 EXPERIMENT = "diagnosis"
-"""Shipped scenario that shows the effects of a robot."""
+"""Built-in scenario that excites the effects of a robot."""
 
 REPORT = "repair.html"
 """Report of the runs before and after."""
 
 LENGTH = 10.0
-"""Length of the diagnosis experiment [s]: short, for a demonstration (chosen)."""
+"""Length of the diagnosis experiment [s]: short, for a demonstration."""
 
 
 @dataclass(frozen=True)
 class Repair:
-    """What the diagnosis found, and what it did for the path.
+    """A diagnosis, and the path errors before and after the repair.
 
     Attributes:
         diagnosis: The answer.
         patch: The repaired model; None where nothing was found.
-        ideal: The run of the robot without the effect, as the nominal model wants it.
+        ideal: The run of the robot without the effect.
         before: The run with the effect and the nominal model.
         after: The run with the effect and the repaired model; None where nothing was found.
     """
@@ -52,7 +52,7 @@ class Repair:
 
     @property
     def runs(self) -> list[Analysis]:
-        """The runs that there are, in the order of the story."""
+        """All runs, in order."""
         return [run for run in (self.before, self.after, self.ideal) if run is not None]
 
     def as_dict(self) -> dict[str, Any]:
@@ -71,12 +71,9 @@ def repair(folder: Path, transport: str, progress: Callable[[str, float], None])
     """Run with a hidden effect, record an experiment, diagnose it, and run again with the repaired feedforward.
 
     Args:
-        folder: Folder that gets logs and files of the diagnosis.
+        folder: Folder for logs and files of the diagnosis.
         transport: "ros" or "direct".
-        progress: Called with what is done now and the share of all that is done.
-
-    Returns:
-        What came of it.
+        progress: Called with the current step and the share of all that is done.
 
     Raises:
         RunError: A run aborted.
@@ -101,25 +98,20 @@ def repair(folder: Path, transport: str, progress: Callable[[str, float], None])
     return Repair(diagnosis, patch, ideal, before, after)
 
 
-def print_repair(found: Repair, folder: Path) -> None:
-    """Print what came of a repair.
-
-    Args:
-        found: What came of it.
-        folder: Folder of logs and diagnosis.
-    """
+def print_repair(repair: Repair, folder: Path) -> None:
+    """Print the verdict, the path errors and the files of a repair."""
     from flexros.gap.report.terminal import verdict_line
 
     console.print()
-    say(f"Closing the loop: {verdict_line(found.diagnosis)}")
+    say(f"Closing the loop: {verdict_line(repair.diagnosis)}")
     table = Table("run", "largest path error [mm]", title="A hidden effect, diagnosed and repaired")
-    for run in found.runs:
+    for run in repair.runs:
         table.add_row(run.label, f"{1e3 * _worst(run):.3f}")
     console.print(table)
-    if found.patch is None:
+    if repair.patch is None:
         typer.echo("flexros: the diagnosis found no effect to repair the model with", err=True)
     else:
-        say(f"Patch: {found.patch}; open {folder / 'diagnosis' / 'report.html'} and {folder / REPORT}")
+        say(f"Patch: {repair.patch}; open {folder / 'diagnosis' / 'report.html'} and {folder / REPORT}")
 
 
 def _diagnosed(

@@ -22,15 +22,15 @@ GAP_FOUND = 1
 
 
 def diagnose(
-    bag: Annotated[Path, typer.Argument(help="Log folder (rosbag2) or .mcap file to fit effects to.")],
+    bag: Annotated[Path, typer.Argument(help="Log to fit effects to: rosbag2 folder or .mcap file.")],
     model: KnownModelOption,
     out: Annotated[Path, typer.Option("--out", help="Folder for diagnosis.json, patch.yaml and report.html.")],
-    holdout: Path = typer.Option(None, "--holdout", help="Second log to check on; default: the last third of BAG."),
+    holdout: Path = typer.Option(None, "--holdout", help="Held-out log; default: the last third of BAG."),
     tolerance: ToleranceOption = "",
     namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print diagnosis.json."),
 ) -> int:
-    """Say where robot and model differ, which effect causes it, and how far the gap shrinks with it."""
+    """Diagnose the gap between robot and model: where it shows, which effects cause it, and how far they close it."""
     from flexros.effects.patching.patched_robot import load_model
     from flexros.gap.checked_log import checked_log
     from flexros.gap.diagnose import diagnose as diagnosed
@@ -63,7 +63,7 @@ def diagnose(
 
 
 def _progress_on(bar: Progress, task: TaskID) -> Callable[[str, float], None]:
-    """Show stage and share; how many stages follow is not known before, so each has its own remaining time."""
+    """Show stage and share; a stage starts its remaining time anew where the number of its steps was unknown."""
 
     def show(stage: str, share: float) -> None:
         if share < bar.tasks[0].completed:
@@ -74,7 +74,7 @@ def _progress_on(bar: Progress, task: TaskID) -> Callable[[str, float], None]:
 
 
 def _print(result: DiagnosisResult, files: list[Path]) -> None:
-    """Print the answer for people."""
+    """Print the answer as text."""
     from flexros.gap.report import terminal
 
     diagnosis = result.diagnosis

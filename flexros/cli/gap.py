@@ -1,4 +1,4 @@
-"""Command that measures how far a model is from a recorded robot."""
+"""Command that measures the gap between a model and a recorded robot."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 
 def gap(
-    bag: Annotated[Path, typer.Argument(help="Log folder (rosbag2) or .mcap file.")],
+    bag: Annotated[Path, typer.Argument(help="Log: rosbag2 folder or .mcap file.")],
     model: KnownModelOption,
-    patch: Path = typer.Option(None, "--patch", help="Patch of that robot, for the gap that it leaves."),
+    patch: Path = typer.Option(None, "--patch", help="Patch of that robot, to measure the gap that it leaves."),
     tolerance: ToleranceOption = "",
     namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print the numbers as JSON, as in diagnosis.json."),
 ) -> int:
-    """Tell how far a model is from a log; the exit code is 1 where it, with the patch on it, leaves a gap."""
+    """Measure the gap between a model and a log; the exit code is 1 where the model, with the patch, leaves a gap."""
     from flexros.effects.patching.patched_robot import load_model
     from flexros.gap.checked_log import checked_log
     from flexros.gap.measure_gap import measure_gap
@@ -48,7 +48,7 @@ def gap(
 
 
 def _repaired(patch: Path, model: str) -> RobotWithEffects:
-    """Load the patch; it must be one of this robot, else before and after would be of two robots."""
+    """Load the patch; it must be one of this robot, else before and after would refer to two robots."""
     from flexros.effects.patching.patched_robot import load_patched
 
     nominal, patched = load_patched(model), load_patched(patch)
@@ -61,7 +61,7 @@ def _repaired(patch: Path, model: str) -> RobotWithEffects:
 def _print(measured: MeasuredGap) -> None:
     from flexros.gap.report.terminal import gap_line
 
-    said = "a gap" if measured.significant else "no gap"
-    of = "the repaired model" if measured.numbers.after is not None else "the model"
-    console.print(f"{said}: {of} misses {'more than' if measured.significant else 'no more than'} noise and tolerance")
+    verdict, compared = ("a gap", "more than") if measured.significant else ("no gap", "no more than")
+    model = "the repaired model" if measured.numbers.after is not None else "the model"
+    console.print(f"{verdict}: the errors of {model} are {compared} noise and tolerance")
     say(gap_line(measured.numbers))

@@ -1,4 +1,4 @@
-"""From a log to the record that a diagnosis takes: read, completed by what is known of its experiment, and checked."""
+"""Read a log for a diagnosis: an even record, with the periodic parts of its experiment, checked."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def checked_log(log: Log, robot: Robot, *, name: str) -> Record:
-    """Read a log and check its record for what would mislead a diagnosis: units, signs, joint order, clipping.
+    """Read a log, and check its record for wrong units, signs, joint order and clipping.
 
     Args:
         log: The log.
@@ -23,9 +23,9 @@ def checked_log(log: Log, robot: Robot, *, name: str) -> Record:
         name: Name of the log, for messages.
 
     Returns:
-        The record; its warnings say what was repaired or is doubtful.
+        The record; its warnings state what was repaired or is doubtful.
 
     Raises:
-        InputError: There is no usable position or torque, or a check rejects the log; the sentence says why.
+        InputError: There is no usable position or torque, or a check rejects the log.
     """
     return check_record(with_recorded_parts(read_record(log, robot, name=name), log), robot)

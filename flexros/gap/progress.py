@@ -1,4 +1,4 @@
-"""How far a diagnosis is, and how long its stages took."""
+"""Progress of a diagnosis, and the time of its stages."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 FIRST_STEP = 0.5
-"""Share of a stage that its first step counts for, and of the rest the next ones [1] (chosen)."""
+"""Share of a stage that its first step counts for, and each later one of the rest [1]."""
 
 
 class Stages:
-    """Tells how far the work is, and keeps the time of every stage.
+    """Reports progress, and keeps the time of every stage.
 
     Args:
         progress: Called with the name of the stage and the share of all that is done.
@@ -33,7 +33,7 @@ class Stages:
         self.inner(name, 0.0)
 
     def inner(self, name: str, share: float) -> None:
-        """Tell how far a step of the present stage is; as many steps may come, each counts for half of what is left."""
+        """Report the share of a step of the current stage; each further step takes half of what is left."""
         if name != self._step:
             self._step, self._done = name, self._done + self._span
             self._span = FIRST_STEP * (1.0 - self._done)
@@ -41,7 +41,7 @@ class Stages:
             self._progress(name, self._from + (self._done + share * self._span) * (self._to - self._from))
 
     def end(self) -> None:
-        """End the present stage."""
+        """End the current stage."""
         if self._name:
             self.timings[self._name] = time.monotonic() - self._begin
             self._name = ""

@@ -1,4 +1,4 @@
-"""What a diagnosis found, with the evidence that its report shows."""
+"""The result of a diagnosis, with all that its report shows."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """A model of the robot, and what it predicts of both logs.
+    """A model of the robot with its predictions of both logs.
 
     Attributes:
-        name: What it is, e.g. "nominal", or "coulomb_friction@motor_1".
-        fit: Of the log that it was fitted to.
-        holdout: Of the log that it has not seen; None where there is none.
-        effects: The effects on the nominal robot, with their fitted numbers.
+        name: Its effects, e.g. "coulomb_friction@motor_1", or "nothing".
+        fit: Prediction of the fitted log.
+        holdout: Prediction of the held-out log; None where there is none.
+        effects: The effects on the nominal robot, with their fitted parameters.
     """
 
     name: str
@@ -36,16 +36,16 @@ class Explanation:
 
 @dataclass(frozen=True, eq=False)
 class RankedCandidate:
-    """An effect at a place, as it stands in the ranking.
+    """An effect at a location in the ranking.
 
     Attributes:
         effect: Name of the effect.
-        location: Its place.
-        parameters: Fitted numbers by name.
+        location: Its location.
+        parameters: Fitted parameters by name.
         gain: Twice the gain in log-likelihood over the nominal model on the fit log [1].
-        penalty: What its parameters cost, in the units of `gain` [1].
+        penalty: Penalty of its parameters, in the unit of `gain` [1].
         probability: That this effect is part of the truth [1].
-        holdout_gain: The gain on the log that it was not fitted to [1]; None where not computed.
+        holdout_gain: The gain on the held-out log [1]; None where not computed.
         remainder: Share of the excess over the noise floor that it leaves in the fit log [1]; None where not computed.
         together_with: The other effects of the explanation that these figures are of.
     """
@@ -68,7 +68,7 @@ class RankedCandidate:
 
 @dataclass(frozen=True)
 class SignalGap:
-    """How far apart robot and model are in one signal, in units that a user feels.
+    """The gap in one signal, in its own unit.
 
     Attributes:
         signal: E.g. "motor_1 position, 0.1 s ahead", or "tool path in closed loop".
@@ -89,22 +89,22 @@ class SignalGap:
 
 @dataclass(frozen=True, eq=False)
 class DiagnosisResult:
-    """What a diagnosis found, and by what.
+    """The result of a diagnosis.
 
     Attributes:
         diagnosis: The answer, as written into diagnosis.json.
         robot: The nominal robot.
-        record: The log that the effects were fitted to.
-        holdout: The log for the final check; None where none could be set aside.
-        before: The nominal model, with what lies within its tolerance fitted.
-        ranking: All effects that competed, by probability, the first one first.
+        record: The fitted log.
+        holdout: The held-out log; None where none could be set aside.
+        before: The nominal model, fitted within its tolerance.
+        ranking: All effects that competed, by probability.
         null_probability: Probability that no effect is there [1].
         after: The model with the causes; None where none was found.
         rival: The best explanation that was not chosen; None where there is none.
-        patch: The effects that repair the model, with their fitted numbers; empty where none was found.
-        covariance_of: Names of fitted numbers, e.g. "coulomb_friction@motor_1.level", in the order of `covariance`.
-        covariance: Covariance of the fitted numbers [SI], shape (p, p); None where none was found.
-        excess: All places that were looked at for a gap, significant or not: per joint and band over the regime "all",
+        patch: The effects that repair the model, with their fitted parameters; empty where none was found.
+        covariance_of: Names of fitted parameters, e.g. "coulomb_friction@motor_1.level", in the order of `covariance`.
+        covariance: Covariance of the fitted parameters [SI], shape (p, p); None where none was found.
+        excess: Excess at all locations, significant or not: per joint and band over the regime "all",
             and per joint and regime over the whole band.
         signals: The gap by signal, on held-out data, and in closed loop where reference and controller are known.
         signature_data: Data of the signature pictures: the fitted log with the predictions of the nominal and the

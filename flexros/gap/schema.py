@@ -12,43 +12,43 @@ Verdict = Literal["no_gap", "explained", "ambiguous", "unknown_effect"]
 
 
 class CauseParameter(Settings):
-    """A fitted number."""
+    """A fitted parameter."""
 
-    value: float = Field(description="fitted value, in the unit beside it")
+    value: float = Field(description="fitted value, in `unit`")
     std: float = Field(description="its standard deviation, in the same unit")
     unit: str = Field(description="SI unit, 1 for none")
 
 
 class EffectLocation(Settings):
-    """An effect at a place."""
+    """An effect at a location."""
 
     effect: str = Field(description="name of the effect")
     location: str = Field(description="joint, spring, body, 'tool', 'base' or 'all'")
 
 
 class Cause(EffectLocation):
-    """An effect that is held to be part of the truth."""
+    """An effect that is probably part of the truth."""
 
     probability: float = Field(ge=0.0, le=1.0, description="that this effect is part of the truth [1]")
-    parameters: dict[str, CauseParameter] = Field(description="fitted numbers of the effect")
+    parameters: dict[str, CauseParameter] = Field(description="fitted parameters of the effect")
     closed_fraction: float | None = Field(description="share of the gap that it closes on held-out data [1]")
 
 
 class Excess(Settings):
-    """A place where the gap shows, found without any hypothesis."""
+    """A location where the gap shows, computed without any hypothesis."""
 
     signal: str = Field(description="'position' of a motor or 'tool'")
     joint: str = Field(description="joint name, or 'tool'")
     band_hz: tuple[float, float] = Field(description="frequency band [Hz]")
     regime: str = Field(description="part of the motion, e.g. 'reversal', 'standstill', 'all'")
-    share: float = Field(description="share of the whole excess that lies here [1]")
-    p_value: float = Field(description="probability of such an excess without gap, over all places looked at [1]")
+    share: float = Field(description="share of the whole excess that is here [1]")
+    p_value: float = Field(description="probability of such an excess without gap, over all locations tested [1]")
 
 
 class GapNumbers(Settings):
-    """How far apart robot and model are, on held-out data."""
+    """The gap between robot and model, on held-out data."""
 
-    metric: str = Field(description="what the numbers are")
+    metric: str = Field(description="quantity of these numbers")
     unit: str = Field(description="their unit")
     before: float = Field(description="with the nominal model")
     after: float | None = Field(default=None, description="with the repaired model")
@@ -61,26 +61,26 @@ class GapNumbers(Settings):
 
 
 class NextExperiment(Settings):
-    """The experiment that separates what the log cannot."""
+    """The experiment that separates the explanations that the log does not."""
 
     name: str = Field(description="name in the catalogue")
-    description: str = Field(description="what to do")
+    description: str = Field(description="instructions")
     separates: tuple[EffectLocation, ...] = Field(description="the explanations that it separates")
     expected_gain: float = Field(description="expected logarithm of the odds of the two closest [nats]")
-    command: str = Field(default="", description="command that runs it, where one does")
+    command: str = Field(default="", description="command that runs it, where there is one")
 
 
 class Diagnosis(Settings):
-    """What a diagnosis says; written as `diagnosis.json`."""
+    """The answer of a diagnosis; written as `diagnosis.json`."""
 
-    schema_version: int = Field(default=1, alias="schema", description="version of this form")
-    verdict: Verdict = Field(description="the answer in a word")
-    causes: tuple[Cause, ...] = Field(description="by probability, the first one first")
+    schema_version: int = Field(default=1, alias="schema", description="version of this schema")
+    verdict: Verdict = Field(description="the verdict")
+    causes: tuple[Cause, ...] = Field(description="by probability, the most probable first")
     ambiguity_groups: tuple[tuple[EffectLocation, ...], ...] = Field(
-        description="effects that the log cannot tell apart"
+        description="effects that the log does not separate"
     )
     where: tuple[Excess, ...] = Field(description="where the gap shows, before any hypothesis")
-    gap: GapNumbers = Field(description="how far it shrinks")
-    next_experiment: NextExperiment | None = Field(description="what to run next; none where nothing is open")
-    warnings: tuple[str, ...] = Field(description="what limits the answer, a sentence each")
+    gap: GapNumbers = Field(description="gap before and after the repair")
+    next_experiment: NextExperiment | None = Field(description="experiment to run next; none where nothing is open")
+    warnings: tuple[str, ...] = Field(description="limits of the answer, a sentence each")
     provenance: dict[str, Any] = Field(description="log, model, versions and settings")

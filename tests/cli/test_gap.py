@@ -50,7 +50,7 @@ def test_a_model_that_misses_something_is_told_so(flexros, bags: dict[str, str])
 def test_the_true_model_has_no_gap(flexros, bags: dict[str, str]) -> None:
     ended = flexros("gap", bags["clean"], "--model", "four_mass_linear")
     assert ended.code == 0, ended.err
-    assert ended.out.startswith("no gap: the model misses no more than noise and tolerance\nGap (")
+    assert ended.out.startswith("no gap: the errors of the model are no more than noise and tolerance\nGap (")
 
 
 def test_a_patch_closes_the_gap(flexros, bags: dict[str, str], tmp_path: Path) -> None:
@@ -65,7 +65,7 @@ def test_a_patch_closes_the_gap(flexros, bags: dict[str, str], tmp_path: Path) -
 def test_half_a_patch_leaves_a_gap(flexros, bags: dict[str, str], tmp_path: Path) -> None:
     ended = flexros("gap", bags["hidden"], "--model", "four_mass_linear", "--patch", patch(tmp_path, 0.03))
     assert ended.code == 1, ended.err
-    assert ended.out.startswith("a gap: the repaired model misses more than noise and tolerance")
+    assert ended.out.startswith("a gap: the errors of the repaired model are more than noise and tolerance")
     assert "closed" in ended.out
 
 

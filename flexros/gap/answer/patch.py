@@ -1,4 +1,4 @@
-"""Repair: what a diagnosis found, written as a patch of the robot."""
+"""Repair: the effects of a diagnosis as a patch of the robot."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ if TYPE_CHECKING:
     from flexros.gap.schema import CauseParameter
 
 DIGITS = 9
-"""Significant digits of numbers in a patch (chosen): far more than any log determines."""
+"""Significant digits of values in a patch: far more than any log determines."""
 
 
 def patch_of(result: DiagnosisResult, model: str | Path, folder: Path) -> Patch:
     """Make the patch of a diagnosis.
 
     Args:
-        result: What the diagnosis found.
-        model: The model that was diagnosed: shipped robot, or path of a robot file or of a patch.
-        folder: Folder that the patch will lie in; paths in it are relative to this.
+        result: Result of the diagnosis.
+        model: The diagnosed model: built-in robot, or path of a robot file or of a patch.
+        folder: Folder of the patch; paths in it are relative to this.
 
     Returns:
-        The effects that repair the model with their fitted numbers; without effects where nothing was found.
+        The effects that repair the model with their fitted parameters; without effects where none was found.
 
     Raises:
-        InputError: The model cannot be loaded any more.
+        InputError: The model cannot be loaded.
     """
     causes = result.diagnosis.causes
     fitted = dict(zip(numbered(f"{cause.effect}@{cause.location}" for cause in causes), causes))
@@ -44,7 +44,7 @@ def patch_of(result: DiagnosisResult, model: str | Path, folder: Path) -> Patch:
         robot=name_from(str(model), folder),
         robot_hash=load_patched(model).fingerprint,
         source=f"diagnosis of {result.record.name}: {result.diagnosis.verdict}",
-        effects=tuple(_effect(one, parameters.get(name, {})) for name, one in zip(_names(result), result.patch)),
+        effects=tuple(_effect(placed, parameters.get(name, {})) for name, placed in zip(_names(result), result.patch)),
         covariance=_covariance(result),
     )
 
@@ -53,15 +53,15 @@ def write_patch(result: DiagnosisResult, model: str | Path, path: Path) -> Patch
     """Write the patch of a diagnosis as a file, whole or not at all.
 
     Args:
-        result: What the diagnosis found.
-        model: The model that was diagnosed, as for `patch_of`.
-        path: The file, usually patch.yaml beside diagnosis.json.
+        result: Result of the diagnosis.
+        model: The diagnosed model, as for `patch_of`.
+        path: The file, usually patch.yaml next to diagnosis.json.
 
     Returns:
         The patch.
 
     Raises:
-        InputError: It cannot be written there.
+        InputError: The file cannot be written.
     """
     patch = patch_of(result, model, path.absolute().parent)
     write_result(path, patch.text(), "patch")
@@ -69,15 +69,15 @@ def write_patch(result: DiagnosisResult, model: str | Path, path: Path) -> Patch
 
 
 def _names(result: DiagnosisResult) -> tuple[str, ...]:
-    return numbered(f"{one.effect.name}@{one.location}" for one in result.patch)
+    return numbered(f"{placed.effect.name}@{placed.location}" for placed in result.patch)
 
 
-def _effect(one: PlacedEffect, fitted: Mapping[str, CauseParameter]) -> PatchedEffect:
-    """Give the parameters that are not at their neutral defaults, with what is known of the fitted ones."""
-    set_values = {**one.effect.model_dump(mode="json", exclude_defaults=True)}
-    set_values |= {name: getattr(one.effect, name) for name in fitted}
-    parameters = {name: _value(value, fitted.get(name)) for name, value in set_values.items()}
-    return PatchedEffect(effect=one.effect.name, location=one.location, parameters=parameters)
+def _effect(placed: PlacedEffect, fitted: Mapping[str, CauseParameter]) -> PatchedEffect:
+    """Return the parameters that are not at their neutral defaults, with errors and units of the fitted ones."""
+    values = {**placed.effect.model_dump(mode="json", exclude_defaults=True)}
+    values |= {name: getattr(placed.effect, name) for name in fitted}
+    parameters = {name: _value(value, fitted.get(name)) for name, value in values.items()}
+    return PatchedEffect(effect=placed.effect.name, location=placed.location, parameters=parameters)
 
 
 def _value(value: bool | float | str, fitted: CauseParameter | None) -> PatchedValue:
@@ -92,26 +92,26 @@ def _value(value: bool | float | str, fitted: CauseParameter | None) -> PatchedV
 
 
 def _covariance(result: DiagnosisResult) -> Covariance | None:
-    """Take the numbers of the effects whose variance is known; numbers within tolerance are no part of a patch."""
+    """Select the parameters of the effects with a known variance; tolerated deviations are no part of a patch."""
     if result.covariance is None:
         return None
     pairs = zip(_names(result), result.patch)
-    own = {f"{name}.{parameter}" for name, one in pairs for parameter in type(one.effect).model_fields}
+    own = {f"{name}.{parameter}" for name, placed in pairs for parameter in type(placed.effect).model_fields}
     variance = np.diagonal(result.covariance)
     known = [
-        place
-        for place, name in enumerate(result.covariance_of)
-        if name in own and np.isfinite(variance[place]) and variance[place] > 0
+        index
+        for index, name in enumerate(result.covariance_of)
+        if name in own and np.isfinite(variance[index]) and variance[index] > 0
     ]
     if not known:
         return None
     matrix = result.covariance[np.ix_(known, known)]
     rows = tuple(tuple(_rounded(value) for value in row) for row in _semidefinite(matrix))
-    return Covariance(names=tuple(result.covariance_of[place] for place in known), matrix=rows)
+    return Covariance(names=tuple(result.covariance_of[index] for index in known), matrix=rows)
 
 
 def _semidefinite(matrix: FloatArray) -> FloatArray:
-    """Take off what rounding left of negative eigenvalues, where numbers hardly differ in effect; variances stay."""
+    """Remove negative eigenvalues that are left by rounding where parameters are collinear; variances stay."""
     deviation = np.sqrt(np.diagonal(matrix))
     size, direction = np.linalg.eigh(0.5 * (matrix + matrix.T) / np.outer(deviation, deviation))
     half = direction * np.sqrt(np.maximum(size, 0.0))

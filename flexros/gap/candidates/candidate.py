@@ -1,4 +1,4 @@
-"""What may be the cause: effects at places, and the numbers of them that are fitted."""
+"""Candidate causes: an effect, its location and its free parameters."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FreeParameter:
-    """A number of an effect that is fitted; positive ones by their logarithm.
+    """A fitted parameter of an effect. The fit moves the logarithm of positive ones, and signed ones over `high`.
 
     Attributes:
         name: Name within the effect.
         low: Smallest size [its unit].
         high: Largest size [its unit].
-        signed: Whether it may be negative; then it is fitted as it is, in multiples of `high`.
-        starts: Values from which the fit starts [its unit].
+        signed: Whether it may be negative.
+        starts: Initial values of the fit [its unit].
         negative: Largest size of negative values, not above `high` [its unit]; None: `high`.
     """
 
@@ -41,16 +41,16 @@ class FreeParameter:
     negative: float | None = None
 
     def encode(self, value: float) -> float:
-        """Turn a value into the number that the fit moves."""
+        """Convert a value [its unit] to the unit of the fit [1]."""
         return value / self.high if self.signed else float(np.log(max(value, self.low)))
 
-    def decode(self, number: FloatArray) -> FloatArray:
-        """Turn numbers of the fit into values."""
-        return number * self.high if self.signed else np.exp(number)
+    def decode(self, encoded: FloatArray) -> FloatArray:
+        """Convert from the unit of the fit [1] to values [its unit]."""
+        return encoded * self.high if self.signed else np.exp(encoded)
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Bounds of the number that the fit moves."""
+        """Smallest and largest value in the unit of the fit [1]."""
         if not self.signed:
             return float(np.log(self.low)), float(np.log(self.high))
         return -min(1.0, (self.high if self.negative is None else self.negative) / self.high), 1.0
@@ -58,14 +58,14 @@ class FreeParameter:
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect at a place whose numbers are unknown.
+    """An effect at a location, with unknown parameters.
 
     Attributes:
         effect: Class of the effect.
-        location: Its place.
-        free: The numbers that are fitted.
-        fixed: Other numbers of it that are not at their defaults.
-        together: Whether the starts of the numbers belong together, one of each; else all combinations count.
+        location: Motor, spring, body, "tool", "base" or "all".
+        free: The fitted parameters.
+        fixed: Other parameters that are not at their defaults.
+        together: Whether initial values belong together, one of each parameter; else all combinations count.
     """
 
     effect: type[AbstractEffect]
@@ -76,48 +76,44 @@ class Candidate:
 
     @property
     def name(self) -> str:
-        """Effect and place, e.g. "coulomb_friction@motor_1"."""
+        """Effect and location, e.g. "coulomb_friction@motor_1"."""
         return f"{self.effect.name}@{self.location}"
 
     def starts(self) -> list[tuple[float, ...]]:
-        """List the numbers from which a fit starts, as it moves them."""
-        numbers = [[one.encode(value) for value in one.starts] for one in self.free]
-        return list(zip(*numbers, strict=True) if self.together else product(*numbers))
+        """List initial values of all free parameters in the units of the fit."""
+        encoded = [[free.encode(value) for value in free.starts] for free in self.free]
+        return list(zip(*encoded, strict=True) if self.together else product(*encoded))
 
     def placed(self, values: Mapping[str, float]) -> PlacedEffect:
-        """Make the effect with numbers.
-
-        Args:
-            values: Values of the free parameters by name [their units].
-        """
+        """Make the effect with values of the free parameters by name [their units]."""
         return PlacedEffect(self.effect(**{**dict(self.fixed), **values}), self.location)
 
     def typical(self) -> PlacedEffect:
-        """Make the effect with one of its starts, none of them neutral."""
-        return self.placed({one.name: one.starts[len(one.starts) // 2] for one in self.free})
+        """Make the effect with one initial value of each parameter, none of them neutral."""
+        return self.placed({free.name: free.starts[len(free.starts) // 2] for free in self.free})
 
 
 Hypothesis = tuple[Candidate, ...]
-"""Effects that are there together; the empty one is "nothing"."""
+"""Effects that act together; the empty one is the nominal model."""
 
 
 def names_of(hypothesis: Hypothesis) -> frozenset[str]:
-    """Name the effects at places of a hypothesis."""
+    """Return the names of the candidates of a hypothesis."""
     return frozenset(candidate.name for candidate in hypothesis)
 
 
 def name_of(hypothesis: Hypothesis) -> str:
-    """Name a hypothesis by its effects and places."""
+    """Return the name of a hypothesis: its candidates, or "nothing"."""
     return " + ".join(candidate.name for candidate in hypothesis) or "nothing"
 
 
 def free_parameter(name: str, allowed: Range, scale: float) -> FreeParameter:
-    """Put the range of a parameter into the units of a log.
+    """Convert the range of a parameter to the scale of a log.
 
     Args:
         name: Name within the effect.
-        allowed: Its range.
-        scale: What the bounds of the range multiply.
+        allowed: Its range, as multiples of the scale.
+        scale: Scale of the log [unit of the parameter].
     """
     low, high = allowed.low * scale, allowed.high * scale
     negative = high if allowed.negative is None else allowed.negative * scale
@@ -136,37 +132,30 @@ def free_parameter(name: str, allowed: Range, scale: float) -> FreeParameter:
 
 
 def list_candidates(robot: Robot, scales: Scales) -> tuple[Candidate, ...]:
-    """List every effect at every place that a fit can look for.
+    """List every effect at every location, but for effects without ranges and those with a harmonic.
+
+    The orders of harmonics are found in the prediction errors, see `flexros.gap.search.harmonic_candidates`.
 
     Args:
         robot: The nominal robot.
         scales: Largest torques, speeds and deflections of the log.
-
-    Returns:
-        Candidates; effects without ranges are left out, and those that repeat with the rotor, whose orders are sought
-        apart.
     """
-    found: list[Candidate] = []
+    candidates: list[Candidate] = []
     for effect in effects().values():
-        if not effect.ranges or "order" in effect.ranges:
+        if not effect.ranges or effect.harmonics:
             continue
-        for location in places(effect, robot):
+        for location in distinct_locations(effect, robot):
             free = tuple(
                 free_parameter(name, allowed, scales.of(allowed.scale, location))
                 for name, allowed in effect().fitted(robot, location).items()
             )
-            found.append(Candidate(effect, location, free))
-    return tuple(found)
+            candidates.append(Candidate(effect, location, free))
+    return tuple(candidates)
 
 
-def places(effect: type[AbstractEffect], robot: Robot) -> tuple[str, ...]:
-    """List the places of an effect that differ: on a robot with one motor, "all" is that motor.
-
-    Args:
-        effect: Class of the effect.
-        robot: The robot.
-    """
-    found = effect().locations(robot)
-    if "all" in found and robot.n_motors == 1:
-        found = tuple(place for place in found if place not in robot.joint_names)
-    return found
+def distinct_locations(effect: type[AbstractEffect], robot: Robot) -> tuple[str, ...]:
+    """List the distinct locations of an effect: on a robot with one motor, "all" is that motor."""
+    locations = effect().locations(robot)
+    if "all" in locations and robot.n_motors == 1:
+        locations = tuple(location for location in locations if location not in robot.joint_names)
+    return locations

@@ -1,4 +1,4 @@
-"""Largest torques, speeds, angles and deflections in a log: what the ranges of effects are multiples of."""
+"""Scales of a log: its largest torques, speeds, angles and deflections, which ranges of effects are multiples of."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from flexros.effects.kinds.ranges import Scale
     from flexros.robot import Robot
 
+SMALLEST = 1e-9
+"""Least size of a scale, for motors that do not move [its unit]."""
+
 
 @dataclass(frozen=True)
 class Scales:
@@ -26,12 +29,7 @@ class Scales:
     sizes: Mapping[str, Mapping[str, float]]
 
     def of(self, scale: Scale, location: str) -> float:
-        """Return the size for a place; places that are neither motor nor spring get the largest of all.
-
-        Args:
-            scale: Which size.
-            location: Where.
-        """
+        """Return the size of a scale at a location; that of all motors where it is neither motor nor spring."""
         over, _, under = scale.partition("/")
         return self._largest(over, location) / (self._largest(under, location) if under else 1.0)
 
@@ -43,30 +41,29 @@ class Scales:
 
 
 def scales_of(robot: Robot, states: FloatArray, torque: FloatArray) -> Scales:
-    """Take the sizes from a log and the states that the nominal model predicts for it.
+    """Compute the scales of a log.
 
     Args:
         robot: The nominal robot.
-        states: Predicted states [q, v], shape (n, n_states).
+        states: States [q, v] that the nominal model predicts, shape (n, n_states).
         torque: Torques of the motors [Nm or N], shape (n, M).
     """
-    n, places = robot.n_coordinates, robot.motor_rows
-    names = robot.joint_names
+    n, rows, names = robot.n_coordinates, robot.motor_rows, robot.joint_names
     position, speed = states[:, :n], states[:, n : 2 * n]
-    torques = {name: max(float(np.abs(torque[:, motor]).max()), 1e-9) for motor, name in enumerate(names)}
-    speeds = {name: _largest(speed[:, place]) for name, place in zip(names, places)}
-    angles = {name: max(float(np.ptp(position[:, place])), 1e-9) for name, place in zip(names, places)}
+    torques = {name: max(float(np.abs(torque[:, motor]).max()), SMALLEST) for motor, name in enumerate(names)}
+    speeds = {name: _largest(speed[:, row]) for name, row in zip(names, rows)}
+    angles = {name: max(float(np.ptp(position[:, row])), SMALLEST) for name, row in zip(names, rows)}
     deflections: dict[str, float] = {}
     for index, joint in enumerate(robot.joints):
         value = position[:, index]
         if joint.motor_coordinate is not None:
             value = position[:, robot.n_arm + joint.motor_coordinate] - value
         deflections[joint.name] = _largest(value)
-    for motor, name in enumerate(names):
-        deflections[name] = deflections[robot.motors[motor].joint.name]
+    for motor in robot.motors:
+        deflections[motor.name] = deflections[motor.joint.name]
     return Scales({"torque": torques, "speed": speeds, "angle": angles, "deflection": deflections})
 
 
 def _largest(values: FloatArray) -> float:
-    """Return the largest size, but for a thousandth of the samples, and never zero."""
-    return max(float(np.quantile(np.abs(values), 0.999)), 1e-9)
+    """Return the largest size but for a thousandth of the samples."""
+    return max(float(np.quantile(np.abs(values), 0.999)), SMALLEST)

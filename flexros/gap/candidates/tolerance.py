@@ -1,4 +1,4 @@
-"""Numbers of the nominal model that are known with a tolerance only."""
+"""Parameters of the nominal model that are known with a tolerance only."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ KINDS = {
     "damping": (".damping", ".viscous_friction"),
     "inertia": (".inertia", ".mass", ".inertia.xx", ".inertia.yy", ".inertia.zz"),
 }
-"""Kinds of numbers of a robot by how their names end."""
+"""Kinds of robot parameters by the endings of their names."""
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Numbers that may deviate.
+    """Tolerated parameters.
 
     Attributes:
-        names: Parameters of the robot.
-        deviations: One standard deviation each of the logarithm of the value [1].
+        names: Names of robot parameters.
+        deviations: Standard deviation of the logarithm of each [1].
     """
 
     names: tuple[str, ...] = ()
@@ -34,14 +34,11 @@ class Tolerance:
 
 
 def tolerance_of(robot: Robot, given: Mapping[str, float]) -> Tolerance:
-    """Collect the tolerances of a robot.
+    """Collect the tolerances of a robot: of all parameters that are neither zero nor exact.
 
     Args:
-        robot: The nominal robot; its file states tolerances per number.
+        robot: The nominal robot; its file states a tolerance per parameter.
         given: Relative tolerances by kind (stiffness, damping, inertia) that replace those of the file [1].
-
-    Returns:
-        Numbers that are not zero and not exact.
 
     Raises:
         InputError: A kind is unknown.
@@ -49,12 +46,12 @@ def tolerance_of(robot: Robot, given: Mapping[str, float]) -> Tolerance:
     for kind in given:
         if kind not in KINDS:
             raise unknown_name("kind of tolerance", kind, KINDS)
-    found: dict[str, float] = {}
+    tolerances: dict[str, float] = {}
     for name, parameter in robot.parameters.items():
         deviation = parameter.tolerance
         for kind, endings in KINDS.items():
             if kind in given and name.endswith(endings):
                 deviation = given[kind]
         if deviation > 0 and parameter.value != 0:
-            found[name] = deviation
-    return Tolerance(tuple(found), tuple(found.values()))
+            tolerances[name] = deviation
+    return Tolerance(tuple(tolerances), tuple(tolerances.values()))

@@ -9,7 +9,14 @@ import pytest
 
 from flexros.effects import effects
 from flexros.effects.kinds.ranges import Range
-from flexros.gap.candidates.candidate import Candidate, FreeParameter, free_parameter, list_candidates, name_of, places
+from flexros.gap.candidates.candidate import (
+    Candidate,
+    FreeParameter,
+    distinct_locations,
+    free_parameter,
+    list_candidates,
+    name_of,
+)
 from flexros.gap.candidates.scales import Scales
 from flexros.robot import load_robot
 
@@ -89,8 +96,8 @@ def test_the_typical_effect_of_a_candidate_is_at_one_of_its_starts() -> None:
 
 def test_all_and_the_only_motor_are_one_place() -> None:
     effect = effects()["delay"]
-    assert places(effect, load_robot("four_mass_linear")) == ("all",)
-    assert set(places(effect, load_robot("elbow"))) == {"all", "motor_1", "motor_2"}
+    assert distinct_locations(effect, load_robot("four_mass_linear")) == ("all",)
+    assert set(distinct_locations(effect, load_robot("elbow"))) == {"all", "motor_1", "motor_2"}
 
 
 def test_hypotheses_are_named_by_effects_and_places() -> None:
