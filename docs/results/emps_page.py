@@ -162,7 +162,7 @@ def page(folder: Path) -> str:
         Its text in Markdown.
     """
     nominal = RobotWithEffects(load_robot("emps"), ())
-    settings = DiagnosisSettings(where=False, next_experiment=False)
+    settings = DiagnosisSettings(where=None, next_experiment=None)
     names = ("DATA_EMPS", "DATA_EMPS_PULSES")
     runs = {name: experiment(folder / f"{name}.mat") for name in names}
     results = {name: diagnose(run.record, nominal, settings=settings) for name, run in runs.items()}

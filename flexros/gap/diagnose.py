@@ -75,7 +75,7 @@ def diagnose(
     fitted, held = (record, holdout) if holdout is not None else split(record, settings.fitted_share)
     _check_alike(fitted, held)
     data = fit_data(fitted, model, settings)
-    held_data = fit_data(held, model, settings, measurement_in(held, model.robot, data.measurement))
+    held_data = fit_data(held, model, settings, measurement_in(held, model.robot, data.measurement, settings))
     null = fit_null(data, model, tolerance_of(model.robot, tolerance or {}), settings.fit)
     held_data = held_data.tool_seen_by(null.fit.predictor, null.fit.theta)
     prediction = prediction_of(null.fit, null.data)
@@ -108,6 +108,7 @@ def _where(null: NullFit, prediction: PredictedLog, settings: DiagnosisSettings)
         replace(data.record, valid=data.settled, tool=tool),
         null.model.robot,
         settings.seed,
+        settings=settings.where,
         tool_error=error,
         spectrum=autoregressive_spectrum(-whitening[:, 1:].T) if whitening.shape[1] > 1 else None,
     )

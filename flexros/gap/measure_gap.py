@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from flexros.blas_threads import one_blas_thread
 from flexros.gap.candidates.tolerance import tolerance_of
 from flexros.gap.fit.null_fit import fit_null
-from flexros.gap.held_out.prediction_gap import errors_ahead, gap_numbers
-from flexros.gap.held_out.rounding import over_expected_floor, unknown_rounding
+from flexros.gap.held_out.prediction_gap import errors_ahead, gap_numbers, over_expected_floor, unknown_rounding
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.model_probability import allowing_for_doubt, compare
 from flexros.gap.settings import DiagnosisSettings

@@ -12,7 +12,7 @@ from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData, fit_data
 from flexros.gap.search.candidate_fits import Search, prepare_search
-from flexros.gap.settings import DiagnosisSettings, SearchSettings
+from flexros.gap.settings import DiagnosisSettings, SearchSettings, WhereSettings
 from flexros.record.read import read_record
 from flexros.record.record import Record
 from flexros.robot import load_robot
@@ -48,9 +48,9 @@ def data_of(*effects: str, length: float = SECONDS, seed: int = 1, tool: bool = 
     return fit_data(record_of(*effects, length=length, seed=seed, tool=tool), MODEL, DiagnosisSettings())
 
 
-def settings_of(*effects: str, where: bool = False) -> DiagnosisSettings:
+def settings_of(*effects: str, where: WhereSettings | None = None) -> DiagnosisSettings:
     """Settings of a short diagnosis, in which these effects compete, or all."""
-    return DiagnosisSettings(threads=1, where=where, next_experiment=False, search=SearchSettings(effects=effects))
+    return DiagnosisSettings(threads=1, where=where, next_experiment=None, search=SearchSettings(effects=effects))
 
 
 def search_of(*effects: str, among: tuple[str, ...] = (), tolerance: Tolerance | None = None) -> Search:

@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 from flexros.effects import place_effects
 from flexros.gap.diagnose import diagnose, split
 from flexros.gap.result import DiagnosisResult
-from flexros.gap.settings import DiagnosisSettings
+from flexros.gap.settings import DiagnosisSettings, WhereSettings
 from flexros.record.read import read_record
 from flexros.record.record import Record
 from flexros.scenario.closed_loop import closed_loop
@@ -151,7 +151,7 @@ def test_coloured_noise_is_no_place_of_a_gap() -> None:
         noise = lfilter([0.6], [1.0, -0.8], rng.normal(size=record.n_samples))[:, None] * ROBOT.encoder_noise
         return replace(record, position=record.position + noise)
 
-    settings = settings_of(*FEW_EFFECTS, where=True)
+    settings = settings_of(*FEW_EFFECTS, where=WhereSettings())
     result = diagnose(recorded(1), ROBOT, holdout=recorded(2), settings=settings)
     assert result.diagnosis.verdict == "no_gap"
     assert result.diagnosis.where == ()

@@ -19,7 +19,7 @@ from flexros.gap.checked_log import checked_log
 from flexros.gap.diagnose import diagnose
 from flexros.gap.fit.least_squares import CandidateFit, best_of, chi2_of, fit, initial_values
 from flexros.gap.fit.null_fit import NullFit, fit_null
-from flexros.gap.noise.encoder_noise import SIGNAL_TOLERANCE, measure_noise
+from flexros.gap.noise.encoder_noise import measure_noise
 from flexros.gap.residuals.fit_data import fit_data
 from flexros.gap.search.candidate_fits import prepare_search
 from flexros.gap.settings import DiagnosisSettings, SearchSettings
@@ -68,8 +68,8 @@ def test_measured_log_passes_the_checks(robot: Robot, name: str) -> None:
 
 
 def test_measured_log_gets_a_signal_tolerance_and_a_plausible_noise(robot: Robot) -> None:
-    noise = measure_noise(record_of("DATA_EMPS.mat"), robot)
-    assert noise.signal_tolerance == SIGNAL_TOLERANCE
+    noise = measure_noise(record_of("DATA_EMPS.mat"), robot, DiagnosisSettings())
+    assert noise.signal_tolerance == DiagnosisSettings().noise.signal_tolerance
     assert noise.standard_deviation[0] == robot.encoder_noise[0]
 
 
@@ -86,7 +86,7 @@ def test_spoilt_measured_log_is_refused(robot: Robot, factor: float, words: str)
 def test_coulomb_friction_is_named_first_with_its_published_level(robot: Robot) -> None:
     """The published level is 20.39 N, and an offset of -3.16 N is the asymmetry of it."""
     pairs = SearchSettings(most_effects=2)  # a third one takes as long as all before
-    settings = DiagnosisSettings(where=False, next_experiment=False, search=pairs)
+    settings = DiagnosisSettings(where=None, next_experiment=None, search=pairs)
     result = diagnose(record_of("DATA_EMPS.mat").part(0, 8000), robot, settings=settings)
     first = result.diagnosis.causes[0]
     assert (first.effect, first.location) == ("coulomb_friction", "motor_1")

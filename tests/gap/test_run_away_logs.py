@@ -32,7 +32,7 @@ def swinging_up(largest: float, n: int = 4000) -> Record:
 
 
 def test_a_log_from_which_the_prediction_runs_away_is_refused() -> None:
-    with pytest.raises(InputError, match="bags/wild: the prediction of the nominal model runs away from this log") as e:
+    with pytest.raises(InputError, match=r"bags/wild: .* 5.05e\+03 rad") as e:
         measure_gap(swinging_up(3500.0), place_effects(ELBOW, ()))
     assert "motors move by up to 5.05e+03 rad or m; check units, signs and order of the motors" in str(e.value)
 
@@ -44,7 +44,7 @@ def test_such_a_log_is_refused_as_holdout_before_the_search() -> None:
             swinging_up(0.1),
             ELBOW,
             holdout=swinging_up(3500.0),
-            settings=DiagnosisSettings(where=False),
+            settings=DiagnosisSettings(where=None),
             progress=lambda stage, share: told.append(stage),
         )
     assert set(told) == {"nominal model"}

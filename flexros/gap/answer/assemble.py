@@ -20,10 +20,14 @@ from flexros.gap.answer.decision import (
 from flexros.gap.answer.limits import identifiability_limits
 from flexros.gap.candidates.candidate import name_of
 from flexros.gap.fit.estimates import covariance_of, parameters_of, placed_effects
-from flexros.gap.held_out.prediction_gap import closed_fraction, errors_ahead, gap_numbers
+from flexros.gap.held_out.prediction_gap import (
+    closed_fraction,
+    errors_ahead,
+    gap_numbers,
+    over_expected_floor,
+    signal_gaps,
+)
 from flexros.gap.held_out.predictions import prediction_of, signature_evidence
-from flexros.gap.held_out.rounding import over_expected_floor
-from flexros.gap.held_out.signal_gaps import signal_gaps
 from flexros.gap.next_experiment.choose import next_experiment
 from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate
 from flexros.gap.schema import Cause, CauseParameter, Diagnosis
@@ -268,6 +272,7 @@ def _next(findings: Findings, verdict: Verdict, stages: Stages) -> NextExperimen
         survivors,
         tool_measured=findings.data.tool is not None,
         tolerance=findings.tolerance,
+        settings=findings.data.settings,
         progress=lambda share: stages.inner("next experiment", share),
     )
 

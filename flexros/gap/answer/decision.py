@@ -10,7 +10,7 @@ import numpy as np
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.fit.estimates import placed_effects
-from flexros.gap.held_out.rounding import unknown_rounding
+from flexros.gap.held_out.prediction_gap import unknown_rounding
 from flexros.gap.schema import EffectLocation
 from flexros.gap.search.model_probability import RANKING, ModelComparison, allowing_for_doubt, compare
 

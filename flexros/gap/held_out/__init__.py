@@ -1,1 +1,1 @@
-"""How far model and robot are apart, on data that was not fitted."""
+"""The gap between model and robot on data that was not fitted."""

@@ -1,4 +1,4 @@
-"""The gap that a user feels: how far the tool of the model is from that of the robot, both under the same control."""
+"""The gap in closed loop: tool and motors of the model against those of the robot, both under the same control."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ _MILLI = 1e-3
 def closed_loop_gap(
     log: Log, nominal: RobotWithEffects, repaired: RobotWithEffects | None = None, *, begin: float = 0.0
 ) -> tuple[SignalGap, ...]:
-    """Run the scenario of a log again with the nominal and with the repaired model as the robot, and compare.
+    """Simulate the scenario of a log with the nominal and the repaired model as the plant, and compare.
 
-    Reference, feedforward and controller are those that the log's provenance names; what it says of the plant is not
-    looked at. The models run without noise, so what is left of a perfect one is the noise of the log.
+    Reference, feedforward and controller are those of the log's provenance; its plant is not used. The models run
+    without noise, so that a perfect model leaves the noise of the log.
 
     Args:
         log: The log.
         nominal: The nominal model.
         repaired: The model with the effects that were found; None where none were.
-        begin: Time since the log began from which the difference counts [s].
+        begin: Time in the log from which the difference is evaluated [s].
 
     Returns:
-        Root mean square of the tool's distance in mm and of each motor's difference in mrad or mm; nothing where
-        reference and controller are not known, or the nominal model does not stay in control.
+        Root mean square of the tool's distance in mm and of each motor's difference in mrad or mm; empty where
+        reference and controller are not known, or the loop with the nominal model is not stable.
     """
     experiment = recorded_experiment(log)
     if experiment is None or experiment.plant.joint_names != nominal.robot.joint_names:
@@ -56,7 +56,7 @@ def closed_loop_gap(
 
 
 def _run(experiment: Experiment, model: RobotWithEffects) -> Log | None:
-    """Run a model as the robot of an experiment; None where the loop is not stable with it."""
+    """Simulate a model as the plant of an experiment; None where the loop is not stable."""
     from flexros.scenario.closed_loop import closed_loop
 
     try:
@@ -70,27 +70,25 @@ def _gaps(
 ) -> tuple[SignalGap, ...]:
     robot, runs = nominal.robot, (before, after)
     gaps = []
-    seen = log.tool_pose
-    if seen is not None and seen.frame_id == BASE_FRAME and np.array_equal(seen.stamp, log.joint_states.stamp):
-        tool = [None if one is None or one.tool_pose is None else one.tool_pose.position for one in runs]
-        away = [None if one is None else _rms(seen.position[counted] - one[rows[counted]]) for one in tool]
-        assert away[0] is not None
+    measured, stamp = log.tool_pose, log.joint_states.stamp
+    if measured is not None and measured.frame_id == BASE_FRAME and np.array_equal(measured.stamp, stamp):
+        paths = [None if run is None or run.tool_pose is None else run.tool_pose.position for run in runs]
+        errors = [None if path is None else _rms(measured.position[counted] - path[rows[counted]]) for path in paths]
+        assert errors[0] is not None
         floor = float(np.sqrt(3.0) * robot.tool_noise) / _MILLI
-        gaps.append(SignalGap("tool path in closed loop", "mm", away[0], away[1], floor))
+        gaps.append(SignalGap("tool path in closed loop", "mm", errors[0], errors[1], floor))
     position = log.joint_states.position
     names = list(log.joint_states.names)
     for motor, name in enumerate(robot.joint_names):
         if position is None or name not in names:
             continue
-        moved = position[:, names.index(name)]
-        simulated = [None if one is None else one.joint_states.position for one in runs]
-        away = [
-            None if one is None else _rms((moved[counted] - one[rows[counted], motor])[:, None]) for one in simulated
-        ]
-        assert away[0] is not None
+        recorded = position[counted, names.index(name)]
+        simulated = [None if run is None else run.joint_states.position for run in runs]
+        errors = [None if run is None else _rms((recorded - run[rows[counted], motor])[:, None]) for run in simulated]
+        assert errors[0] is not None
         unit = f"m{robot.motors[motor].position_unit}"
         floor = float(robot.encoder_noise[motor]) / _MILLI
-        gaps.append(SignalGap(f"{name} position in closed loop", unit, away[0], away[1], floor))
+        gaps.append(SignalGap(f"{name} position in closed loop", unit, errors[0], errors[1], floor))
     return tuple(gaps)
 
 

@@ -1,97 +1,101 @@
-"""How far robot and model are apart: prediction errors a tenth of a second ahead, over their floor."""
+"""The gap between robot and model: errors of predictions 0.1 s ahead, over their floor."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.gap.result import SignalGap
 from flexros.gap.schema import GapNumbers
+from flexros.gap.settings import PredictionGapSettings
 from flexros.random_streams import generator
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
+    from flexros.effects import RobotWithEffects
     from flexros.gap.fit.least_squares import CandidateFit
+    from flexros.gap.noise.weights import Measurement
     from flexros.gap.residuals.fit_data import FitData
+    from flexros.record.quantization import Quantization
+    from flexros.robot import Robot
 
 METRIC = "mean squared prediction error 0.1 s ahead over its floor variance"
 HORIZON = 0.1
-"""How far ahead a prediction is made [s] (the contract)."""
-SPACING = 0.025
-"""Time between the starts of two predictions [s] (chosen)."""
-BLOCK = 1.0
-"""Length of the blocks that the interval is drawn from [s] (chosen)."""
-DRAWS = 400
-"""Draws of the bootstrap (chosen)."""
+"""Prediction horizon [s] (the contract)."""
 BOOTSTRAP_STREAM = 20
-"""Stream of its random numbers."""
+"""Stream of random numbers of the bootstrap."""
 RUN_AWAY = 1e15
-"""What a prediction counts that has run away: its error over the floor [1] (chosen)."""
-SHOWS = 4.0
-"""Standard deviations of E without gap by which a gap must exceed the floor to be told in shares (chosen)."""
+"""Error over the floor that a diverged prediction counts as [1] (chosen)."""
+_MILLI, _MICRO = 1e-3, 1e-6
+_SMALL = 1e-4
+"""Errors below this are stated in millionths, others in thousandths [rad or m] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class AheadErrors:
-    """Squared errors of predictions a tenth of a second ahead, over the variance that noise alone gives them.
+    """Squared errors of predictions 0.1 s ahead, over their variance by noise alone.
 
     Attributes:
         squares: Squared errors, each over its floor, shape (n_windows, M).
         starts: Samples at which the predictions start, shape (n_windows,).
-        floor: Standard deviation of the errors without gap [rad or m], shape (M,).
+        floor: Standard deviation of the errors without a gap [rad or m], shape (M,).
         floor_error: Relative standard deviation of the variance of the noise [1]; zero where it is as declared.
+        settings: Settings that the errors were computed with.
     """
 
     squares: FloatArray
     starts: IntArray
     floor: FloatArray
     floor_error: float = 0.0
+    settings: PredictionGapSettings = field(default_factory=PredictionGapSettings)
 
     @property
     def mean(self) -> float:
-        """The gap E: mean over windows and motors; 1 without gap."""
+        """The gap E: mean over windows and motors; 1 without a gap."""
         return float(self.squares.mean())
 
     def over(self, floor: FloatArray) -> AheadErrors:
         """Refer the errors to another floor [rad or m], shape (M,)."""
-        return AheadErrors(self.squares * (self.floor / floor) ** 2, self.starts, floor, self.floor_error)
+        return replace(self, squares=self.squares * (self.floor / floor) ** 2, floor=floor)
+
+    def rms(self, motor: int) -> float:
+        """Return the root mean square of the errors of a motor [rad or m]."""
+        return float(self.floor[motor] * np.sqrt(self.squares[:, motor].mean()))
 
 
-def errors_ahead(found: CandidateFit, data: FitData) -> AheadErrors:
-    """Predict a log a tenth of a second ahead, again and again.
+def errors_ahead(fit: CandidateFit, data: FitData) -> AheadErrors:
+    """Compute the errors of predictions 0.1 s ahead that start throughout a log.
 
     Args:
-        found: The model.
-        data: The log; it need not be the one that the model was fitted to.
-
-    Returns:
-        Squared errors over their floor.
+        fit: The model.
+        data: The log, usually another one than the model was fitted to.
 
     Raises:
         InputError: The log is too short.
     """
-    record, predictor = data.record, found.predictor
+    record, predictor, settings = data.record, fit.predictor, data.settings.prediction_gap
     horizon = max(1, round(HORIZON / record.sample_time))
-    prediction = data.predict(predictor, found.theta[:, None], record_states=True)
+    prediction = data.predict(predictor, fit.theta[:, None], record_states=True)
     assert prediction.states is not None
     first = max(int(np.argmax(data.settled)), predictor.loop.line_length)
-    starts = np.arange(first, record.n_samples - horizon, max(1, round(SPACING / record.sample_time)))
+    starts = np.arange(first, record.n_samples - horizon, max(1, round(settings.spacing / record.sample_time)))
     counts = np.concatenate([[0], np.cumsum(~data.counted)])
     whole = starts[counts[starts + horizon + 1] == counts[starts]]
-    # a log with losses everywhere has no whole stretch; then both ends count
+    # a log with losses everywhere has no window without losses; then only both ends must be valid
     starts = whole if len(whole) else starts[data.counted[starts] & data.counted[starts + horizon]]
     if not len(starts):
         raise InputError(
-            f"{record.name}: there is no stretch of {HORIZON:g} s behind the first {first * record.sample_time:.3g} s, "
+            f"{record.name}: there is no stretch of {HORIZON:g} s after the first {first * record.sample_time:.3g} s, "
             f"which the predictor needs to settle; the log has {record.duration:.3g} s, record a longer one"
         )
-    positions = predictor.ahead(found.theta, record, prediction.states[:, :, 0], starts, horizon)
+    positions = predictor.ahead(fit.theta, record, prediction.states[:, :, 0], starts, horizon)
     floor = data.gain.ahead(horizon)
     errors = (record.position[starts + horizon] - positions) / floor
     squares = np.where(np.abs(errors) < RUN_AWAY, errors, RUN_AWAY) ** 2
-    return AheadErrors(squares, starts, floor, data.measurement.floor_error)
+    return AheadErrors(squares, starts, floor, data.measurement.floor_error, settings)
 
 
 @dataclass(frozen=True)
@@ -108,10 +112,10 @@ class ClosedShare:
 
 
 def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float) -> ClosedShare | None:
-    """Compute the share of the gap that is closed, with a 95 % interval from blocks of the log drawn anew.
+    """Compute the share of the gap that is closed, with a 95 % interval by a bootstrap over blocks of the log.
 
-    (E_before - E_after) / (E_before - 1), both of the same log. A gap that exceeds the floor by no more than
-    noise may make it has no share: the quotient would be one of two noises.
+    (E_before - E_after) / (E_before - 1), both of the same log. A gap within the noise of the floor has no share, which
+    would be a quotient of noise.
 
     Args:
         before: Errors of the nominal model.
@@ -121,13 +125,14 @@ def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float)
     Returns:
         The share and its interval; None where the gap does not show in these errors.
     """
-    of_blocks = (before.starts * sample_time / BLOCK).astype(int)
+    settings = before.settings
+    of_blocks = (before.starts * sample_time / settings.block).astype(int)
     blocks = np.unique(of_blocks)
-    sums = np.array([[one.squares[of_blocks == block].mean() for block in blocks] for one in (before, after)])
+    sums = np.array([[errors.squares[of_blocks == block].mean() for block in blocks] for errors in (before, after)])
     counts = np.array([np.sum(of_blocks == block) for block in blocks], dtype=float)
-    draws = generator(0, BOOTSTRAP_STREAM).integers(0, len(blocks), size=(DRAWS, len(blocks)))
+    draws = generator(0, BOOTSTRAP_STREAM).integers(0, len(blocks), size=(settings.draws, len(blocks)))
     means = (sums * counts)[:, draws].sum(axis=-1) / counts[draws].sum(axis=-1)
-    least = SHOWS * _sampling_error(before)
+    least = settings.shows * _sampling_error(before)
     if before.mean - 1.0 <= least:
         return None
     means = means[:, means[0] - 1.0 > least]
@@ -138,13 +143,13 @@ def closed_fraction(before: AheadErrors, after: AheadErrors, sample_time: float)
 def gap_numbers(
     before: AheadErrors, after: AheadErrors | None, sample_time: float, rival: AheadErrors | None = None
 ) -> GapNumbers:
-    """Put the gap before and after a repair into numbers.
+    """State the gap before and after a repair.
 
     Args:
         before: Errors of the nominal model.
         after: Errors of the repaired model, at the same windows; None where nothing was repaired.
         sample_time: Time between two samples [s].
-        rival: Errors of the best explanation that was not chosen.
+        rival: Errors of the best explanation that was not chosen, None for none.
     """
     share = None if after is None else closed_fraction(before, after, sample_time)
     return GapNumbers(
@@ -160,9 +165,60 @@ def gap_numbers(
 
 
 def _sampling_error(errors: AheadErrors) -> float:
-    """Return the standard deviation of E without gap, from noise and the error of the floor.
+    """Return the standard deviation of E without a gap, from noise and the error of the floor.
 
-    Windows that overlap count as one, which is on the safe side: most of the error is noise of the last sample.
+    Overlapping windows count as one, which is conservative: most of the error is noise of the last sample.
     """
-    independent = max(errors.squares.size * SPACING / HORIZON, 1.0)
+    independent = max(errors.squares.size * errors.settings.spacing / HORIZON, 1.0)
     return float(np.hypot(np.sqrt(2.0 / independent), errors.floor_error))
+
+
+def signal_gaps(
+    robot: Robot, before: AheadErrors, after: AheadErrors | None = None, rival: AheadErrors | None = None
+) -> tuple[SignalGap, ...]:
+    """Return the root mean square of the prediction errors of each motor position.
+
+    Args:
+        robot: The robot.
+        before: Errors of the nominal model.
+        after: Errors of the repaired model, None for none.
+        rival: Errors of the best explanation that was not chosen, None for none.
+    """
+    gaps = []
+    for motor, name in enumerate(robot.joint_names):
+        scale, prefix = (_MICRO, "µ") if before.rms(motor) < _SMALL else (_MILLI, "m")
+        gaps.append(
+            SignalGap(
+                signal=f"{name} position, 0.1 s ahead",
+                unit=f"{prefix}{robot.motors[motor].position_unit}",
+                before=before.rms(motor) / scale,
+                after=None if after is None else after.rms(motor) / scale,
+                floor=float(before.floor[motor]) / scale,
+                rival=None if rival is None else rival.rms(motor) / scale,
+            )
+        )
+    return tuple(gaps)
+
+
+def unknown_rounding(model: RobotWithEffects, measurement: Measurement) -> tuple[Quantization, ...]:
+    """List the encoders whose quantization matters and is not in the model."""
+    known = {law.location for law in model.laws if law.effect.as_noise}
+    names = model.robot.joint_names
+    return tuple(encoder for encoder in measurement.quantizations if names[encoder.motor] not in known)
+
+
+def over_expected_floor(errors: AheadErrors, model: RobotWithEffects, data: FitData) -> AheadErrors:
+    """Refer prediction errors to the floor that a model expects, so that quantization that it lacks is a gap.
+
+    Args:
+        errors: Prediction errors over the floor of the log, quantization included.
+        model: The model.
+        data: The log.
+    """
+    unknown = unknown_rounding(model, data.measurement)
+    if not unknown:
+        return errors
+    expected = np.array(data.gain.noise)
+    for encoder in unknown:
+        expected[encoder.motor] = model.robot.encoder_noise[encoder.motor]
+    return errors.over(np.sqrt(errors.floor**2 - data.gain.noise**2 + expected**2))

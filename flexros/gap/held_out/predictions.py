@@ -1,4 +1,4 @@
-"""What models predict of a log, kept for the report."""
+"""Predictions of a log that the report needs."""
 
 from __future__ import annotations
 
@@ -20,53 +20,49 @@ if TYPE_CHECKING:
     from flexros.gap.result import Explanation
 
 SEEN_BY_TOOL = 1e-3
-"""Least rms of a tool error that is more than rounding, over the noise of the tracker [1] (chosen)."""
+"""Least rms of a tool error that is not floating-point rounding, over the noise of the tracker [1] (chosen)."""
 
 
-def prediction_of(one: CandidateFit, data: FitData) -> PredictedLog:
-    """Predict a log with a fitted model.
-
-    Args:
-        one: The fitted model.
-        data: The log; it need not be the one that the model was fitted to.
-    """
-    found = data.predict(one.predictor, one.theta[:, None], record_states=True)
-    assert found.states is not None
-    states = found.states[:, : 2 * one.predictor.robot.n_coordinates, 0].copy()  # keep one lane of the whole arrays
-    return PredictedLog(found.innovation[:, :, 0].copy(), data.gain.spread, states, int(np.argmax(data.settled)))
+def prediction_of(fit: CandidateFit, data: FitData) -> PredictedLog:
+    """Predict a log with a fitted model; the log may be another one than the model was fitted to."""
+    predicted = data.predict(fit.predictor, fit.theta[:, None], record_states=True)
+    assert predicted.states is not None
+    # copies of one lane, so that the arrays of all lanes are freed
+    states = predicted.states[:, : 2 * fit.predictor.robot.n_coordinates, 0].copy()
+    return PredictedLog(predicted.innovation[:, :, 0].copy(), data.gain.spread, states, int(np.argmax(data.settled)))
 
 
-def tool_errors(one: CandidateFit, data: FitData) -> tuple[ToolRecord, FloatArray] | None:
-    """Compute how far the tool is from where a fitted model has it, frame and offset of the tracker taken off.
+def tool_errors(fit: CandidateFit, data: FitData) -> tuple[ToolRecord, FloatArray] | None:
+    """Compute the tool errors of a fitted model, with frame and offset of the tracker projected out.
 
     Args:
-        one: The fitted model.
+        fit: The fitted model.
         data: The log that it was fitted to.
 
     Returns:
-        What the tracker saw, at the times at which it looked, and measured minus predicted positions [m], shape
-        (n_t, 3), zero where the error is but rounding; None where the tool was not measured.
+        The measurement at its times, and measured minus predicted positions [m], shape (n_t, 3), zero where the error
+        is floating-point rounding; None where the tool was not measured.
     """
     tool = data.tool
     if tool is None:
         return None
-    residual = data.residuals(one.predictor, one.theta[:, None])[data.spread.size :, 0]
+    residual = data.residuals(fit.predictor, fit.theta[:, None])[data.spread.size :, 0]
     error = tool.spread * residual.reshape(-1, 3)
     error[:, np.sqrt(np.mean(error**2, axis=0)) < SEEN_BY_TOOL * tool.spread] = 0.0
-    return ToolRecord((tool.samples[tool.place] + tool.share) * data.record.sample_time, tool.position), error
+    return ToolRecord((tool.samples[tool.row] + tool.share) * data.record.sample_time, tool.position), error
 
 
 def signature_evidence(
     model: RobotWithEffects, data: FitData, nothing: CandidateFit, before: Explanation, after: Explanation | None
 ) -> SignatureData:
-    """Collect what the pictures of the effects' signatures are computed from.
+    """Collect the data that the pictures of the signatures are computed from.
 
     Args:
         model: The nominal model.
-        data: The log that was fitted to.
+        data: The log that was fitted.
         nothing: The fit without any effect.
         before: The nominal model with its predictions.
-        after: The repaired model with its predictions; None where nothing was found.
+        after: The repaired model with its predictions; None where no effect was found.
     """
     repaired = None if after is None else place_effects(model.robot, after.effects).robot
     tool, error = tool_errors(nothing, data) or (data.record.tool, None)

@@ -1,1 +1,1 @@
-"""What to run next: the experiment that separates the remaining explanations best."""
+"""The experiment to run next: the one that separates the remaining explanations best."""

@@ -1,4 +1,4 @@
-"""Experiments that can separate explanations which a log cannot, each a variant of the diagnosis experiment."""
+"""Catalogue of experiments that can separate explanations, each a variant of the diagnosis experiment."""
 
 from __future__ import annotations
 
@@ -13,16 +13,14 @@ if TYPE_CHECKING:
 
     from flexros.robot import Robot
 
-LENGTH = 20.0
-"""Length of an experiment of the catalogue, about [s] (chosen)."""
 HIGH_BAND = (0.05, 0.3)
-"""Lowest and highest line of the experiment in a high band as shares of the sampling rate [1] (chosen)."""
+"""Lowest and highest line of the high-band experiment as shares of the sampling rate [1] (chosen)."""
 ADDED_LOAD = 0.5
-"""Known load that is added, relative to the last body [1] (chosen)."""
+"""Known load that is added, relative to the mass of the last body [1] (chosen)."""
 SOFTER = 4.0
-"""Factor by which the soft controller is softer; its damping goes with the root [1] (chosen)."""
+"""Factor by which the gains of the soft controller are lower; its damping gain by the square root [1] (chosen)."""
 LONG_REST = 2.0
-"""Rest in every pose of the static holds [s] (chosen)."""
+"""Time of each static hold [s] (chosen)."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +29,8 @@ class CatalogueEntry:
 
     Attributes:
         name: Name in the catalogue.
-        description: What is done and what it tells, one sentence.
-        settings: Makes the keys of scenario `diagnosis` that differ, by dotted name, for a robot.
+        description: What is done and what it separates, one sentence.
+        settings: Keys of scenario `diagnosis` that differ, by dotted name, as a function of the robot.
         tool: Whether the tool is measured as well.
     """
 
@@ -41,13 +39,14 @@ class CatalogueEntry:
     settings: Callable[[Robot], Mapping[str, Any]]
     tool: bool = False
 
-    def keys(self, robot: Robot) -> dict[str, Any]:
-        """Give the keys of scenario `diagnosis` that differ, the length among them.
+    def keys(self, robot: Robot, length: float) -> dict[str, Any]:
+        """Return the keys of scenario `diagnosis` that differ, including the length [s].
 
         Args:
             robot: The nominal robot.
+            length: Approximate length of the experiment [s].
         """
-        return {"diagnosis.length": LENGTH, **self.settings(robot)}
+        return {"diagnosis.length": length, **self.settings(robot)}
 
 
 def _soft(robot: Robot) -> Mapping[str, Any]:
@@ -79,17 +78,17 @@ CATALOGUE = (
     ),
     CatalogueEntry(
         "sub_breakaway",
-        "small slow reversals below breakaway in three poses: bristles and hysteresis bend before they slide",
+        "small slow reversals below breakaway in three poses: bristles and hysteresis deflect before they slide",
         lambda _: {"diagnosis.parts": ["presliding"] * 3, "diagnosis.reversal": 0.1},
     ),
     CatalogueEntry(
         "biased_small_motion",
-        "small multisine on a slow swing that keeps the gear loaded one way: a gap closes, friction stays",
+        "small multisine on a slow swing that keeps the gear loaded on one side: backlash closes, friction remains",
         lambda _: {"diagnosis.parts": ["biased"] * 3, "diagnosis.levels": [0.02], "diagnosis.bias": 0.6},
     ),
     CatalogueEntry(
         "high_band",
-        "multisines up to high frequencies: a lag takes magnitude and phase, a delay phase alone",
+        "multisines up to high frequencies: a lag changes magnitude and phase, a delay only phase",
         lambda robot: {
             "diagnosis.parts": ["multisine"],
             "diagnosis.lowest": float(f"{HIGH_BAND[0] / robot.sample_time:.3g}"),
@@ -104,7 +103,7 @@ CATALOGUE = (
     ),
     CatalogueEntry(
         "speed_run_ups",
-        "steady runs at four speeds: what repeats per turn keeps its order, resonances keep their frequency",
+        "steady runs at four speeds: errors that repeat per turn keep their order, resonances their frequency",
         lambda _: {"diagnosis.parts": ["creep"], "diagnosis.creep_speeds": [1.0, 2.0, 4.0, 8.0]},
     ),
     CatalogueEntry(
@@ -114,20 +113,20 @@ CATALOGUE = (
     ),
     CatalogueEntry(
         "soft_controller",
-        "the diagnosis experiment with a softer controller: what changes with the feedback is told from what does not",
+        "the diagnosis experiment with a softer controller: effects that depend on the feedback change, others do not",
         _soft,
     ),
     CatalogueEntry(
         "known_payload",
-        "mount a known load of half the last body, write it into the robot file and repeat: inertia and torque gain "
-        "part, since only the ratio of both was seen",
+        "mount a known load of half the mass of the last body, write it into the robot file and repeat: separates "
+        "inertia from torque gain, of which only the ratio was identifiable",
         _loaded,
     ),
     CatalogueEntry(
         "tool_measurement",
-        "measure the tool position in the diagnosis experiment: motors alone do not show what the arm does behind them",
+        "measure the tool position in the diagnosis experiment: motor positions do not show the deflection of the arm",
         lambda _: {},
         tool=True,
     ),
 )
-"""The experiments, those first that cost the user least."""
+"""The experiments, in the order of their cost to the user."""

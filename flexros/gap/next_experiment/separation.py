@@ -1,4 +1,4 @@
-"""How well an experiment would separate two explanations: simulated with the one, fitted with the other."""
+"""Separation of two explanations by an experiment: simulated with one, fitted with the other."""
 
 from __future__ import annotations
 
@@ -35,44 +35,46 @@ if TYPE_CHECKING:
     from flexros.record.record import Record
 
 ROOM = 30.0
-"""Factor by which a fitted number may move in either direction when it is fitted again [1] (chosen)."""
+"""Factor by which a fitted parameter may change in either direction when it is fitted again [1] (chosen)."""
 WITHOUT_LOG = ("relative", "time", "frequency", "order", "phase")
 """Scales of ranges that are the same for every log."""
 ITERATIONS = 6
-"""Most iterations of a fit from numbers that were fitted to another log [1] (chosen)."""
+"""Largest number of iterations of a fit from parameters that were fitted to another log (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Explained:
-    """An explanation with its numbers, ready to simulate and to predict.
+    """An explanation with its parameters, to be simulated and predicted.
 
     Attributes:
         model: The nominal model.
-        placed: Its effects with the numbers that were fitted.
+        placed: Its effects with their fitted parameters.
+        settings: Settings of the diagnosis.
         tolerance: Relative tolerance of stiffness, inertia and damping [1]; those of the robot file where left out.
     """
 
     model: RobotWithEffects
     placed: tuple[PlacedEffect, ...]
+    settings: DiagnosisSettings = field(default_factory=DiagnosisSettings)
     tolerance: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def plant(self) -> RobotWithEffects:
-        """The robot as it would be if this were the truth."""
+        """The robot if this explanation were true."""
         return self.model.with_effects(self.placed)
 
     @property
     def hypothesis(self) -> Hypothesis:
-        """Its effects with their numbers free about what was fitted."""
-        return tuple(_candidate(one) for one in self.placed)
+        """Its effects with free parameters about the fitted values."""
+        return tuple(_candidate(placed) for placed in self.placed)
 
     def shared_with(self, other: Explained) -> Explained:
-        """Keep the effects that another explanation has, too."""
+        """Keep only the effects that another explanation has as well."""
         theirs = {(one.effect.name, one.location) for one in other.placed}
         return replace(self, placed=tuple(one for one in self.placed if (one.effect.name, one.location) in theirs))
 
     def with_values(self, values: Mapping[str, float]) -> Explained:
-        """Put known numbers into the nominal robot, e.g. a known load."""
+        """Set known parameters of the nominal robot, e.g. a known load."""
         if not values:
             return self
         robot = self.model.robot.with_values(values, "values of the experiment")
@@ -81,11 +83,11 @@ class Explained:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """An experiment on one explanation taken as the truth.
+    """A simulated experiment with one explanation as the truth.
 
     Attributes:
-        record: The log that it would leave.
-        data: The same with gain, start and weights.
+        record: The log of the experiment.
+        data: The log prepared for a fit.
     """
 
     record: Record
@@ -96,16 +98,13 @@ def trial(truth: Explained, keys: Mapping[str, Any], seed: int, *, tool: bool = 
     """Simulate a variant of the diagnosis experiment.
 
     Args:
-        truth: What the robot is.
+        truth: The explanation that is true.
         keys: Keys of scenario `diagnosis` that differ, by dotted name.
         seed: Seed of the experiment and its noise.
         tool: Whether the tool is measured as well.
 
-    Returns:
-        Log and weights.
-
     Raises:
-        DivergedRunError: The robot would not be held.
+        DivergedRunError: The run would be aborted.
     """
     robot = truth.model.robot
     law = default_controller(robot, robot.sample_time)
@@ -124,36 +123,36 @@ def trial(truth: Explained, keys: Mapping[str, Any], seed: int, *, tool: bool = 
     )
     record = read_record(closed_loop(experiment), robot, name="simulated experiment")
     record = record if tool else replace(record, tool=None)
-    return Trial(record, fit_data(record, truth.model, DiagnosisSettings()))
+    return Trial(record, fit_data(record, truth.model, truth.settings))
 
 
 def separation(truth: Explained, rival: Explained, made: Trial) -> float:
-    """Compute by how much the truth would explain an experiment better than its rival at its best.
+    """Compute how much better the truth explains an experiment than its best-fitting rival.
 
-    Errors of form count as they do when explanations are ranked.
+    Model-form errors are treated as in the ranking of explanations.
 
     Args:
         truth: The explanation that was simulated.
-        rival: The other one; its numbers, and what the model leaves open, are fitted to the experiment.
-        made: The experiment on the truth.
+        rival: The other one; its parameters and the tolerated deviations are fitted to the experiment.
+        made: The experiment with the truth.
 
     Returns:
-        Logarithm of the odds [nats]; zero where the rival does as well.
+        Logarithm of the odds [nats]; zero where the rival explains the experiment equally well.
     """
     data, sample_time = made.data, made.record.sample_time
-    right, theta = predictor_of(truth, sample_time)
-    wrong, theta_wrong = predictor_of(rival, sample_time)
-    other = fit(wrong, data, theta_wrong, ITERATIONS)
-    residuals = data.residuals(right, theta[:, None])
+    true_predictor, theta = predictor_of(truth, sample_time)
+    rival_predictor, rival_theta = predictor_of(rival, sample_time)
+    rival_fit = fit(rival_predictor, data, rival_theta, ITERATIONS)
+    residuals = data.residuals(true_predictor, theta[:, None])
     least = float(np.sum(residuals**2))
-    contrast = contrast_of(right.hypothesis, wrong.hypothesis)
+    contrast = contrast_of(true_predictor.hypothesis, rival_predictor.hypothesis)
     distance = None
     if contrast.between:
-        distance = float(np.sum((residuals - data.residuals(wrong, other.theta[:, None])) ** 2))
-    without, theta_without = predictor_of(truth.shared_with(rival), sample_time)
-    most = float(chi2_of(without, data, theta_without[:, None])[0])
+        distance = float(np.sum((residuals - data.residuals(rival_predictor, rival_fit.theta[:, None])) ** 2))
+    shared_predictor, shared_theta = predictor_of(truth.shared_with(rival), sample_time)
+    most = float(chi2_of(shared_predictor, data, shared_theta[:, None])[0])
     error = form_error(max(most - least, 0.0), plain=contrast.plain, distance=distance)
-    return max(other.chi2 - least, 0.0) / (2.0 + error)
+    return max(rival_fit.chi2 - least, 0.0) / (2.0 + error)
 
 
 def predictor_of(explained: Explained, sample_time: float) -> tuple[Predictor, FloatArray]:
@@ -164,17 +163,17 @@ def predictor_of(explained: Explained, sample_time: float) -> tuple[Predictor, F
         sample_time: Time between two samples [s].
 
     Returns:
-        Predictor, and the numbers of the fit at which it has the fitted values, shape (n_fitted,).
+        Predictor, and the encoded parameters at which it has the fitted values, shape (n_fitted,).
     """
     hypothesis = explained.hypothesis
     tolerance = tolerance_of(explained.model.robot, explained.tolerance)
-    numbers = [one.encode(one.starts[0]) for candidate in hypothesis for one in candidate.free]
-    numbers += [0.0] * len(tolerance.names)
-    return Predictor(explained.model, hypothesis, tolerance, sample_time), np.array(numbers, dtype=float)
+    theta = [parameter.encode(parameter.starts[0]) for candidate in hypothesis for parameter in candidate.free]
+    theta += [0.0] * len(tolerance.names)
+    return Predictor(explained.model, hypothesis, tolerance, sample_time), np.array(theta, dtype=float)
 
 
 def _candidate(placed: PlacedEffect) -> Candidate:
-    """Free the numbers of an effect that have a range, about their values."""
+    """Free the parameters of an effect that have a range, about their values."""
     values = placed.effect.model_dump()
     free = tuple(
         _free(name, float(values[name]), allowed) for name, allowed in placed.effect.ranges.items() if values.get(name)
@@ -184,7 +183,7 @@ def _candidate(placed: PlacedEffect) -> Candidate:
 
 
 def _free(name: str, value: float, allowed: Range) -> FreeParameter:
-    """Free a number about its value, within its range where that does not depend on a log."""
+    """Free a parameter about its value, within its range where that does not depend on the log."""
     size = abs(value)
     low, high, negative = size / ROOM, size * ROOM, None
     if allowed.scale in WITHOUT_LOG:

@@ -1,4 +1,4 @@
-"""Noise of the encoders as a log shows it: size from standstill or above the band, colour, jitter of the clock."""
+"""Encoder noise of a log: standard deviation at standstill or above the band, colour, jitter of the clock."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.noise.autoregression import TREND, colour_of, without_trend
 from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.settings import DiagnosisSettings
 from flexros.prediction.observer import observer_gain
 from flexros.record.missing_samples import bridged, runs
 from flexros.record.quantization import encoder_quantization
@@ -19,61 +18,40 @@ from flexros.record.smoothing import HIGH_DIFFERENCE, smooth_motion
 
 if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray
+    from flexros.gap.settings import DiagnosisSettings, NoiseSettings
     from flexros.record.record import Record
     from flexros.robot import Robot
 
-LEAST_STILL = 0.25
-"""Shortest standstill that counts [s] (chosen)."""
-
-FEWEST_STILL = 400
-"""Samples at standstill from which noise is taken from there (chosen)."""
-
 STILL = 12.0
-"""Range of the smooth motion over the noise during a standstill, at most; noise may be coloured (chosen)."""
-
+"""Largest range of the smooth motion over the noise during a standstill; noise may be coloured (chosen)."""
 QUIET = 2.0
-"""Variance of a standstill over that of the quieter ones from which something still moves (chosen)."""
-
-IMPLAUSIBLE = 0.3
-"""Measured over stated noise below which positions of a real machine were filtered or rounded, and the stated one is
-kept (chosen)."""
-
-DIFFERS = 0.2
-"""Relative difference from the robot file that is told, and that few samples at standstill may show (chosen)."""
-
+"""Variance of a standstill over that of the quieter ones above which the motor still moves (chosen)."""
 JITTER_SEEN, JITTER_OF_EACH = 4.0, 2.0
 """Slope of the noise power over the squared speed, in standard deviations, from which it is jitter: of all motors
 together, and of each (chosen)."""
-
-SIGNAL_TOLERANCE = 0.05
-"""Share of the rms of a signal that logs of real machines are allowed, where nothing was repeated (design)."""
-
 RUN_AWAY = 1e3
-"""Largest prediction over the largest position; beyond it the prediction has run away [1] (chosen)."""
-
+"""Largest prediction over the largest position; beyond it the prediction has diverged [1] (chosen)."""
 MOST_MOVED, LEAST_COLOUR = 1.3, 0.25
-"""Noise at standstill over that above the band, and autocorrelation at lag one, up to which more noise at standstill
-counts as motion under control, not as colour of the noise (chosen)."""
-
+"""Noise at standstill over that above the band, and autocorrelation at lag one, up to which additional noise at
+standstill counts as motion under control, not as coloured noise (chosen)."""
 AS_STATED = 0.05
 """Relative difference of noise above the band from the robot file up to which slow noise at standstill is motion, and
-noise at standstill that differs little is chance (chosen)."""
-
+a small difference of noise at standstill is chance (chosen)."""
 _BLOCK = 32  # samples over which the power of high differences is averaged
-_LOOK = 50.0  # Hz, corner below which motion is looked for
+_LOOK = 50.0  # Hz, corner frequency of the motion
 
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """Noise of a log.
+    """Encoder noise of a log.
 
     Attributes:
         standard_deviation: Of each encoder [rad or m], shape (M,).
         autoregression: Coefficients a of e_k = sum a_j e_(k-j) + w_k, shape (M, p); p = 0 for white noise.
         jitter: Standard deviation of the sampling instants about even ones [s].
-        source: Where each deviation comes from: "standstill", "above the band" or "robot file", length M.
-        signal_tolerance: Share of the rms of a torque that counts as no gap; 0 but for logs of real machines.
-        warnings: What was noticed, a sentence each.
+        source: Source of each standard deviation: "standstill", "above the band" or "robot file", length M.
+        signal_tolerance: Share of the rms of a torque that counts as no gap; 0 except for logs of real machines.
+        warnings: Warnings, one sentence each.
     """
 
     standard_deviation: FloatArray
@@ -84,31 +62,32 @@ class Noise:
     warnings: tuple[str, ...] = ()
 
 
-def measure_noise(record: Record, robot: Robot) -> Noise:
-    """Measure the noise of the encoders.
+def measure_noise(record: Record, robot: Robot, settings: DiagnosisSettings) -> Noise:
+    """Measure the encoder noise; what the log does not show is taken from the robot file.
 
     Args:
-        record: The record.
-        robot: The robot, whose file states what noise is expected.
-
-    Returns:
-        The noise; what the log does not show is taken from the robot file.
+        record: The log.
+        robot: The nominal robot, whose file declares the noise.
+        settings: Settings of the diagnosis.
     """
+    numbers = settings.noise
     position = bridged(record.position, record.valid)
     cutoff = min(_LOOK, 0.1 / record.sample_time)
     smooth, speed, _ = smooth_motion(position, record.sample_time, cutoff)
     M = robot.n_motors
     coarse = {one.motor for one in encoder_quantization(record, robot)}  # rounding hides the noise
-    driven = _driven(record, robot, position)
+    driven = _driven(record, robot, position, settings.level)
     power, jitter = _above_band(position, speed, record.valid)
     deviation, colours, source = np.sqrt(power), [np.zeros(0)] * M, ["above the band"] * M
     for motor in range(M):
-        rest = _at_standstill(position[:, motor], smooth[:, motor], driven[:, motor], record, float(deviation[motor]))
+        rest = _at_standstill(
+            position[:, motor], smooth[:, motor], driven[:, motor], record, float(deviation[motor]), numbers
+        )
         if motor in coarse:
             deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
         elif rest is not None:
             stated = float(robot.encoder_noise[motor])
-            doubtful = rest[1].size > 0 or abs(rest[0] - stated) < DIFFERS * stated
+            doubtful = rest[1].size > 0 or abs(rest[0] - stated) < numbers.differs * stated
             if doubtful and abs(deviation[motor] - stated) < AS_STATED * stated:
                 continue
             if rest[1].size and (abs(rest[1][0]) > LEAST_COLOUR or rest[0] > MOST_MOVED * deviation[motor]):
@@ -118,63 +97,65 @@ def measure_noise(record: Record, robot: Robot) -> Noise:
             deviation[motor], source[motor] = rest[0], "standstill"
         elif not deviation[motor] > 0:
             deviation[motor], source[motor] = robot.encoder_noise[motor], "robot file"
-    kept = _kept_as_stated(deviation, source, robot) if record.imported else ()
-    warnings = (*kept, *_warnings(deviation, colours, jitter, source, robot))
+    kept = _kept_as_stated(deviation, source, robot, numbers) if record.imported else ()
+    warnings = (*kept, *_warnings(deviation, colours, jitter, source, robot, numbers))
     order = max(len(colour) for colour in colours)
     return Noise(
         standard_deviation=deviation,
         autoregression=np.stack([np.pad(colour, (0, order - len(colour))) for colour in colours]),
         jitter=jitter,
         source=tuple(source),
-        signal_tolerance=SIGNAL_TOLERANCE if record.imported else 0.0,
+        signal_tolerance=numbers.signal_tolerance if record.imported else 0.0,
         warnings=warnings,
     )
 
 
 def _warnings(
-    deviation: FloatArray, colours: list[FloatArray], jitter: float, source: list[str], robot: Robot
+    deviation: FloatArray,
+    colours: list[FloatArray],
+    jitter: float,
+    source: list[str],
+    robot: Robot,
+    numbers: NoiseSettings,
 ) -> tuple[str, ...]:
-    found = []
+    warnings = []
     for motor, name in enumerate(robot.joint_names):
         stated = float(robot.encoder_noise[motor])
-        if stated > 0 and abs(deviation[motor] / stated - 1) > DIFFERS:
-            found.append(
-                f"the encoder noise of {name} is {deviation[motor]:.3g} ({source[motor]}), the robot file says "
-                f"{stated:.3g}; the measured one is used"
+        if stated > 0 and abs(deviation[motor] / stated - 1) > numbers.differs:
+            warnings.append(
+                f"the encoder noise of {name} is {deviation[motor]:.3g} ({source[motor]}), the robot file declares "
+                f"{stated:.3g}; the measured value is used"
             )
         if len(colours[motor]):
             listed = ", ".join(f"{value:.2f}" for value in colours[motor])
-            found.append(f"the encoder noise of {name} is not white (autoregression {listed})")
+            warnings.append(f"the encoder noise of {name} is not white (autoregression {listed})")
     if jitter > 0:
-        found.append(f"the sampling instants jitter by {1e6 * jitter:.3g} us rms, as the noise grows with speed")
-    return tuple(found)
+        warnings.append(f"the sampling instants jitter by {1e6 * jitter:.3g} us rms: the noise grows with speed")
+    return tuple(warnings)
 
 
-def _kept_as_stated(deviation: FloatArray, source: list[str], robot: Robot) -> tuple[str, ...]:
-    """Take the noise of the robot file where the log of a real machine shows implausibly little; changes both lists."""
-    found = []
+def _kept_as_stated(deviation: FloatArray, source: list[str], robot: Robot, numbers: NoiseSettings) -> tuple[str, ...]:
+    """Use the declared noise where the log of a real machine shows implausibly little; changes both lists."""
+    warnings = []
     for motor, name in enumerate(robot.joint_names):
         stated = float(robot.encoder_noise[motor])
-        if deviation[motor] < IMPLAUSIBLE * stated:
-            found.append(
-                f"the positions of {name} show a noise of {deviation[motor]:.2g} only, so they were filtered or "
-                f"rounded; the {stated:.2g} of the robot file are used"
+        if deviation[motor] < numbers.implausible * stated:
+            warnings.append(
+                f"the positions of {name} show a noise of only {deviation[motor]:.2g}, so they were filtered or "
+                f"rounded; the {stated:.2g} of the robot file is used"
             )
             deviation[motor], source[motor] = stated, "robot file"
-    return tuple(found)
+    return tuple(warnings)
 
 
-def _driven(record: Record, robot: Robot, position: FloatArray) -> FloatArray:
-    """Predict where the torques move the motors, by the nominal model; positions [rad or m], shape (n, M).
-
-    Zeros where the model cannot follow the log.
-    """
+def _driven(record: Record, robot: Robot, position: FloatArray, level: float) -> FloatArray:
+    """Predict the motor positions by the nominal model [rad or m], shape (n, M); zeros where that diverges."""
     noise = robot.encoder_noise
     if not np.all(noise > 0):
         return np.zeros_like(position)
     start = robot.equilibrium(motor_position=position[0])
     pose = robot.equilibrium(motor_position=np.median(position, axis=0))[: robot.n_arm]
-    gain = observer_gain(robot, record.sample_time, DiagnosisSettings().level, noise, pose)
+    gain = observer_gain(robot, record.sample_time, level, noise, pose)
     nominal = Predictor(
         RobotWithEffects(robot, ()), (), Tolerance(), record.sample_time, measured_torque=record.measured_torque
     )
@@ -209,9 +190,9 @@ def _above_band(position: FloatArray, speed: FloatArray, valid: BoolArray) -> tu
 
 
 def _line(square: FloatArray, power: FloatArray) -> tuple[float, float, float]:
-    """Fit power = variance + slope square, robustly and with errors relative to the fit; returns these and its error.
+    """Fit power = variance + slope square robustly; return variance, slope and the standard error of the slope.
 
-    The power of a block is the mean of some squares, so that its deviation grows with it.
+    Errors are relative to the fit: the power of a block is a mean of squares, so that its deviation grows with it.
     """
     if not np.any(power > 0):
         return 0.0, 0.0, np.inf
@@ -232,26 +213,29 @@ def _line(square: FloatArray, power: FloatArray) -> tuple[float, float, float]:
 
 
 def _at_standstill(
-    position: FloatArray, smooth: FloatArray, driven: FloatArray, record: Record, rough: float
+    position: FloatArray,
+    smooth: FloatArray,
+    driven: FloatArray,
+    record: Record,
+    rough: float,
+    numbers: NoiseSettings,
 ) -> tuple[float, FloatArray] | None:
-    """Measure size and colour where a motor stands still; None where it never does long enough.
+    """Measure standard deviation and colour at standstill; None where the motor is not at rest for long enough.
 
-    A controller that answers the noise moves the motor a little, if friction does not hold it; what its torques move by
-    the model is taken off where that leaves the simpler noise.
+    A controller that responds to the noise moves the motor slightly unless friction holds it. The motion that the model
+    predicts from its torques is subtracted where that leaves simpler noise.
     """
-    length = max(TREND * 4, round(LEAST_STILL / record.sample_time))
+    length = max(TREND * 4, round(numbers.still / record.sample_time))
     stretches = []
     for begin, count in zip(*runs(record.valid), strict=True):
         for first in range(int(begin), int(begin + count) - length + 1, length):
             part = slice(first, first + length)
             if np.ptp(smooth[part]) <= STILL * rough and np.ptp(position[part]) > 0:
                 stretches.append((without_trend(position[part]), without_trend(driven[part])))
-    if len(stretches) * length < FEWEST_STILL:
+    if len(stretches) * length < numbers.still_samples:
         return None
     noise, moved = (np.stack(part) for part in zip(*stretches, strict=True))
     variance = np.mean(noise**2, axis=1)
     quiet = variance <= QUIET * np.quantile(variance, 0.25)
-    _, deviation, colour = min(
-        (colour_of(values[quiet]) for values in (noise - moved, noise)), key=lambda found: found[0]
-    )
+    _, deviation, colour = min((colour_of(values[quiet]) for values in (noise - moved, noise)), key=lambda fit: fit[0])
     return deviation, colour

@@ -1,4 +1,4 @@
-"""Weights of prediction errors: what noise alone makes of them, sample by sample."""
+"""Weights of prediction errors: their standard deviation by noise alone, sample by sample."""
 
 from __future__ import annotations
 
@@ -16,45 +16,37 @@ from flexros.record.smoothing import smooth_motion
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.noise.encoder_noise import Noise
+    from flexros.gap.settings import DiagnosisSettings
     from flexros.prediction.observer import ObserverGain
     from flexros.record.quantization import Quantization
     from flexros.record.record import Record
     from flexros.robot import Robot
 
-AS_DECLARED = 0.06
-"""Relative difference up to which measured noise counts as that of the robot file [1] (chosen)."""
-MEASURED_ERROR, COLOURED_ERROR = 0.01, 0.03
-"""Relative error of the variance of measured noise, white and coloured [1] (development seeds)."""
-ROUNDING_ERROR = 0.1
-"""Relative error of the variance that rounding is taken to add: it is not white where a motor is slow [1] (chosen)."""
-OTHERWISE = 0.5
-"""Error of the variance of noise over the difference between what a log shows and what is counted with [1] (chosen)."""
 COLOURED_BELOW = 0.6
-"""Power above the band over that of the declared noise below which the noise is taken for coloured [1] (chosen)."""
+"""Power above the band over that of the declared noise below which the noise counts as coloured [1] (chosen)."""
 LEAST_JITTER = 0.3
-"""Least jitter that counts: at the largest speed it adds this share of the encoder noise [1] (chosen)."""
+"""Least jitter that is used: at the largest speed it adds this share of the encoder noise [1] (chosen)."""
 REMEMBERED = 400
-"""Samples after which coloured noise has forgotten what drove it (chosen)."""
+"""Samples after which the impulse response of coloured noise has decayed (chosen)."""
 SMOOTH_CUTOFF = 40.0
-"""Highest frequency of the motion whose speed tells what jitter does [Hz] (chosen)."""
+"""Highest frequency of the motion whose speed the effect of jitter is computed from [Hz] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """What the encoders of a log do to a position.
+    """Noise, quantization and jitter of the encoders of a log.
 
     Attributes:
         deviation: Standard deviation of the noise [rad or m], quantization included, shape (M,).
-        whitening: Filter 1 + a_1 z^-1 + ... that makes the noise white, per motor, shape (M, order + 1).
+        whitening: Filter 1 + a_1 z^-1 + ... that whitens the noise, per motor, shape (M, order + 1).
         driving: Standard deviation of that white noise [rad or m], shape (M,).
         jitter: Standard deviation of the sampling instants [s].
-        quantizations: Encoders whose rounding matters.
-        rounding: Largest share of rounding in the variance of the noise of an encoder [1].
+        quantizations: Encoders whose quantization matters.
+        rounding: Largest share of quantization in the variance of the noise of an encoder [1].
         floor_error: Relative standard deviation of the variance of the noise [1]; zero where it is as declared.
-        doubt: The same by which noise may be other than declared in this very log, so that a gap of that size is none
-            [1].
+        doubt: The same for a deviation of this log's noise from the assumed one; a gap of that size is none [1].
         signal_tolerance: Share of the rms of a torque that counts as no gap [1].
-        warnings: What was noticed, a sentence each.
+        warnings: Warnings, one sentence each.
     """
 
     deviation: FloatArray
@@ -69,32 +61,32 @@ class Measurement:
     warnings: tuple[str, ...]
 
 
-def measurement_of(record: Record, robot: Robot) -> Measurement:
-    """Find out what the encoders of a log do.
+def measurement_of(record: Record, robot: Robot, settings: DiagnosisSettings) -> Measurement:
+    """Measure noise, quantization and jitter of the encoders.
 
-    Noise that is as the robot file declares it is taken from there, which is the more exact. A log without rest shows
-    noise above the band of the motion only: where that is far less than declared, it is taken for the upper end of a
-    first-order autoregression a of the declared power, which has the share (1 - a) / (1 + a) of it at half the
-    sampling rate.
+    Noise that agrees with the robot file is taken from there, which is more exact. A log without rest shows only the
+    noise above the band of the motion. Where that is far below the declared noise, it is taken as the upper end of a
+    first-order autoregression a of the declared power, whose share at half the sampling rate is (1 - a) / (1 + a).
 
     Args:
         record: The log.
         robot: The nominal robot.
+        settings: Settings of the diagnosis.
 
     Raises:
         InputError: There is no noise.
     """
-    noise = measure_noise(record, robot)
+    noise, numbers = measure_noise(record, robot, settings), settings.noise
     declared = robot.encoder_noise
     autoregression = np.zeros((robot.n_motors, max(1, noise.autoregression.shape[1])))
     autoregression[:, : noise.autoregression.shape[1]] = noise.autoregression
     if not np.all((declared > 0) & (noise.standard_deviation > 0)):
         raise InputError(
-            f"{record.name}: robot {robot.name} states encoder noise of {declared.tolist()} rad or m and the log shows "
-            f"{noise.standard_deviation.tolist()}, but both must be above zero, or nothing can be told from noise; "
+            f"{record.name}: robot {robot.name} declares encoder noise of {declared.tolist()} rad or m and the log "
+            f"shows {noise.standard_deviation.tolist()}, but both must be above zero to separate a gap from noise; "
             "give sensors.encoder_noise in the robot file"
         )
-    near = np.abs(noise.standard_deviation / declared - 1) < AS_DECLARED
+    near = np.abs(noise.standard_deviation / declared - 1) < numbers.as_declared
     deviation = np.where(near, declared, noise.standard_deviation)
     for motor, source in enumerate(noise.source):
         share = float((noise.standard_deviation[motor] / declared[motor]) ** 2)
@@ -105,7 +97,7 @@ def measurement_of(record: Record, robot: Robot) -> Measurement:
         deviation[one.motor] = np.hypot(declared[one.motor], one.step / np.sqrt(12))
     rounding = max((1 - (declared[one.motor] / deviation[one.motor]) ** 2 for one in quantizations), default=0.0)
     coloured = bool(np.any(autoregression))
-    error = COLOURED_ERROR if coloured else 0.0 if bool(np.all(near)) else MEASURED_ERROR
+    error = numbers.coloured_error if coloured else 0.0 if bool(np.all(near)) else numbers.measured_error
     whitening = np.hstack([np.ones((robot.n_motors, 1)), -autoregression[:, : None if coloured else 0]])
     return Measurement(
         deviation=deviation,
@@ -114,44 +106,45 @@ def measurement_of(record: Record, robot: Robot) -> Measurement:
         jitter=noise.jitter,
         quantizations=quantizations,
         rounding=float(rounding),
-        floor_error=float(np.hypot(error, ROUNDING_ERROR * rounding)),
-        doubt=0.0 if coloured else _doubt(noise, deviation),
+        floor_error=float(np.hypot(error, numbers.rounding_error * rounding)),
+        doubt=0.0 if coloured else numbers.doubt * _difference(noise, deviation),
         signal_tolerance=noise.signal_tolerance,
         warnings=noise.warnings,
     )
 
 
-def measurement_in(record: Record, robot: Robot, measurement: Measurement) -> Measurement:
-    """Count with the noise that one log shows in another one of the same robot, whose noise may be a little different.
+def measurement_in(record: Record, robot: Robot, measurement: Measurement, settings: DiagnosisSettings) -> Measurement:
+    """Apply the noise estimate of one log to another log of the same robot, allowing a small mismatch.
 
     Args:
         record: The other log.
         robot: The nominal robot.
-        measurement: Noise of the encoders as the one log shows it.
+        measurement: Noise of the encoders in the one log.
+        settings: Settings of the diagnosis.
     """
     coloured = measurement.whitening.shape[1] > 1
-    doubt = 0.0 if coloured else _doubt(measure_noise(record, robot), measurement.deviation)
-    return replace(measurement, doubt=doubt)
+    difference = 0.0 if coloured else _difference(measure_noise(record, robot, settings), measurement.deviation)
+    return replace(measurement, doubt=settings.noise.doubt * difference)
 
 
-def _doubt(noise: Noise, deviation: FloatArray) -> float:
-    """Return the error of the variance that the difference between shown and counted noise speaks for [1]."""
+def _difference(noise: Noise, deviation: FloatArray) -> float:
+    """Return the relative difference of the variance between measured and assumed noise, mean over the motors [1]."""
     measured = np.array([source != "robot file" for source in noise.source])
     differs = np.where(measured, (noise.standard_deviation / deviation) ** 2 - 1, 0.0)
-    return OTHERWISE * float(abs(np.mean(differs)))
+    return float(abs(np.mean(differs)))
 
 
 def spread_of(record: Record, gain: ObserverGain, measurement: Measurement, *, from_rest: bool = False) -> FloatArray:
-    """Compute the standard deviation of every whitened prediction error without gap.
+    """Compute the standard deviation of every whitened prediction error without a gap.
 
     Args:
         record: The log.
-        gain: Gain of the predictor, with the spread that it gives to noise.
+        gain: Gain of the predictor, with the standard deviations of its errors by noise.
         measurement: Noise of the encoders.
-        from_rest: Whether the log counts from its first sample; else not until an error of the start has decayed.
+        from_rest: Whether the log is used from its first sample; otherwise once an initial-state error has decayed.
 
     Returns:
-        Standard deviations [rad or m], infinite where samples do not count, shape (n, M).
+        Standard deviations [rad or m], infinite where samples are not used, shape (n, M).
     """
     spread = np.repeat((gain.spread / gain.noise * measurement.driving)[None], record.n_samples, axis=0)
     early = min(gain.settling, record.n_samples if from_rest else record.n_samples // 4)
@@ -165,9 +158,9 @@ def spread_of(record: Record, gain: ObserverGain, measurement: Measurement, *, f
             spread = np.hypot(spread, added * np.sqrt((measurement.whitening**2).sum(axis=1)))
     if not from_rest:
         spread[:early] = np.inf
-    spread[: measurement.whitening.shape[1] - 1] = np.inf  # the filter lacks what was before
+    spread[: measurement.whitening.shape[1] - 1] = np.inf  # the filter lacks earlier samples
     missing = ~record.valid
-    for later in range(measurement.whitening.shape[1]):  # the filter carries a missing sample on
+    for later in range(measurement.whitening.shape[1]):  # a missing sample passes through the filter
         spread[np.roll(missing, later)] = np.inf
     return spread
 

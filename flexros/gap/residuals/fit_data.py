@@ -1,4 +1,4 @@
-"""A log as a fit sees it: with gain, start, and weights of its prediction errors."""
+"""A log prepared for a fit: observer gain, initial state and weights of its prediction errors."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from scipy.signal import lfilter
 from flexros.errors import InputError
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.noise.weights import measurement_of, spread_of
-from flexros.gap.prediction.predictor import Predictor
-from flexros.gap.residuals.initial_state import StartErrors, start_errors
+from flexros.gap.prediction.predictor import LANES, Predictor
 from flexros.gap.residuals.lost_commands import spoilt_by_lost_commands
 from flexros.gap.residuals.tool_data import tool_data, tracker_noise
 from flexros.gap.residuals.tool_frame import FEWEST, usable_poses
@@ -29,60 +28,99 @@ if TYPE_CHECKING:
     from flexros.prediction.observer import ObserverGain
     from flexros.record.record import Record
 
-STARTING_LEVEL = 0.3
-"""Torque noise that the predictor allows for while it finds the state of a log that begins in motion [1] (chosen)."""
 RUN_AWAY = 1e6
-"""Largest prediction error over the largest motion of the log; beyond it the prediction has run away [1] (chosen)."""
-REST, AT_REST = 0.02, 10.0
-"""Time at the begin of a log that tells whether the robot starts from rest [s], and prediction errors from rest, over
-the noise, up to which it does [1] (chosen)."""
+"""Largest prediction error over the largest motion of the log; beyond it the prediction has diverged [1] (chosen)."""
+REST = 0.02
+"""Time at the beginning of a log in which prediction errors from rest decide whether it begins at rest [s] (chosen)."""
+LEAST_SEEN = 0.01
+"""Root of the sum of squared weighted prediction errors up to which an initial-state error of the size that a settled
+predictor has is neglected [1] (chosen)."""
+
+
+@dataclass(frozen=True, eq=False)
+class InitialStateErrors:
+    """Directions of weighted prediction errors that come from errors of the initial state alone.
+
+    Attributes:
+        motors: Orthonormal basis, rows of the first samples of each motor, shape (M, n_first, k).
+        tool: The same, rows of the tool measurement, shape (3 m, k).
+    """
+
+    motors: FloatArray
+    tool: FloatArray
+
+    @property
+    def number(self) -> int:
+        """Number of directions k."""
+        return int(self.tool.shape[1])
+
+    def projected_out(self, residual: FloatArray, n: int) -> FloatArray:
+        """Project the effect of initial-state errors out of residuals.
+
+        Args:
+            residual: Weighted prediction errors of the motors, one after the other, then those of the tool, shape
+                (M n + 3 m, sets); changed in place.
+            n: Number of samples.
+
+        Returns:
+            The same array.
+        """
+        M, first = self.motors.shape[:2]
+        motors, tool = residual[: M * n].reshape(M, n, -1)[:, :first], residual[M * n :]
+        share = np.einsum("mfk,mfs->ks", self.motors, motors) + self.tool.T @ tool
+        motors -= self.motors @ share
+        tool -= self.tool @ share
+        return residual
 
 
 @dataclass(frozen=True, eq=False)
 class FitData:
-    """Log and what the fit needs to weigh its prediction errors.
+    """A log and what a fit needs to weigh its prediction errors.
 
     Attributes:
         record: The log.
         gain: Gain of the predictor.
-        start: State of the robot before the first sample, shape (2 n_coordinates,).
-        spread: Standard deviation of a prediction error without gap [rad or m], shape (n, M); infinite where a sample
-            was not measured, or the start of a log that begins in motion or a lost command has not decayed.
+        initial_state: State of the robot before the first sample, shape (2 n_coordinates,).
+        spread: Standard deviation of a prediction error without a gap [rad or m], shape (n, M); infinite where a sample
+            was not measured, or where an initial-state error or a lost command has not decayed.
         measurement: Noise of the encoders.
-        from_rest: Whether the log begins at rest, where every model starts from its own rest.
+        settings: Settings of the diagnosis.
+        from_rest: Whether the log begins at rest, in which case every model begins in its own equilibrium.
+        tool: Tool measurement; None where there is none.
         pose: Arm coordinates at which the gain was computed [rad or m], shape (N,); None for home.
-        tool: What a tool tracker saw; None where there was none.
-        start_errors: What errors of the start do, which is taken off; None where the start does not count.
+        initial_state_errors: Effect of initial-state errors, which is projected out; None for a log that begins in
+            motion, whose first samples are not used.
     """
 
     record: Record
     gain: ObserverGain
-    start: FloatArray
+    initial_state: FloatArray
     spread: FloatArray
     measurement: Measurement
+    settings: DiagnosisSettings
     from_rest: bool = False
     tool: ToolData | None = None
     pose: FloatArray | None = None
-    start_errors: StartErrors | None = None
+    initial_state_errors: InitialStateErrors | None = None
 
     @property
     def counted(self) -> BoolArray:
-        """Samples whose prediction errors count, shape (n,)."""
+        """Samples whose prediction errors are used, shape (n,)."""
         return np.asarray(self.record.valid & np.all(np.isfinite(self.spread), axis=1))
 
     @property
     def settled(self) -> BoolArray:
-        """Samples that count and before which an error of the start has decayed, shape (n,)."""
+        """Samples that are used and before which an initial-state error has decayed, shape (n,)."""
         settled = self.counted
         settled[: min(self.gain.settling, len(settled) // 4)] = False
         return settled
 
     @property
     def n_values(self) -> int:
-        """Number of prediction errors that count."""
+        """Number of independent prediction errors that are used."""
         of_tool = 0 if self.tool is None else self.tool.position.size - self.tool.basis.shape[1]
-        of_start = 0 if self.start_errors is None else self.start_errors.number
-        return int(np.isfinite(self.spread).sum()) + of_tool - of_start
+        projected = 0 if self.initial_state_errors is None else self.initial_state_errors.number
+        return int(np.isfinite(self.spread).sum()) + of_tool - projected
 
     def predict(
         self,
@@ -96,7 +134,7 @@ class FitData:
 
         Args:
             predictor: The hypothesis.
-            thetas: Numbers, shape (n_fitted, sets) with at most `LANES` sets.
+            thetas: Parameters, shape (n_fitted, sets) with at most `LANES` sets.
             pose_samples: Samples whose tool pose is recorded, increasing, shape (m,); None for none.
             record_states: Whether to record the states.
         """
@@ -104,22 +142,22 @@ class FitData:
             thetas,
             self.record,
             self.gain,
-            self.start,
+            self.initial_state,
             from_rest=self.from_rest,
             pose_samples=pose_samples,
             record_states=record_states,
         )
 
     def residuals(self, predictor: Predictor, thetas: FloatArray) -> FloatArray:
-        """Predict and weigh.
+        """Compute the weighted prediction errors of a hypothesis.
 
         Args:
             predictor: The hypothesis.
-            thetas: Numbers, shape (n_fitted, sets) with at most `LANES` sets.
+            thetas: Parameters, shape (n_fitted, sets) with at most `LANES` sets.
 
         Returns:
-            Weighted prediction errors, each of variance 1 without gap: those of the motors one after the other, then
-            those of the tool, shape (M n + 3 m, sets).
+            Weighted prediction errors, each of variance 1 without a gap: motors one after the other, then the tool,
+            shape (M n + 3 m, sets).
         """
         samples = None if self.tool is None else self.tool.samples
         prediction = self.predict(predictor, thetas, pose_samples=samples)
@@ -128,8 +166,8 @@ class FitData:
         if self.tool is not None:
             assert prediction.tool_pose is not None
             residual = np.vstack([residual, self.tool.residuals(prediction.tool_pose[:, :, :sets])])
-        if self.start_errors is not None:
-            residual = self.start_errors.taken_off(residual, self.record.n_samples)
+        if self.initial_state_errors is not None:
+            residual = self.initial_state_errors.projected_out(residual, self.record.n_samples)
         return residual
 
     def weighted(self, innovation: FloatArray) -> FloatArray:
@@ -139,7 +177,7 @@ class FitData:
             innovation: Prediction errors [rad or m], shape (n, M, sets).
 
         Returns:
-            Weighted prediction errors, shape (n M, sets); zero where they do not count.
+            Weighted prediction errors, shape (n M, sets); zero where they are not used.
         """
         n, M, sets = innovation.shape
         result = np.empty((M, n, sets))
@@ -151,20 +189,20 @@ class FitData:
         return result.reshape(M * n, sets)
 
     def tool_seen_by(self, predictor: Predictor, theta: FloatArray) -> FitData:
-        """Bring what a tool tracker saw to the frame of another prediction than that of the nominal model.
+        """Transform the tool measurement to the frame of another prediction than that of the nominal model.
 
-        Frame and offset of a tracker are exact for the prediction that they were estimated with: where tolerated
-        numbers turn the tool by 2e-4 rad more, an offset of 15 mm leaves 3 um, as an error of the kinematics would.
+        Frame and offset of a tracker are exact only for the prediction that they were estimated with: where tolerated
+        parameters turn the tool by 2e-4 rad more, an offset of 15 mm leaves 3 um, as a kinematic error would.
 
         Args:
             predictor: Predictor of the model.
-            theta: Its numbers, shape (n_fitted,).
+            theta: Its parameters, shape (n_fitted,).
         """
         if self.tool is None:
             return self
         samples = np.arange(self.record.n_samples)
         predicted = self.predict(predictor, theta[:, None], pose_samples=samples)
-        return _with_start_errors(_with_tool(self, predicted, predictor.robot.tool_noise), predictor, theta)
+        return _with_initial_state_errors(_with_tool(self, predicted, predictor.robot.tool_noise), predictor, theta)
 
     @cached_property
     def _weight(self) -> FloatArray:
@@ -177,24 +215,24 @@ def fit_data(
     settings: DiagnosisSettings,
     measurement: Measurement | None = None,
 ) -> FitData:
-    """Give a log gain, start and weights.
+    """Prepare a log for a fit: compute observer gain, initial state and weights.
 
-    A log that begins at rest counts from its first sample, less what errors of the start explain. One that begins in
-    motion loses its first part, in which a predictor of high gain finds the state, and does not count until an error of
-    that has decayed.
+    A log that begins at rest is used from its first sample, with initial-state errors projected out. One that begins
+    in motion loses its first part, in which a predictor of high gain estimates the state, and is used once an error of
+    that estimate has decayed.
 
     Args:
         record: The log.
         model: The nominal model.
-        settings: Numbers of the diagnosis.
-        measurement: Noise of the encoders as another log of the same robot shows it; None to measure it in this one.
+        settings: Settings of the diagnosis.
+        measurement: Noise of the encoders from another log of the same robot; None to measure it in this one.
 
     Raises:
-        InputError: The prediction of the nominal model runs away.
+        InputError: The prediction of the nominal model diverges.
     """
     robot = model.robot
     pose = robot.equilibrium(motor_position=np.median(record.position, axis=0))[: robot.n_arm]
-    measurement = measurement_of(record, robot) if measurement is None else measurement
+    measurement = measurement_of(record, robot, settings) if measurement is None else measurement
 
     tolerated = measurement.signal_tolerance * np.std(record.torque, axis=0) if measurement.signal_tolerance else None
 
@@ -202,40 +240,92 @@ def fit_data(
         return observer_gain(robot, record.sample_time, level, measurement.deviation, pose, tolerated=tolerated)
 
     nominal = Predictor(model, (), Tolerance(), record.sample_time, measured_torque=record.measured_torque)
-    start = robot.equilibrium(motor_position=record.position[0])
-    fast = gain_at(STARTING_LEVEL)
+    state = robot.equilibrium(motor_position=record.position[0])
+    fast = gain_at(settings.residuals.starting_level)
     soon = record.part(0, max(round(REST / record.sample_time), 2))
-    errors = nominal.predict(np.zeros((0, 1)), soon, fast, start).innovation[:, :, 0]
+    errors = nominal.predict(np.zeros((0, 1)), soon, fast, state).innovation[:, :, 0]
     seen = np.abs(errors[soon.valid])
-    from_rest = bool(len(seen) and np.all(seen < AT_REST * measurement.deviation))
+    from_rest = bool(len(seen) and np.all(seen < settings.residuals.at_rest * measurement.deviation))
     if not from_rest:
         cut = min(2 * fast.settling, record.n_samples // 4)
-        found = nominal.predict(np.zeros((0, 1)), record.part(0, cut), fast, start)
-        start, record = found.final[: len(start), 0], record.part(cut, record.n_samples)
+        first_part = nominal.predict(np.zeros((0, 1)), record.part(0, cut), fast, state)
+        state, record = first_part.final[: len(state), 0], record.part(cut, record.n_samples)
     gain = gain_at(settings.level)
     spread = spread_of(record, gain, measurement, from_rest=from_rest)
-    spread[spoilt_by_lost_commands(record, nominal, gain, start)] = np.inf
-    data = FitData(_with_usable_tool(record), gain, start, spread, measurement, from_rest, None, pose)
+    spread[spoilt_by_lost_commands(record, nominal, gain, state, settings.residuals)] = np.inf
+    data = FitData(_with_usable_tool(record), gain, state, spread, measurement, settings, from_rest, pose=pose)
     samples = None if data.record.tool is None else np.arange(record.n_samples)
     predicted = data.predict(nominal, np.zeros((0, 1)), pose_samples=samples)
     _check_bounded(predicted, record)
-    return _with_start_errors(_with_tool(data, predicted, robot.tool_noise), nominal, np.zeros(0))
+    return _with_initial_state_errors(_with_tool(data, predicted, robot.tool_noise), nominal, np.zeros(0))
 
 
 def _with_tool(data: FitData, predicted: LoopPrediction, declared: float) -> FitData:
-    """Bring what a tool tracker saw to the frame of a prediction."""
+    """Transform the tool measurement to the frame of a prediction."""
     record = data.record
     if record.tool is None:
         return data
     assert predicted.tool_pose is not None
     noise = tracker_noise(record.tool, declared)
-    tool = tool_data(record.tool, predicted.tool_pose[:, :, 0], data.counted, record.sample_time, noise)
+    poses = predicted.tool_pose[:, :, 0]
+    tool = tool_data(record.tool, poses, data.counted, record.sample_time, noise, data.settings.residuals.tool_poses)
     return replace(data, tool=tool)
 
 
-def _with_start_errors(data: FitData, predictor: Predictor, theta: FloatArray) -> FitData:
-    """Find what errors of a start at rest do, as a model sees them."""
-    return replace(data, start_errors=start_errors(data, predictor, theta)) if data.from_rest else data
+def _with_initial_state_errors(data: FitData, predictor: Predictor, theta: FloatArray) -> FitData:
+    """Add the effect of initial-state errors, for a log that begins at rest."""
+    if not data.from_rest:
+        return data
+    return replace(data, initial_state_errors=_initial_state_errors(data, predictor, theta))
+
+
+def _initial_state_errors(data: FitData, predictor: Predictor, theta: FloatArray) -> InitialStateErrors:
+    """Compute the effect of errors in position and rate of every coordinate before the first sample.
+
+    The arm coordinates are not measured when a log begins, encoders measure the motors with the noise of one sample,
+    and torques that are delayed into the log are not in it. Each state is moved by its error in a settled predictor.
+
+    Args:
+        data: Log with weights.
+        predictor: Predictor of the nominal model.
+        theta: Its parameters, shape (n_fitted,).
+    """
+    first = min(2 * data.gain.settling, data.record.n_samples)
+    innovations, poses = _moved_initial_states(data, predictor, theta, first)
+    M, k = innovations.shape[1:]
+    motors = replace(data, spread=data.spread[:first]).weighted(innovations)
+    tool = np.zeros((0, k)) if data.tool is None else data.tool.residuals(poses) - data.tool.residuals(0.0 * poses)
+    basis, sizes, _ = np.linalg.svd(np.vstack([motors, tool]), full_matrices=False)
+    basis = basis[:, sizes > LEAST_SEEN]
+    return InitialStateErrors(basis[: M * first].reshape(M, first, -1), basis[M * first :])
+
+
+def _moved_initial_states(
+    data: FitData, predictor: Predictor, theta: FloatArray, first: int
+) -> tuple[FloatArray, FloatArray]:
+    """Change one initial state after the other.
+
+    Returns:
+        Changes of the prediction errors [rad or m], shape (first, M, 2 n_coordinates), and of the poses of the tool at
+        its samples, shape (n_p, 7, 2 n_coordinates).
+    """
+    record = data.record.part(0, first)
+    samples = np.zeros(0, dtype=np.int64) if data.tool is None else data.tool.samples
+    early = samples[samples < first]
+    moved = np.sqrt(np.diag(data.gain.error))
+    states = data.initial_state[:, None] + np.hstack([np.zeros((len(moved), 1)), np.diag(moved)])
+    innovations, poses = [], []
+    for begin in range(0, states.shape[1], LANES):
+        group = states[:, begin : begin + LANES]
+        sets = np.repeat(theta[:, None], group.shape[1], axis=1)
+        prediction = predictor.predict(sets, record, data.gain, group, pose_samples=early)
+        assert prediction.tool_pose is not None
+        innovations.append(prediction.innovation[:, :, : group.shape[1]])
+        poses.append(prediction.tool_pose[:, :, : group.shape[1]])
+    innovation, pose = (np.concatenate(parts, axis=2) for parts in (innovations, poses))
+    changed = np.zeros((len(samples), pose.shape[1], len(moved)))
+    changed[: len(early)] = pose[:, :, 1:] - pose[:, :, :1]
+    return innovation[:, :, 1:] - innovation[:, :, :1], changed
 
 
 def _with_usable_tool(record: Record) -> Record:
@@ -245,16 +335,16 @@ def _with_usable_tool(record: Record) -> Record:
     poses = len(usable_poses(record.tool, record.duration)[1])
     if poses >= FEWEST:
         return record
-    warning = f"{poses} poses of the tool lie within the record, needed are {FEWEST}, so the tool was left out"
+    warning = f"{poses} poses of the tool are within the log, at least {FEWEST} are needed: the tool is left out"
     return replace(record, tool=None, warnings=(*record.warnings, warning))
 
 
 def _check_bounded(predicted: LoopPrediction, record: Record) -> None:
-    """Refuse a log that the nominal model cannot follow at all, as that of a loop which was not stable."""
+    """Refuse a log that the nominal model cannot follow at all, such as that of an unstable loop."""
     farthest = float(np.ptp(record.position, axis=0).max())
     if not np.all(np.abs(predicted.innovation[:, :, 0]) <= RUN_AWAY * farthest):
         raise InputError(
-            f"{record.name}: the prediction of the nominal model runs away from this log, in which motors move by up "
-            f"to {farthest:.3g} rad or m; check units, signs and order of the motors, and whether the control loop was "
+            f"{record.name}: the prediction of the nominal model diverges from this log, in which motors move by up to "
+            f"{farthest:.3g} rad or m; check units, signs and order of the motors, and whether the control loop was "
             "stable, or give the log of another run"
         )

@@ -1,4 +1,4 @@
-"""A tool measurement as a fit sees it: brought to the frame of the prediction, with what the frame may still be off."""
+"""A tool measurement prepared for a fit, in the frame of the prediction; errors of the frame are projected out."""
 
 from __future__ import annotations
 
@@ -17,13 +17,11 @@ if TYPE_CHECKING:
 
 
 LEAST_RATE = 200.0
-"""Poses per second from which differences of fourth order show noise and no motion [Hz] (chosen)."""
+"""Poses per second from which fourth-order differences show noise and no motion [Hz] (chosen)."""
 NEAR = 0.2
 """Relative difference up to which the noise of a tracker counts as declared [1] (chosen)."""
 CERTAIN = 3.0
-"""Standard deviations by which a time offset must exceed a sample to be told [1] (chosen)."""
-MOST_POSES = 10_000
-"""Most measurements of the tool that count; of more of them every second, third ... is taken (chosen)."""
+"""Standard deviations by which a time offset must exceed a sample to be reported [1] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,17 +29,17 @@ class ToolData:
     """Measured tool positions and their weight.
 
     Attributes:
-        samples: Samples before and behind the measurements, increasing, shape (n_p,).
-        place: Row of the sample before each measurement in `samples`, shape (m,).
-        share: Share of the sample time behind it [1], shape (m,).
+        samples: Samples before and after the measurements, increasing, shape (n_p,).
+        row: Row in `samples` of the sample before each measurement, shape (m,).
+        share: Time since that sample over the sample time [1], shape (m,).
         position: Measured positions in the frame of the prediction [m], shape (m, 3).
-        basis: Orthonormal basis of what errors of frame, offsets and time add, shape (3 m, k).
+        basis: Orthonormal basis of the effect of errors of frame, offsets and time, shape (3 m, k).
         spread: Standard deviation of the measurement [m].
-        warnings: What was noticed, a sentence each.
+        warnings: Warnings, one sentence each.
     """
 
     samples: IntArray
-    place: IntArray
+    row: IntArray
     share: FloatArray
     position: FloatArray
     basis: FloatArray
@@ -49,7 +47,7 @@ class ToolData:
     warnings: tuple[str, ...] = ()
 
     def residuals(self, pose: FloatArray) -> FloatArray:
-        """Weigh measured minus predicted positions, with what frame and offsets explain taken off.
+        """Weigh measured minus predicted positions, with the effect of frame and offsets projected out.
 
         Args:
             pose: Predicted poses of the samples, shape (n_p, 7, sets).
@@ -58,21 +56,18 @@ class ToolData:
             Weighted residuals, shape (3 m, sets).
         """
         share = self.share[:, None, None]
-        predicted = (1 - share) * pose[self.place, :3] + share * pose[self.place + 1, :3]
+        predicted = (1 - share) * pose[self.row, :3] + share * pose[self.row + 1, :3]
         error = (self.position[:, :, None] - predicted).reshape(-1, pose.shape[-1]) / self.spread
         result: FloatArray = error - self.basis @ (self.basis.T @ error)
         return result
 
 
 def tracker_noise(tool: ToolRecord, declared: float) -> float:
-    """Tell the noise of a tracker: as declared where the log agrees, else as its fourth differences show it.
+    """Estimate the noise of a tracker [m]: as declared where the log agrees, otherwise from its fourth differences.
 
     Args:
-        tool: What the tracker saw; where it saw fewer than 200 poses per second, motion would pass for noise.
-        declared: Standard deviation that the robot file states [m].
-
-    Returns:
-        Standard deviation [m].
+        tool: The measurement; below 200 poses per second the declared noise is used, as motion would look like noise.
+        declared: Standard deviation that the robot file declares [m].
 
     Raises:
         InputError: There is no noise.
@@ -85,33 +80,36 @@ def tracker_noise(tool: ToolRecord, declared: float) -> float:
         if measured > 0 and not abs(measured - declared) < NEAR * declared:
             return measured
     if declared <= 0:
-        raise InputError("the robot file states no noise of the tool tracker; give sensors.tool_noise in it")
+        raise InputError("the robot file declares no noise of the tool tracker; give sensors.tool_noise in it")
     return declared
 
 
-def tool_data(tool: ToolRecord, pose: FloatArray, counted: BoolArray, sample_time: float, spread: float) -> ToolData:
-    """Bring a tool measurement to the frame of a prediction.
+def tool_data(
+    tool: ToolRecord, pose: FloatArray, counted: BoolArray, sample_time: float, spread: float, most: int
+) -> ToolData:
+    """Transform a tool measurement to the frame of a prediction.
 
     Args:
-        tool: What the tracker saw.
+        tool: The measurement.
         pose: Poses that the nominal model predicts, shape (n, 7).
-        counted: Samples whose prediction errors count, shape (n,).
+        counted: Samples whose prediction errors are used, shape (n,).
         sample_time: Time between two samples [s].
         spread: Standard deviation of the measurement [m].
+        most: Largest number of poses used.
 
     Raises:
-        InputError: There are too few poses within the record.
+        InputError: There are too few poses within the log.
     """
-    thin = slice(None, None, -(-len(tool.time) // MOST_POSES) or 1)
+    thin = slice(None, None, -(-len(tool.time) // most) or 1)
     tool = ToolRecord(tool.time[thin], tool.position[thin])
     turns = np.ptp(pose[:, 3:], axis=0).max() > 1e-6
     corrected = correct_tool(tool, pose[:, :3], sample_time, pose[:, 3:] if turns else None)
-    place = corrected.time / sample_time
-    sample = np.clip(place.astype(int), 0, len(pose) - 2)
+    at = corrected.time / sample_time
+    sample = np.clip(at.astype(int), 0, len(pose) - 2)
     kept = counted[sample] & np.all(np.isfinite(corrected.position), axis=1)
     rows = np.repeat(kept, 3)
     basis = np.linalg.qr(corrected.basis[rows])[0] if corrected.basis.size else corrected.basis[rows]
-    sample, share = sample[kept], (place - sample)[kept]
+    sample, share = sample[kept], (at - sample)[kept]
     samples = np.unique(np.concatenate([sample, sample + 1]))
     return ToolData(
         samples,
@@ -125,11 +123,11 @@ def tool_data(tool: ToolRecord, pose: FloatArray, counted: BoolArray, sample_tim
 
 
 def _of_time(frame: ToolFrame, sample_time: float) -> tuple[str, ...]:
-    """Warn of a tracker whose stamps are off by more than a sample, beyond doubt."""
+    """Warn of a tracker whose stamps are off by significantly more than a sample."""
     late = frame.time_offset
     if not abs(late) - CERTAIN * frame.deviation[9] > sample_time:
         return ()
     return (
-        f"the tool tracker seems to see the tool {1e3 * abs(late):.2g} ms {'later' if late > 0 else 'earlier'} than "
-        "its stamps say, which is taken off; check its clock, for where it is right this is a part of the gap",
+        f"the tool tracker appears to measure {1e3 * abs(late):.2g} ms {'later' if late > 0 else 'earlier'} than its "
+        "stamps, which is corrected; check its clock: if it is right, this offset is part of the gap",
     )

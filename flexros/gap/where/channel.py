@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flexros.arrays import BoolArray, ComplexArray, FloatArray
+    from flexros.gap.settings import WhereSettings
     from flexros.gap.where.bands import OctaveBands
-    from flexros.gap.where.settings import WhereSettings
 
 
 class Channel:

@@ -16,7 +16,7 @@ from flexros.gap.where.regimes import regimes
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.gap.prediction.predicted_log import PredictedLog
-    from flexros.gap.where.settings import WhereSettings
+    from flexros.gap.settings import WhereSettings
     from flexros.record.record import Record
     from flexros.robot import Robot
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.gap.noise.autoregression import white_spectrum
+from flexros.gap.settings import WhereSettings
 from flexros.gap.where.base import AbstractSimulatedView, AbstractTestedView, ViewExcess, views
 from flexros.gap.where.errors import PredictionErrors
 from flexros.gap.where.score import p_values
 from flexros.gap.where.selection import mapped, reported, significant
-from flexros.gap.where.settings import WhereSettings
 from flexros.gap.where.views.position_bands import PositionBands
 from flexros.random_streams import generator
 

@@ -8,8 +8,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from flexros.gap.schema import Excess
+    from flexros.gap.settings import WhereSettings
     from flexros.gap.where.base import Location
-    from flexros.gap.where.settings import WhereSettings
 
 
 def reported(locations: Sequence[Location], settings: WhereSettings) -> tuple[Excess, ...]:

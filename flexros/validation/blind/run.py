@@ -107,7 +107,7 @@ def case_settings() -> DiagnosisSettings:
     """
     from flexros.gap.settings import DiagnosisSettings
 
-    return DiagnosisSettings(threads=1, where=False, next_experiment=False)
+    return DiagnosisSettings(threads=1, where=None, next_experiment=None)
 
 
 def read_logs(folder: Path, case: OpenCase) -> tuple[Robot, Record, Record]:

@@ -25,7 +25,7 @@ from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, numbers, pre
 TRUTH = "coulomb_friction@motor_1:level=0.05"
 COULOMB, STIFFNESS = "coulomb_friction@motor_1", "stiffness_error@body_2.rz"
 TOLERANCE = {"stiffness": 0.01}
-SETTINGS = DiagnosisSettings(level=1e-3, next_experiment=False)
+SETTINGS = DiagnosisSettings(level=1e-3, next_experiment=None)
 VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}}
 
 

@@ -30,7 +30,7 @@ def made(predictor: Predictor, theta: FloatArray, seed: int) -> FitData:
     data = data_of()
     record = data.record.part(0, N)
     blind = replace(data.gain, gain=np.zeros_like(data.gain.gain))
-    errors = predictor.predict(theta[:, None], record, blind, data.start).innovation[:, :, 0]
+    errors = predictor.predict(theta[:, None], record, blind, data.initial_state).innovation[:, :, 0]
     noise = data.gain.noise * np.random.default_rng(seed).normal(size=record.position.shape)
     return replace(data, record=replace(record, position=record.position - errors + noise), spread=data.spread[:N])
 

@@ -1,4 +1,4 @@
-"""How far model and log are apart: 1 without gap, and the share that a repair closes."""
+"""The gap of predictions 0.1 s ahead: 1 without a gap, and the share that a repair closes."""
 
 from __future__ import annotations
 
@@ -7,12 +7,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexros.effects import RobotWithEffects, parse_effect, place_effects
 from flexros.gap.fit.least_squares import CandidateFit
-from flexros.gap.held_out.prediction_gap import AheadErrors, closed_fraction, errors_ahead
-from tests.gap.diagnosis_logs import ROBOT, candidates_of, data_of, numbers, predictor_of
+from flexros.gap.held_out.prediction_gap import (
+    AheadErrors,
+    closed_fraction,
+    errors_ahead,
+    over_expected_floor,
+    signal_gaps,
+    unknown_rounding,
+)
+from flexros.gap.residuals.fit_data import FitData
+from flexros.record.quantization import Quantization
+from flexros.robot import load_robot
+from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, numbers, predictor_of
 
 FRICTION = "coulomb_friction@motor_1:level=0.05"
 SPACING = 50  # samples
+FOUND = Quantization(0, 1e-3)
 
 
 def ahead(effects: tuple[str, ...] = (), level: float | None = None, seed: int = 1) -> AheadErrors:
@@ -81,3 +93,50 @@ def test_errors_over_another_floor() -> None:
     found = synthetic(4.0).over(np.array([2e-4]))
     assert found.mean == pytest.approx(synthetic(4.0).mean / 4)
     assert found.floor[0] == 2e-4
+
+
+def errors(*ratios: float, floor: float) -> AheadErrors:
+    """Errors whose rms is a multiple of the floor, by motor."""
+    squares = np.repeat(np.square([ratios]), 7, axis=0)
+    return AheadErrors(squares, 50 * np.arange(7), np.full(len(ratios), floor))
+
+
+def test_every_motor_has_its_rms_before_and_after() -> None:
+    first, second = signal_gaps(load_robot("e12"), errors(10, 3, floor=1e-4), errors(1.5, 1, floor=1e-4))
+    assert (first.signal, first.unit) == ("motor_1 position, 0.1 s ahead", "mrad")
+    assert (first.before, first.after, first.floor, first.rival) == pytest.approx((1.0, 0.15, 0.1, None))
+    assert second.before == pytest.approx(0.3)
+
+
+def test_small_errors_and_sliding_motors_have_units_of_their_own() -> None:
+    (gap,) = signal_gaps(load_robot("emps"), errors(4, floor=1e-6), rival=errors(2, floor=1e-6))
+    assert (gap.unit, gap.before, gap.rival) == ("µm", pytest.approx(4.0), pytest.approx(2.0))
+
+
+def with_rounding() -> RobotWithEffects:
+    return place_effects(ROBOT, [parse_effect("encoder_quantization@motor_1:step=0.001", "test")])
+
+
+def rounded() -> FitData:
+    """A log whose encoder has ten times the noise that the robot file states, most of it rounding."""
+    data = data_of()
+    noise = 10 * ROBOT.encoder_noise
+    return replace(
+        data,
+        gain=replace(data.gain, noise=noise),
+        measurement=replace(data.measurement, deviation=noise, quantizations=(FOUND,)),
+    )
+
+
+def test_rounding_that_the_model_has_is_known() -> None:
+    measurement = rounded().measurement
+    assert unknown_rounding(MODEL, measurement) == (FOUND,)
+    assert unknown_rounding(with_rounding(), measurement) == ()
+
+
+def test_errors_are_over_the_noise_of_the_robot_file_where_rounding_is_not_known() -> None:
+    data, sigma = rounded(), ROBOT.encoder_noise
+    errors = AheadErrors(np.ones((5, 1)), np.arange(5), np.sqrt(3.0**2 + 10.0**2) * sigma)
+    np.testing.assert_allclose(over_expected_floor(errors, MODEL, data).floor, np.sqrt(3.0**2 + 1.0) * sigma)
+    np.testing.assert_allclose(over_expected_floor(errors, MODEL, data).squares, 109.0 / 10.0)
+    assert over_expected_floor(errors, with_rounding(), data) is errors

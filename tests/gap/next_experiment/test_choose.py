@@ -32,7 +32,7 @@ def model(name: str = "four_mass_linear") -> RobotWithEffects:
 
 
 def gain(survivors: list[list[PlacedEffect]], entry: str) -> float:
-    found = separated([Explained(model(), tuple(one)) for one in survivors], ENTRIES[entry])
+    found = separated([Explained(model(), tuple(one)) for one in survivors], ENTRIES[entry], 101, 20.0)
     assert found is not None
     return found.gain
 
@@ -60,7 +60,7 @@ def test_running_the_proposed_experiment_separates_what_the_log_did_not(
     entries = [ENTRIES["standard"], ENTRIES["high_band"]]
     proposed = next_experiment(model(), [true.placed, other.placed], entries=entries)
     assert proposed is not None
-    run = trial(true, ENTRIES[proposed.name].keys(true.model.robot), 55)
+    run = trial(true, ENTRIES[proposed.name].keys(true.model.robot, 20.0), 55)
     assert separation(true, other, run) > 4.0
 
 
@@ -74,11 +74,11 @@ def test_a_known_load_tells_motor_inertia_from_torque_gain_better_than_rest() ->
 
 @pytest.fixture
 def gains(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
-    """Gains of the experiments that were looked at."""
+    """Gains of the experiments that were evaluated."""
     seen: dict[str, float] = {}
 
-    def noted(survivors: Sequence[Explained], entry: CatalogueEntry, seed: int) -> Separated | None:
-        found = separated(survivors, entry, seed)
+    def noted(survivors: Sequence[Explained], entry: CatalogueEntry, seed: int, length: float) -> Separated | None:
+        found = separated(survivors, entry, seed, length)
         assert found is not None
         seen[entry.name] = found.gain
         return found
@@ -87,7 +87,7 @@ def gains(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
     return seen
 
 
-def test_the_chosen_experiment_is_the_best_but_for_plainer_ones(gains: dict[str, float]) -> None:
+def test_the_chosen_experiment_is_the_best_except_for_cheaper_ones(gains: dict[str, float]) -> None:
     survivors = [placed("delay@all:time=0.00015"), placed("actuator_lag@motor_1:time_constant=0.00015")]
     entries = [ENTRIES["standard"], ENTRIES["high_band"]]
     chosen = next_experiment(load_robot("four_mass_linear"), survivors, entries=entries)
@@ -138,7 +138,7 @@ def test_one_explanation_needs_no_experiment() -> None:
     assert next_experiment(load_robot("four_mass_linear"), [placed("delay@all:time=0.001")]) is None
 
 
-def test_an_experiment_that_would_break_off_is_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_experiment_that_would_be_aborted_is_skipped(monkeypatch: pytest.MonkeyPatch) -> None:
     def breaks(*_: Any, **__: Any) -> None:
         raise RunError("the state became infinite")
 
@@ -159,7 +159,7 @@ def test_progress_ends_at_one(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.name)
 def test_every_command_can_be_run(entry: CatalogueEntry) -> None:
     name = "elbow"
-    words = shlex.split(command_of(entry.keys(load_robot(name)), name, 7))
+    words = shlex.split(command_of(entry.keys(load_robot(name), 20.0), name, 7))
     assert words[:5] == ["flexros", "run", "diagnosis", "--model", name]
     assert words[5:7] == ["--seed", "7"]
     assert set(words[7::2]) == {"--set"}
@@ -173,7 +173,7 @@ def test_names_of_experiments_are_given_once() -> None:
 
 
 def test_command_names_the_file_of_the_robot_or_its_name(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(module, "separated", lambda _, entry, __: Separated(entry, 5.0, (0, 1)))
+    monkeypatch.setattr(module, "separated", lambda _, entry, *__: Separated(entry, 5.0, (0, 1)))
     own = tmp_path / "own.yaml"
     own.write_bytes((LIBRARY / "four_mass.yaml").read_bytes())
     survivors = [placed("delay@all:time=0.001"), placed("delay@all:time=0.002")]

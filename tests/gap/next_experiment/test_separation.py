@@ -33,7 +33,7 @@ def chi2(one: Explained, made: Trial) -> float:
 def best_chi2(rival: str, made: Trial, model: RobotWithEffects) -> float:
     """Fit an effect from all starts of its ranges."""
     nothing, _ = predictor_of(Explained(model, ()), SAMPLE_TIME)
-    seen = nothing.predict(np.zeros((0, 1)), made.record, made.data.gain, made.data.start, record_states=True)
+    seen = nothing.predict(np.zeros((0, 1)), made.record, made.data.gain, made.data.initial_state, record_states=True)
     assert seen.states is not None
     sizes = scales_of(model.robot, seen.states[:, :, 0], made.record.torque)
     candidate = next(one for one in list_candidates(model.robot, sizes) if one.name == rival)
@@ -115,7 +115,7 @@ def test_what_lies_within_the_tolerance_of_the_model_is_not_separated() -> None:
     load = (parse_effect("payload_error@tool:relative=0.002", "test"),)
     apart = []
     for tolerance in ({}, {"inertia": 0.02}):
-        true, other = Explained(model, load, tolerance), Explained(model, (), tolerance)
+        true, other = (Explained(model, effects, tolerance=tolerance) for effects in (load, ()))
         apart.append(separation(true, other, trial(true, KEYS, 7)))
     assert apart[0] > 1000.0
     assert apart[1] < 0.05 * apart[0]

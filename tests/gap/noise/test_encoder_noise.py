@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.noise.encoder_noise import SIGNAL_TOLERANCE, measure_noise
+from flexros.gap.noise.encoder_noise import measure_noise
+from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record
 from flexros.robot import Robot, load_robot
 
 N, T, SIGMA = 40_000, 5e-4, 1e-4
+
+SETTINGS = DiagnosisSettings()
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +50,7 @@ def coloured(a: float, seed: int = 1) -> np.ndarray:
 @pytest.mark.parametrize(("still", "source"), [(True, "standstill"), (False, "above the band")])
 def test_white_noise_is_measured_with_and_without_standstill(robot: Robot, still: bool, source: str) -> None:
     for seed in range(5):
-        noise = measure_noise(record_of(white(1.1 * SIGMA, seed), still), robot)
+        noise = measure_noise(record_of(white(1.1 * SIGMA, seed), still), robot, SETTINGS)
         assert noise.source == (source,)
         assert noise.standard_deviation[0] == pytest.approx(1.1 * SIGMA, rel=0.05)
         assert noise.autoregression.shape == (1, 0)
@@ -58,23 +61,22 @@ def test_white_noise_is_measured_with_and_without_standstill(robot: Robot, still
 def test_a_little_less_at_standstill_is_chance_where_the_band_above_shows_the_stated_noise(robot: Robot) -> None:
     values = white()
     values[: N // 4] *= 0.92
-    noise = measure_noise(record_of(values, still=True), robot)
+    noise = measure_noise(record_of(values, still=True), robot, SETTINGS)
     assert noise.source == ("above the band",)
     assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.05)
 
 
-def test_noise_unlike_the_robot_file_is_told(robot: Robot) -> None:
-    noise = measure_noise(record_of(white(2 * SIGMA), still=True), robot)
+def test_noise_unlike_the_robot_file_is_reported(robot: Robot) -> None:
+    noise = measure_noise(record_of(white(2 * SIGMA), still=True), robot, SETTINGS)
     assert noise.standard_deviation[0] == pytest.approx(2 * SIGMA, rel=0.05)
-    assert noise.warnings == (
-        f"the encoder noise of motor_1 is {noise.standard_deviation[0]:.3g} (standstill), the robot file says 0.0001; "
-        "the measured one is used",
-    )
+    (warning,) = noise.warnings
+    assert f"encoder noise of motor_1 is {noise.standard_deviation[0]:.3g} (standstill)" in warning
+    assert "declares 0.0001" in warning
 
 
 @pytest.mark.parametrize("a", [0.3, 0.8, -0.4])
 def test_colour_is_found(robot: Robot, a: float) -> None:
-    noise = measure_noise(record_of(coloured(a), still=True), robot)
+    noise = measure_noise(record_of(coloured(a), still=True), robot, SETTINGS)
     assert noise.autoregression[0, 0] == pytest.approx(a, abs=0.05)
     assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.1)
     assert any("is not white (autoregression" in text for text in noise.warnings)
@@ -82,32 +84,35 @@ def test_colour_is_found(robot: Robot, a: float) -> None:
 
 @pytest.mark.parametrize("still", [True, False])
 def test_jitter_of_the_clock_grows_with_speed(robot: Robot, still: bool) -> None:
-    noise = measure_noise(record_of(white(), still, jitter=3e-5), robot)
+    noise = measure_noise(record_of(white(), still, jitter=3e-5), robot, SETTINGS)
     assert noise.jitter == pytest.approx(3e-5, rel=0.15)
     assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.1)
     assert any("sampling instants jitter by" in text for text in noise.warnings)
 
 
 def test_only_logs_of_real_machines_get_a_signal_tolerance(robot: Robot) -> None:
-    assert measure_noise(record_of(white(), still=True, imported=False), robot).signal_tolerance == 0.0
-    assert measure_noise(record_of(white(), still=True, imported=True), robot).signal_tolerance == SIGNAL_TOLERANCE
+    simulated, real = (
+        measure_noise(record_of(white(), still=True, imported=imported), robot, SETTINGS) for imported in (False, True)
+    )
+    assert simulated.signal_tolerance == 0.0
+    assert real.signal_tolerance == SETTINGS.noise.signal_tolerance
 
 
 def test_log_without_noise_takes_that_of_the_robot_file(robot: Robot) -> None:
     record = record_of(np.zeros(N), still=True)
     constant = Record("log", T, np.zeros((N, 1)), record.torque, record.valid)
-    noise = measure_noise(constant, robot)
+    noise = measure_noise(constant, robot, SETTINGS)
     assert noise.source == ("robot file",)
     assert noise.standard_deviation[0] == robot.encoder_noise[0]
 
 
 def test_implausibly_quiet_positions_of_a_real_machine_get_the_noise_of_the_robot_file(robot: Robot) -> None:
-    noise = measure_noise(record_of(white(0.1 * SIGMA), still=True, imported=True), robot)
+    noise = measure_noise(record_of(white(0.1 * SIGMA), still=True, imported=True), robot, SETTINGS)
     assert noise.standard_deviation[0] == robot.encoder_noise[0]
     assert noise.source == ("robot file",)
     assert len(noise.warnings) == 1
-    assert "so they were filtered or rounded; the 0.0001 of the robot file are used" in noise.warnings[0]
-    simulated = measure_noise(record_of(white(0.1 * SIGMA), still=True), robot)
+    assert "the 0.0001 of the robot file is used" in noise.warnings[0]
+    simulated = measure_noise(record_of(white(0.1 * SIGMA), still=True), robot, SETTINGS)
     assert simulated.standard_deviation[0] == pytest.approx(0.1 * SIGMA, rel=0.1)
 
 
@@ -115,6 +120,6 @@ def test_a_small_swing_at_rest_is_no_colour_where_the_band_above_shows_the_state
     time = np.arange(N) * T
     swing = 4e-4 * np.sin(2 * np.pi * 5.0 * time)
     position = (swing + SIGMA * np.random.default_rng(7).normal(size=N))[:, None]
-    noise = measure_noise(Record("log", T, position, np.zeros_like(position), np.ones(N, bool)), robot)
+    noise = measure_noise(Record("log", T, position, np.zeros_like(position), np.ones(N, bool)), robot, SETTINGS)
     assert noise.standard_deviation[0] == pytest.approx(SIGMA, rel=0.03)
     assert not noise.autoregression.size

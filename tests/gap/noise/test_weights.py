@@ -1,4 +1,4 @@
-"""Weights: what noise alone makes of prediction errors."""
+"""Weights of prediction errors: their standard deviation by noise alone."""
 
 from __future__ import annotations
 
@@ -10,10 +10,13 @@ import pytest
 from flexros.gap.noise import weights
 from flexros.gap.noise.encoder_noise import Noise
 from flexros.gap.noise.weights import Measurement, measurement_in, measurement_of, spread_of
+from flexros.gap.settings import DiagnosisSettings
 from flexros.prediction.observer import observer_gain
 from tests.gap.diagnosis_logs import ROBOT, record_of
 
 NOISE = np.array([1e-4])
+
+SETTINGS = DiagnosisSettings()
 
 
 def measurement(whitening: np.ndarray, jitter: float = 0.0) -> Measurement:
@@ -21,7 +24,7 @@ def measurement(whitening: np.ndarray, jitter: float = 0.0) -> Measurement:
 
 
 def test_noise_as_declared_is_that_of_the_file_and_exact() -> None:
-    found = measurement_of(record_of(), ROBOT)
+    found = measurement_of(record_of(), ROBOT, SETTINGS)
     np.testing.assert_array_equal(found.deviation, ROBOT.encoder_noise)
     assert found.floor_error == 0.0
     assert found.doubt < 0.01
@@ -32,7 +35,7 @@ def test_noise_as_declared_is_that_of_the_file_and_exact() -> None:
 def test_other_noise_is_measured_and_less_sure() -> None:
     record = record_of()
     more = np.random.default_rng(0).normal(size=record.position.shape) * 2e-4
-    found = measurement_of(replace(record, position=record.position + more), ROBOT)
+    found = measurement_of(replace(record, position=record.position + more), ROBOT, SETTINGS)
     assert found.deviation[0] == pytest.approx(np.hypot(1e-4, 2e-4), rel=0.05)
     assert found.floor_error > 0
 
@@ -41,17 +44,17 @@ def test_noise_a_little_off_the_declared_one_is_allowed_for() -> None:
     record = record_of()
     more = np.random.default_rng(0).normal(size=record.position.shape) * 0.3e-4
     noisier = replace(record, position=record.position + more)
-    found = measurement_of(noisier, ROBOT)
+    found = measurement_of(noisier, ROBOT, SETTINGS)
     np.testing.assert_array_equal(found.deviation, ROBOT.encoder_noise)
     assert (found.floor_error, found.doubt) == (0.0, pytest.approx(0.5 * 0.3**2, rel=0.3))
-    elsewhere = measurement_in(noisier, ROBOT, measurement_of(record, ROBOT))
+    elsewhere = measurement_in(noisier, ROBOT, measurement_of(record, ROBOT, SETTINGS), SETTINGS)
     assert (elsewhere.floor_error, elsewhere.doubt) == (0.0, found.doubt)
 
 
 def test_rounding_adds_its_own_noise() -> None:
     record = record_of()
     step = 1e-3
-    found = measurement_of(replace(record, position=step * np.round(record.position / step)), ROBOT)
+    found = measurement_of(replace(record, position=step * np.round(record.position / step)), ROBOT, SETTINGS)
     assert found.quantizations[0].step == pytest.approx(step, rel=1e-3)
     assert found.deviation[0] == pytest.approx(np.hypot(1e-4, step / np.sqrt(12)), rel=1e-3)
 
@@ -65,7 +68,7 @@ def test_coloured_noise_is_driven_by_less_white_noise() -> None:
         coloured[k] = 0.6 * coloured[k - 1] + white[k]
     record = replace(record_of(), position=1e-3 * coloured[:, None], torque=np.zeros((40_000, 1)))
     record = replace(record, valid=np.ones(40_000, dtype=bool), reference=None)
-    found = measurement_of(record, ROBOT)
+    found = measurement_of(record, ROBOT, SETTINGS)
     assert found.deviation[0] / found.driving[0] == pytest.approx(1 / 0.8, rel=0.05)
     assert found.whitening[0, 1] == pytest.approx(-0.6, abs=0.06)
 
@@ -116,9 +119,9 @@ def test_little_noise_above_the_band_of_a_log_without_rest_is_coloured(monkeypat
     """An autoregression of 0.75 and the declared power has 0.38 of the declared deviation at the upper end."""
     declared = ROBOT.encoder_noise
     seen = Noise(0.378 * declared, np.zeros((1, 0)), 0.0, ("above the band",))
-    monkeypatch.setattr(weights, "measure_noise", lambda record, robot: seen)
-    found = weights.measurement_of(record_of(), ROBOT)
+    monkeypatch.setattr(weights, "measure_noise", lambda *_: seen)
+    found = weights.measurement_of(record_of(), ROBOT, SETTINGS)
     assert found.deviation == pytest.approx(declared)
     assert found.whitening[0, 1] == pytest.approx(-0.75, abs=0.01)
     assert found.driving == pytest.approx(declared * np.sqrt(1 - 0.75**2), rel=0.01)
-    assert found.floor_error == weights.COLOURED_ERROR
+    assert found.floor_error == SETTINGS.noise.coloured_error

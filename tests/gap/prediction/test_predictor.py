@@ -23,7 +23,7 @@ def innovations(predictor: Predictor, theta: FloatArray | list[float], **changes
     """Prediction errors of the first two seconds of a log without effects."""
     data = data_of()
     record = replace(record_of().part(0, N), **changes)
-    return predictor.predict(np.array(theta)[:, None], record, data.gain, data.start).innovation[:, :, 0]
+    return predictor.predict(np.array(theta)[:, None], record, data.gain, data.initial_state).innovation[:, :, 0]
 
 
 def test_errors_of_the_true_model_are_noise() -> None:
@@ -160,7 +160,7 @@ def test_sets_of_numbers_are_predicted_side_by_side() -> None:
     predictor, data = predictor_of(candidate), data_of()
     thetas = np.log(np.geomspace(1e-3, 0.1, LANES))[None, :]
     record = record_of().part(0, N)
-    together = predictor.predict(thetas, record, data.gain, data.start).innovation
+    together = predictor.predict(thetas, record, data.gain, data.initial_state).innovation
     for lane in (0, 3, LANES - 1):
         np.testing.assert_allclose(together[:, :, lane], innovations(predictor, thetas[:, lane]), atol=1e-15)
 
@@ -192,7 +192,7 @@ def test_a_prediction_ahead_is_the_motion_without_corrections() -> None:
     predictor, data, record = predictor_of(candidate), data_of(), record_of().part(0, N)
     theta = np.array(numbers(candidate, level=0.05))
     blind = replace(data.gain, gain=np.zeros_like(data.gain.gain))
-    alone = predictor.predict(theta[:, None], record, blind, data.start, record_states=True)
+    alone = predictor.predict(theta[:, None], record, blind, data.initial_state, record_states=True)
     assert alone.states is not None
     positions = record.position - alone.innovation[:, :, 0]
     starts = np.array([5, 800, 801, 1500, 1999, 2400, 2800, 3000, 3700])

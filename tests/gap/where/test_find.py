@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from flexros.gap.prediction.predicted_log import PredictedLog
+from flexros.gap.settings import WhereSettings
 from flexros.gap.where.find import where
-from flexros.gap.where.settings import WhereSettings
 from flexros.record.record import ToolRecord
 from tests.oracles.linear_gap import LinearLog
 

@@ -9,11 +9,11 @@ from flexros.effects import RobotWithEffects
 from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.prediction.predictor import Predictor
+from flexros.gap.settings import WhereSettings
 from flexros.gap.signatures.signature_data import SignatureData
 from flexros.gap.signatures.torque_over_speed import TorqueOverSpeed
 from flexros.gap.signatures.torsion_over_torque import TorsionOverTorque
 from flexros.gap.where.find import where
-from flexros.gap.where.settings import WhereSettings
 from flexros.prediction.observer import observer_gain
 from flexros.record.record import Record
 from flexros.robot import Robot, load_robot

@@ -31,8 +31,7 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     """
     from flexros.gap.candidates.tolerance import tolerance_of
     from flexros.gap.fit.null_fit import fit_null
-    from flexros.gap.held_out.prediction_gap import closed_fraction, errors_ahead
-    from flexros.gap.held_out.rounding import over_expected_floor
+    from flexros.gap.held_out.prediction_gap import closed_fraction, errors_ahead, over_expected_floor
     from flexros.gap.noise.weights import measurement_in
     from flexros.gap.residuals.fit_data import fit_data
     from flexros.gap.search.candidate_fits import prepare_search
@@ -43,7 +42,7 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     model = RobotWithEffects(robot, ())
     settings = case_settings()
     data = fit_data(record, model, settings)
-    held = fit_data(holdout, model, settings, measurement_in(holdout, robot, data.measurement))
+    held = fit_data(holdout, model, settings, measurement_in(holdout, robot, data.measurement, settings))
     null = fit_null(data, model, tolerance_of(robot, {}), settings.fit)
     held = held.tool_seen_by(null.fit.predictor, null.fit.theta)
     search = prepare_search(null, settings)

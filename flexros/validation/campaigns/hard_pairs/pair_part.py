@@ -41,7 +41,7 @@ def pair_part(settings: HardPairsSettings, truth: str) -> dict[str, Any]:
     keys = {"robot": settings.robot, "seed": settings.seed, **settings.short}
     record = _record(keys, truth)
     short = record.part(0, min(round(settings.duration / record.sample_time), record.n_samples))
-    first = diagnose(short, load_model(settings.robot), settings=DiagnosisSettings(threads=1, where=False)).diagnosis
+    first = diagnose(short, load_model(settings.robot), settings=DiagnosisSettings(threads=1, where=None)).diagnosis
     command = first.next_experiment.command if first.next_experiment is not None else ""
     return {"truth": truth, "first": _answer(first), "second": _second(command, truth) if command else None}
 
@@ -73,7 +73,7 @@ def _second(command: str, truth: str) -> dict[str, Any]:
     known = {name.removeprefix(VALUES): value for name, value in keys.items() if name.startswith(VALUES)}
     robot = load_robot(keys["robot"])
     believed = robot.with_values(known, "the known load") if known else robot
-    found = diagnose(_record(keys, truth), believed, settings=DiagnosisSettings(threads=1, where=False)).diagnosis
+    found = diagnose(_record(keys, truth), believed, settings=DiagnosisSettings(threads=1, where=None)).diagnosis
     return _answer(found)
 
 

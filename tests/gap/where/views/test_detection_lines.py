@@ -10,12 +10,12 @@ import pytest
 
 from flexros.arrays import FloatArray
 from flexros.gap.noise.autoregression import white_spectrum
+from flexros.gap.settings import WhereSettings
 from flexros.gap.signatures.detection_lines import DetectionLines as DetectionLinePicture
 from flexros.gap.signatures.signature_data import SignatureData
 from flexros.gap.where.base import Location
 from flexros.gap.where.errors import PredictionErrors
 from flexros.gap.where.find import where
-from flexros.gap.where.settings import WhereSettings
 from flexros.gap.where.views.detection_lines import DetectionLines, line_levels
 from flexros.record.periodic_parts import PeriodicPart, periodic_parts
 from flexros.robot import load_robot
