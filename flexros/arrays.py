@@ -1,4 +1,4 @@
-"""Array types used in signatures; shapes stand in the docstrings."""
+"""Array types for signatures; docstrings state the shapes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Threads of BLAS, which wait for each other where computations run side by side already."""
+"""Control of BLAS threads, which block each other when computations already run in parallel."""
 
 from __future__ import annotations
 
@@ -13,6 +13,6 @@ if TYPE_CHECKING:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Let every call of BLAS in this process use one thread while in the block, or in a function that it decorates."""
+    """Limit BLAS in this process to one thread, as a context manager or decorator."""
     with threadpool_limits(limits=1, user_api="blas"):
         yield

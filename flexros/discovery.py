@@ -1,4 +1,4 @@
-"""Finding the members of a package by their names: one member per file, no list to keep."""
+"""Discovery of the members of a package by name: one member per file, no registry."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ Base = TypeVar("Base")
 
 
 def members(package: str, base: type[Base], key: str = "name") -> Mapping[str, type[Base]]:
-    """Find all final subclasses of a base class in the files of a package.
+    """Return all final subclasses of a base class in the files of a package.
 
     Args:
         package: Name of the package whose modules are imported.
-        base: What the members derive from, directly or through an abstract class between.
+        base: Base of the members, direct or through an intermediate abstract class.
         key: Class variable that holds a member's name.
 
     Returns:
-        Classes by name, in alphabetical order; abstract classes and classes from elsewhere are left out.
+        Classes by name, in alphabetical order, without abstract classes and classes of other packages.
 
     Raises:
         InputError: Two members have the same name.
@@ -45,7 +45,7 @@ def members(package: str, base: type[Base], key: str = "name") -> Mapping[str, t
 
 
 def _subclasses(base: type[Base]) -> Iterator[type[Base]]:
-    """Go through all classes below another, each once."""
+    """Yield all direct and indirect subclasses, each once."""
     seen: set[type[Base]] = set()
     waiting = [base]
     while waiting:

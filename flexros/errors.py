@@ -1,4 +1,4 @@
-"""Errors that reach the user as one clear sentence and an exit code."""
+"""Errors reported to the user as one clear sentence with an exit code."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ INTERNAL_ERROR = 70
 
 
 _MANY, _NEAR = 20, 5
-"""Names beyond which not all are listed, and how many are then (chosen)."""
+"""Number of names up to which all are listed, and number of nearest names listed beyond (chosen)."""
 
 
 class FlexrosError(Exception):
@@ -33,22 +33,22 @@ class FlexrosError(Exception):
 
 
 class InputError(FlexrosError):
-    """Bad input: the message says what was given, what is allowed, where it came from and what to do.
+    """Invalid input: the message states the given value, the allowed ones, its origin and what to do.
 
     Attributes:
-        argument: Name of the argument that was bad, empty where none is; the command line puts its option there.
+        argument: Name of the invalid argument, empty for none; the command line replaces it by its option.
     """
 
     exit_code: ClassVar[int] = 2
 
     def __init__(self, message: str, argument: str = "") -> None:
-        """Keep message and argument."""
+        """Store message and argument."""
         super().__init__(message)
         self.argument = argument
 
 
 class RunError(FlexrosError):
-    """A run aborted: the message says what happened, when, and where the log up to that point is."""
+    """An aborted run: the message states what happened, when, and where the log up to that point is."""
 
     exit_code: ClassVar[int] = 3
 
@@ -61,10 +61,10 @@ class InterruptedRunError(RunError):
 
 @contextmanager
 def source_named(source: str) -> Iterator[None]:
-    """Put the source before the text of an InputError that is raised inside.
+    """Prefix the message of an InputError that is raised inside.
 
     Args:
-        source: Where the input came from, e.g. "scenario circle_pd, key start".
+        source: Origin of the input, e.g. "scenario circle_pd, key start".
 
     Raises:
         InputError: "<source>: <text>".
@@ -77,7 +77,7 @@ def source_named(source: str) -> Iterator[None]:
 
 @contextmanager
 def argument_named(argument: str) -> Iterator[None]:
-    """Give the name of an argument to every InputError that is raised inside and names none.
+    """Set the argument of every InputError that is raised inside and has none.
 
     Args:
         argument: Name of the argument that is checked inside.
@@ -93,17 +93,14 @@ def argument_named(argument: str) -> Iterator[None]:
 
 
 def unknown_name(kind: str, given: str, allowed: Iterable[str], source: str = "", other: str = "") -> InputError:
-    """Make the error for a name that is not known, offering the nearest and listing all, or of many the nearest.
+    """Return the error for an unknown name, with the nearest name and the allowed ones, or the nearest of many.
 
     Args:
-        kind: What is named, e.g. "robot".
-        given: The name that was given.
-        allowed: The names that would have been valid.
-        source: Where the name came from, e.g. "scenario circle_pd, key robot".
-        other: What else is allowed, e.g. "or the path of a .yaml file".
-
-    Returns:
-        The error, to be raised by the caller.
+        kind: Kind of the name, e.g. "robot".
+        given: The unknown name.
+        allowed: The valid names.
+        source: Origin of the name, e.g. "scenario circle_pd, key robot".
+        other: Further allowed values, e.g. "or the path of a .yaml file".
     """
     names = sorted(allowed)
     nearest = get_close_matches(given, names, n=1)

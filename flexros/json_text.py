@@ -1,4 +1,4 @@
-"""Text of a record as JSON, for files and for programs that read what a command prints."""
+"""JSON text of records, for files and for the output of commands."""
 
 from __future__ import annotations
 
@@ -8,14 +8,7 @@ from typing import Any
 
 
 def json_text(content: Any) -> str:
-    """Write an object as JSON; numbers that JSON cannot hold (not finite) become null.
-
-    Args:
-        content: Nested dicts, lists, tuples, numbers and texts.
-
-    Returns:
-        The text, indented, with a line feed at its end.
-    """
+    """Return indented JSON text of nested dicts, lists, tuples, numbers and strings; non-finite numbers become null."""
     return json.dumps(_finite(content), indent=2, allow_nan=False) + "\n"
 
 

@@ -1,4 +1,4 @@
-"""Texts for a terminal that hold what others wrote."""
+"""Safe one-line text for a terminal from untrusted content."""
 
 from __future__ import annotations
 
@@ -6,15 +6,10 @@ from flexros.input_limits import LONGEST_SENTENCE
 
 
 def one_line(text: str) -> str:
-    """Make a text one line that can be printed anywhere.
+    """Return a text as one printable line.
 
-    Names from a foreign file may hold what moves the cursor of a terminal, hides text, or has no end.
-
-    Args:
-        text: The text.
-
-    Returns:
-        The text with everything that cannot be seen written as in Python, and the middle of a very long one left out.
+    Names from a foreign file may hold control sequences or be very long. Unprintable characters are escaped as in
+    Python, and the middle of a very long text is omitted.
     """
     text = _shortened(text)
     return text if text.isprintable() else _shortened("".join(c if c.isprintable() else ascii(c)[1:-1] for c in text))

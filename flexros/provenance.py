@@ -1,4 +1,4 @@
-"""What results depend on beside their input: versions of packages, and the machine they were measured on."""
+"""Provenance of results in addition to their input: versions of packages, commit, and machine."""
 
 from __future__ import annotations
 
@@ -9,23 +9,16 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 NUMERIC_PACKAGES = ("flexros", "casadi", "llvmlite", "numpy", "scipy")
-"""Packages that the numbers of a run depend on."""
+"""Packages that determine the results of a run."""
 
 
 def versions(packages: tuple[str, ...] = NUMERIC_PACKAGES) -> dict[str, str]:
-    """Look the versions of packages up.
-
-    Args:
-        packages: Names as on the package index.
-
-    Returns:
-        Version by name, that of Python first; "not installed" where a package is absent.
-    """
+    """Return the versions of packages by name, that of Python first; "not installed" for missing ones."""
     return {"python": platform.python_version(), **{name: _version(name) for name in packages}}
 
 
 def code_version() -> str:
-    """Name the commit of the checkout that runs, or what FLEXROS_COMMIT says; "unknown" where neither tells it."""
+    """Return the commit of the running checkout, or the value of FLEXROS_COMMIT; "unknown" without either."""
     command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "--short", "HEAD"]
     try:
         found = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - our own words
@@ -35,11 +28,7 @@ def code_version() -> str:
 
 
 def machine() -> dict[str, object]:
-    """Describe the machine for measured times.
-
-    Returns:
-        Processor, number of its cores, and operating system.
-    """
+    """Return processor, number of its cores, and operating system, to accompany measured times."""
     return {"processor": _processor(), "cores": os.cpu_count(), "system": platform.platform()}
 
 
@@ -51,7 +40,7 @@ def _version(package: str) -> str:
 
 
 def _processor() -> str:
-    """Name the processor; Linux tells it in a file of its own, where `platform` may know nothing."""
+    """Return the name of the processor; on Linux from /proc/cpuinfo, since `platform` may not know it."""
     file = Path("/proc/cpuinfo")
     lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
     names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]

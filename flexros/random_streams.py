@@ -1,4 +1,4 @@
-"""Random numbers as pure functions of a seed: independent streams for all that is random in a run."""
+"""Random numbers as pure functions of a seed, in independent streams."""
 
 from __future__ import annotations
 
@@ -19,13 +19,10 @@ class Stream(IntEnum):
 
 
 def generator(seed: int, *stream: int) -> np.random.Generator:
-    """Make the random generator of one stream of a seed.
+    """Return the random generator of one stream of a seed.
 
     Args:
         seed: Seed of the run, 0 or more.
-        stream: Numbers that tell the streams apart, e.g. a stream and a block number.
-
-    Returns:
-        Generator that depends on these numbers alone.
+        stream: Numbers that identify the stream, e.g. a `Stream` and a block index.
     """
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=stream)))

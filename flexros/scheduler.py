@@ -1,4 +1,4 @@
-"""Where the parts of a long computation run: on a Dask cluster that the user has, or in this process."""
+"""Execution of the parts of a long computation, on a Dask cluster of the user or in this process."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 ANSWER = 10.0
-"""Time in which a scheduler must answer [s]."""
+"""Timeout for the answer of a scheduler [s]."""
 
 
 LOCAL = "127.0.0.1:0"
-"""Where the pages about workers of this process can be seen: from this machine only, at any free port."""
+"""Address of the dashboard of local workers: this machine only, any free port."""
 
 
 @contextmanager
 def connected(address: str = "", threads: int | None = None) -> Iterator[Client]:
-    """Give a Dask client for as long as it is needed.
+    """Provide a Dask client within a context.
 
     Args:
-        address: Address of a scheduler, e.g. "tcp://127.0.0.1:8786"; empty for workers that are threads of this
-            process and listen to nobody outside it.
+        address: Address of a scheduler, e.g. "tcp://127.0.0.1:8786"; empty for worker threads of this process that
+            accept no outside connections.
         threads: Number of such threads; default: one per processor.
 
     Yields:
@@ -70,17 +70,17 @@ def connected(address: str = "", threads: int | None = None) -> Iterator[Client]
 
 
 def finished(client: Client, submitted: Iterable[Future]) -> Iterator[Future]:
-    """Give submitted jobs as they finish; whatever stops this takes the others back.
+    """Yield submitted jobs as they finish; on an error or interruption the others are cancelled.
 
     Args:
         client: The client.
         submitted: Jobs.
 
     Yields:
-        Each job, finished; what it holds is released afterwards.
+        Each finished job, whose result is released afterwards.
 
     Raises:
-        Exception: What went wrong in a job.
+            Exception: The error of a job.
     """
     from distributed import as_completed  # here, because it loads slowly
 

@@ -1,4 +1,4 @@
-"""Writing files so that readers see the old or the new one, never half of it."""
+"""Atomic writing of files: readers see the old or the new content."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ def write_whole(path: Path, text: str | bytes) -> None:
     """Write a file under a temporary name, then rename it.
 
     Args:
-        path: The file; one that exists is replaced once the new one is complete.
-        text: Its content: text, which is written as UTF-8, or bytes, which are written as they are.
+        path: The file; an existing one is replaced when the new one is complete.
+        text: Its content, text in UTF-8 or bytes.
 
     Raises:
-        OSError: It could not be written; the old file stands.
+            OSError: It could not be written; the old file is unchanged.
     """
     temporary = path.with_name(f".{path.name}.part")
     try:
@@ -33,12 +33,12 @@ def write_whole(path: Path, text: str | bytes) -> None:
 
 
 def write_result(path: Path, text: str | bytes, what: str) -> None:
-    """Write a result that a user asked for.
+    """Write a result requested by a user.
 
     Args:
-        path: The file; one that exists is replaced once the new one is complete.
+        path: The file; an existing one is replaced when the new one is complete.
         text: Its content, text or bytes.
-        what: What it is, e.g. "report"; opens the error text.
+        what: Kind of the result, e.g. "report", for the error message.
 
     Raises:
         InputError: It cannot be written there.

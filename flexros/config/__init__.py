@@ -1,1 +1,1 @@
-"""Topics, node parameters and scenarios as typed, validated objects."""
+"""Settings and topics as typed, validated objects, and reading of YAML and text files."""

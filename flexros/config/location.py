@@ -1,4 +1,4 @@
-"""Where the data files that belong to FlexROS lie, in a checkout, a pip environment or a colcon workspace."""
+"""Location of the data files of FlexROS in a checkout, a pip environment or a colcon workspace."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from flexros.errors import InputError
 
 
 def data_folder(name: str) -> Path:
-    """Find a data folder of the installation.
+    """Return a data folder of the installation.
 
     Args:
         name: Top-level folder of the project, e.g. "msgs_config".
 
     Returns:
-        Its path: beside the package in a checkout, else `share/flexros/<name>` of the install prefix.
+        Its path: next to the package in a checkout, else `share/flexros/<name>` of the install prefix.
 
     Raises:
         InputError: The installation lacks the folder.

@@ -1,4 +1,4 @@
-"""Settings that are given once for all motors, or one by one."""
+"""Settings given once for all motors, or per motor."""
 
 from __future__ import annotations
 
@@ -19,15 +19,12 @@ PositivePerMotor: TypeAlias = Positive | tuple[Positive, ...]
 
 
 def per_motor(key: str, value: float | tuple[float, ...], n_motors: int) -> FloatArray:
-    """Spread a setting over the motors.
+    """Return the setting of each motor, shape (M,).
 
     Args:
-        key: Key of the setting, for the error, e.g. "controller.kp".
-        value: One number for all motors, or one for each.
+        key: Key of the setting, for the error message, e.g. "controller.kp".
+        value: One value for all motors, or one per motor.
         n_motors: Number of motors M.
-
-    Returns:
-        The setting of each motor, shape (M,).
 
     Raises:
         InputError: The number of values is neither one nor M.

@@ -1,4 +1,4 @@
-"""Turning what a user wrote into a validated object, or into one clear sentence."""
+"""Validation of user data against settings classes, with one clear error message."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 class Settings(BaseModel):
-    """Base of everything a user writes in YAML: frozen, no unknown keys, no infinite or NaN numbers."""
+    """Base of all settings that users write in YAML: frozen, no unknown keys, finite numbers only."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
 
@@ -26,14 +26,11 @@ def validate(model: type[Model], data: Mapping[str, Any], source: str) -> Model:
 
     Args:
         model: Class to build.
-        data: What the user gave.
-        source: Where it came from, e.g. a file name; opens the error text.
-
-    Returns:
-        The validated object.
+        data: Data of the user.
+        source: Origin of the data, e.g. a file name; prefix of the error message.
 
     Raises:
-        InputError: The first problem, with source, key, value given and value allowed.
+        InputError: The first problem, with source, key, given value and allowed values.
     """
     try:
         return model.model_validate(data)
@@ -42,7 +39,7 @@ def validate(model: type[Model], data: Mapping[str, Any], source: str) -> Model:
 
 
 def _sentence(model: type[BaseModel], error: ValidationError, source: str, data: Mapping[str, Any]) -> str:
-    """Say the most telling of the problems found: of a union's branches the one that got deepest."""
+    """Return the message of the most specific problem: of a union's branches the one that got deepest."""
     problems = error.errors(include_url=False)
     problems.sort(key=lambda problem: problem["type"] != "extra_forbidden")  # a misspelt key explains a missing one
     first = problems[0]["loc"][:1]
@@ -64,9 +61,9 @@ def _sentence(model: type[BaseModel], error: ValidationError, source: str, data:
 
 
 def _key(location: tuple[int | str, ...], data: Any) -> str:
-    """Write a place in nested data the way it is read: bodies[0].mass.
+    """Format a location in nested data as a key: bodies[0].mass.
 
-    Pydantic puts validators and branches of unions into the location; only what stands in the data is a key.
+    Pydantic includes validators and branches of unions in the location; only parts that are in the data are keys.
     """
     text = ""
     for depth, part in enumerate(location):
@@ -84,7 +81,7 @@ def _short(value: object) -> str:
 
 
 def _allowed_keys(model: type[BaseModel], location: tuple[int | str, ...]) -> list[str]:
-    """List the keys allowed beside an unknown one, following the location through the nested models."""
+    """Return the keys allowed in place of an unknown one, following the location through the nested models."""
     candidates = [model]
     for part in location[:-1]:
         tagged = [candidate for candidate in candidates if part in (candidate.__name__, *_tags(candidate))]
@@ -97,13 +94,13 @@ def _allowed_keys(model: type[BaseModel], location: tuple[int | str, ...]) -> li
 
 
 def _models_within(annotation: Any) -> list[type[BaseModel]]:
-    """Find the settings classes inside list[...], dict[...], X | None or a union."""
+    """Return the settings classes inside list[...], dict[...], X | None or a union."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
-    return [found for inner in getattr(annotation, "__args__", ()) for found in _models_within(inner)]
+    return [model for inner in getattr(annotation, "__args__", ()) for model in _models_within(inner)]
 
 
 def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
-    """List the words by which a branch of a discriminated union is chosen."""
+    """Return the words that select a branch of a discriminated union."""
     fields = [model.model_fields[key] for key in ("type", "kind") if key in model.model_fields]
     return tuple(word for field in fields for word in getattr(field.annotation, "__args__", ()))

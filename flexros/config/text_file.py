@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def is_file(path: Path) -> bool:
-    """Tell whether there is a file; there is none of a name that no file can have."""
+    """Return whether a file exists; False for names that no file can have."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -25,11 +25,8 @@ def read_text(path: Path, kind: str, largest: int = LARGEST_TEXT) -> str:
 
     Args:
         path: The file.
-        kind: What it should be, for error texts, e.g. "YAML".
-        largest: Size that it may have [byte].
-
-    Returns:
-        Its text.
+        kind: Expected kind, for error messages, e.g. "YAML".
+        largest: Largest allowed size [byte].
 
     Raises:
         InputError: It cannot be read, is larger, or is not UTF-8.
@@ -49,14 +46,7 @@ def read_text(path: Path, kind: str, largest: int = LARGEST_TEXT) -> str:
 
 
 def read_json(path: Path, largest: int = LARGEST_TEXT) -> Any:
-    """Read a JSON file.
-
-    Args:
-        path: The file.
-        largest: Size that it may have [byte].
-
-    Returns:
-        Its content.
+    """Read a JSON file of at most `largest` bytes.
 
     Raises:
         InputError: It cannot be read, is too large, or is not JSON.

@@ -23,13 +23,13 @@ class QosProfile(Settings):
 
     Attributes:
         name: Key in `qos.yaml`.
-        description: What the profile is for.
+        description: Purpose of the profile.
         history: Whether the last `depth` samples are kept, or all.
         depth: Number of samples kept.
         reliability: Whether lost samples are sent again.
         durability: Whether late subscribers get earlier samples.
-        least_depth: Fewest samples that a user may have kept.
-        lossless: Whether a user may not have samples lost.
+        least_depth: Smallest depth that a user may set.
+        lossless: Whether overrides must stay reliable.
     """
 
     name: str
@@ -43,7 +43,7 @@ class QosProfile(Settings):
 
 
 class FieldUnit(Settings):
-    """Unit and meaning of one message field; unit "" where it has none."""
+    """Unit and meaning of one message field; unit "" for none."""
 
     unit: str
     meaning: str = Field(min_length=1)
@@ -54,12 +54,12 @@ class Topic(Settings):
 
     Attributes:
         name: Topic name; relative unless it begins with a slash.
-        description: What the messages carry.
+        description: Content of the messages.
         type: ROS 2 message type, e.g. "sensor_msgs/msg/JointState".
         rate: Messages per second of simulated time [Hz], None when published on demand.
-        qos: Profile that the producer offers and the recorder asks for.
-        subscription_qos: Profile of the other subscriptions.
-        recorded: Whether the recorder takes the topic.
+        qos: Profile offered by the producer and requested by the recorder.
+        subscription_qos: Profile of all other subscriptions.
+        recorded: Whether the recorder records the topic.
         required: Whether a log without the topic is refused.
         producer: Node that publishes it, "user" for any node of the user.
         consumers: Nodes that subscribe to it.
@@ -80,16 +80,10 @@ class Topic(Settings):
 
 
 def read_qos(path: Path) -> dict[str, QosProfile]:
-    """Read quality-of-service profiles.
-
-    Args:
-        path: A file like `msgs_config/qos.yaml`.
-
-    Returns:
-        Profiles by name.
+    """Read quality-of-service profiles by name from a file like `msgs_config/qos.yaml`.
 
     Raises:
-        InputError: The file cannot be read or a value is not allowed.
+        InputError: The file cannot be read or a value is invalid.
     """
     return {
         name: validate(QosProfile, {"name": name, **row}, f"{path}, profile {name}")
@@ -98,17 +92,14 @@ def read_qos(path: Path) -> dict[str, QosProfile]:
 
 
 def read_topics(path: Path, profiles: Mapping[str, QosProfile]) -> dict[str, Topic]:
-    """Read topics.
+    """Read topics by name without a leading slash, in the order of the file.
 
     Args:
         path: A file like `msgs_config/topics.yaml`.
-        profiles: Profiles that the rows may name.
-
-    Returns:
-        Topics by name without a leading slash, in the order of the file.
+        profiles: Profiles by name.
 
     Raises:
-        InputError: The file cannot be read, a value is not allowed or a profile is unknown.
+        InputError: The file cannot be read, a value is invalid or a profile is unknown.
     """
     topics = {}
     for name, row in read_rows(path).items():
@@ -128,5 +119,5 @@ def _installed() -> Mapping[str, Topic]:
 
 
 def load_topics() -> dict[str, Topic]:
-    """Read the topics of the installation, by name without a leading slash ("clock" for /clock)."""
+    """Return the topics of the installation, by name without a leading slash ("clock" for /clock)."""
     return dict(_installed())

@@ -18,16 +18,10 @@ if TYPE_CHECKING:
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
-    """Read a YAML mapping.
-
-    Args:
-        path: File to read; numbers follow YAML 1.2, so `1e5` is a number.
-
-    Returns:
-        The mapping at the top of the file.
+    """Read a file that holds a YAML 1.2 mapping (`1e5` is a number).
 
     Raises:
-        InputError: The file is missing, too large, not YAML, has a key twice, or is not a mapping.
+        InputError: The file is missing, too large, not YAML, has a duplicate key, or is not a mapping.
     """
     content = parse_yaml(read_text(Path(path), "YAML"), str(path))
     if not isinstance(content, dict):
@@ -37,17 +31,14 @@ def read_yaml(path: Path) -> dict[str, Any]:
 
 
 def parse_yaml(text: str, source: str) -> Any:
-    """Read YAML.
+    """Parse YAML to plain values, lists and mappings.
 
     Args:
         text: The text.
-        source: Where it came from; opens error texts.
-
-    Returns:
-        Its content: plain values, lists and mappings.
+        source: Its origin; prefix of error messages.
 
     Raises:
-        InputError: It is not YAML, has a key twice, or more or deeper values than allowed.
+        InputError: It is not YAML, has a duplicate key, or more or deeper values than allowed.
     """
     reader = YAML(typ="safe", pure=True)
     try:
@@ -58,25 +49,19 @@ def parse_yaml(text: str, source: str) -> Any:
     except InputError:
         raise
     except MarkedYAMLError as error:
-        place = f", line {error.problem_mark.line + 1}" if error.problem_mark else ""
+        line = f", line {error.problem_mark.line + 1}" if error.problem_mark else ""
         problem = (str(error.problem or error.context).splitlines() or ["unknown"])[0]
-        raise InputError(f"{source}{place}: broken YAML, {problem}; correct the file") from error
+        raise InputError(f"{source}{line}: broken YAML, {problem}; correct the file") from error
     except Exception as error:  # values that look like numbers, dates or tags fail in many ways
         problem = (str(error).splitlines() or [type(error).__name__])[0]
         raise InputError(f"{source}: broken YAML, {problem}; correct the file") from error
 
 
 def read_rows(path: Path) -> dict[str, dict[str, Any]]:
-    """Read a YAML file that lists things by name.
-
-    Args:
-        path: File to read.
-
-    Returns:
-        The keys of each thing by its name.
+    """Read a YAML file of mappings by name.
 
     Raises:
-        InputError: The file cannot be read, or a name is no text or holds no mapping.
+        InputError: The file cannot be read, a name is not text, or its value is not a mapping.
     """
     content = read_yaml(path)
     for name, row in content.items():
@@ -86,9 +71,9 @@ def read_rows(path: Path) -> dict[str, dict[str, Any]]:
 
 
 def _excess(top: Node) -> str:
-    """Say how a document is too large or too deep with its aliases written out; nothing if it is not."""
+    """Return the message for a document that is too large or too deep with aliases expanded; empty if it is not."""
     extents: dict[int, tuple[int, int]] = {}
-    begun: set[int] = set()
+    visited: set[int] = set()
     waiting = [top]
     while waiting:
         node = waiting[-1]
@@ -98,21 +83,21 @@ def _excess(top: Node) -> str:
             known = [extents[id(inner)] for inner in within]
             extents[id(node)] = 1 + sum(n for n, _ in known), 1 + max((d for _, d in known), default=0)
             waiting.pop()
-        elif id(node) in begun:
-            return "an alias stands for what it lies in, so the content has no end; remove it"
+        elif id(node) in visited:
+            return "an alias refers to a node that contains it, so the content is infinite; remove it"
         else:
-            begun.add(id(node))
+            visited.add(id(node))
             waiting += unknown
-    number, depth = extents[id(top)]
-    if number > MOST_NODES:
-        return f"it has more than the {MOST_NODES} values that are allowed, aliases written out; shorten it"
+    count, depth = extents[id(top)]
+    if count > MOST_NODES:
+        return f"it has more than the {MOST_NODES} values that are allowed, with aliases expanded; shorten it"
     if depth > DEEPEST_NODE:
-        return f"its values lie {depth} levels deep, allowed are {DEEPEST_NODE}; flatten it"
+        return f"its values are nested {depth} levels deep, allowed are {DEEPEST_NODE}; flatten it"
     return ""
 
 
 def _within(node: Node) -> list[Node]:
-    """Nodes directly in a node: entries, or keys and values."""
+    """Return the children of a node: entries, or keys and values."""
     if isinstance(node, MappingNode):
         return [inner for pair in node.value for inner in pair]
     return list(node.value) if isinstance(node, SequenceNode) else []
