@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from flexros.gap.settings import DiagnosisSettings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -111,7 +113,7 @@ class DiagnosisResult:
             repaired model, states included; None leaves these pictures out.
         tolerance: Parameters that were moved within their tolerance, in standard deviations of it [1].
         limits: What the signals of this log cannot show, a sentence each.
-        settings: Settings of the diagnosis, for the provenance.
+        settings: Settings of the diagnosis.
         timings: Time that each stage took [s], by its name.
     """
 
@@ -132,5 +134,5 @@ class DiagnosisResult:
     signature_data: SignatureData | None = None
     tolerance: Mapping[str, float] = field(default_factory=dict)
     limits: tuple[str, ...] = ()
-    settings: Mapping[str, Any] = field(default_factory=dict)
+    settings: DiagnosisSettings = field(default_factory=DiagnosisSettings)
     timings: Mapping[str, float] = field(default_factory=dict)

@@ -342,6 +342,6 @@ class DiagnosisSettings(Settings):
         default=NextExperimentSettings(),
         description="experiment that is proposed where the answer is ambiguous; nothing: none is",
     )
-    fit: FitSettings = FitSettings()
-    search: SearchSettings = SearchSettings()
-    ranking: RankingSettings = RankingSettings()
+    fit: FitSettings = Field(default=FitSettings(), description="least-squares fit of one hypothesis")
+    search: SearchSettings = Field(default=SearchSettings(), description="which hypotheses are fitted")
+    ranking: RankingSettings = Field(default=RankingSettings(), description="probabilities and verdict")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.answer.decision import (
@@ -95,9 +95,8 @@ def result_of(
     before = _explanation(explanations.null, findings, null_prediction)
     after = _explanation(chosen, findings) if patch else None
     probabilities = dict(zip(explanations.rivals, explanations.probabilities))
-    recorded = {**settings.model_dump(mode="json"), **findings.tolerance}
     return DiagnosisResult(
-        diagnosis=_diagnosis(findings, verdict, errors, excess, recorded, stages),
+        diagnosis=_diagnosis(findings, verdict, errors, excess, settings, stages),
         robot=model.robot,
         record=findings.data.record,
         holdout=findings.held.record,
@@ -114,7 +113,7 @@ def result_of(
         signature_data=signature_evidence(model, findings.data, explanations.null, before, after),
         tolerance={name: float(value) for name, value in zip(chosen.predictor.tolerance.names, chosen.deviations)},
         limits=identifiability_limits(findings.data.record, model.robot),
-        settings=recorded,
+        settings=settings,
         timings=stages.timings,
     )
 
@@ -153,7 +152,7 @@ def _diagnosis(
     verdict: Verdict,
     errors: HeldOutErrors,
     excess: Where | None,
-    settings: Mapping[str, Any],
+    settings: DiagnosisSettings,
     stages: Stages,
 ) -> Diagnosis:
     """Put together what is written into diagnosis.json."""
@@ -167,7 +166,7 @@ def _diagnosis(
         ambiguity_groups=groups_of(findings.explanations, findings.settings),
         where=() if excess is None else excess.locations,
         gap=gap,
-        next_experiment=_next(findings, verdict, stages) if settings["next_experiment"] else None,
+        next_experiment=_next(findings, verdict, stages) if settings.next_experiment else None,
         warnings=tuple(dict.fromkeys(warnings)),
         provenance={
             "log": findings.data.record.name,
@@ -175,7 +174,8 @@ def _diagnosis(
             "robot": findings.model.robot.name,
             "robot_hash": findings.model.robot.model_hash,
             **versions(),
-            **dict(settings),
+            **settings.model_dump(mode="json"),
+            **findings.tolerance,
         },
     )
 

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 _SHOWN = 3
 """Effects whose evidence is shown."""
-_LEAVES_LITTLE, _LEAVES_MUCH = 0.02, 0.1
-"""Shares of the excess that count as nearly nothing, and as too much (chosen; the verdict uses the second)."""
+_LEAVES_LITTLE = 0.02
+"""Share of the excess that counts as nearly nothing [1]."""
 _CLEAR = 3.0
 """Standard deviations from zero that make a number certain (chosen)."""
 _DECISIVE = 10.0
@@ -92,7 +92,7 @@ def speaks_against(one: RankedCandidate, result: DiagnosisResult) -> tuple[str, 
         told.append(f"{capital(best)} gain{'s' * (not first.together_with)} {number(behind, 4)} more.")
     if one.holdout_gain is not None and one.holdout_gain <= 0:
         told.append("It does not predict the data that it has not seen any better than the nominal model does.")
-    if one.remainder is not None and one.remainder > _LEAVES_MUCH:
+    if one.remainder is not None and one.remainder > result.settings.ranking.unexplained:
         told.append(f"It leaves {share_words(one.remainder)} of the excess over the noise floor unexplained.")
     unknown = [name for name, value in one.parameters.items() if not math.isfinite(value.std)]
     if unknown:

@@ -26,10 +26,19 @@ class ProvenanceSection(AbstractSection["DiagnosisResult"]):
         warnings = dict.fromkeys((*result.diagnosis.warnings, *result.record.warnings))
         blocks: list[Block] = [Paragraph(text, "warning") for text in warnings]
         blocks.append(_logs(result))
-        origin = {**result.settings, **result.diagnosis.provenance, "time [s]": result.timings}
+        defaults = type(result.settings).model_fields
+        made = {key: value for key, value in result.diagnosis.provenance.items() if key not in defaults}
+        origin = {**result.settings.model_dump(exclude_defaults=True), **made, "time [s]": result.timings}
         rows = tuple(_flat(origin))
         if rows:
-            blocks.append(TextTable(("Entry", "Value"), rows, "How the answer was made.", left=2))
+            blocks.append(
+                TextTable(
+                    ("Entry", "Value"),
+                    rows,
+                    "How the answer was made. Settings are listed where they differ from their defaults.",
+                    left=2,
+                )
+            )
         return tuple(blocks)
 
 

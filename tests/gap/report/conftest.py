@@ -13,6 +13,7 @@ from flexros.effects.kinds.base import PlacedEffect
 from flexros.gap.prediction.predicted_log import PredictedLog
 from flexros.gap.result import DiagnosisResult, Explanation, RankedCandidate, SignalGap
 from flexros.gap.schema import CauseParameter, Diagnosis, EffectLocation, Excess
+from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record
 from flexros.robot import load_robot
 
@@ -162,7 +163,7 @@ def result_of(verdict: str) -> DiagnosisResult:
                  SignalGap("tool path in closed loop", "mm", 1.9, 0.08 if found else None, None, None)),
         tolerance={"body_1.rz.stiffness": 1.7, "body_2.rz.stiffness": 0.1},
         limits=("A payload error cannot be told from an error of the last inertia by motor encoders alone.",),
-        settings={"level": 5e-4},
+        settings=DiagnosisSettings(level=5e-4),
         timings={"fit": 3.2, "where": 0.4},
     )  # fmt: skip
 
