@@ -1,14 +1,14 @@
-"""What was left out of a log: how often, and why the first time; the reasons of millions of messages are not kept."""
+"""Count of messages that were left out, with the first reason; the reasons of millions of messages are not kept."""
 
 from __future__ import annotations
 
 
 class LeftOut:
-    """Counts what was left out.
+    """Counter of left-out messages.
 
     Attributes:
-        number: How often something was left out.
-        first: Why it was the first time.
+        number: Number of left-out messages.
+        first: Reason for the first one.
     """
 
     def __init__(self) -> None:
@@ -16,11 +16,6 @@ class LeftOut:
         self.first = ""
 
     def add(self, reason: str, number: int = 1) -> None:
-        """Note what was left out.
-
-        Args:
-            reason: Why.
-            number: How much.
-        """
+        """Count messages that were left out for a reason."""
         self.first = self.first or reason
         self.number += number

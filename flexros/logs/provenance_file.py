@@ -1,4 +1,4 @@
-"""The side-car of a log that says where it came from: scenario, seed, versions, model hash."""
+"""Provenance file in the folder of a log: scenario, seed, versions, model hash."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PROVENANCE_FILE = "provenance.json"
 
 
 def provenance_text(provenance: Mapping[str, Any]) -> str:
-    """JSON text of a provenance.
+    """Return the JSON text of a provenance.
 
     Args:
         provenance: Text, finite numbers, lists and mappings of them.
@@ -25,7 +25,7 @@ def provenance_text(provenance: Mapping[str, Any]) -> str:
         The content of the file.
 
     Raises:
-        InputError: Something in it has no form in JSON.
+        InputError: A value cannot be represented in JSON.
     """
     try:
         return json.dumps(dict(provenance), indent=2, sort_keys=True, allow_nan=False) + "\n"
@@ -36,11 +36,11 @@ def provenance_text(provenance: Mapping[str, Any]) -> str:
 
 
 def read_provenance(folder: Path, warnings: list[str]) -> dict[str, Any]:
-    """Read the side-car of a log.
+    """Read the provenance file of a log.
 
     Args:
         folder: The folder of the log.
-        warnings: Receives what is wrong with it.
+        warnings: Receives what is damaged in it.
 
     Returns:
         Its content, empty if there is none.
@@ -51,7 +51,7 @@ def read_provenance(folder: Path, warnings: list[str]) -> dict[str, Any]:
     try:
         content = read_json(path)
     except InputError as error:
-        warnings.append(f"the provenance of the log cannot be read ({error}); it counts as one without")
+        warnings.append(f"the provenance of the log cannot be read ({error}); it is ignored")
         return {}
     if not isinstance(content, dict):
         warnings.append(f"{path} holds a {type(content).__name__}, allowed is a mapping; it was ignored")

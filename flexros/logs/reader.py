@@ -88,7 +88,7 @@ def read_log(path: Path | str, namespace: str | None = None) -> Log:
 
 @dataclass
 class _BagContent:
-    """Everything read from the files of a log.
+    """Content of the files of a log.
 
     Attributes:
         contract: Topics that become time series, by relative name.

@@ -1,4 +1,4 @@
-"""The recorder's way to a log: serialised messages into a rosbag2 folder with MCAP storage."""
+"""Writing of serialised messages into a rosbag2 folder with MCAP storage."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from flexros.config.topics import Topic
 
 MAX_CHUNK_DURATION = NANOSECONDS // 2
-"""Longest time between the first and the last message of a chunk [ns]: what a killed recorder may lose."""
+"""Longest time between the first and the last message of a chunk [ns]: a killed recorder may lose that much."""
 
 MAX_CHUNK_SIZE = 1 << 20
-"""Size at which a chunk ends [byte]; chosen like common recorders, so that players need little memory."""
+"""Size at which a chunk ends [byte]; chosen as in common recorders, so that players need little memory."""
 
 _LATEST_TIME = 2**63 - 1
 
@@ -38,15 +38,15 @@ _LATEST_TIME = 2**63 - 1
 class LogWriter:
     """Writes messages into a new rosbag2 folder.
 
-    Messages gather in memory; a chunk of them is compressed and written by a thread of its own, so that `write` costs
-    little and never waits for the disk (unless that falls behind by several chunks). At any time every chunk that was
-    written is readable, and metadata.yaml names the topics. Use it from one thread.
+    Messages are collected in memory. A separate thread compresses and writes each chunk, so that `write` costs little
+    and does not wait for the disk unless that is several chunks behind. Every written chunk is readable at any time,
+    and metadata.yaml names the topics. Use it from one thread.
 
     Args:
         folder: Folder to create.
-        topics: Topics to begin with; their channels are numbered from 1 in this order.
-        provenance: Scenario, seed, versions, model hash: written as JSON beside the log.
-        namespace: Put before relative topic names.
+        topics: Initial topics; their channels are numbered from 1 in this order.
+        provenance: Scenario, seed, versions, model hash: written as JSON into the folder.
+        namespace: Prefix of relative topic names.
         chunk_duration: Longest time between the messages of a chunk [ns]; shorter chunks spread the work more evenly.
         share_folders: `share` folders of ROS 2 installations to take message definitions from.
 
@@ -77,7 +77,7 @@ class LogWriter:
         self._closed = False
         self._file = self._create(text)
         self._thread = ChunkThread(self._file)
-        self._gather()
+        self._clear_messages()
         try:
             for topic in topics:
                 self.add_topic(topic)
@@ -98,8 +98,8 @@ class LogWriter:
                 f"cannot create the log folder {self.folder}: {error.strerror}; name a folder that can be written"
             ) from error
 
-    def _gather(self) -> None:
-        """Begin a new list of messages."""
+    def _clear_messages(self) -> None:
+        """Start a new list of messages."""
         self._messages: list[tuple[int, int, int, bytes]] = []
         self._append = self._messages.append
         self._n_bytes = 0
@@ -112,21 +112,21 @@ class LogWriter:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Number of messages that are safe in the file, by absolute topic name."""
+        """Number of messages written to the file, by absolute topic name."""
         return {topic.name: self._file.counts.get(number, 0) for number, topic in enumerate(self._topics, 1)}
 
     def add_topic(self, topic: Topic) -> int:
-        """Take a further topic into the log.
+        """Add a topic to the log.
 
         Args:
-            topic: The topic; a relative name is put into the namespace.
+            topic: The topic; a relative name gets the namespace as prefix.
 
         Returns:
             Its number, the `topic_id` of `write`.
 
         Raises:
             InputError: Its type is not known.
-            RunError: The disk refuses it.
+            RunError: It cannot be written, e.g. because the disk is full.
         """
         schema = message_schema(topic.type, self._share_folders)
         name = topic.name if topic.name.startswith("/") else f"/{self._namespace}/{topic.name}".replace("//", "/")
@@ -145,14 +145,14 @@ class LogWriter:
         return number
 
     def topic_id(self, name: str) -> int:
-        """Number of a topic by its absolute or relative name."""
+        """Return the number of a topic by its absolute or relative name."""
         for number, topic in enumerate(self._topics, 1):
             if topic.name in (name, f"/{name}", f"/{self._namespace}/{name}"):
                 return number
         raise unknown_name("topic", name, (topic.name for topic in self._topics), f"the log {self.folder}")
 
     def write(self, topic_id: int, log_time_ns: int, publish_time_ns: int, payload: bytes) -> None:
-        """Take one message.
+        """Write one message.
 
         Args:
             topic_id: Number of its topic.
@@ -161,7 +161,7 @@ class LogWriter:
             payload: Serialised message.
 
         Raises:
-            RunError: An earlier chunk could not be written, the log up to there is readable; or the log is closed.
+            RunError: An earlier chunk could not be written (the log is readable up to there), or the log is closed.
         """
         self._n_bytes += len(payload)
         if not self._from_time <= log_time_ns <= self._to_time or self._n_bytes > MAX_CHUNK_SIZE:
@@ -186,7 +186,7 @@ class LogWriter:
             payloads: Serialised messages, length n.
 
         Raises:
-            RunError: An earlier chunk could not be written, the log up to there is readable; or the log is closed.
+            RunError: An earlier chunk could not be written (the log is readable up to there), or the log is closed.
         """
         if not len(payloads):
             return
@@ -200,12 +200,12 @@ class LogWriter:
         if self._failure:
             raise self._failure
         if self._closed:
-            raise RunError(f"the log {self.folder} is closed and takes no more messages; write before it is closed")
+            raise RunError(f"the log {self.folder} is closed; write before it is closed")
 
     def _submit(self) -> None:
-        """Hand the gathered messages to the thread."""
+        """Pass the collected messages to the writing thread."""
         messages = self._messages
-        self._gather()
+        self._clear_messages()
         if messages:
             topic_id, log_time, publish_time, payloads = zip(*messages, strict=True)
             times = np.array((topic_id, log_time, publish_time), np.int64)
@@ -220,7 +220,7 @@ class LogWriter:
             self._fail(error)
 
     def flush(self) -> None:
-        """Write all messages taken so far; afterwards they survive the end of the process.
+        """Write all messages received so far; afterwards they survive the end of the process.
 
         Raises:
             RunError: They could not be written, or the log is closed.
@@ -244,23 +244,23 @@ class LogWriter:
         return {"serialized_metadata": as_yaml(self._bag_metadata().content())}
 
     def _fail(self, error: OSError) -> NoReturn:
-        """Close the log at its last complete chunk that leaves room for the summary, and raise."""
+        """Close the log at the last complete chunk that leaves space for the summary, and raise."""
         self._thread.stop()
-        self._gather()
+        self._clear_messages()
         self._closed = True
-        lacking = []
+        missing = []
         try:
             self._file.finish("rosbag2", self._serialised_metadata())
         except OSError:
             if not self._file.finish_in_less_space("rosbag2", self._serialised_metadata):
-                lacking.append("summary")
+                missing.append("summary")
         self._file.close()
         try:
             self._write_metadata()
         except OSError:
-            lacking.append("up-to-date metadata.yaml")
+            missing.append("up-to-date metadata.yaml")
         count, elapsed = sum(self._file.counts.values()), float(np.ptp(self._file.time_range)) / NANOSECONDS
-        note = f" (without {' and '.join(lacking)})" if lacking else ""
+        note = f" (without {' and '.join(missing)})" if missing else ""
         self._failure = RunError(
             f"cannot write the log {self.folder}: {error.strerror}; its {count} messages up to "
             f"t = {elapsed:.3f} s of the run are readable{note}; make space and run again"
@@ -268,13 +268,13 @@ class LogWriter:
         raise self._failure from error
 
     def close(self, provenance: Mapping[str, Any] | None = None) -> None:
-        """Write what is left, the summary and metadata.yaml. Closing twice does nothing.
+        """Write the remaining messages, the summary and metadata.yaml. Closing twice has no effect.
 
         Args:
-            provenance: Replaces the provenance given at the start, e.g. with counts of the finished run.
+            provenance: Replaces the initial provenance, e.g. with counts of the finished run.
 
         Raises:
-            RunError: The disk refuses; the log up to there is readable.
+            RunError: The log cannot be written, e.g. because the disk is full; it is readable up to there.
         """
         if self._closed:
             return

@@ -40,7 +40,7 @@ def test_log_goes_up_to_its_last_complete_chunk(log: Path) -> None:
     after = read_log(log).joint_states
     assert 0 < len(before.joint_states.stamp) < len(after.stamp) < len(whole.stamp)
     np.testing.assert_array_equal(after.position, whole.position[: len(after.stamp)])
-    assert any("is cut off at byte" in warning for warning in before.warnings)
+    assert any("is truncated at byte" in warning for warning in before.warnings)
 
 
 def test_log_that_is_cut_off_in_its_first_chunk_is_refused_with_what_to_do(log: Path) -> None:
@@ -50,6 +50,6 @@ def test_log_that_is_cut_off_in_its_first_chunk_is_refused_with_what_to_do(log: 
     with pytest.raises(InputError) as caught:
         read_log(log)
     assert str(caught.value) == (
-        f"{log} has no complete message of any topic; {log} is cut off at byte {start} of {start + 100}: everything "
+        f"{log} has no complete message of any topic; {log} is truncated at byte {start} of {start + 100}: everything "
         "before was read; give a whole copy of it, or record the run again"
     )

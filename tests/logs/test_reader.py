@@ -242,7 +242,7 @@ def test_cut_off_log_is_read_up_to_its_last_complete_chunk(tmp_path, make_log):
     assert 1000 <= n < 4000
     assert n % 1000 == 0, "chunks of 5000 messages"
     np.testing.assert_array_equal(again.tool_pose.position, log.tool_pose.position[:n])
-    assert any("is cut off at byte" in warning for warning in again.warnings)
+    assert any("is truncated at byte" in warning for warning in again.warnings)
 
 
 def test_damaged_chunk_is_named_and_the_rest_read(tmp_path, make_log):

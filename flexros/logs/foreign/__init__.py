@@ -1,1 +1,1 @@
-"""Logs of other recorders: files of columns become the topics of the contract by a mapping file."""
+"""Import of logs of other recorders: a mapping file assigns columns to topics."""

@@ -1,4 +1,4 @@
-"""A foreign log becomes a log of the contract: columns to quantities, units to SI, times to stamps."""
+"""Import of a foreign log: columns to quantities, units to SI, times to stamps."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from flexros.logs.foreign.signal_source import Signal
 
 _FEWEST = 2
-"""Rows that a log needs at least."""
+"""Smallest number of rows of a log."""
 
 _PART = 2**20
 """Bytes of a file that are read at once [byte]."""
@@ -42,7 +42,7 @@ class _Mapped:
     """
 
     entry: MappedColumn
-    place: str
+    column: str
     time: FloatArray
     values: FloatArray
     origin: int
@@ -52,24 +52,24 @@ class _Mapped:
 def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
     """Read files of another recorder as a log.
 
-    The columns may lie in several files of the same clock. The first row gets the stamp 1 s; the time that it had in
-    the file is kept in the provenance. Quantities of one topic that were sampled at different times (other file, other
-    time offset) are interpolated linearly at the times of the topic's first quantity, which the warnings tell.
+    The columns may be in several files of the same clock. The first row gets the stamp 1 s; the provenance keeps its
+    time in the file. Quantities of one topic that were sampled at different times (other file, other time offset) are
+    interpolated linearly at the times of the topic's first quantity; the warnings report it.
 
     Args:
-        mapping: What the columns are.
+        mapping: Quantity and unit of every column.
         files: CSV, MATLAB or NumPy files, or ROS 2 bags: .mcap files or rosbag2 folders.
 
     Returns:
         The log; its provenance names mapping, files and their hashes.
 
     Raises:
-        InputError: A column is missing, no number, not finite or too short, or times do not increase; the sentence
+        InputError: A column is missing, not numeric, not finite or too short, or times do not increase; the message
             names file, column and row.
     """
     sources = {path: open_source(path) for path in files}
-    found, absent = _find(mapping, sources)
-    signals = _read(mapping, sources, found)
+    present, absent = _find(mapping, sources)
+    signals = _read(mapping, sources, present)
     zero = min(float(signal.time[0]) for signal in signals)
     warnings = [f"optional column '{name}' is in none of the files" for name in absent]
     warnings += [note for signal in signals for note in signal.notes]
@@ -87,8 +87,8 @@ def import_log(mapping: LogMapping, files: Sequence[Path]) -> Log:
 def _find(
     mapping: LogMapping, sources: dict[Path, AbstractSignalSource]
 ) -> tuple[list[tuple[Path, MappedColumn]], list[str]]:
-    """Files of the columns, and the optional columns that none of them has."""
-    found, absent = [], []
+    """Return the file of each column, and the optional columns that no file has."""
+    present, absent = [], []
     for entry in mapping.columns:
         holders = [path for path in sources if not entry.file or fnmatch(path.name, entry.file)]
         having = [path for path in holders if entry.column in sources[path].names]
@@ -98,46 +98,46 @@ def _find(
                 f"({', '.join(path.name for path in having)}); add the key 'file' to the column"
             )
         if having:
-            found.append((having[0], entry))
+            present.append((having[0], entry))
         elif entry.optional:
             absent.append(entry.column)
         else:
             names = [name for path in holders for name in sources[path].names]
             where = ", ".join(str(path) for path in holders) or f"any file like '{entry.file}'"
             raise unknown_name(f"column of mapping {mapping.name}", entry.column, names, where)
-    return found, absent
+    return present, absent
 
 
 def _read(
-    mapping: LogMapping, sources: dict[Path, AbstractSignalSource], found: list[tuple[Path, MappedColumn]]
+    mapping: LogMapping, sources: dict[Path, AbstractSignalSource], present: list[tuple[Path, MappedColumn]]
 ) -> list[_Mapped]:
-    """Read all columns, file by file, and check and convert them; in the order of the mapping."""
+    """Read, check and convert all columns, file by file; return them in the order of the mapping."""
     clock = mapping.time.column if mapping.time else ""
     read: dict[Path, dict[str, Signal]] = {}
     for path, source in sources.items():
-        columns = {entry.column: None for holder, entry in found if holder == path}
+        columns = {entry.column: None for holder, entry in present if holder == path}
         if not columns:
             raise InputError(f"{path} has none of the columns of mapping {mapping.name}; leave the file out")
         read[path] = source.read([*columns, *([clock] if clock in source.names and clock not in columns else [])])
     origin = min(signal.origin for signals in read.values() for signal in signals.values())
     mapped = []
-    for path, entry in found:
-        signal, place = read[path][entry.column], f"{path}, column '{entry.column}'"
-        _check_finite(signal.values, place)
-        time = _times(mapping, signal, read[path], sources[path].names, place, str(path))
+    for path, entry in present:
+        signal, column = read[path][entry.column], f"{path}, column '{entry.column}'"
+        _check_finite(signal.values, column)
+        time = _times(mapping, signal, read[path], sources[path].names, column, str(path))
         time = time + ((signal.origin - origin) * 1e-9 + entry.time_offset)
         values = entry.factor * signal.values + entry.offset
-        mapped.append(_Mapped(entry, place, time, values, origin, signal.notes))
+        mapped.append(_Mapped(entry, column, time, values, origin, signal.notes))
     return mapped
 
 
 def _times(
-    mapping: LogMapping, signal: Signal, signals: dict[str, Signal], names: Sequence[str], place: str, path: str
+    mapping: LogMapping, signal: Signal, signals: dict[str, Signal], names: Sequence[str], column: str, path: str
 ) -> FloatArray:
-    """Times of a signal [s]: its own, or those of the mapping's clock."""
+    """Return the times of a signal [s]: its own, or those of the mapping's clock."""
     clock = mapping.time
     if signal.time is not None:
-        time, clock_name = signal.time, place
+        time, clock_name = signal.time, column
     elif clock is None:
         raise InputError(
             f"mapping {mapping.name} has no key time, but {path} has no times of its own; add time: {{column: NAME}} "
@@ -154,38 +154,38 @@ def _times(
         raise unknown_name(f"time column of mapping {mapping.name}", clock.column, names, path)
     if len(time) != len(signal.values):
         raise InputError(
-            f"{place} has {len(signal.values)} rows, but its time '{clock.column if clock else ''}' has {len(time)}; "
+            f"{column} has {len(signal.values)} rows, but its time '{clock.column if clock else ''}' has {len(time)}; "
             "make them equally long"
         )
     _check_increasing(time, clock_name)
     return time
 
 
-def _check_finite(values: FloatArray, place: str) -> None:
+def _check_finite(values: FloatArray, column: str) -> None:
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
         raise InputError(
-            f"{place}, row {bad[0] + 1}: {values[bad[0]]} is no finite number ({bad.size} such rows); cut the gap out "
-            "or fill it"
+            f"{column}, row {bad[0] + 1}: {values[bad[0]]} is not finite ({bad.size} such rows); remove these rows "
+            "or fill the gap"
         )
 
 
-def _check_increasing(time: FloatArray, place: str) -> None:
+def _check_increasing(time: FloatArray, column: str) -> None:
     if len(time) < _FEWEST:
-        raise InputError(f"{place} has {len(time)} rows, but at least {_FEWEST} are needed; give a longer log")
-    _check_finite(time, place)
+        raise InputError(f"{column} has {len(time)} rows, but at least {_FEWEST} are needed; give a longer log")
+    _check_finite(time, column)
     bad = np.flatnonzero(np.diff(time) <= 0)
     if bad.size:
-        at = int(bad[0])
-        word = "repeats" if time[at + 1] == time[at] else "goes back"
+        row = int(bad[0])
+        word = "repeats" if time[row + 1] == time[row] else "goes back"
         raise InputError(
-            f"{place}, row {at + 2}: the time {word} ({time[at]:.9g} s, then {time[at + 1]:.9g} s; {bad.size} such "
+            f"{column}, row {row + 2}: the time {word} ({time[row]:.9g} s, then {time[row + 1]:.9g} s; {bad.size} such "
             "rows), but must increase; sort the rows and drop repeats"
         )
 
 
 def _series(signals: list[_Mapped], zero: float, warnings: list[str]) -> JointSeries:
-    """Put the quantities of one topic on the times of the first and stack the joints."""
+    """Interpolate the quantities of one topic at the times of the first and stack the joints."""
     joints = sorted({signal.entry.joint for signal in signals}, key=lambda name: int(name.split("_")[1]))
     base = signals[0]
     moved = [signal for signal in signals if not np.array_equal(signal.time, base.time)]
@@ -198,17 +198,17 @@ def _series(signals: list[_Mapped], zero: float, warnings: list[str]) -> JointSe
         )
     time = base.time[inside]
     if len(time) < _FEWEST:
-        raise InputError(f"{base.place} and {moved[0].place} have no time in common; correct the clocks")
+        raise InputError(f"{base.column} and {moved[0].column} have no time in common; correct the clocks")
     fields: dict[str, dict[str, FloatArray]] = defaultdict(dict)
     for signal in signals:
         own = signal.values[inside] if signal not in moved else np.interp(time, signal.time, signal.values)
         fields[QUANTITIES[signal.entry.quantity].field][signal.entry.joint] = own
     quantities = {QUANTITIES[signal.entry.quantity].field: signal.entry.quantity for signal in signals}
     for field, values in fields.items():
-        lacking = [joint for joint in joints if joint not in values]
-        if lacking:
+        missing = [joint for joint in joints if joint not in values]
+        if missing:
             raise InputError(
-                f"the quantity {quantities[field]} was found for {', '.join(values)} but not for {', '.join(lacking)}; "
+                f"the quantity {quantities[field]} is mapped for {', '.join(values)} but not for {', '.join(missing)}; "
                 "map it for all joints or for none"
             )
     stamp = START_NS + np.rint((time - zero) * 1e9).astype(np.int64)
@@ -229,7 +229,7 @@ def _provenance(mapping: LogMapping, files: Sequence[Path], zero: float, warning
 
 
 def _single(paths: Sequence[Path]) -> list[Path]:
-    """Name the files, those of a bag one by one."""
+    """Return the files, those of a bag one by one."""
     return [file for path in paths for file in (find_bag_files(path).files if path.is_dir() else (path,))]
 
 

@@ -1,4 +1,4 @@
-"""Mapping files: which column of a foreign log is which quantity of which joint, in which unit."""
+"""Mapping files: quantity, joint and unit of the columns of a foreign log."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from flexros.errors import unknown_name
 from flexros.logs.foreign.quantities import QUANTITIES, TIME_UNITS, UNITS, units_of
 
 MAPPINGS = Path(__file__).parents[1] / "mappings"
-"""Mapping files that are shipped."""
+"""Folder of the built-in mapping files."""
 
 
 class Scale(Settings):
-    """Turns a unit that says nothing about mechanics into one that does, e.g. 35.15 N/V or 6.28e-5 rad/count."""
+    """Conversion of a non-mechanical unit to a mechanical one, e.g. 35.15 N/V or 6.28e-5 rad/count."""
 
     value: float = Field(description="of the unit below; not zero")
     unit: str = Field(pattern=r"^[^/]+(/s)?/[^/]+$", description="mechanical unit per unit of the column, e.g. N/V")
@@ -25,12 +25,12 @@ class Scale(Settings):
     @model_validator(mode="after")
     def _not_zero(self) -> Scale:
         if self.value == 0:
-            raise ValueError("a scale of 0 leaves nothing of the column; give another value")
+            raise ValueError("a scale of 0 makes the column zero; give another value")
         return self
 
     @property
     def target(self) -> str:
-        """Unit that the scale leads to."""
+        """Mechanical unit after the scale."""
         return self.unit.rpartition("/")[0]
 
     @property
@@ -40,38 +40,38 @@ class Scale(Settings):
 
 
 class MappedColumn(Settings):
-    """One column: what it is, and how its numbers become the SI value in the coordinate of the robot file.
+    """One column: its quantity, and the conversion of its numbers to SI values in the coordinate of the robot file.
 
     value = sign * gear * (scale * column in SI) + offset, where gear is 1 / gear_ratio for positions and velocities and
-    gear_ratio for torques: columns measured on the motor's side are brought to the arm's side of the gear.
+    gear_ratio for torques: columns measured on the motor side are converted to the arm side of the gear.
     """
 
     column: str = Field(min_length=1, description="name in the file; name[k] is column k, from 0, of a matrix")
-    quantity: str = Field(description="what it is")
-    joint: str = Field("motor_1", pattern=r"^motor_[1-9][0-9]*$", description="motor that it belongs to")
+    quantity: str = Field(description="quantity of the column")
+    joint: str = Field("motor_1", pattern=r"^motor_[1-9][0-9]*$", description="motor of the column")
     unit: str = Field(min_length=1, description="unit of the numbers in the file")
     scale: Scale | None = Field(None, description="needed for a unit like V, A or count")
-    sign: Literal[1, -1] = Field(1, description="-1 where the file counts the other way than the robot file")
-    gear_ratio: float = Field(1.0, gt=0, description="motor turns per arm turn, where the column is on the motor side")
-    offset: float = Field(0.0, description="added at the end [SI unit]")
+    sign: Literal[1, -1] = Field(1, description="-1 if the file has the opposite sign of the robot file")
+    gear_ratio: float = Field(1.0, gt=0, description="motor turns per arm turn, if the column is on the motor side")
+    offset: float = Field(0.0, description="added after all factors [SI unit]")
     time_offset: float = Field(0.0, ge=-10, le=10, description="time of the quantity minus time of its row [s]")
-    file: str = Field("", description="name of its file, with * and ?, where several files have such a column")
+    file: str = Field("", description="name of its file, with wildcards * and ?, if several files have such a column")
     optional: bool = Field(False, description="may be missing")
 
     @model_validator(mode="after")
     def _unit_fits(self) -> MappedColumn:
         if self.quantity not in QUANTITIES:
-            raise ValueError(f"'{self.quantity}' is no known quantity; allowed are {', '.join(QUANTITIES)}")
+            raise ValueError(f"'{self.quantity}' is not a known quantity; allowed are {', '.join(QUANTITIES)}")
         kind = QUANTITIES[self.quantity].kind
-        place = f"column '{self.column}', quantity {self.quantity}:"
+        column = f"column '{self.column}', quantity {self.quantity}:"
         if self.scale is not None and self.scale.origin != self.unit:
             raise ValueError(
-                f"{place} the unit is '{self.unit}', but the scale is per '{self.scale.origin}'; make them the same"
+                f"{column} the unit is '{self.unit}', but the scale is per '{self.scale.origin}'; make them the same"
             )
         target = self.target_unit
         if target not in UNITS or UNITS[target].kind != kind:
             hint = "" if self.scale else f"; another unit needs a scale, e.g. {{value: 2, unit: {units_of(kind)[0]}/V}}"
-            raise ValueError(f"{place} unit '{target}', but allowed are {', '.join(units_of(kind))}{hint}")
+            raise ValueError(f"{column} unit '{target}', but allowed are {', '.join(units_of(kind))}{hint}")
         return self
 
     @property
@@ -86,7 +86,7 @@ class MappedColumn(Settings):
 
     @property
     def factor(self) -> float:
-        """What the numbers of the column are multiplied by."""
+        """Factor of the numbers of the column."""
         gear = self.gear_ratio if QUANTITIES[self.quantity].kind == "torque" else 1 / self.gear_ratio
         scale = self.scale.value if self.scale else 1.0
         return self.sign * UNITS[self.target_unit].factor * scale * gear
@@ -97,7 +97,7 @@ class Clock(Settings):
 
     column: str = Field("", description="name of the time column")
     unit: str = Field("s", description="unit of the time column: s, ms, us or ns")
-    rate: float | None = Field(None, gt=0, le=1e6, description="rows per second [Hz], where there is no time column")
+    rate: float | None = Field(None, gt=0, le=1e6, description="rows per second [Hz], if there is no time column")
 
     @model_validator(mode="after")
     def _one_of_both(self) -> Clock:
@@ -127,11 +127,12 @@ class LogMapping(Settings):
             if (entry.quantity, entry.joint) in seen:
                 raise ValueError(f"{entry.quantity} of {entry.joint} is mapped twice; leave one column out")
             seen.add((entry.quantity, entry.joint))
-            first = rotary.setdefault(entry.joint, entry)
-            if first.rotary != entry.rotary:
+            earlier = rotary.setdefault(entry.joint, entry)
+            if earlier.rotary != entry.rotary:
+                turning, sliding = (earlier, entry) if earlier.rotary else (entry, earlier)
                 raise ValueError(
-                    f"{entry.joint} turns by column '{(first if first.rotary else entry).column}' but slides by column "
-                    f"'{(entry if first.rotary else first).column}'; correct a unit"
+                    f"{entry.joint} is rotary by column '{turning.column}' but linear by column '{sliding.column}'; "
+                    "correct a unit"
                 )
         joints = {entry.joint for entry in self.columns}
         for joint in sorted(joints):
@@ -141,15 +142,15 @@ class LogMapping(Settings):
 
 
 def mapping_names() -> tuple[str, ...]:
-    """List the mapping files that are shipped."""
+    """List the built-in mapping files."""
     return tuple(sorted(path.stem for path in MAPPINGS.glob("*.yaml")))
 
 
 def load_mapping(name_or_path: str | Path) -> LogMapping:
-    """Load a shipped mapping or a mapping file.
+    """Load a built-in mapping or a mapping file.
 
     Args:
-        name_or_path: Shipped name such as "emps", or path of a YAML file.
+        name_or_path: Built-in name such as "emps", or path of a YAML file.
 
     Returns:
         The mapping.

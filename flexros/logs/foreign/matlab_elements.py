@@ -1,7 +1,7 @@
-"""The elements of a MATLAB file of version 5 to 7, gone through before SciPy unpacks them.
+"""Check of the elements of a MATLAB file of version 5 to 7 before SciPy unpacks them.
 
-SciPy takes every claim of such a file for true: it unpacks without end, and follows structures in structures until the
-stack is full, which ends the process. (MATLAB, "MAT-File Format", chapter 1: an element has a tag of type and size; a
+SciPy trusts every size in such a file: it unpacks without limit, and follows nested structures until the stack
+overflows, which ends the process. (MATLAB, "MAT-File Format", chapter 1: an element has a tag of type and size; a
 matrix consists of the elements flags, dimensions and name, and what its class says.)
 """
 
@@ -23,11 +23,11 @@ _MATRIX, _COMPRESSED = 14, 15
 _CELL, _STRUCTURE, _OBJECT, _TEXT, _SPARSE, _FUNCTION, _OPAQUE = 1, 2, 3, 4, 5, 16, 17
 _COMPLEX = 1 << 11
 _PLAIN = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 16, 17, 18)
-"""Types of elements that hold numbers or text; SciPy looks every other one up behind the end of its table."""
+"""Types of elements with numbers or text; SciPy looks up every other type beyond the end of its table."""
 
 
 def check_elements(path: Path) -> None:
-    """Refuse a file that unpacks to more than its size allows, or nests too deeply; version 4 has nothing of the sort.
+    """Refuse a file that unpacks to more than its size allows, or nests too deeply; version 4 has neither feature.
 
     Args:
         path: The file.
@@ -38,7 +38,7 @@ def check_elements(path: Path) -> None:
     room = room_of(path.stat().st_size)
     with path.open("rb") as file:
         head = file.read(_HEAD)
-        if len(head) < _HEAD or 0 in head[:4]:  # version 4, whose arrays stand as they are
+        if len(head) < _HEAD or 0 in head[:4]:  # version 4, whose arrays are neither compressed nor nested
             return
         order = "<" if head[126:128] == b"IM" else ">"
         while len(tag := file.read(8)) == 8:
@@ -60,7 +60,7 @@ def _unpacked(data: bytes, room: int) -> bytes:
 
 
 class _Elements:
-    """The elements of one variable, in the order in which SciPy reads them.
+    """Elements of one variable, in the order in which SciPy reads them.
 
     Args:
         data: The variable.
@@ -73,7 +73,7 @@ class _Elements:
         self._position = 0
 
     def check(self) -> None:
-        """Go through all matrices in matrices."""
+        """Check all nested matrices."""
         waiting = [1]
         n_matrices = 0
         while waiting:
@@ -91,13 +91,13 @@ class _Elements:
 
     def _words(self) -> tuple[int, int]:
         if self._position + 8 > len(self._data):
-            raise InputError("a variable is cut off")
+            raise InputError("a variable is truncated")
         first, second = struct.unpack_from(f"{self._order}II", self._data, self._position)
         self._position += 8
         return first, second
 
     def _element(self) -> bytes:
-        """Step over an element; a small one stands in its tag."""
+        """Skip an element and return its data; a small one is contained in its tag."""
         start = self._position
         kind, size = self._words()
         if kind & 0xFFFF not in _PLAIN or (kind >> 16) > 4:
@@ -108,7 +108,7 @@ class _Elements:
         return self._data[start : start + size]
 
     def _matrix(self) -> int:
-        """Step over what a matrix holds itself; gives the number of matrices in it, which follow."""
+        """Skip the own elements of a matrix; return the number of matrices in it, which follow."""
         kind, size = self._words()
         if kind != _MATRIX:
             raise InputError(f"a variable holds an element of type {kind} where an array should be")

@@ -1,4 +1,4 @@
-"""What a column of a foreign log can be, and which field of which topic it becomes."""
+"""Quantities of the columns of a foreign log, their topics and fields, and their units."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Quantity:
-    """Where a quantity goes.
+    """Topic and field of a quantity.
 
     Attributes:
-        topic: Topic of the contract.
+        topic: Topic of `topics.yaml`.
         field: Field of its messages: "position", "velocity" or "effort".
         kind: Kind of its unit: "position", "velocity" or "torque".
     """
@@ -46,8 +46,8 @@ class Unit:
 
     Attributes:
         kind: "position", "velocity" or "torque".
-        rotary: Of a rotation (True) or of a translation (False).
-        factor: Value in the SI unit of one of it.
+        rotary: Whether it is a unit of rotation; otherwise of translation.
+        factor: Its size in the SI unit.
     """
 
     kind: str
@@ -76,7 +76,7 @@ UNITS: Mapping[str, Unit] = MappingProxyType(
         "kN": Unit("torque", False, 1e3),
     }
 )
-"""Units that need no scale; every other one (V, A, counts, ...) is turned into one of these by a scale."""
+"""Units that need no scale; a scale converts every other unit (V, A, counts, ...) to one of these."""
 
 TIME_UNITS: Mapping[str, float] = MappingProxyType({"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9})
 """Seconds in one unit of a time column."""

@@ -1,4 +1,4 @@
-"""Files that signals of a foreign log come from: one class per format, found by the suffix of the file."""
+"""Contract of the file formats of foreign logs: one class per format, found by the suffix of the file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 BAG_SUFFIX = ".mcap"
-"""Suffix of a ROS 2 bag; a folder of such files stands for one file."""
+"""Suffix of a ROS 2 bag; a folder of such files is read like one file."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,10 +31,10 @@ class Signal:
     """Numbers of one column.
 
     Attributes:
-        values: Numbers as they stand in the file, shape (n,).
-        time: Their times [s], shape (n,), where the format itself has them; None where the mapping's clock says them.
-        origin: What the times count from [ns]: as numbers of seconds alone, today's dates are exact to 0.2 us only.
-        notes: What was left out or repaired, a sentence each.
+        values: Numbers in the unit of the file, shape (n,).
+        time: Their times [s], shape (n,), if the format has them; None if the mapping's clock defines them.
+        origin: Origin of the times [ns]: dates of today in seconds alone would be exact to 0.2 us only.
+        notes: What was left out or repaired, one sentence each.
     """
 
     values: FloatArray
@@ -48,13 +48,13 @@ class AbstractSignalSource(ABC):
 
     A new format is one file in the package `sources` with one final subclass that provides
       1. `format`, its name in words, e.g. "CSV table";
-      2. `suffixes`, the endings of its files, in small letters;
-      3. `__init__(path)`, which opens the file and raises InputError when it is not of the format;
+      2. `suffixes`, the suffixes of its files, in lower case;
+      3. `__init__(path)`, which opens the file and raises InputError if it is not of the format;
       4. `names`, the signals that can be read;
-      5. `read(names)`, the signals themselves; a name that is not among `names` is never asked for.
+      5. `read(names)`, the signals themselves; only names among `names` are requested.
 
-    Where the format has times of its own, as a ROS bag does, a signal brings them along in `Signal.time`. The import
-    takes them before the mapping's clock, and puts signals of unequal times of one topic on one time base.
+    A format with times of its own, such as a ROS bag, sets `Signal.time`. The import prefers these times to the
+    mapping's clock, and interpolates signals of one topic with different times to one time base.
 
     Args:
         path: The file.
@@ -76,13 +76,13 @@ class AbstractSignalSource(ABC):
         """Read signals.
 
         Args:
-            names: Which; all of them are among `names`.
+            names: Their names, all among `names`.
 
         Returns:
             Signals by name.
 
         Raises:
-            InputError: Something in them is no number.
+            InputError: An entry is not a number.
         """
 
 
@@ -90,7 +90,7 @@ def open_source(path: Path) -> AbstractSignalSource:
     """Open a file of a foreign log.
 
     Args:
-        path: The file; its suffix says the format. A folder is a rosbag2 folder.
+        path: The file; its suffix determines the format. A folder is a rosbag2 folder.
 
     Returns:
         The source of its signals.
@@ -110,10 +110,10 @@ def open_source(path: Path) -> AbstractSignalSource:
 
 
 def flatten(arrays: Mapping[str, object]) -> dict[str, FloatArray]:
-    """Make columns of the arrays of a file.
+    """Convert the arrays of a file to columns.
 
-    A vector is one column under its name, a matrix with n rows is the columns name[0], name[1], ...; what stands in a
-    structure is named by dots. Numbers that stand alone, texts and everything else are left out.
+    A vector is one column with its name, a matrix with n rows is the columns name[0], name[1], ...; entries of a
+    structure are named with dots. Scalars, texts and everything else are ignored.
 
     Args:
         arrays: Arrays and nested structures by name.
@@ -142,7 +142,7 @@ def flatten(arrays: Mapping[str, object]) -> dict[str, FloatArray]:
 
 
 def _plain_arrays(arrays: Mapping[str, object], prefix: str) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Arrays without structure, those of structures one by one, with their names."""
+    """Yield plain arrays with their names, those of structures one by one."""
     for key, value in arrays.items():
         name = f"{prefix}{key}"
         array = None if isinstance(value, dict) else np.asarray(value)
@@ -155,10 +155,10 @@ def _plain_arrays(arrays: Mapping[str, object], prefix: str) -> Iterator[tuple[s
 
 
 def first_line(error: Exception) -> str:
-    """First line of an error of a library, or its kind where it says nothing."""
+    """Return the first line of an error of a library, or its type if it has no text."""
     return (str(error).splitlines() or [type(error).__name__])[0]
 
 
 def safe_name(path: Path) -> str:
-    """Name of a file without folders and control characters, for provenance."""
+    """Return the name of a file without folders and control characters, for provenance."""
     return re.sub(r"[\x00-\x1f]", "?", path.name)

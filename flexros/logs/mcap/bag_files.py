@@ -1,4 +1,4 @@
-"""Which MCAP files belong to a log, and what lies beside them."""
+"""The MCAP files of a log, and the other files in its folder."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class BagFiles:
 
     Attributes:
         files: Its MCAP files in order.
-        provenance: Content of the side-car, empty if there is none.
-        warnings: What is missing or damaged beside the files.
+        provenance: Content of the provenance file, empty if there is none.
+        warnings: What is missing or damaged in the folder.
     """
 
     files: tuple[Path, ...]
@@ -35,11 +35,8 @@ def find_bag_files(path: Path) -> BagFiles:
     Args:
         path: A rosbag2 folder or a single .mcap file.
 
-    Returns:
-        What was found.
-
     Raises:
-        InputError: There is nothing to read, or it is stored in another way than MCAP.
+        InputError: There is nothing to read, or the storage is not MCAP.
     """
     warnings: list[str] = []
     if path.is_file():
@@ -61,7 +58,7 @@ def find_bag_files(path: Path) -> BagFiles:
 
 
 def _listed(folder: Path, warnings: list[str]) -> list[Path]:
-    """Files that metadata.yaml lists; empty if it cannot tell."""
+    """Return the files listed in metadata.yaml; empty if it cannot be used."""
     if not (folder / METADATA_FILE).is_file():
         warnings.append(f"{folder} has no {METADATA_FILE}; all its .mcap files were read")
         return []
@@ -72,7 +69,7 @@ def _listed(folder: Path, warnings: list[str]) -> list[Path]:
         names = list(dict.fromkeys(listed))  # each file once, however often it is listed
         storage, mode = str(information.get("storage_identifier")), str(information.get("compression_mode") or "")
     except (InputError, KeyError, TypeError, AttributeError) as error:
-        warnings.append(f"{folder / METADATA_FILE} cannot be used ({error}); all .mcap files beside it were read")
+        warnings.append(f"{folder / METADATA_FILE} cannot be used ({error}); all .mcap files of the folder were read")
         return []
     if storage != "mcap":
         raise InputError(

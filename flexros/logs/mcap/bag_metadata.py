@@ -1,4 +1,4 @@
-"""metadata.yaml of a rosbag2 folder, version 9 (the form that ROS 2 Jazzy writes), and crash-safe small files."""
+"""metadata.yaml of a rosbag2 folder, version 9, as ROS 2 Jazzy writes it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _INFINITE = {"sec": 9223372036, "nsec": 854775807}
 
 @dataclass(frozen=True)
 class BagTopic:
-    """A topic as the bag knows it.
+    """A topic in the metadata of a bag.
 
     Attributes:
         name: Absolute topic name.
@@ -44,7 +44,7 @@ class BagTopic:
 
 @dataclass(frozen=True)
 class BagMetadata:
-    """What metadata.yaml says.
+    """Content of metadata.yaml.
 
     Attributes:
         file_name: The MCAP file in the folder.
@@ -59,7 +59,7 @@ class BagMetadata:
     end_ns: int = 0
 
     def content(self) -> dict[str, Any]:
-        """The mapping below the key rosbag2_bagfile_information."""
+        """Return the mapping below the key rosbag2_bagfile_information."""
         duration = {"nanoseconds": self.end_ns - self.start_ns}
         start = {"nanoseconds_since_epoch": self.start_ns}
         count = sum(topic.message_count for topic in self.topics)
@@ -99,7 +99,7 @@ def _topic_entry(topic: BagTopic) -> dict[str, Any]:
 
 
 def offered_qos(profile: QosProfile) -> dict[str, Any]:
-    """A profile in the words of rosbag2; deadline, lifespan and lease are infinite."""
+    """Return a profile in the form of rosbag2; deadline, lifespan and lease are infinite."""
     return {
         "history": profile.history,
         "depth": profile.depth,
@@ -114,7 +114,7 @@ def offered_qos(profile: QosProfile) -> dict[str, Any]:
 
 
 def as_yaml(content: dict[str, Any] | list[dict[str, Any]]) -> str:
-    """YAML text in block style, keys in the order given, nothing abbreviated."""
+    """Return YAML text in block style, keys in the given order, without aliases."""
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = False
     yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]

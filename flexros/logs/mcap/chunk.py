@@ -25,21 +25,21 @@ MESSAGE_HEADER = np.dtype(
         ("publish_time", "<u8"),
     ]
 )
-"""A Message record up to its payload, 31 bytes; `length` counts from behind itself."""
+"""A Message record up to its payload, 31 bytes; `length` counts from its own end."""
 
 LENGTH_FIELD_END = 9
-"""Offset behind opcode and length, from where a record's length counts [byte]."""
+"""Offset of the end of opcode and length [byte]; the length of a record counts from there."""
 
 INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
 
 
 @dataclass(frozen=True, eq=False)
 class Chunk:
-    """Messages as they stand in a chunk, before compression.
+    """Messages of a chunk, before compression.
 
     Attributes:
         records: Message records one after the other.
-        index: By channel the log time and the offset of each message, sorted by time, type INDEX_ENTRY.
+        index: Log time and offset of each message, sorted by time, type INDEX_ENTRY, by channel.
         start_time: Earliest log time [ns].
         end_time: Latest log time [ns].
     """
@@ -57,17 +57,14 @@ def assemble_chunk(
     payloads: Sequence[bytes],
     sequence_start: Mapping[int, int],
 ) -> Chunk:
-    """Write messages behind each other.
+    """Assemble messages into a chunk.
 
     Args:
         channel: Channel of each message, shape (n,), n > 0.
         log_time: Log times [ns], shape (n,).
         publish_time: Publish times [ns], shape (n,).
         payloads: Serialised messages, length n.
-        sequence_start: Number of messages that each channel had before; 0 where absent.
-
-    Returns:
-        The chunk.
+        sequence_start: Number of earlier messages of each channel; 0 if absent.
     """
     n = len(payloads)
     lengths = np.fromiter(map(len, payloads), np.int64, n)

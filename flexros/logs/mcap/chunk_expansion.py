@@ -1,4 +1,4 @@
-"""Decompression of MCAP chunks; every size that a chunk claims is checked before anything is allocated."""
+"""Decompression of MCAP chunks; every claimed size is checked before memory is allocated."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ _CHUNK_HEAD = struct.Struct("<QQQII")
 
 
 class DamagedChunkError(Exception):
-    """Why a chunk cannot be read; the scan turns it into a warning."""
+    """A chunk cannot be read; the scan reports the reason as a warning."""
 
 
 class ExpansionLimitError(DamagedChunkError):
-    """A chunk that is larger than what its file may expand to."""
+    """A chunk is larger than the remaining expansion limit of its file."""
 
 
 def expand_chunk(record: memoryview, room: int = LARGEST_CHUNK) -> bytes:
     """Decompress a Chunk record and check it.
 
     Args:
-        record: The record behind opcode and length.
-        room: Largest size that its file leaves for it [byte].
+        record: The record after opcode and length.
+        room: Remaining expansion limit of the file [byte].
 
     Returns:
         The records in the chunk.
@@ -40,7 +40,7 @@ def expand_chunk(record: memoryview, room: int = LARGEST_CHUNK) -> bytes:
     _, _, size, crc, name_length = _CHUNK_HEAD.unpack_from(record)
     start = _CHUNK_HEAD.size + name_length + 8
     if start > len(record):
-        raise DamagedChunkError("its head is cut off")
+        raise DamagedChunkError("its head is truncated")
     compression = bytes(record[_CHUNK_HEAD.size : start - 8]).decode(errors="replace")
     (length,) = struct.unpack_from("<Q", record, start - 8)
     if start + length > len(record):
@@ -48,7 +48,7 @@ def expand_chunk(record: memoryview, room: int = LARGEST_CHUNK) -> bytes:
     if size > LARGEST_CHUNK:
         raise DamagedChunkError(f"it claims {size} bytes of messages, allowed is {LARGEST_CHUNK}")
     if size > room:
-        raise ExpansionLimitError(f"it claims {size} bytes of messages, its file leaves {room}")
+        raise ExpansionLimitError(f"it claims {size} bytes of messages, the limit of the file leaves {room}")
     data = _expand(compression, bytes(record[start : start + length]), size)
     if len(data) != size:
         raise DamagedChunkError(f"it claims {size} bytes of messages and holds {len(data)}")
@@ -69,7 +69,7 @@ def _expand(compression: str, data: bytes, size: int) -> bytes:
         if compression == "lz4":
             return lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1)  # type: ignore[no-any-return]
     except (zstandard.ZstdError, RuntimeError, EOFError) as error:
-        raise DamagedChunkError(f"{compression} says '{error}'") from error
+        raise DamagedChunkError(f"{compression} reports '{error}'") from error
     if compression:
-        raise DamagedChunkError(f"its compression '{compression}' is not known; allowed are zstd, lz4 and none")
+        raise DamagedChunkError(f"its compression '{compression}' is unknown; allowed are zstd, lz4 and none")
     return data

@@ -1,4 +1,4 @@
-"""A thread that assembles, compresses and writes chunks while the caller goes on gathering messages."""
+"""Thread that assembles, compresses and writes chunks while the caller collects messages."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _MAX_WAITING = 4  # chosen: chunks in memory while the disk is busy
 
 
 class ChunkThread:
-    """Writes chunks into a file in the order in which they are handed over.
+    """Writer of chunks in the order in which they are submitted.
 
     Args:
-        file: Where they go; while chunks wait, nobody else may write to it.
+        file: Their file; nothing else may write to it while chunks are pending.
     """
 
     def __init__(self, file: McapFile) -> None:
@@ -31,7 +31,7 @@ class ChunkThread:
         self._executor = ThreadPoolExecutor(1, "log_writer")
 
     def write(self, channel: IntArray, log_time: IntArray, publish_time: IntArray, payloads: Sequence[bytes]) -> None:
-        """Hand over a chunk; waits only when several are not written yet. Arguments as in `assemble_chunk`.
+        """Submit a chunk; wait only if several are pending. Arguments as in `assemble_chunk`.
 
         Raises:
             OSError: An earlier chunk could not be written.
@@ -43,7 +43,7 @@ class ChunkThread:
         self._file.append(assemble_chunk(channel, log_time, publish_time, payloads, self._file.counts))
 
     def wait(self, n_left: int = 0) -> None:
-        """Wait until at most `n_left` chunks are not written.
+        """Wait until at most `n_left` chunks are pending.
 
         Raises:
             OSError: A chunk could not be written.
@@ -52,6 +52,6 @@ class ChunkThread:
             self._waiting.popleft().result()
 
     def stop(self) -> None:
-        """End the thread; chunks that it has not begun are dropped."""
+        """Stop the thread; chunks that it has not started are dropped."""
         self._executor.shutdown(cancel_futures=True)
         self._waiting.clear()

@@ -1,4 +1,4 @@
-"""An MCAP file that grows chunk by chunk and is readable up to its last complete chunk at any time."""
+"""Writer of an MCAP file, chunk by chunk; the file is readable up to its last complete chunk at any time."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _COMPRESSION_LEVEL = 1  # chosen: fastest level of the standard range; numbers c
 class McapFile:
     """Writes an MCAP file of the profile ros2.
 
-    After every method the file ends at a complete record; a write that fails is cut off again.
+    After every method the file ends at a complete record; a failed write is truncated.
 
     Args:
         path: File to create; it must not exist.
@@ -79,17 +79,17 @@ class McapFile:
             while view:
                 view = view[self._file.write(view) :]
         except OSError:
-            self._cut(self._end)
+            self._truncate(self._end)
             raise
         self._end += len(data)
 
-    def _cut(self, end: int) -> None:
+    def _truncate(self, end: int) -> None:
         self._file.truncate(end)
         self._file.seek(end)
         self._end = end
 
     def add_channel(self, topic: str, type_name: str, schema_text: str, metadata: Mapping[str, str]) -> int:
-        """Write schema and channel of a topic; returns the number of the channel, from 1."""
+        """Write schema and channel of a topic; return the number of the channel, from 1."""
         known = [schema for schema in self._schemas if schema.name == type_name]
         schema = (
             known[0]
@@ -113,7 +113,7 @@ class McapFile:
         """Compress a chunk and write it with its message indexes.
 
         Raises:
-            OSError: The chunk does not fit; the file is as before.
+            OSError: The chunk does not fit on the disk; the file is unchanged.
         """
         compressed = self._compressor.compress(chunk.records)
         head = struct.pack("<QQQI", chunk.start_time, chunk.end_time, len(chunk.records), zlib.crc32(chunk.records))
@@ -145,20 +145,20 @@ class McapFile:
         self._counted += self._counts[-1]
 
     def finish_in_less_space(self, metadata_name: str, metadata: Callable[[], Mapping[str, str]]) -> bool:
-        """Return up the last chunk for the summary, on a full disk. `close` must follow.
+        """Replace the last chunk by the summary, on a full disk. `close` must follow.
 
         Args:
             metadata_name: As in `finish`.
-            metadata: Makes the metadata from the counts without that chunk.
+            metadata: Returns the metadata for the counts without that chunk.
 
         Returns:
-            Whether that was enough; if not, the chunk is back, and readers must scan the file.
+            Whether the summary fits; if not, the chunk is restored, and readers must scan the file.
         """
         if not self._chunks:
             return False
         chunk, counts, last = self._chunks.pop(), self._counts.pop(), self._last_chunk
         self._counted -= counts
-        self._cut(chunk.chunk_start_offset)
+        self._truncate(chunk.chunk_start_offset)
         try:
             self.finish(metadata_name, metadata())
         except OSError:
@@ -173,18 +173,18 @@ class McapFile:
         """Write a Metadata record, the summary and the footer, once. `close` must follow.
 
         Raises:
-            OSError: They do not fit; the file is as before.
+            OSError: They do not fit on the disk; the file is unchanged.
         """
         if self._finished:
             return
         end = self._end
         record = _record(Metadata(name=metadata_name, metadata=dict(metadata)))
-        place = MetadataIndex(offset=end, length=len(record), name=metadata_name)
+        index = MetadataIndex(offset=end, length=len(record), name=metadata_name)
         head = record + _record(DataEnd(0))
-        self._append(head + self._summary(end + len(head), place))
+        self._append(head + self._summary(end + len(head), index))
         self._finished = True
 
-    def _summary(self, start: int, place: MetadataIndex) -> bytes:
+    def _summary(self, start: int, index: MetadataIndex) -> bytes:
         first, last = self.time_range
         statistics = Statistics(
             message_count=sum(self._counted.values()),
@@ -202,7 +202,7 @@ class McapFile:
             (Opcode.CHANNEL, self._channels),
             (Opcode.STATISTICS, [statistics]),
             (Opcode.CHUNK_INDEX, self._chunks),
-            (Opcode.METADATA_INDEX, [place]),
+            (Opcode.METADATA_INDEX, [index]),
         )
         data, offsets = bytearray(), bytearray()
         for opcode, records in groups:

@@ -1,6 +1,6 @@
-"""Reading an MCAP file from the front: every message of every complete chunk, with or without a summary.
+"""Sequential reading of an MCAP file: every message of every complete chunk, with or without a summary.
 
-The summary and the indexes are not used, so a file that was cut off is read like a whole one.
+The summary and the indexes are not used, so a truncated file is read like a complete one.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _RECORD_HEAD = struct.Struct("<BQ")
 _SHORTEST_MESSAGE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
 
 _MOST_LOOSE = 100_000
-"""Messages outside of chunks that are handed out together [1], chosen."""
+"""Largest number of messages outside of chunks in one block [1], chosen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +41,9 @@ class MessageBlock:
     """Messages in the order of the file.
 
     Attributes:
-        data: Bytes in which the messages lie.
+        data: Bytes that contain the messages.
         headers: Their Message records without payload, type MESSAGE_HEADER, shape (n,).
-        offsets: Where each payload begins in `data`, shape (n,).
+        offsets: Offset of each payload in `data`, shape (n,).
     """
 
     data: bytes | memoryview
@@ -53,13 +53,13 @@ class MessageBlock:
 
 @dataclass
 class McapScan:
-    """One pass through a file: iterate over `blocks`; schemas, channels and warnings fill on the way.
+    """One pass through a file: iterate over `blocks`; schemas, channels and warnings are filled during it.
 
     Attributes:
         path: The file.
         schemas: Schema records by number.
         channels: Channel records by number.
-        warnings: Damage that was found, one sentence each.
+        warnings: Damage in the file, one sentence each.
     """
 
     path: Path
@@ -69,7 +69,7 @@ class McapScan:
     _room: int = field(default=0, init=False)
     _definitions: set[bytes] = field(default_factory=set, init=False)
     _definition_room: int = field(default=LARGEST_DEFINITIONS, init=False)
-    _n_untold: int = field(default=0, init=False)
+    _n_unreported: int = field(default=0, init=False)
 
     def blocks(self) -> Iterator[MessageBlock]:
         """Read the file.
@@ -93,15 +93,15 @@ class McapScan:
             )
         self._room = room_of(len(content))
         yield from self._file_records(memoryview(content), len(MAGIC))
-        if self._n_untold:
-            self.warnings.append(f"{self.path} has damage at {self._n_untold} further places")
+        if self._n_unreported:
+            self.warnings.append(f"{self.path} has damage at {self._n_unreported} further positions")
 
     def _warn(self, text: str) -> None:
-        """Tell of damage that a file may have at any number of places."""
+        """Report damage; beyond a limit it is only counted."""
         if len(self.warnings) < MOST_WARNINGS:
             self.warnings.append(text)
         else:
-            self._n_untold += 1
+            self._n_unreported += 1
 
     def _file_records(self, data: memoryview, position: int) -> Iterator[MessageBlock]:
         loose: list[int] = []
@@ -111,7 +111,7 @@ class McapScan:
             opcode, length = _RECORD_HEAD.unpack_from(data, position) if start <= len(data) else (0, len(data))
             if start + length > len(data):
                 self.warnings.append(
-                    f"{self.path} is cut off at byte {position} of {len(data)}: everything before was read"
+                    f"{self.path} is truncated at byte {position} of {len(data)}: everything before was read"
                 )
                 break
             if opcode == MESSAGE_OPCODE:
@@ -132,11 +132,11 @@ class McapScan:
                 break
             position = start + length
         else:
-            self.warnings.append(f"{self.path} has no end mark: its recorder was killed; every complete chunk was read")
+            self.warnings.append(f"{self.path} has no end record (recorder killed); every complete chunk was read")
         if n_beyond:
             self.warnings.append(
-                f"{self.path} has {len(data)} bytes and its chunks expand to more than {EXPANSION} times as much, as "
-                f"no log of a robot does: {n_beyond} of {n_chunks} chunks were left out"
+                f"{self.path} has {len(data)} bytes and its chunks expand to more than {EXPANSION} times as much, the "
+                f"limit: {n_beyond} of {n_chunks} chunks were left out"
             )
         if loose:
             yield self._block(data, np.array(loose))
@@ -151,29 +151,29 @@ class McapScan:
             self._warn(f"{where} is damaged and was left out: {damage}")
             return
         self._room -= max(0, len(data) - len(record))
-        found: list[int] = []
+        positions: list[int] = []
         position = 0
         while position < len(data):
             start = position + _RECORD_HEAD.size
             opcode, length = _RECORD_HEAD.unpack_from(data, position) if start <= len(data) else (0, len(data))
             if start + length > len(data):
                 self._warn(
-                    f"{where} is cut off inside, at its byte {position} of {len(data)}: everything before was read"
+                    f"{where} is truncated inside, at its byte {position} of {len(data)}: everything before was read"
                 )
                 break
             if opcode == MESSAGE_OPCODE and length >= _SHORTEST_MESSAGE:
-                found.append(position)
+                positions.append(position)
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 self._definition(opcode, bytes(data[start : start + length]), position)
             else:
                 self._warn(
-                    f"{where} holds a record that does not belong into a chunk (opcode {opcode}, {length} bytes), what "
-                    "follows it in the chunk was left out"
+                    f"{where} contains a record that is not allowed in a chunk (opcode {opcode}, {length} bytes); "
+                    "the rest of the chunk was left out"
                 )
                 break
             position = start + length
-        if found:
-            yield self._block(data, np.array(found))
+        if positions:
+            yield self._block(data, np.array(positions))
 
     def _definition(self, opcode: int, record: bytes, position: int) -> None:
         key = bytes((opcode,)) + record

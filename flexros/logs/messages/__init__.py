@@ -1,1 +1,1 @@
-"""Serialised ROS 2 messages: codecs, layouts and definitions."""
+"""Serialised ROS 2 messages: one codec per type, layouts and definitions."""

@@ -1,7 +1,7 @@
 """Decoding of all messages of a topic into columns, many at once.
 
-Messages of one sender nearly always share one layout: the same length and the same bytes outside the stamp and the
-numbers. Such messages are decoded as one NumPy array; a new layout is learnt from the first message that has it.
+Messages of one sender nearly always have one layout: the same length and the same bytes outside the stamp and the
+numbers. Such messages are decoded as one NumPy array; a new layout is read from the first message that has it.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ if TYPE_CHECKING:
     from flexros.logs.messages.layout import MessageLayout
 
 _HEADER_SIZE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
-_KEPT_LAYOUTS = 64  # chosen: a topic with more of them changes its constant bytes with every message
+_KEPT_LAYOUTS = 64  # chosen: with more layouts, the constant bytes of a topic change with every message
 
 
 def payloads_of(block: MessageBlock, rows: IntArray) -> list[bytes]:
-    """Take messages out of a block.
+    """Return messages of a block.
 
     Args:
         block: Messages of a chunk.
-        rows: Which of them, shape (n,).
+        rows: Their rows in the block, shape (n,).
 
     Returns:
         Their serialised bytes, length n.
@@ -45,11 +45,11 @@ def payloads_of(block: MessageBlock, rows: IntArray) -> list[bytes]:
 
 
 class TopicLayout(Protocol):
-    """Layout of the messages of a type, with what its constant bytes mean."""
+    """Layout of the messages of a type, with the meaning of its constant bytes."""
 
     @property
     def message(self) -> MessageLayout:
-        """Where the numbers lie."""
+        """Offsets of the numbers."""
 
 
 L = TypeVar("L", bound=TopicLayout)
@@ -61,7 +61,7 @@ class Segment(Generic[L]):
 
     Attributes:
         layout: Their layout.
-        order: Place of each message in the topic, shape (n,).
+        order: Index of each message in the topic, shape (n,).
         log_time: Log times [ns], shape (n,).
         stamp: header.stamp [ns], shape (n,).
         numbers: The doubles of each span, shape (n, size).
@@ -75,15 +75,15 @@ class Segment(Generic[L]):
 
 
 class TopicDecoder(Generic[L]):
-    """Gathers the messages of one topic.
+    """Decoder of the messages of one topic.
 
     Args:
-        read_layout: Finds the layout of a message, or raises MessageError.
+        read_layout: Returns the layout of a message, or raises MessageError.
 
     Attributes:
         segments: The messages decoded so far.
-        n_messages: Their number and that of the damaged ones.
-        damaged: What was wrong with the damaged messages.
+        n_messages: Number of all messages, including damaged ones.
+        damaged: Number of damaged messages, and the first reason.
     """
 
     def __init__(self, read_layout: Callable[[bytes | memoryview], L]) -> None:
@@ -99,8 +99,8 @@ class TopicDecoder(Generic[L]):
 
         Args:
             block: Messages of a chunk.
-            rows: Which of them belong to the topic.
-            translate: Turns a message of another definition into the common one; None if it has that already.
+            rows: Rows of the topic in the block.
+            translate: Converts a message of another definition to the common one; None if it has that already.
         """
         payloads = payloads_of(block, rows)
         order = self.n_messages + np.arange(len(rows))
@@ -129,10 +129,10 @@ class TopicDecoder(Generic[L]):
         for layout in self._layouts:
             if not len(left):
                 return
-            left = self._take(layout, messages, left, order, log_time)
+            left = self._decode_matching(layout, messages, left, order, log_time)
         while len(left):
             if self._n_layouts == MOST_LAYOUTS:
-                self.damaged.add(f"the topic has more than {MOST_LAYOUTS} layouts of its messages", len(left))
+                self.damaged.add(f"the topic has more than {MOST_LAYOUTS} message layouts", len(left))
                 return
             try:
                 layout = self._read_layout(messages[left[0]].tobytes())
@@ -143,22 +143,22 @@ class TopicDecoder(Generic[L]):
             self._n_layouts += 1
             if len(self._layouts) < _KEPT_LAYOUTS:
                 self._layouts.append(layout)
-                left = self._take(layout, messages, left, order, log_time)
+                left = self._decode_matching(layout, messages, left, order, log_time)
             else:
-                self._take(layout, messages, left[:1], order, log_time)
+                self._decode_matching(layout, messages, left[:1], order, log_time)
                 left = left[1:]
 
-    def _take(
+    def _decode_matching(
         self, layout: L, messages: NDArray[np.uint8], left: IntArray, order: IntArray, log_time: IntArray
     ) -> IntArray:
-        """Decode those of the messages that have the layout; returns the others."""
+        """Decode the messages that have the layout; return the rows of the others."""
         candidates = messages if len(left) == len(messages) else messages[left]
         matching = layout.message.matches(candidates)
         if not matching.any():
             return left
-        rows, found = left, candidates
+        rows, decoded = left, candidates
         if not matching.all():
-            rows, found = left[matching], candidates[matching]
-        numbers = tuple(layout.message.numbers(found, i) for i in range(len(layout.message.spans)))
-        self.segments.append(Segment(layout, order[rows], log_time[rows], layout.message.stamps(found), numbers))
+            rows, decoded = left[matching], candidates[matching]
+        numbers = tuple(layout.message.numbers(decoded, i) for i in range(len(layout.message.spans)))
+        self.segments.append(Segment(layout, order[rows], log_time[rows], layout.message.stamps(decoded), numbers))
         return left[~matching]

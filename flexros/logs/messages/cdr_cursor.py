@@ -14,14 +14,14 @@ _REPRESENTATIONS = {0: (">", 8), 1: ("<", 8), 6: (">", 4), 7: ("<", 4)}
 
 
 class MessageError(InputError):
-    """A serialised message that breaks the rules of its type; the message says which and where."""
+    """A serialised message that does not conform to its type; the text names the rule and the position."""
 
 
 class CdrCursor:
     """Reads one serialised message from the front; every claimed size is checked before it is used.
 
-    Fast CDR leaves padding uninitialised, so two equal messages differ in those bytes. Bytes behind the last member are
-    no error: rclpy's serialize_message sizes its result by an estimate.
+    Fast CDR leaves padding uninitialised, so that equal messages may differ in those bytes. Bytes after the last member
+    are not an error: rclpy's serialize_message sizes its result by an estimate.
 
     Args:
         payload: The message with its four bytes of encapsulation.
@@ -46,18 +46,18 @@ class CdrCursor:
         self._uint32 = struct.Struct(self.order + "I")
 
     def skip(self, n_bytes: int, what: str) -> int:
-        """Step over bytes and return the offset where they begin."""
+        """Skip bytes and return the offset where they begin."""
         start = self.position
         if n_bytes > len(self.payload) - start:
             raise MessageError(
                 f"a message ends at byte {len(self.payload)} inside {what}, which needs {n_bytes} bytes from "
-                f"byte {start}; the message is cut off or of another type"
+                f"byte {start}; the message is truncated or of another type"
             )
         self.position = start + n_bytes
         return start
 
     def align(self, size: int) -> None:
-        """Step to the next multiple of `size` [byte], counted from behind the encapsulation."""
+        """Skip to the next multiple of `size` [byte], counted from the end of the encapsulation."""
         n_bytes = -(self.position - 4) % min(size, self.widest)
         if n_bytes:
             self.padding.append((self.position, self.position + n_bytes))
@@ -87,7 +87,7 @@ class CdrCursor:
         return tuple(self.string(what) for _ in range(count))
 
     def doubles(self, what: str) -> tuple[int, int]:
-        """Step over a sequence of doubles; returns its offset and its count."""
+        """Skip a sequence of doubles; return its offset and its count."""
         count = self.uint32(what)
         if count:
             self.align(8)
@@ -131,7 +131,7 @@ class CdrBuilder:
             self.string(text)
 
     def doubles(self, count: int) -> int:
-        """Write a sequence of zeros as doubles; returns the offset of the first."""
+        """Write a sequence of zeros as doubles; return the offset of the first."""
         self.uint32(count)
         if count:
             self.align(8)

@@ -1,8 +1,8 @@
-"""Message definitions from files: read only within limits, because the library that reads them makes code of them.
+"""Message definitions from files, read within limits, because the parsing library generates code from them.
 
-Names cannot smuggle code in: its grammar allows letters, digits, underscores and slashes, and constants are written by
-`repr`. But its reading time grows by powers with parentheses and brackets in IDL, and it writes code for every entry of
-some arrays.
+Names cannot inject code: the grammar allows letters, digits, underscores and slashes, and constants are written by
+`repr`. However, the parsing time grows exponentially with nested parentheses and brackets in IDL, and the library
+generates code for every entry of some arrays.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ def parse_definition(schema: Schema) -> Typesdict:
         schema: Schema record of a file; its encoding is one of `PARSERS`.
 
     Returns:
-        Constants and fields of the type and of all that it nests, by type.
+        Constants and fields of the type and of all nested types, by type.
 
     Raises:
         InputError: It is larger or deeper than allowed, or lacks a nested type.
-        Exception: It is no definition; the parser names no base class for its errors.
+        Exception: It is not a definition; the errors of the parser have no common base class.
     """
     if len(schema.data) > LARGEST_DEFINITION:
         raise InputError(f"it has {len(schema.data)} bytes, allowed are {LARGEST_DEFINITION}")
@@ -72,7 +72,7 @@ def _from_idl(text: str, name: str) -> Typesdict:
 
 
 PARSERS: Mapping[str, Callable[[str, str], Typesdict]] = {"ros2msg": _from_msg, "ros2idl": _from_idl}
-"""Reads a definition of a type, by the encoding of the schema."""
+"""Parser of a definition, by the encoding of the schema."""
 
 
 def _n_fields(fields: list[tuple[str, FieldDesc]]) -> int:
@@ -93,13 +93,13 @@ def _unrolled(desc: FieldDesc) -> int:
 
 
 def _levels(types: Typesdict, name: str, outer: tuple[str, ...], known: dict[str, int]) -> int:
-    """Levels of a type with those that it nests."""
+    """Return the nesting depth of a type."""
     from rosbags.interfaces import Nodetype
 
     if name not in types:
         raise InputError(f"it lacks the type {name}")
     if name in outer:
-        raise InputError(f"its type {name} lies in itself")
+        raise InputError(f"its type {name} contains itself")
     if name not in known:
         entries = [d[1][0] if d[0] in (Nodetype.ARRAY, Nodetype.SEQUENCE) else d for _, d in types[name][1]]
         nested = [entry[1] for entry in entries if entry[0] == Nodetype.NAME]

@@ -17,7 +17,7 @@ class DiagnosticStatus(NamedTuple):
         level: 0 ok, 1 warning, 2 error, 3 stale.
         name: Name of the node, with its namespace.
         message: State in words.
-        values: Values as text by key; the last where a key comes twice.
+        values: Values as text by key; the last one of a repeated key.
     """
 
     level: int
@@ -62,7 +62,7 @@ def _status(cursor: CdrCursor) -> DiagnosticStatus:
 
 
 def _count(cursor: CdrCursor, what: str) -> int:
-    """Read the length of a sequence whose entries begin with at least a byte."""
+    """Read the length of a sequence whose entries have at least one byte."""
     count = cursor.uint32(what)
     if count > len(cursor.payload) - cursor.position:
         raise MessageError(f"a message of {len(cursor.payload)} bytes claims {count} entries of {what}")

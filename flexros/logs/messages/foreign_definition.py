@@ -1,4 +1,4 @@
-"""Messages whose definition in the file differs from that of ROS 2 Jazzy: decoded from the file's own schema."""
+"""Messages whose definition in the file differs from that of ROS 2 Jazzy: decoded by the schema of the file."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ def is_common(schema: Schema) -> bool:
     try:
         return signature(schema.name, text) == signature(schema.name, common)
     except InputError:
-        return False  # the translator names what is wrong with it
+        return False  # the translator reports the reason
 
 
 def decoder(schema: Schema, source: str) -> Callable[[bytes], Any]:
-    """Make a function that decodes messages by the schema in their file, of whatever type.
+    """Return a function that decodes messages of any type by the schema in their file.
 
     Args:
         schema: Schema record of the file.
-        source: The file, for error texts.
+        source: The file, for error messages.
 
     Returns:
         Takes a serialised message and returns a dataclass with the fields of the schema; raises MessageError where the
@@ -54,7 +54,7 @@ def decoder(schema: Schema, source: str) -> Callable[[bytes], Any]:
     try:
         store.register(parse_definition(schema))
         store.get_msgdef(schema.name)
-    except Exception as error:  # the parser names no base class for its errors
+    except Exception as error:  # the errors of the parser have no common base class
         reason = (str(error).splitlines() or [type(error).__name__])[0]
         raise InputError(
             f"{source}: the definition of {schema.name} cannot be read ({reason}); record it again"
@@ -72,12 +72,12 @@ def decoder(schema: Schema, source: str) -> Callable[[bytes], Any]:
 
 
 def translator(codec: AbstractSeriesCodec[Any], schema: Schema, source: str) -> Callable[[bytes], bytes]:
-    """Make a function that turns messages of a schema into messages of the common definition.
+    """Return a function that converts messages of a schema to messages of the common definition.
 
     Args:
         codec: Codec of the type.
         schema: Schema record of the file.
-        source: The file, for error texts.
+        source: The file, for error messages.
 
     Returns:
         Takes a serialised message and returns one; raises MessageError where the message does not fit the schema.

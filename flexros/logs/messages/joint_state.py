@@ -1,4 +1,4 @@
-"""sensor_msgs/msg/JointState as bytes: filled and read without building a message object."""
+"""sensor_msgs/msg/JointState: serialised and parsed without a message object."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def joint_state_layout(names: Sequence[str], filled: Iterable[str], frame_id: st
 
     Args:
         names: Joint names.
-        filled: Those of position, velocity and effort that are not empty.
+        filled: Fields that are not empty, of position, velocity and effort.
         frame_id: header.frame_id.
 
     Returns:
@@ -77,13 +77,7 @@ def joint_state_layout(names: Sequence[str], filled: Iterable[str], frame_id: st
 
 
 def read_joint_state_layout(payload: bytes | memoryview) -> JointStateLayout:
-    """Find the layout of a message from any sender.
-
-    Args:
-        payload: Serialised message.
-
-    Returns:
-        Its layout.
+    """Return the layout of a message of any sender.
 
     Raises:
         MessageError: The bytes are not a JointState, or a field has another length than the names.
@@ -102,13 +96,13 @@ def read_joint_state_layout(payload: bytes | memoryview) -> JointStateLayout:
 
 
 class JointStateTemplate:
-    """A serialised JointState whose stamp and numbers are filled in: the hot path of the nodes.
+    """A serialised JointState in which stamp and numbers are set: the hot path of the nodes.
 
     Args:
         names: Joint names.
-        position: Whether the messages carry positions.
-        velocity: Whether they carry velocities.
-        effort: Whether they carry efforts.
+        position: Whether the messages have positions.
+        velocity: Whether they have velocities.
+        effort: Whether they have efforts.
         frame_id: header.frame_id.
     """
 
@@ -138,12 +132,12 @@ class JointStateTemplate:
 
         Args:
             stamp_ns: header.stamp [ns].
-            position: Positions [rad or m], one per joint, or nothing if the template has none.
+            position: Positions [rad or m], one per joint; empty if the template has none.
             velocity: Velocities [rad/s or m/s], likewise.
             effort: Torques or forces [Nm or N], likewise.
 
         Returns:
-            The message, equal to what ROS 2 serialises.
+            The message, byte for byte as ROS 2 serialises it.
 
         Raises:
             ValueError: A field has another length than the template.
@@ -168,13 +162,13 @@ class JointStateTemplate:
 
 
 class JointStateView:
-    """Reads JointState messages of one topic into a fixed order of joints.
+    """Parser of JointState messages of one topic, with a fixed order of joints.
 
-    The layout of the last message is remembered: as long as the sender keeps names and filled fields, a message costs
-    one unpacking and a comparison of the constant bytes.
+    The layout of the last message is cached: as long as the sender keeps names and filled fields, a message costs one
+    unpacking and a comparison of the constant bytes.
 
     Args:
-        names: Joint names in the order wanted; further joints in a message are left out.
+        names: Joint names in the required order; further joints in a message are ignored.
     """
 
     def __init__(self, names: Sequence[str]) -> None:
@@ -191,12 +185,12 @@ class JointStateView:
         order = tuple(layout.names.index(name) for name in self.names)
         self._order = None if order == tuple(range(n)) else order
         self._unpack, self._known, self._pick_constants, self._stamp, slices = layout.message.unpacking
-        self._slices = [place if place.stop else None for place in slices]
+        self._slices = [part if part.stop else None for part in slices]
 
-    def _pick(self, values: tuple[Any, ...], place: slice | None) -> tuple[float, ...] | None:
-        if place is None:
+    def _pick(self, values: tuple[Any, ...], part: slice | None) -> tuple[float, ...] | None:
+        if part is None:
             return None
-        span = values[place]
+        span = values[part]
         return span if self._order is None else tuple([span[i] for i in self._order])
 
     def _values(self, payload: bytes | memoryview) -> tuple[Any, ...] | None:

@@ -1,4 +1,4 @@
-"""trajectory_msgs/msg/JointTrajectory as bytes: whole chunks of points at once, through NumPy records."""
+"""trajectory_msgs/msg/JointTrajectory: whole chunks of points serialised and parsed as NumPy records."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class JointTrajectoryChunk:
     """Points of a joint trajectory; a field is None where the points leave it empty.
 
     Attributes:
-        stamp_ns: header.stamp, the time from which time_from_start counts [ns].
+        stamp_ns: header.stamp, the origin of time_from_start [ns].
         names: Joint names, length n_joints.
         time_from_start: Times after the stamp [ns], shape (n,).
         positions: Positions [rad or m], shape (n, n_joints).
@@ -58,13 +58,7 @@ class JointTrajectoryChunk:
                 )
 
     def in_order(self, names: Sequence[str]) -> JointTrajectoryChunk:
-        """Reorder the joints.
-
-        Args:
-            names: Joint names in the order wanted.
-
-        Returns:
-            The same points with their columns in that order; further joints are left out.
+        """Return the same points with the joints in the order of `names`; further joints are left out.
 
         Raises:
             MessageError: The trajectory lacks a joint.
@@ -141,7 +135,7 @@ def serialise_joint_trajectory(chunk: JointTrajectoryChunk) -> bytes:
     if not n_points:
         return bytes(builder.data)
     sizes = tuple(0 if getattr(chunk, field) is None else len(chunk.names) for field in FIELDS)
-    # only the first point can begin at another remainder of 8 than the one before it ends
+    # all points but the first begin at the same remainder modulo 8, so two record layouts are enough
     first = _point_layout((len(builder.data) - 4) % 8, sizes)
     others = _point_layout(first.next_offset, sizes)
     return b"".join((builder.data, _points(chunk, slice(0, 1), first), _points(chunk, slice(1, None), others)))

@@ -20,27 +20,27 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, FloatArray, IntArray
 
 STAMP_OFFSET = 4
-"""Offset of header.stamp: the header is the first member, behind the encapsulation [byte]."""
+"""Offset of header.stamp [byte]: the header is the first member, after the encapsulation."""
 
 _STAMP_SIZE = 8
 
 
 class Span(NamedTuple):
-    """Consecutive doubles in a message: offset of the first [byte] and number."""
+    """Consecutive doubles in a message: offset of the first [byte] and count."""
 
     offset: int
     size: int
 
 
 class Unpacking(NamedTuple):
-    """How one message is taken apart; `unpack_from` gives a flat tuple.
+    """Unpacking of one message into a flat tuple by `unpack_from`.
 
     Attributes:
-        struct: Skips padding.
-        constants: What the constant bytes must be.
-        pick_constants: Takes them out of the tuple.
-        stamp: Place of the seconds in the tuple; the nanoseconds follow.
-        spans: Places of the numbers of each span.
+        struct: Format of the message; skips padding.
+        constants: Expected constant bytes.
+        pick_constants: Selects them from the tuple.
+        stamp: Index of the seconds in the tuple; the nanoseconds follow.
+        spans: Slices of the numbers of each span.
     """
 
     struct: struct.Struct
@@ -52,12 +52,12 @@ class Unpacking(NamedTuple):
 
 @dataclass(frozen=True)
 class MessageLayout:
-    """Where the changing numbers of a message lie, and the bytes between them.
+    """Offsets of the changing numbers of a message, and the bytes between them.
 
     Attributes:
-        image: A message of this layout up to its last member; the numbers in it have no meaning.
-        spans: Doubles that change, in order and behind the stamp.
-        padding: Begin and end of the bytes that have no meaning, in order: senders leave anything there.
+        image: A message of this layout up to its last member; the values of its numbers are arbitrary.
+        spans: Doubles that change, in order, after the stamp.
+        padding: Begin and end of the bytes without meaning, in order; senders may leave any value there.
         order: Byte order of the numbers, "<" or ">".
     """
 
@@ -93,10 +93,11 @@ class MessageLayout:
 
     @cached_property
     def unpacking(self) -> Unpacking:
-        """How one message of this layout is taken apart."""
+        """Unpacking of one message of this layout."""
         parts = [(a, f"{b - a}s", 1) for a, b in self.fixed] + [(a, f"{b - a}x", 0) for a, b in self.padding]
         parts += [(STAMP_OFFSET, "iI", 2)] + [(s.offset, f"{s.size}d", s.size) for s in self.spans if s.size]
         parts.sort()
+        # index of the first tuple entry of each part, by its offset in the message
         first = dict(zip((p[0] for p in parts), np.cumsum([0, *(p[2] for p in parts)]).tolist(), strict=False))
         return Unpacking(
             struct.Struct(self.order + "".join(code for _, code, _ in parts)),
@@ -119,10 +120,10 @@ class MessageLayout:
         )
 
     def matches(self, messages: NDArray[np.uint8]) -> BoolArray:
-        """Tell which messages have this layout.
+        """Return which messages have this layout.
 
         Args:
-            messages: Serialised messages of equal length, shape (n, length); bytes behind the last member are ignored.
+            messages: Serialised messages of equal length, shape (n, length); bytes after the last member are ignored.
 
         Returns:
             Whether each has the same bytes outside the stamp, the spans and the padding, shape (n,).
@@ -138,13 +139,13 @@ class MessageLayout:
         return np.ascontiguousarray(messages[:, : len(self.image)]).view(self.record)[:, 0]
 
     def stamps(self, messages: NDArray[np.uint8]) -> IntArray:
-        """Stamps of messages of this layout [ns], shape (n,)."""
+        """Return the stamps of messages of this layout [ns], shape (n,)."""
         records = self._records(messages)
         stamps: IntArray = records["sec"].astype(np.int64) * NANOSECONDS + records["nanosec"]
         return stamps
 
     def numbers(self, messages: NDArray[np.uint8], span: int) -> FloatArray:
-        """Numbers of one span of messages of this layout, shape (n, size)."""
+        """Return the numbers of one span of messages of this layout, shape (n, size)."""
         if not self.spans[span].size:
             return np.empty((len(messages), 0))
         values: FloatArray = self._records(messages)[f"span_{span}"].astype(np.float64)

@@ -1,4 +1,4 @@
-"""geometry_msgs/msg/PoseStamped as bytes: filled and read without building a message object."""
+"""geometry_msgs/msg/PoseStamped: serialised and parsed without a message object."""
 
 from __future__ import annotations
 
@@ -49,13 +49,7 @@ def pose_stamped_layout(frame_id: str) -> PoseStampedLayout:
 
 
 def read_pose_stamped_layout(payload: bytes | memoryview) -> PoseStampedLayout:
-    """Find the layout of a message from any sender.
-
-    Args:
-        payload: Serialised message.
-
-    Returns:
-        Its layout.
+    """Return the layout of a message of any sender.
 
     Raises:
         MessageError: The bytes are not a PoseStamped.
@@ -71,7 +65,7 @@ def read_pose_stamped_layout(payload: bytes | memoryview) -> PoseStampedLayout:
 
 
 class PoseStampedTemplate:
-    """A serialised PoseStamped whose stamp and pose are filled in: the hot path of the nodes.
+    """A serialised PoseStamped in which stamp and pose are set: the hot path of the nodes.
 
     Args:
         frame_id: Frame in which the poses are given.
@@ -91,7 +85,7 @@ class PoseStampedTemplate:
             orientation: Quaternion x, y, z, w [-], 4 numbers.
 
         Returns:
-            The message, equal to what ROS 2 serialises.
+            The message, byte for byte as ROS 2 serialises it.
 
         Raises:
             ValueError: There are not seven numbers.

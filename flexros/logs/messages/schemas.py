@@ -1,4 +1,4 @@
-"""Message definitions: the schema text and type hash that a log carries, and whether two definitions agree."""
+"""Message definitions: schema text and type hash for a log, and comparison of two definitions."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def _fields(text: str, package: str) -> Iterator[_Field]:
 
 
 def signature(name: str, text: str) -> Signature:
-    """Reduce a definition to what decides how it is serialised, without comments, constants and defaults.
+    """Reduce a definition to the part that determines its serialisation, without comments, constants and defaults.
 
     Args:
         name: Type, e.g. "sensor_msgs/msg/JointState".
@@ -107,7 +107,7 @@ def signature(name: str, text: str) -> Signature:
 
 @lru_cache(maxsize=1)
 def jazzy_types() -> Typestore:
-    """The message types of ROS 2 Jazzy's common interfaces."""
+    """Return the message types of ROS 2 Jazzy's common interfaces."""
     from rosbags.typesys import Stores, get_typestore
 
     return get_typestore(Stores.ROS2_JAZZY)
@@ -140,7 +140,7 @@ def message_schema(type_name: str, share_folders: Sequence[Path] = ()) -> Schema
 
     Args:
         type_name: Type, e.g. "sensor_msgs/msg/JointState".
-        share_folders: `share` folders of ROS 2 installations, looked at first; types of the common interfaces are known
+        share_folders: `share` folders of ROS 2 installations, searched first; types of the common interfaces are known
             without any.
 
     Returns:
@@ -151,11 +151,11 @@ def message_schema(type_name: str, share_folders: Sequence[Path] = ()) -> Schema
     """
     for share in share_folders:
         try:
-            found = _read_share(type_name, share)
+            schema = _read_share(type_name, share)
         except (OSError, KeyError, ValueError) as error:
             raise InputError(f"the definition of {type_name} below {share} is damaged: {error}; repair it") from error
-        if found:
-            return found
+        if schema:
+            return schema
     store = jazzy_types()
     if type_name not in store.types:
         raise InputError(f"unknown message type '{type_name}': allowed are the common interfaces of ROS 2 Jazzy")

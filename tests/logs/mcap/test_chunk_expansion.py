@@ -47,27 +47,25 @@ def test_wrong_checksum_is_named(compression):
 def test_damaged_data_is_named(compression):
     data = bytearray(COMPRESSED[compression])
     data[1] ^= 0xFF
-    with pytest.raises(DamagedChunkError, match=f"{compression} says"):
+    with pytest.raises(DamagedChunkError, match=f"{compression} reports"):
         expand_chunk(record(compression, bytes(data)))
 
 
 @pytest.mark.parametrize("compression", COMPRESSED)
 @pytest.mark.parametrize("error", [-1, 1])
 def test_wrong_size_is_named(compression, error):
-    with pytest.raises(DamagedChunkError, match="claims|says"):
+    with pytest.raises(DamagedChunkError, match="claims|reports"):
         expand_chunk(record(compression, COMPRESSED[compression], size=len(DATA) + error))
 
 
 def test_unknown_compression_is_named():
-    with pytest.raises(
-        DamagedChunkError, match="its compression 'brotli' is not known; allowed are zstd, lz4 and none"
-    ):
+    with pytest.raises(DamagedChunkError, match="its compression 'brotli'.*zstd, lz4"):
         expand_chunk(record("brotli", DATA))
 
 
 @pytest.mark.parametrize("cut", [0, 10, 35, 40])
 def test_cut_off_head_is_named(cut):
-    with pytest.raises(DamagedChunkError, match="has only|cut off"):
+    with pytest.raises(DamagedChunkError, match="has only|truncated"):
         expand_chunk(record("zstd", COMPRESSED["zstd"])[:cut])
 
 

@@ -83,7 +83,7 @@ def test_cut_off_anywhere_gives_every_message_of_complete_chunks(tmp_path):
         n_chunks = sum(end <= cut for end in ends)
         complete.setdefault(n_chunks, len(messages))
         assert complete[n_chunks] == len(messages), "the number depends on the complete chunks alone"
-        assert any("cut off at byte" in w or "has no end mark" in w for w in scan.warnings)
+        assert any("truncated at byte" in w or "has no end record" in w for w in scan.warnings)
     assert complete[len(ends)] == N
 
 
@@ -109,7 +109,7 @@ def test_record_inside_a_chunk_that_claims_too_much(tmp_path):
     assert messages == EXPECTED[:10]
     (warning,) = scan.warnings
     assert "chunk 0 at byte" in warning
-    assert "is cut off inside, at its byte" in warning
+    assert "truncated inside, at its byte" in warning
 
 
 def test_message_too_short_for_its_head(tmp_path):
@@ -162,7 +162,7 @@ def test_what_does_not_belong_into_a_chunk_ends_it(tmp_path, foreign, told):
     assert messages == [*EXPECTED, (1, 1000, b"one")]
     (warning,) = scan.warnings
     assert "chunk 1 at byte" in warning
-    assert f"holds a record that does not belong into a chunk ({told}" in warning
+    assert f"not allowed in a chunk ({told}" in warning
 
 
 def test_chunks_that_expand_beyond_reason_are_left_out(tmp_path):
@@ -175,7 +175,7 @@ def test_chunks_that_expand_beyond_reason_are_left_out(tmp_path):
     assert messages[:N] == EXPECTED
     assert sizes == [EXPANSION_ALLOWANCE * 3 // 4, 5]
     (warning,) = scan.warnings
-    assert "its chunks expand to more than 200 times as much" in warning
+    assert "its chunks expand to more than 200 times" in warning
     assert warning.endswith(f": 2 of {n_before + 4} chunks were left out")
 
 
@@ -222,7 +222,7 @@ def test_damage_at_many_places_is_counted(tmp_path):
     scan, messages = read(path)
     assert messages == EXPECTED
     assert len(scan.warnings) == MOST_WARNINGS + 1
-    assert scan.warnings[-1].endswith("has damage at 5 further places")
+    assert scan.warnings[-1].endswith("has damage at 5 further positions")
 
 
 @pytest.mark.parametrize(

@@ -61,7 +61,7 @@ def test_layouts_beyond_the_limit_are_left_out(monkeypatch):
     payloads = [JointStateTemplate(["a"], position=True, frame_id=f"{k:03d}").fill(k, [k]) for k in range(150)]
     decoder = decode(payloads)
     assert sorted(rows(decoder)) == list(range(70))
-    assert (decoder.damaged.number, decoder.damaged.first) == (80, "the topic has more than 70 layouts of its messages")
+    assert (decoder.damaged.number, decoder.damaged.first) == (80, "the topic has more than 70 message layouts")
 
 
 def test_damaged_messages_are_counted_and_the_others_decoded():

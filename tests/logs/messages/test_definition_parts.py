@@ -45,7 +45,7 @@ def test_idl_of_a_recorder_is_read() -> None:
         (schema(f"string[{MOST_FIELDS}] a\nint8 b\n"), "it has 2001 fields, allowed are 2000"),
         (schema("int8[0] a\n"), "an array in it has no entries"),
         (schema("Y a\n"), "it lacks the type x/msg/Y"),
-        (schema("X a\n"), "its type x/msg/X lies in itself"),
+        (schema("X a\n"), "its type x/msg/X contains itself"),
         (schema(chain(DEEPEST_TYPE)), "its types nest more than 20 levels deep"),
         (idl("double q;", "const long N = (1);"), "a constant in it is an expression"),
         (idl("double q;", "const long N = 1 << 9;"), "a constant in it is an expression|nests brackets"),

@@ -76,4 +76,4 @@ def test_of_a_file_that_was_cut_off_every_complete_chunk_is_there(tmp_path: Path
     part = read(path)
     assert 0 < len(part) < len(whole)
     assert part == whole[: len(part)]
-    assert "is cut off at byte" in survey_file(path).warnings[0]
+    assert "is truncated at byte" in survey_file(path).warnings[0]

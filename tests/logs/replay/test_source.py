@@ -120,7 +120,7 @@ def test_a_log_that_was_cut_off_is_played_up_to_there_with_a_warning(log: Path) 
     part = told(source)
     assert 0 < len(part) < len(whole)
     assert part == whole[: len(part)]
-    assert "is cut off at byte" in source.warnings[0] or "has no end mark" in source.warnings[0]
+    assert "is truncated at byte" in source.warnings[0] or "has no end record" in source.warnings[0]
 
 
 def test_a_topic_of_two_types_is_not_played(tmp_path: Path, write_strings: Write, store: Any) -> None:

@@ -50,7 +50,7 @@ def test_a_log_that_was_cut_off_is_played_with_a_warning(tmp_path: Path) -> None
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     summary = replay_log({"bag": str(path), "as_fast_as_possible": True, "start_delay": 0.0})
     assert summary.exit_code == 0
-    assert "is cut off at byte" in summary.warnings[0]
+    assert "is truncated at byte" in summary.warnings[0]
     assert 10 < summary.figures["messages"] < 100
 
 

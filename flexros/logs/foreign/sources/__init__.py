@@ -1,1 +1,1 @@
-"""Formats that signals of a foreign log are read from, one per file, found by themselves."""
+"""File formats of foreign logs, one per file, found by discovery."""

@@ -1,4 +1,4 @@
-"""Tables as text: columns divided by comma, semicolon, tab or blanks, with a line of names."""
+"""Text tables: columns separated by comma, semicolon, tab or blanks, with a line of names."""
 
 from __future__ import annotations
 
@@ -38,22 +38,22 @@ class CsvTable(AbstractSignalSource):
 
     def read(self, names: Sequence[str]) -> dict[str, Signal]:
         """Read columns; see `AbstractSignalSource.read`."""
-        places = [self._names.index(name) for name in names]
+        columns = [self._names.index(name) for name in names]
         try:
             with warnings.catch_warnings():
-                warnings.filterwarnings("ignore", "loadtxt: input contained no data", UserWarning)  # said below
+                warnings.filterwarnings("ignore", "loadtxt: input contained no data", UserWarning)  # reported below
                 table = np.loadtxt(
                     self._path,
                     delimiter=self._delimiter,
                     comments=_COMMENT,
                     skiprows=self._lines_before,
-                    usecols=places,
+                    usecols=columns,
                     ndmin=2,
                     quotechar='"',
                     encoding="utf-8-sig",
                 )
         except (ValueError, IndexError) as error:
-            raise self._first_fault(places, error) from error
+            raise self._first_fault(columns, error) from error
         if not len(table):
             raise InputError(
                 f"{self._path} has no rows below its line of names ({', '.join(self._names)}); give a table with "
@@ -61,25 +61,25 @@ class CsvTable(AbstractSignalSource):
             )
         return {name: Signal(table[:, k].copy()) for k, name in enumerate(names)}
 
-    def _first_fault(self, places: list[int], error: Exception) -> InputError:
-        """Say where the first entry stands that is no number."""
+    def _first_fault(self, columns: list[int], error: Exception) -> InputError:
+        """Return the error that names the first entry that is not a number."""
         with self._path.open(encoding="utf-8-sig", newline="", errors="replace") as file:
             for number, line in enumerate(file, start=1):
                 if number <= self._lines_before or not line.split(_COMMENT)[0].strip():
                     continue
                 cells = _cells(line.split(_COMMENT)[0], self._delimiter)
-                for place in places:
-                    cell = cells[place] if place < len(cells) else None
+                for column in columns:
+                    cell = cells[column] if column < len(cells) else None
                     if cell is None or not _is_number(cell):
-                        given = "is missing" if not cell else f"is '{cell}', which is no number"
+                        given = "is missing" if not cell else f"is '{cell}', which is not a number"
                         return InputError(
-                            f"{self._path}, line {number}: column '{self._names[place]}' {given}; correct the line"
+                            f"{self._path}, line {number}: column '{self._names[column]}' {given}; correct the line"
                         )
         return InputError(f"{self._path} cannot be read as a table ({first_line(error)}); correct it")
 
 
 def _header(path: Path) -> tuple[int, str | None, tuple[str, ...]]:
-    """Number of lines up to that with the names, what divides the columns (None: blanks), and the names."""
+    """Return the number of the line with the names, the delimiter (None: blanks), and the names."""
     commented: tuple[int, str] | None = None
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
@@ -97,7 +97,7 @@ def _header(path: Path) -> tuple[int, str | None, tuple[str, ...]]:
             else:
                 raise InputError(f"{path} has no rows; give a table with a line of names and rows of numbers")
     except UnicodeDecodeError as error:
-        raise InputError(f"{path} is no text (byte {error.start} is not UTF-8); give a table as text") from error
+        raise InputError(f"{path} is not text (byte {error.start} is not UTF-8); give a table as text") from error
     number, text = first
     delimiter = next((d for d in _DELIMITERS if d in text), None)
     try:
@@ -112,7 +112,7 @@ def _header(path: Path) -> tuple[int, str | None, tuple[str, ...]]:
         number, names = number - 1, _cells(commented[1], delimiter)
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise InputError(f"{path}, line {number}: the column name '{twice[0]}' stands there twice; rename one")
+        raise InputError(f"{path}, line {number}: the column name '{twice[0]}' occurs twice; rename one")
     return number, delimiter, tuple(names)
 
 

@@ -1,4 +1,4 @@
-"""MATLAB files: version 4 to 7 by SciPy, version 7.3 (HDF5) where h5py is installed."""
+"""MATLAB files: version 4 to 7 by SciPy, version 7.3 (HDF5) by h5py if it is installed."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _HEADER = 512
-"""Bytes that MATLAB puts before the HDF5 part of a file of version 7.3."""
+"""Length of the MATLAB header before the HDF5 part of a file of version 7.3 [byte]."""
 
 
 class MatlabFile(AbstractSignalSource):
@@ -51,7 +51,7 @@ class MatlabFile(AbstractSignalSource):
         return tuple(self._columns)
 
     def read(self, names: Sequence[str]) -> dict[str, Signal]:
-        """Hand the columns out; see `AbstractSignalSource.read`."""
+        """Return the columns; see `AbstractSignalSource.read`."""
         return {name: Signal(self._columns[name]) for name in names}
 
 
@@ -65,7 +65,7 @@ def _read_version_5(path: Path) -> dict[str, object]:
 
 def _read_hdf5(path: Path) -> dict[str, object]:
     h5py: Any = importlib.import_module("h5py")
-    found: dict[str, object] = {}
+    arrays: dict[str, object] = {}
     room, n_entries = room_of(path.stat().st_size), 0
 
     def take(name: str, entry: Any) -> None:
@@ -78,12 +78,12 @@ def _read_hdf5(path: Path) -> dict[str, object]:
         if entry.attrs.get("MATLAB_class") == b"char":
             return
         if entry.external or entry.is_virtual:
-            raise InputError(f"its array {name} lies in another file")
+            raise InputError(f"its array {name} is in another file")
         room -= entry.size * entry.dtype.itemsize
         if room < 0:
             raise InputError(f"its arrays claim more bytes than the {room_of(path.stat().st_size)} that are allowed")
-        found[name.replace("/", ".")] = np.asarray(entry).T
+        arrays[name.replace("/", ".")] = np.asarray(entry).T
 
     with h5py.File(path, "r") as file:
         file.visititems(take)
-    return found
+    return arrays

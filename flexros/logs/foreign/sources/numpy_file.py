@@ -39,12 +39,12 @@ class NumpyFile(AbstractSignalSource):
         return tuple(self._columns)
 
     def read(self, names: Sequence[str]) -> dict[str, Signal]:
-        """Hand the columns out; see `AbstractSignalSource.read`."""
+        """Return the columns; see `AbstractSignalSource.read`."""
         return {name: Signal(self._columns[name]) for name in names}
 
 
 def _check_claims(path: Path) -> None:
-    """Refuse more than a file of its size may hold; of an entry no more is unpacked than it claims."""
+    """Refuse an archive that claims more than a file of its size may hold; no entry unpacks to more than it claims."""
     room = room_of(path.stat().st_size)
     with ZipFile(path) as archive:
         entries = archive.infolist()

@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     Decode = Callable[[bytes], Any]
 
 LOOKED_AT = 100
-"""Messages of a topic in which names are looked for, chosen: several senders may take turns on one topic."""
+"""Number of messages of a topic that are searched for names (chosen): several senders may alternate on one topic."""
 
 
 class RosBag(AbstractSignalSource):
-    """Numbers of all messages; a signal is topic, dot, and the name that `message_numbers` gives, with its stamps.
+    """Numbers of all messages; the name of a signal is topic, dot, and the name by `message_numbers`.
 
-    Times are those of header.stamp. Where a type has no header, or stamps are not set, they are the times of recording.
+    Times are those of header.stamp, or the times of recording if the type has no header or stamps are not set.
     """
 
     format: ClassVar[str] = "ROS 2 bag"
@@ -67,18 +67,18 @@ class RosBag(AbstractSignalSource):
         notes = list(self._bag.warnings)
         for topic, log_time, payload, decode in self._messages(set(wanted), notes):
             series[topic].take(log_time, payload, decode)
-        times = {topic: one.times() for topic, one in series.items()}
+        times = {topic: topic_series.times() for topic, topic_series in series.items()}
         origin = min(int(time.min()) for time in times.values() if len(time))
         read: dict[str, Signal] = {}
-        for topic, one in series.items():
-            read |= one.signals(times[topic], origin, tuple(notes))
-            notes = []  # what holds of the whole bag is said once
+        for topic, topic_series in series.items():
+            read |= topic_series.signals(times[topic], origin, tuple(notes))
+            notes = []  # notes on the whole bag are reported once
         return read
 
     def _messages(
         self, topics: set[str] | None, notes: list[str], most: int = sys.maxsize
     ) -> Iterator[tuple[str, int, bytes, Decode]]:
-        """Return topic, time of recording [ns], payload and decoder of the first messages of each topic."""
+        """Yield topic, time of recording [ns], payload and decoder of the first messages of each topic."""
         seen: Counter[str] = Counter()
         for file in self._bag.files:
             scan = McapScan(file)
@@ -102,18 +102,18 @@ class RosBag(AbstractSignalSource):
 
 
 def _decoder(scan: McapScan, schema_id: int, encoding: str) -> Decode | None:
-    """Decoder of a schema; None where its messages are no CDR or the file does not define them."""
+    """Return the decoder of a schema; None if its messages are not CDR or the file does not define them."""
     schema = scan.schemas.get(schema_id)
     if schema is None or encoding != "cdr" or not schema.data.strip():
         return None
     try:
         return decoder(schema, str(scan.path))
     except InputError:
-        return None  # its topics have no names, which the list of the allowed ones tells
+        return None  # its topics have no signals, so a request lists the allowed ones
 
 
 class _TopicSeries:
-    """What is read of one topic: numbers of some names, with both times of each message."""
+    """Values of some signals of one topic, with both times of each message."""
 
     def __init__(self, topic: str, names: Sequence[str]) -> None:
         self._topic = topic
@@ -125,7 +125,7 @@ class _TopicSeries:
         self._damaged = LeftOut()
 
     def take(self, log_time: int, payload: bytes, decode: Decode) -> None:
-        """Take a message, recorded at a time [ns]."""
+        """Decode a message with its time of recording [ns]."""
         try:
             message = decode(payload)
         except MessageError as error:
@@ -145,18 +145,18 @@ class _TopicSeries:
         return all(self._stamps)
 
     def times(self) -> IntArray:
-        """Times of the messages [ns], shape (n,): stamps if all are set, else times of recording."""
+        """Return the times of the messages [ns], shape (n,): stamps if all are set, else times of recording."""
         return np.array(self._stamps if self._stamped else self._log_times, np.int64)
 
     def signals(self, times: IntArray, origin: int, notes: tuple[str, ...]) -> dict[str, Signal]:
-        """Make the signals, in order of time, from messages at these times [ns]; the first one brings the notes."""
+        """Return the signals in order of time for messages at these times [ns]; the first one has the notes."""
         notes = (*notes, *self._notes())
         signals = {}
         for name, rows in self._rows.items():
             own = times[rows]
             order = np.unique(own, return_index=True)[1]
             if (n_repeats := len(own) - len(order)) > 0:
-                notes += (f"{name}: {n_repeats} values of a time that had come before were left out",)
+                notes += (f"{name}: {n_repeats} values with a repeated time were left out",)
             values: FloatArray = np.array(self._values[name])[order]
             time: FloatArray = np.asarray((own[order] - origin) * 1e-9, dtype=np.float64)
             signals[name] = Signal(values, time, origin, notes)
@@ -166,7 +166,7 @@ class _TopicSeries:
     def _notes(self) -> tuple[str, ...]:
         notes = []
         if not self._stamped:
-            notes.append(f"{self._topic} has no header.stamp, or one that is not set: times are those of recording")
+            notes.append(f"{self._topic} has no header.stamp, or one that is not set: times of recording are used")
         if self._damaged.number:
             notes.append(
                 f"{self._topic}: {self._damaged.number} messages were left out (the first: {self._damaged.first})"
@@ -175,6 +175,6 @@ class _TopicSeries:
 
 
 def _stamp(message: Any) -> int:
-    """Stamp of a message [ns]; 0 where it has none or it is not set."""
+    """Return the stamp of a message [ns]; 0 if it has none or it is not set."""
     stamp = getattr(getattr(message, "header", None), "stamp", None)
     return 0 if stamp is None else int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)

@@ -44,8 +44,8 @@ def test_columns_that_are_not_asked_for_may_be_text(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("t,q\n0,1\n1,x\n", "line 3: column 'q' is 'x', which is no number; correct the line"),
-        ("t;q\n0;1,5\n", "line 2: column 'q' is '1,5', which is no number"),
+        ("t,q\n0,1\n1,x\n", "line 3: column 'q' is 'x', which is not a number"),
+        ("t;q\n0;1,5\n", "line 2: column 'q' is '1,5', which is not a number"),
         ("t,q\n0,1\n\n1\n", "line 4: column 'q' is missing"),
         ("t,q\n0,\n", "line 2: column 'q' is missing"),
     ],
@@ -60,7 +60,7 @@ def test_entry_that_is_no_number(tmp_path: Path, text: str, message: str) -> Non
     ("text", "message"),
     [
         ("0,1\n1,2\n", "line 1: the first line holds '0', but must name the columns"),
-        ("t,q,q\n0,1,2\n", "line 1: the column name 'q' stands there twice; rename one"),
+        ("t,q,q\n0,1,2\n", "line 1: the column name 'q' occurs twice"),
         ("# only a comment\n", "has no rows; give a table with a line of names"),
     ],
 )
@@ -73,7 +73,7 @@ def test_line_of_names(tmp_path: Path, text: str, message: str) -> None:
 def test_no_text(tmp_path: Path) -> None:
     file = tmp_path / "log.csv"
     file.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="is no text .byte 0 is not UTF-8"):
+    with pytest.raises(InputError, match="byte 0 is not UTF-8"):
         CsvTable(file)
 
 

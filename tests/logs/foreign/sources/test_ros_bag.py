@@ -173,7 +173,7 @@ def test_joint_trajectory_controller_state_beside_its_commands_without_header(
     np.testing.assert_array_equal(log.joint_commands.effort, np.column_stack([5 * k, -k]))
     np.testing.assert_array_equal(log.joint_commands.stamp - log.joint_states.stamp, 300_000)
     assert log.warnings == (
-        "/effort_controller/commands has no header.stamp, or one that is not set: times are those of recording",
+        "/effort_controller/commands has no header.stamp, or one that is not set: times of recording are used",
     )
 
 
@@ -183,7 +183,7 @@ def test_messages_out_of_order_and_repeated_are_put_in_order_and_told(types, tmp
     folder = bag(types, tmp_path / "bag", {"/s": (JOINT_STATE, states)})
     log = import_log(mapping_of(column("/s.position[a]", "position", "rad"), time=None), [folder])
     np.testing.assert_array_equal(log.joint_states.position[:, 0], [0, 1, 2, 3])
-    assert log.warnings == ("/s.position[a]: 1 values of a time that had come before were left out",)
+    assert log.warnings == ("/s.position[a]: 1 values with a repeated time were left out",)
 
 
 def test_two_senders_that_take_turns_on_one_topic(types, tmp_path: Path, mapping_of) -> None:
@@ -216,7 +216,7 @@ def test_bag_that_was_cut_off_is_read_up_to_there(types, tmp_path: Path, mapping
     cut.write_bytes(whole.read_bytes()[: whole.stat().st_size * 3 // 4])
     log = import_log(mapping_of(column("/s.position[a]", "position", "rad"), time=None), [cut])
     assert 2 <= len(log.joint_states.stamp) < n
-    assert any("is cut off at byte" in warning for warning in log.warnings)
+    assert any("is truncated at byte" in warning for warning in log.warnings)
 
 
 def test_pictures_and_unknown_encodings_have_no_names(types, tmp_path: Path) -> None:
