@@ -23,7 +23,7 @@ def analyze(
     report: Path = typer.Option(None, "--report", help="Write an HTML report that opens offline."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
-    """Show path error, tracking, loop timing, and frequency responses where periodic, of recorded runs."""
+    """Report path error, tracking, loop timing, and frequency responses of periodic runs."""
     from flexros.analysis import analyse
     from flexros.analysis.report import write_report
     from flexros.analysis.terminal_tables import terminal_table
@@ -48,7 +48,7 @@ def analyze(
 
 
 def _labels(bag: list[Path]) -> list[str | None]:
-    """Name runs that are shown side by side by their folders, by the whole path where folders have the same name."""
+    """Label runs by their folders, or by their paths where folders have the same name."""
     if len(bag) == 1:
         return [None]
     names = [path.absolute().name for path in bag]
@@ -56,7 +56,7 @@ def _labels(bag: list[Path]) -> list[str | None]:
 
 
 def _robot(model: str, log: Log) -> Robot | None:
-    """Load the robot of a run; one that the provenance names but that is not at hand is done without."""
+    """Load the robot of a run; return None where the provenance names none that can be loaded."""
     from flexros.effects.patching.patched_robot import load_model
 
     if model:

@@ -29,7 +29,7 @@ EXIT_CODES = (
 )
 
 GROUP = "flexros.commands"
-"""Entry points by which rooms above this one add commands: modules with `COMMANDS`, and `HELP` if they are a group."""
+"""Entry points of further commands: modules with `COMMANDS`, and with a `HELP` text for a group."""
 
 app = typer.Typer(
     name="flexros",

@@ -1,4 +1,4 @@
-"""Command that turns a log of another recorder into one of the contract."""
+"""Command that converts a log of another recorder into a rosbag2 log."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _TOPICS = ("joint_states", "joint_commands", "joint_reference")
 
 
 def import_log(
-    mapping: str = typer.Argument(help="Shipped mapping (emps), or path of a mapping YAML."),
+    mapping: str = typer.Argument(help="Built-in mapping (emps), or path of a mapping YAML."),
     file: list[Path] = typer.Argument(
         help="CSV, MATLAB (.mat), NumPy (.npz) files or ROS 2 bags (.mcap, folder) that hold the columns together."
     ),
     out: Path = typer.Option(..., "--out", help="Folder of the log (rosbag2) to write."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
-    """Turn a log of another recorder into a rosbag2 log, by a mapping of its columns."""
+    """Convert a log of another recorder into a rosbag2 log, by a mapping of its columns."""
     from flexros.logs.foreign.import_log import import_log as read_files
     from flexros.logs.foreign.mapping import load_mapping
     from flexros.logs.write_log import write_log
@@ -46,7 +46,7 @@ def import_log(
 
 
 def _figures(name: str, series: JointSeries) -> dict[str, object]:
-    """What came of one topic."""
+    """Return the figures of one topic."""
     interval = np.diff(series.stamp) * 1e-9
     duration = float((series.stamp[-1] - series.stamp[0]) * 1e-9)
     return {
@@ -66,8 +66,8 @@ def _print(rows: list[dict[str, object]], log: Log) -> None:
     for row in rows:
         gap = 1e3 * float(row["longest_interval_s"])  # type: ignore[arg-type]
         fields = ", ".join(row["fields"])  # type: ignore[arg-type]
-        numbers = f"{row['samples']}", f"{row['duration_s']:.6g}", f"{row['rate_hz']:.6g}", f"{gap:.4g}"
-        table.add_row(str(row["topic"]), fields, *numbers)
+        cells = f"{row['samples']}", f"{row['duration_s']:.6g}", f"{row['rate_hz']:.6g}", f"{gap:.4g}"
+        table.add_row(str(row["topic"]), fields, *cells)
     console.print(table)
     say(f"Joints: {', '.join(log.joint_states.names)}")
     for warning in log.warnings:

@@ -9,18 +9,18 @@ import typer
 if TYPE_CHECKING:
     from flexros.robot import Robot
 
-ROBOT = "Shipped robot, or path of a robot YAML or of a patch.yaml."
-"""Help of an option or argument that takes a model."""
+ROBOT = "Built-in robot, or path of a robot YAML or of a patch.yaml."
+"""Help of options and arguments for a model."""
 
 
 def linear_robot(name_or_path: str) -> Robot:
-    """Load a model for what works with linear models; says on stderr which effects of a patch have no part in it.
+    """Load a model for linear analysis; effects of a patch that it omits are reported on stderr.
 
     Args:
-        name_or_path: Shipped robot, or path of a robot file or of a patch.
+        name_or_path: Built-in robot, or path of a robot file or of a patch.
 
     Returns:
-        The robot with the effects that change its model.
+        The robot with the effects that change its linear model.
 
     Raises:
         InputError: It cannot be loaded.
@@ -32,7 +32,7 @@ def linear_robot(name_or_path: str) -> Robot:
     if left_out:
         typer.echo(
             f"flexros: {name_or_path} holds {', '.join(left_out)}, which {'is' if len(left_out) == 1 else 'are'} no "
-            "part of a linear model; here the robot is taken without",
+            "part of a linear model and omitted here",
             err=True,
         )
     return model.robot

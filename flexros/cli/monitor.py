@@ -1,4 +1,4 @@
-"""Command that leads a log through the gap monitor, or sets the monitor's thresholds by one."""
+"""Command that replays a log to the gap monitor, or calibrates the thresholds of the monitor."""
 
 from __future__ import annotations
 
@@ -21,13 +21,17 @@ if TYPE_CHECKING:
 def monitor(
     bag: Annotated[Path, typer.Argument(help="Log folder (rosbag2) or .mcap file.")],
     model: KnownModelOption,
-    thresholds: Path | None = typer.Option(None, "--thresholds", help="File made with --calibrate; default: noise."),
-    calibrate: Path | None = typer.Option(None, "--calibrate", help="Take the log as accepted: write thresholds here."),
+    thresholds: Path | None = typer.Option(
+        None, "--thresholds", help="File written by --calibrate; default: thresholds of the noise alone."
+    ),
+    calibrate: Path | None = typer.Option(
+        None, "--calibrate", help="Accept the log as reference: write thresholds to this file."
+    ),
     false_alarms: float = typer.Option(1e-3, "--false-alarms", help="Rate of false alarms of the whole robot [1/h]."),
     namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> int:
-    """Lead a log through the gap monitor, as its node beside the robot would; the exit code is 1 after an alarm."""
+    """Run the gap monitor on a log as its node does online; the exit code is 1 after an alarm."""
     from flexros.effects.patching.patched_robot import load_patched
     from flexros.logs.reader import read_log
     from flexros.monitor.calibration import read_calibration
@@ -37,7 +41,7 @@ def monitor(
     if not 1e-6 <= false_alarms <= 100:
         raise InputError(f"--false-alarms is {false_alarms:g}, allowed are rates from 1e-6 to 100 per hour")
     if calibrate is not None and thresholds is not None:
-        raise InputError("--thresholds and --calibrate do not go together: thresholds are read, or made; leave out one")
+        raise InputError("--thresholds and --calibrate exclude each other: thresholds are either read or written")
     known = load_patched(model)
     names = known.base.joint_names
     limits = None if thresholds is None else read_calibration(thresholds, known.fingerprint, names)
@@ -45,46 +49,46 @@ def monitor(
     watching = GapMonitor(known.model, false_alarms=false_alarms, calibration=limits)
     with progress_bar() as bar:
         task = bar.add_task("watching", total=None)
-        found = watch_log(
+        watched = watch_log(
             log, watching, name=bag.name, progress=lambda done, total: bar.update(task, completed=done, total=total)
         )
-    for warning in (*log.warnings, *found.warnings):
+    for warning in (*log.warnings, *watched.warnings):
         typer.echo(f"flexros: {warning}", err=True)
     if calibrate is not None:
-        return _calibrate(calibrate, found, names, model=known.fingerprint, robot=known.base.name, log=bag.name)
+        return _calibrate(calibrate, watched, names, model=known.fingerprint, robot=known.base.name, log=bag.name)
     if as_json:
-        print_json(_content(watching, found))
+        print_json(_content(watching, watched))
     else:
-        _print(bag, watching, found)
-    return GAP_FOUND if found.episodes else 0
+        _print(bag, watching, watched)
+    return GAP_FOUND if watched.episodes else 0
 
 
-def _calibrate(path: Path, found: WatchedLog, names: tuple[str, ...], **of: str) -> int:
+def _calibrate(path: Path, watched: WatchedLog, names: tuple[str, ...], **of: str) -> int:
     from flexros.monitor.calibration import calibrate, write_calibration
 
-    made = calibrate(found.values, found.motion, names, **of)
+    made = calibrate(watched.values, watched.motion, names, **of)
     write_calibration(path, made)
     accepted = ", ".join(f"{name} {value:.3g}" for name, value in made.accepted.items())
     say(f"{path}: thresholds by {made.time:.1f} s; accepted gap, over noise: {accepted}")
     return 0
 
 
-def _content(watching: GapMonitor, found: WatchedLog) -> dict[str, Any]:
+def _content(watching: GapMonitor, watched: WatchedLog) -> dict[str, Any]:
     from flexros.monitor.statement import motor_values, robot_sentence, robot_values
 
-    reading = found.reading
+    reading = watched.reading
     return {
         "message": robot_sentence(reading),
         **robot_values(reading),
         "alarms": [
             {
-                "since_s": one.since * 1e-9,
-                "told_s": one.stamp * 1e-9,
-                "message": one.sentence,
-                "joint": one.joint,
-                "kind": one.kind,
+                "since_s": episode.since * 1e-9,
+                "told_s": episode.stamp * 1e-9,
+                "message": episode.sentence,
+                "joint": episode.joint,
+                "kind": episode.kind,
             }
-            for one in found.episodes
+            for episode in watched.episodes
         ],
         "motors": {motor.name: motor_values(motor) for motor in reading.motors},
         "windows": watching.windows,
@@ -93,16 +97,16 @@ def _content(watching: GapMonitor, found: WatchedLog) -> dict[str, Any]:
     }
 
 
-def _print(bag: Path, watching: GapMonitor, found: WatchedLog) -> None:
+def _print(bag: Path, watching: GapMonitor, watched: WatchedLog) -> None:
     from flexros.monitor.statement import torque_units
 
-    for one in found.episodes:
-        say(one.sentence)
-    if not found.episodes:
-        say(f"no alarm in {watching.windows * 0.1:.1f} s of {bag.name} that were watched")
-    table = Table("motor", "gap, last second", "missing torque, rms", "by noise", "way to an alarm")
+    for episode in watched.episodes:
+        say(episode.sentence)
+    if not watched.episodes:
+        say(f"no alarm in {watching.windows * 0.1:.1f} s of {bag.name}")
+    table = Table("motor", "gap, last second", "disturbance torque, rms", "noise floor", "share of alarm")
     units = torque_units(watching.robot)
-    for motor, unit in zip(found.reading.motors, units):
+    for motor, unit in zip(watched.reading.motors, units):
         table.add_row(
             motor.name,
             f"{motor.gap:.3g}",

@@ -1,4 +1,4 @@
-"""What commands print: tables for people, JSON for programs."""
+"""Output of commands: tables for people, JSON for programs."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from flexros.json_text import json_text
 
 
 class _Terminal(Console):
-    """Standard output; a reader that went away (`| head`) is left to the command's end."""
+    """Standard output; a broken pipe (`| head`) is raised, and reported at the end of the command."""
 
     def on_broken_pipe(self) -> None:
         raise BrokenPipeError
 
 
 console = _Terminal(highlight=False, markup=False, emoji=False)
-"""Prints texts as they are: brackets in names of files and labels are no markup."""
+"""Prints texts verbatim: brackets in file names and labels are no markup."""
 
 
 def say(text: str) -> None:
-    """Print a line that is never broken, so that a path in it can be copied.
+    """Print a line without wrapping it, so that a path in it can be copied.
 
     Args:
         text: The line.
@@ -31,10 +31,10 @@ def say(text: str) -> None:
 
 
 def progress_bar(shown: bool = True) -> Progress:
-    """Make a progress bar on stderr that leaves nothing behind, and is not there when nobody watches.
+    """Make a transient progress bar on stderr, disabled where stderr is no terminal.
 
     Args:
-        shown: False for work within other work that has a bar already.
+        shown: False for a step of work that has a bar already.
 
     Returns:
         The bar.

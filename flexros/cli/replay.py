@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 GROUP = "flexros.replay"
-"""Entry points that play a log; the package of the nodes announces "ros" there."""
+"""Entry points that play a log; the package of the nodes registers "ros"."""
 
 FIGURES = {
     "messages": "messages",
@@ -83,26 +83,26 @@ def replay(
 
 
 def player() -> Callable[..., Any]:
-    """Find what plays a log.
+    """Load the function that plays a log.
 
     Returns:
         The function of the nodes' package.
 
     Raises:
-        InputError: There are no nodes here.
+        InputError: The nodes are not installed.
     """
-    found = [entry for entry in metadata.entry_points(group=GROUP) if entry.name == "ros"]
+    entries = [entry for entry in metadata.entry_points(group=GROUP) if entry.name == "ros"]
     why = "the ROS 2 nodes of FlexROS are not installed"
-    if found and find_spec("rclpy") is None:
+    if entries and find_spec("rclpy") is None:
         why = "no rclpy can be imported here (source ROS 2 Jazzy, or install the extra 'ros' on Linux x86_64)"
-    elif found:
+    elif entries:
         try:
-            play: Callable[..., Any] = found[0].load()
+            play: Callable[..., Any] = entries[0].load()
         except ImportError as error:
             why = f"the ROS 2 nodes cannot be loaded ({error})"
         else:
             return play
-    raise InputError(f"a log is played over ROS 2 topics, but {why}; read it with 'flexros analyze'")
+    raise InputError(f"a log is played over ROS 2 topics, but {why}; analyse it with 'flexros analyze'")
 
 
 def _print(bag: Path, figures: dict[str, float]) -> None:

@@ -25,7 +25,7 @@ _FEW_MOTORS = 2
 
 
 def robots(as_json: bool = typer.Option(False, "--json", help="Print JSON.")) -> None:
-    """List the robots that are shipped."""
+    """List the built-in robots."""
     from flexros.robot import load_robot, robot_names
 
     loaded = [load_robot(name) for name in robot_names()]
@@ -52,7 +52,7 @@ def robot(
     flexible: str = typer.Option("fixed", "--flexible", help="Springs in the URDF: fixed, or continuous for joints."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
-    """Show modes, zeros and zero dynamics of a robot at a pose, and whether it is minimum phase there."""
+    """Compute modes, zeros and zero dynamics of a robot at a pose, with the minimum-phase verdict."""
     from flexros.robot.linear.linearise import linear_model
     from flexros.robot.linear.zeros import channel_zeros, poles, transmission_zeros, zero_dynamics
 
@@ -103,7 +103,7 @@ def import_urdf(
     file: Path = typer.Argument(help="URDF with one serial chain."),
     out: Path = typer.Option(..., "--out", help="Robot YAML to write."),
 ) -> None:
-    """Make a robot YAML from a URDF: geometry and inertia are taken over, springs are left to you."""
+    """Convert a URDF to a robot YAML: geometry and inertia are copied, springs remain to be filled in."""
     from flexros.robot.exchange.urdf_import import skeleton_from_urdf
 
     text = skeleton_from_urdf(file)
@@ -114,10 +114,10 @@ def import_urdf(
 
 
 def parse_numbers(text: str, option: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Read comma-separated numbers of an option.
+    """Parse comma-separated numbers of an option.
 
     Args:
-        text: What was given.
+        text: Value of the option.
         option: Name of the option, for the error text.
 
     Returns:
@@ -153,7 +153,7 @@ def _print_robot(content: dict[str, Any], linear: LinearModel, verdict: ZeroDyna
     table.add_row(f"zero dynamics of {verdict.output}", _readable(content["zero_dynamics"]))
     console.print(table)
     if hidden:
-        say(f"Zeros from motors to other places, {hidden} channels: --json")
+        say(f"Zeros from motors to other locations, {hidden} channels: --json")
     if verdict.minimum_phase:
         console.print(f"Minimum phase for output '{verdict.output}': causal feedforward exists.")
     elif not verdict.solvable:

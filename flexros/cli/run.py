@@ -24,8 +24,8 @@ TRANSPORTS = ("ros", "direct")
 
 FIGURES = {
     "ros_domain_id": ("ROS domain", ""),
-    "resends": ("states sent again", ""),
-    "dropped_on_purpose": ("messages lost on purpose", ""),
+    "resends": ("states resent", ""),
+    "dropped_on_purpose": ("messages dropped on purpose", ""),
     "missing_in_log": ("samples missing in the log", ""),
     "unseen_samples": ("samples that the controller never saw", ""),
     "samples_per_second": ("speed of the loop", "samples/s"),
@@ -45,7 +45,7 @@ FIGURES = {
 
 
 def scenarios(as_json: bool = typer.Option(False, "--json", help="Print JSON.")) -> None:
-    """List the scenarios that are shipped."""
+    """List the built-in scenarios."""
     from flexros.scenario.scenario import load_scenario, scenario_names
 
     loaded = [load_scenario(name) for name in scenario_names()]
@@ -59,7 +59,7 @@ def scenarios(as_json: bool = typer.Option(False, "--json", help="Print JSON."))
 
 
 def run(
-    scenario: str = typer.Argument(help="Shipped scenario, or path of a scenario YAML."),
+    scenario: str = typer.Argument(help="Built-in scenario, or path of a scenario YAML."),
     model: str = typer.Option("", "--model", help="Robot instead of the scenario's: name, YAML or patch.yaml."),
     effect: list[str] = typer.Option(
         [],
@@ -125,7 +125,7 @@ def changed_scenario(
     """Load a scenario and apply the options of the command line.
 
     Args:
-        name: Shipped scenario or file.
+        name: Built-in scenario or file.
         model: Robot instead of the scenario's; empty for none.
         settings: Changes as key=value.
         effects: Effects of the plant as NAME@LOCATION:parameter=value,..., after those of the scenario.
@@ -159,7 +159,7 @@ def key_and_value(text: str, option: str) -> tuple[str, Any]:
     """Split key=value, the value read as YAML.
 
     Args:
-        text: What was given.
+        text: Value of the option.
         option: Name of the option, for the error text.
 
     Returns:
@@ -175,10 +175,10 @@ def key_and_value(text: str, option: str) -> tuple[str, Any]:
 
 
 def node_parameters(texts: list[str]) -> dict[str, dict[str, Any]]:
-    """Sort node parameters NODE.NAME=VALUE by node.
+    """Parse node parameters NODE.NAME=VALUE and group them by node.
 
     Args:
-        texts: What was given.
+        texts: Values of the option.
 
     Returns:
         Values by node and name.
@@ -186,22 +186,22 @@ def node_parameters(texts: list[str]) -> dict[str, dict[str, Any]]:
     Raises:
         InputError: The form is wrong.
     """
-    sorted_values: dict[str, dict[str, Any]] = {}
+    by_node: dict[str, dict[str, Any]] = {}
     for text in texts:
         key, value = key_and_value(text, "--parameter")
         node, dot, name = key.partition(".")
         if not dot:
             raise InputError(f"--parameter is '{text}', but must be NODE.NAME=VALUE, e.g. plant.drop_fraction=0.01")
-        sorted_values.setdefault(node, {})[name] = value
-    return sorted_values
+        by_node.setdefault(node, {})[name] = value
+    return by_node
 
 
 def choose_transport(given: str, quiet: bool = False) -> str:
-    """Take the transport that was given; else the nodes where they are installed, else the direct run, and say so.
+    """Return the given transport; by default "ros" where the nodes are installed, else "direct", which is printed.
 
     Args:
-        given: What was given, empty for nothing.
-        quiet: Say nothing.
+        given: Value of the option; empty where it was not given.
+        quiet: Do not print the choice of the default.
 
     Returns:
         "ros" or "direct".
@@ -220,7 +220,7 @@ def choose_transport(given: str, quiet: bool = False) -> str:
 
 
 def default_folder(name: str, transport: str) -> Path:
-    """Choose a log folder that does not exist yet.
+    """Return a log folder that does not exist yet.
 
     Args:
         name: Name of the scenario.
@@ -240,7 +240,7 @@ def default_folder(name: str, transport: str) -> Path:
 
 
 def print_result(name: str, result: RunResult) -> None:
-    """Print what came of a run as a table.
+    """Print the outcome of a run as a table.
 
     Args:
         name: Name of the scenario.
@@ -262,7 +262,7 @@ def print_result(name: str, result: RunResult) -> None:
 
 
 def _figure(key: str, value: float) -> tuple[str, str]:
-    """Write a figure of a run with its name in words and its unit."""
+    """Return the label of a figure of a run, and its value with unit."""
     name, unit = FIGURES.get(key, (key.replace("_", " "), ""))
     if isinstance(value, bool):
         return name, "yes" if value else "no"

@@ -179,14 +179,14 @@ def identification_result(
     """Judge a fit: covariance, identifiability, residuals; warnings of the responses and of the fit are added.
 
     Args:
-        problem: What was fitted last.
+        problem: The problem of the last fit.
         fit: The last fit.
         searched: Fits from all initial values before it.
         design: How the positions were chosen.
         facts: What the experiment took.
         truth: True values (SI) by name, where they are known.
         warnings: What else limits the result.
-        provenance: Where the data came from.
+        provenance: Origin of the data.
 
     Returns:
         The result.

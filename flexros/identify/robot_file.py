@@ -41,7 +41,7 @@ def identified_data(robot: Robot, values: Mapping[str, IdentifiedValue], source:
     Args:
         robot: The robot that was identified.
         values: New values by parameter name.
-        source: Where they come from; stands in the file beside each.
+        source: Origin of the values, written to the file with each of them.
 
     Returns:
         Content of a robot file: what the robot's own file sets, with value, source and tolerance of every identified
@@ -90,13 +90,13 @@ def _tolerance(entries: list[IdentifiedValue]) -> float:
 
 
 def _place(data: Any, full: Any, path: tuple[str | int, ...], known: dict[str, Any]) -> None:
-    """Copy one quantity from the full content into the content that a file sets, with what is known of it."""
+    """Copy one quantity from the full content into the content that a file sets, with its known attributes."""
     *way, last = path
-    here, there = data, full
+    here, complete = data, full
     for step in way:
         here = here.setdefault(step, {}) if isinstance(step, str) else here[step]
-        there = there[step]
-    target = entry = dict(there[last])
+        complete = complete[step]
+    target = entry = dict(complete[last])
     if last == "spring":
         law = next(word for word in ("stiffness", "piecewise_linear", "cubic") if entry[word] is not None)
         target = dict(entry[law])

@@ -1,4 +1,4 @@
-"""Search for the parameters: robust fits from several starts, then the most accurate one from the best of them."""
+"""Search for the parameters: robust fits from several initial values, then an accurate fit from the best of them."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SearchSettings:
-    """How parameters are searched for.
+    """Settings of the search for parameters.
 
     Attributes:
         estimator: "LLS", "LLSM" or "NLS".
         weights: Weights of the last fit, "user", "optimal" or "combined"; those from all starts have user weights,
             which find the valley from far away (Moberg 2007, Paper A, section 6). Those of the last fit are made with
             the fitted model's responses: chosen by the noisy ones, lines near the noise would bias logarithms.
-        starts: Number of starts; the first is the robot's values, the others lie within a factor of ten of them, all
-            of them within the bounds.
-        seed: Seed of the starts.
+        starts: Number of initial values; the first are the nominal values, the others are within a factor of ten of
+            them, all within the bounds.
+        seed: Seed of the initial values.
         bounds: Lower and upper bound of values [SI] by name; see `ParameterScale.bounds` for the others.
     """
 
@@ -71,12 +71,12 @@ class SearchSettings:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What a search found.
+    """Outcome of a search.
 
     Attributes:
         problem: The problem with the weights of the last fit.
         fit: The last fit.
-        searched: Fits from all starts.
+        searched: Fits from all initial values.
         settled: Whether the weights of the last fit belong to its values.
     """
 
@@ -92,7 +92,7 @@ class Found:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What limits the search, one sentence each."""
+        """Limits of the search, one sentence each."""
         texts = []
         if self.failed:
             texts.append(
@@ -125,7 +125,7 @@ def search(
         progress: Called with the number of fits done.
 
     Returns:
-        What was found.
+        The outcome.
 
     Raises:
         InputError: Estimator, weights, names, bounds or responses are not possible.

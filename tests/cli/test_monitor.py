@@ -61,7 +61,7 @@ def test_what_a_calibration_accepts_is_no_alarm(flexros: Command, rough: str, tm
     ("options", "told"),
     [
         (("--false-alarms", "0"), "--false-alarms is 0, allowed are rates from 1e-6 to 100 per hour"),
-        (("--thresholds", "a", "--calibrate", "b"), "--thresholds and --calibrate do not go together"),
+        (("--thresholds", "a", "--calibrate", "b"), "--thresholds and --calibrate exclude each other"),
         (("--thresholds", "nowhere.json"), "the calibration nowhere.json cannot be read"),
     ],
 )

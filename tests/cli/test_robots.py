@@ -45,8 +45,8 @@ def test_table_of_many_motors_keeps_to_their_own_channels(flexros: Flexros) -> N
     printed = flexros("robot", "six_axis").out
     assert "zeros motor_3 torque -> motor_3" in printed
     assert "zeros motor_3 torque -> motor_4" not in printed
-    assert "Zeros from motors to other places, 66 channels: --json" in printed
-    assert "other places" not in flexros("robot", "e12").out
+    assert "Zeros from motors to other locations, 66 channels: --json" in printed
+    assert "other locations" not in flexros("robot", "e12").out
 
 
 def test_robot_at_a_singular_pose(flexros: Flexros) -> None:
@@ -147,8 +147,7 @@ def test_a_patch_is_shown_with_its_model_and_says_what_is_no_part_of_it(flexros:
     lowest = [min(p["hz"] for p in json.loads(ended.out)["poles"] if p["hz"] > 0.1) for ended in (nominal, softer)]
     assert lowest[1] < 0.95 * lowest[0]
     assert softer.err == (
-        f"flexros: {patch} holds coulomb_friction@motor_1, which is no part of a linear model; here the robot is taken "
-        "without\n"
+        f"flexros: {patch} holds coulomb_friction@motor_1, which is no part of a linear model and omitted here\n"
     )
 
 

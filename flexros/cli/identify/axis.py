@@ -29,9 +29,9 @@ RESULT = "axis.json"
 
 def axis(
     log: Path = typer.Argument(help="Log of the axis: folder (rosbag2) or .mcap file, moving from rest."),
-    model: str = typer.Option(..., "--model", help="Robot as it is thought to be: shipped name or YAML."),
+    model: str = typer.Option(..., "--model", help="Nominal robot: built-in name or YAML."),
     out: Path = typer.Option(..., "--out", help="Folder for axis.json."),
-    validation: Path = typer.Option(None, "--validation", help="Another log, by which the models are judged."),
+    validation: Path = typer.Option(None, "--validation", help="Another log, on which the models are validated."),
     joint: str = typer.Option("motor_1", "--joint", help="Motor of the axis."),
     masses: int = typer.Option(2, "--masses", help="2: motor and arm, or 3: motor and two arm masses."),
     gear: str = typer.Option("piecewise", "--gear", help="Law of the gear: piecewise, cubic or linear."),
@@ -41,10 +41,10 @@ def axis(
     antiresonance: list[float] = typer.Option(
         [],
         "--antiresonance",
-        help="Low of the response [Hz]; default: from an identification log, else --model.",
+        help="Minimum of the response [Hz]; default: from an identification log, else --model.",
     ),
-    resonance: list[float] = typer.Option([], "--resonance", help="Peak of the response [Hz], as many."),
-    start: list[str] = typer.Option([], "--start", help="Value to start from, e.g. gear_knee=0.002."),
+    resonance: list[float] = typer.Option([], "--resonance", help="Maximum of the response [Hz], equally many."),
+    start: list[str] = typer.Option([], "--start", help="Initial value, e.g. gear_knee=0.002."),
     bound: list[str] = typer.Option([], "--bound", help="Bounds of a value, e.g. gear_knee=0.0005:0.01."),
     torque: TorqueOption = "command",
     namespace: NamespaceOption = "",
@@ -124,15 +124,15 @@ def _given(antiresonances: list[float], resonances: list[float]) -> Extremes | N
 
 
 def _extremes(log: Log, robot: Robot, joint: str, count: int, started: bool) -> Extremes:
-    """Take the frequencies from the response of an identification log, else from the robot."""
+    """Return the frequencies of the response of an identification log, else those of the robot."""
     from flexros.analysis.frequency_responses import log_responses
     from flexros.identify.axis.extremes import Extremes, extremes_of_response, extremes_of_robot
 
-    told = log_responses(log)
-    for response in () if told is None else told.positions:
-        found = extremes_of_response(response, joint, count)
-        if found is not None:
-            return found
+    responses = log_responses(log)
+    for response in () if responses is None else responses.positions:
+        extremes = extremes_of_response(response, joint, count)
+        if extremes is not None:
+            return extremes
     of_robot = extremes_of_robot(robot, joint, count)
     if of_robot is None and not started:
         raise InputError(
@@ -143,17 +143,17 @@ def _extremes(log: Log, robot: Robot, joint: str, count: int, started: bool) -> 
 
 
 def _print(record: Mapping[str, Any]) -> None:
-    """Print values, qualities and gain for people."""
+    """Print parameters, fit qualities and gain for people."""
     from flexros.identify.report.words import interval_text
 
     table = Table("parameter", "value", "95 % interval", "linear gear", "unit")
     table.columns[0].overflow = "fold"
     linear = {row["name"]: row["value"] for row in record["linear"]["parameters"]}
     for row in record["nonlinear"]["parameters"]:
-        told = row["interval"]
-        beside = f"{linear[row['name']]:.5g}" if row["name"] in linear else "-"
-        interval = "unknown" if told is None else interval_text(told[0], row["value"], told[1])
-        table.add_row(row["name"], f"{row['value']:.5g}", interval, beside, row["unit"])
+        ends = row["interval"]
+        linear_gear = f"{linear[row['name']]:.5g}" if row["name"] in linear else "-"
+        interval = "unknown" if ends is None else interval_text(ends[0], row["value"], ends[1])
+        table.add_row(row["name"], f"{row['value']:.5g}", interval, linear_gear, row["unit"])
     console.print(table)
     listed = [", ".join(f"{value:.4g}" for value in record[key]) for key in ("antiresonances_hz", "resonances_hz")]
     say(f"Started from antiresonances {listed[0]} Hz and resonances {listed[1]} Hz ({record['frequencies_from']})")
@@ -162,13 +162,13 @@ def _print(record: Mapping[str, Any]) -> None:
             say(f"{name.capitalize()}: {_words(record, name)}")
     where = "the validation log" if record["gain_on"] == "validation" else "the log it was fitted to"
     if record["structure"]["gear"] != "linear" and record["gain"] is not None:
-        say(f"The nonlinear gear takes away {100 * record['gain']:.1f} % of the prediction error on {where}")
+        say(f"The nonlinear gear removes {100 * record['gain']:.1f} % of the prediction error on {where}")
     for warning in record["warnings"]:
         say(f"warning: {warning}")
 
 
 def _words(record: Mapping[str, Any], name: str) -> str:
-    """Write the qualities of both models in one line."""
+    """Return the fit qualities of both models in one line."""
     parts = []
     for model, gear in (("nonlinear", record["structure"]["gear"]), ("linear", "linear")):
         quality = record[model][name]

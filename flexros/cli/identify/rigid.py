@@ -19,14 +19,18 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 _MOST_LINES = 3
-"""Lines of one kind that are printed (chosen); the result file has all."""
+"""Most lines of one kind that are printed (chosen); the result file has all."""
 
 
 def rigid(
     log: list[Path] = typer.Argument(help="Log to identify from, then logs to test the model on."),
-    model: str = typer.Option(..., "--model", help="Robot: shipped name or YAML; all its springs count as rigid."),
+    model: str = typer.Option(
+        ..., "--model", help="Robot: built-in name or YAML; all its springs are treated as rigid."
+    ),
     out: Path = typer.Option(..., "--out", help="Folder for rigid.json and identified.yaml."),
-    asymmetric: bool = typer.Option(False, "--asymmetric", help="Friction by direction of motion, without offset."),
+    asymmetric: bool = typer.Option(
+        False, "--asymmetric", help="Friction depends on the direction of motion, no offset."
+    ),
     cutoff: float = typer.Option(
         None, "--cutoff", help="Low-pass of the positions [Hz]; default: a tenth of the rate, at most 100."
     ),
@@ -49,7 +53,7 @@ def rigid(
         raise InputError(f"--cutoff is {cutoff:g} Hz, but must be positive")
     robot = linear_robot(model)
     logs = {label: read_log(path, namespace=namespace or None) for label, path in _labelled(log).items()}
-    first, *others = logs
+    fitted, *tested = logs
     settings = RigidSettings(cutoff=cutoff, asymmetric=asymmetric, hold=hold, torque=torque_source(torque))
     with progress_bar() as progress:
         task = progress.add_task("regression", total=len(logs))
@@ -57,8 +61,8 @@ def rigid(
         def at(step: int) -> Callable[[float], None]:
             return lambda share: progress.update(task, completed=step + share)
 
-        fit = fit_rigid(logs[first], robot, settings, first, at(0))
-        tests = [cross_test(fit, logs[label], label, at(step)) for step, label in enumerate(others, start=1)]
+        fit = fit_rigid(logs[fitted], robot, settings, fitted, at(0))
+        tests = [cross_test(fit, logs[label], label, at(step)) for step, label in enumerate(tested, start=1)]
     verdict = judge_fit(fit)
     record = result_record(fit, verdict, tests, {label: dict(entry.provenance) for label, entry in logs.items()})
     out.mkdir(parents=True, exist_ok=True)
@@ -67,7 +71,7 @@ def rigid(
     if verdict.usable:
         write_result(robot_file, identified_yaml(fit, verdict.identified), "identified robot")
     else:
-        robot_file.unlink(missing_ok=True)  # one of a run before would pass for that of this one
+        robot_file.unlink(missing_ok=True)  # a file of an earlier run would pass for the result of this one
     if as_json:
         print_json(record)
     else:
@@ -79,7 +83,7 @@ def rigid(
 
 
 def _labelled(paths: list[Path]) -> dict[str, Path]:
-    """Name logs by their folders, by the whole path where folders have the same name."""
+    """Label logs by their folders, or by their paths where folders have the same name."""
     names = [path.absolute().name for path in paths]
     return {str(path) if names.count(name) > 1 else name: path for name, path in zip(names, paths, strict=True)}
 
@@ -113,7 +117,7 @@ def _print(record: Mapping[str, Any]) -> None:
 
 
 def _print_excitation(verdict: Mapping[str, Any], n_parameters: int) -> None:
-    """Say whether the motion shows everything, and if not, for which reason."""
+    """Print whether the motion excites all parameters, and if not, why."""
     missing, number, limit = verdict["not_excited"], verdict["condition_number"], verdict["largest_condition_number"]
     condition = f"condition number {number:.4g} (up to {limit:g})"
     if verdict["rich_enough"]:
@@ -122,14 +126,14 @@ def _print_excitation(verdict: Mapping[str, Any], n_parameters: int) -> None:
         reasons = [f"{len(missing)} of {n_parameters} base parameters are not excited"] if missing else []
         if number > limit:
             reasons.append(f"condition number {number:.4g} is above {limit:g}")
-        rest = f"; the others are well told apart, {condition}" if number <= limit else ""
+        rest = f"; the others are well conditioned, {condition}" if number <= limit else ""
         say(f"Excitation NOT rich enough: {' and '.join(reasons)}{rest}")
     for entry in missing:
         say(f"not excited: {entry['name']}, {entry['reason']}; its nominal value is kept")
 
 
 def _print_robot_file(record: Mapping[str, Any]) -> None:
-    """Say what the robot file does not have."""
+    """Print what the robot file does not hold."""
     outside = record["not_in_robot_file"]
     if outside["values"]:
         units = {row["name"]: row["unit"] for row in record["parameters"]}
@@ -153,7 +157,7 @@ def _print_robot_file(record: Mapping[str, Any]) -> None:
 
 
 def _say_some(lines: list[str]) -> None:
-    """Say a few lines, and how many more there are."""
+    """Print a few lines, and the number of all."""
     for line in lines[:_MOST_LINES]:
         say(line)
     if len(lines) > _MOST_LINES:

@@ -1,4 +1,4 @@
-"""Tables of parameters for the terminal: no name or number is broken, what does not fit is left out."""
+"""Tables of parameters for the terminal: names and numbers never wrap, columns that do not fit are dropped."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ def parameter_table(result: IdentificationResult, width: int) -> Table:
     """Lay out the identified parameters.
 
     Args:
-        result: What was identified.
+        result: The identification.
         width: Width of the terminal [characters].
 
     Returns:
         The table: name with unit, nominal and fitted value, 95 % interval in per cent, verdict, and the true value
         where it is known. The true and the nominal value are left out where the table would be too wide with them; all
-        figures stand in the report.
+        figures are in the report.
     """
     return fitting_table(_columns(result), width, ("true", "nominal"), broken="verdict")
 
 
 def fitting_table(columns: dict[str, list[str]], width: int, dropped: tuple[str, ...], broken: str = "") -> Table:
-    """Lay out columns such that nothing in them is broken over lines.
+    """Lay out columns without wrapping their entries.
 
     Args:
-        columns: Texts by label, of equal number; the first column stands at the left.
+        columns: Texts by label, of equal number; the first column is left-aligned.
         width: Width of the terminal [characters].
-        dropped: Columns that are left out where the table is too wide, first to last.
-        broken: Column that may be broken between words.
+        dropped: Columns that are dropped where the table is too wide, first to last.
+        broken: Column that may wrap between words.
 
     Returns:
         The table.
@@ -45,8 +45,8 @@ def fitting_table(columns: dict[str, list[str]], width: int, dropped: tuple[str,
         if _wide(shown, broken) > width:
             shown.pop(label, None)
     table = Table()
-    for place, label in enumerate(shown):
-        table.add_column(label, no_wrap=label != broken, justify="right" if place else "left")
+    for column, label in enumerate(shown):
+        table.add_column(label, no_wrap=label != broken, justify="right" if column else "left")
     for row in zip(*shown.values(), strict=True):
         table.add_row(*row)
     return table

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 CREST = 4.0
-"""Largest torque over its rms; that of multisines lies below it (chosen)."""
+"""Largest torque over its rms; that of multisines is below it (chosen)."""
 
 
 def amplitude_room(

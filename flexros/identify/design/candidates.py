@@ -79,7 +79,7 @@ def candidate_positions(
         number: Number of positions that are wanted.
         ranges: Smallest and largest coordinate of each gear [rad or m], shape (M, 2); default: `default_ranges`.
         seed: Seed of the scrambling.
-        progress: Called with the number of positions found so far.
+        progress: Called with the number of positions so far.
 
     Returns:
         The positions.
@@ -96,12 +96,12 @@ def candidate_positions(
     motors: list[FloatArray] = []
     refused: dict[str, int] = {}
     for drawn in range(_MOST_REFUSED * number + _MOST_REFUSED):
-        place = limits[:, 0] + sequence.random(1)[0] * (limits[:, 1] - limits[:, 0])
-        motor, reason = judge.judge(place)
+        gear = limits[:, 0] + sequence.random(1)[0] * (limits[:, 1] - limits[:, 0])
+        motor, reason = judge.judge(gear)
         if motor is None:
             refused[reason] = refused.get(reason, 0) + 1
         else:
-            gears.append(place)
+            gears.append(gear)
             motors.append(motor)
         if progress is not None:
             progress(len(gears))
@@ -120,13 +120,13 @@ class _Judge:
         model, n = robot.model, robot.n_coordinates
         q, p = ca.SX.sym("q", n), model.parameter_values
         force = model.force(q, np.zeros(n), np.zeros(robot.n_motors), np.zeros(6), p)
-        free = [place for place in range(n) if place not in robot.motor_rows]
+        free = [row for row in range(n) if row not in robot.motor_rows]
         stiffness = -ca.jacobian(force[free], q)[:, free] if free else ca.SX(0, 0)
         self._stiffness = ca.Function("stiffness", [q], [ca.densify(stiffness)])
         self._encoder = model.encoder
 
     def judge(self, gears: FloatArray) -> tuple[FloatArray | None, str]:
-        """Return the motor positions that hold gear coordinates, or None and why there are none."""
+        """Return the motor positions that hold gear coordinates, or None and the reason."""
         robot = self._robot
         try:
             state = robot.equilibrium(robot.arm_from_gears(gears))
@@ -151,9 +151,9 @@ def _checked(robot: Robot, limits: FloatArray) -> FloatArray:
     return limits
 
 
-def _too_few(robot: Robot, limits: FloatArray, found: int, refused: Mapping[str, int]) -> str:
+def _too_few(robot: Robot, limits: FloatArray, held: int, refused: Mapping[str, int]) -> str:
     reasons = ", ".join(f"{reason}: {count}" for reason, count in sorted(refused.items()))
     return (
-        f"robot {robot.name} can be held in only {found} of {found + sum(refused.values())} positions within the "
+        f"robot {robot.name} can be held in only {held} of {held + sum(refused.values())} positions within the "
         f"ranges {np.round(limits, 4).tolist()} ({reasons}); give other ranges"
     )

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ExperimentConditions:
-    """What is the same in all positions: one block of n orthogonal multisine experiments, one per motor.
+    """Excitation and noise that all positions share: one block of n orthogonal multisine experiments, one per motor.
 
     Attributes:
         frequency: Frequencies that count [Hz], shape (F,).
         amplitude: Amplitude of the speed reference at each frequency [rad/s or m/s], shape (F, M).
         encoder_variance: Variance of the amplitude that encoder noise makes, averaged over the recorded periods: four
             times that of a sample over the number of recorded samples [rad^2 or m^2], shape (M,).
-        share: Number of excited lines that each frequency stands for.
+        share: Number of excited lines that each frequency represents.
         distortion: Level of nonlinear distortions at the output relative to its own, rms [1].
     """
 

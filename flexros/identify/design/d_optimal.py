@@ -37,8 +37,8 @@ class Design:
         support: Candidates with a share above zero, largest first, shape (S,).
         sensitivities: tr(W I_i) of each candidate, shape (Q,). Without `prior` none exceeds P at the optimum, and
             those of the support equal P (Kiefer and Wolfowitz 1960).
-        information: What the design was made from, shape (Q, P, P).
-        prior: Information that is there before any experiment, shape (P, P).
+        information: Information of one experiment in each candidate, shape (Q, P, P).
+        prior: Information before any experiment, shape (P, P).
     """
 
     weights: FloatArray
@@ -84,12 +84,12 @@ def d_optimal(information: FloatArray, prior: FloatArray | None = None, gap: flo
         weights = np.zeros(len(scaled))
         weights[chosen] = _polished(scaled[chosen], scaled_prior, _solve_dual(scaled[chosen], scaled_prior))
         slopes = flat @ np.linalg.inv(_total(flat, weights, scaled_prior)).ravel()
-        found = float(np.max(slopes) - weights @ slopes)
-        if found < best_gap:
-            best, best_gap = weights, found
+        current = float(np.max(slopes) - weights @ slopes)
+        if current < best_gap:
+            best, best_gap = weights, current
         outside = np.setdiff1d(np.argsort(slopes)[::-1][:_ADDED], chosen)
         outside = outside[slopes[outside] > weights @ slopes + gap / 2]
-        if found <= gap or not outside.size:
+        if current <= gap or not outside.size:
             break
         chosen = np.union1d(chosen[weights[chosen] > 0], outside)
     weights = _pruned(best)
@@ -114,7 +114,7 @@ def _scaled(information: FloatArray, prior: FloatArray) -> tuple[FloatArray, Flo
     if np.any(size <= 0) or np.linalg.eigvalsh(mean / np.outer(size, size))[0] < 1e-13:
         worst = int(np.argmin(size)) if np.any(size <= 0) else _weakest(mean / np.outer(size, size))
         raise InputError(
-            f"no candidate position tells parameter number {worst + 1} of {len(mean)} from the others; "
+            f"no candidate position distinguishes parameter {worst + 1} of {len(mean)} from the others; "
             "leave it out of the unknown parameters, give a prior, or widen ranges and frequencies"
         )
     root = np.linalg.inv(np.linalg.cholesky(mean))

@@ -1,4 +1,4 @@
-"""How fast the closed loop of an experiment forgets, at one position or at thousands."""
+"""Decay rates of the closed loop of an experiment, vectorised over positions."""
 
 from __future__ import annotations
 
@@ -68,8 +68,8 @@ def decays_at(
     controller = linear_controller(law, LoopContext(robot, sample_time))
     delay = split_delay(robot.delay, sample_time)
     parts = []
-    for first in range(0, len(motor_positions), _CHUNK):
-        at = linearise_positions(robot, (), motor_positions[first : first + _CHUNK])
+    for begin in range(0, len(motor_positions), _CHUNK):
+        at = linearise_positions(robot, (), motor_positions[begin : begin + _CHUNK])
         n = robot.n_coordinates
         pick = np.zeros((robot.n_motors, 2 * n))
         pick[np.arange(robot.n_motors), at.motor_rows] = 1.0

@@ -1,4 +1,4 @@
-"""A feedback controller for robots that come without one: PID per motor up to the lowest mode, stable at home."""
+"""Default feedback controller of a robot: PID per motor up to the lowest mode, stable at home."""
 
 from __future__ import annotations
 
@@ -60,13 +60,13 @@ def default_controller(robot: Robot, sample_time: float) -> Pid:
             return law
         bandwidth /= 2
     raise InputError(
-        f"no PID controller was found that holds robot {robot.name} at its home pose with a sample time of "
+        f"no PID controller holds robot {robot.name} at its home pose with a sample time of "
         f"{sample_time:g} s; give a scenario with a controller"
     )
 
 
 def _rigid_inertia(robot: Robot, linear: LinearModel) -> FloatArray:
-    """Inertia that each motor moves while the others stand and nothing bends, shape (M,)."""
+    """Inertia seen by each motor with the others at rest and all springs rigid, shape (M,)."""
     shape = np.zeros((robot.n_coordinates, robot.n_motors))
     for motor, (gear, own) in enumerate(zip(robot.gear_rows, robot.motor_rows, strict=True)):
         shape[[gear, own], motor] = 1.0
@@ -76,7 +76,7 @@ def _rigid_inertia(robot: Robot, linear: LinearModel) -> FloatArray:
 
 def _bandwidth(robot: Robot, linear: LinearModel) -> float:
     """Bandwidth in Hz: that of the lowest mode with the motors held."""
-    free = [place for place in range(robot.n_coordinates) if place not in robot.motor_rows]
+    free = [row for row in range(robot.n_coordinates) if row not in robot.motor_rows]
     if not free:
         return RIGID_BANDWIDTH
     squares = eigh(linear.stiffness[np.ix_(free, free)], linear.mass[np.ix_(free, free)], eigvals_only=True)

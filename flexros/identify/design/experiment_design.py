@@ -78,7 +78,7 @@ class ExperimentDesign:
         law: Controller of the experiment.
         sample_time: Time between two samples [s].
         design: The optimal shares and the information of one share (all blocks of a position), shape (Q, P, P).
-        gain: The chosen positions beside random ones.
+        gain: The chosen positions compared with random ones.
         chosen: Chosen candidates in the order of a short tour from home, shape (S,).
         counts: How many shares each of them has, shape (S,).
     """
@@ -100,13 +100,13 @@ class ExperimentDesign:
 
     @property
     def origin(self) -> str:
-        """Say what the positions were chosen from, e.g. "400 of 4000 candidates (in the others the loop ...)"."""
+        """Describe the candidates of the choice, e.g. "400 of 4000 candidates (in the others the loop ...)"."""
         left, slow = len(self.candidates.gears), self.candidates.refused.get(SLOW, 0)
         return f"{left} of {left + slow} candidates (in the others {SLOW})" if slow else f"{left} candidates"
 
     @property
     def remark(self) -> str:
-        """Say where the choice of positions gains nothing by their number; empty elsewhere."""
+        """Describe a design whose optimum is a single position; empty for others."""
         if len(self.design.support) > 1 or len(self.chosen) == 1:
             return ""
         return (
@@ -130,7 +130,7 @@ def design_experiment(
     ranges: ArrayLike | None = None,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> ExperimentDesign:
-    """Choose the positions that tell most about the unknown parameters.
+    """Choose the most informative positions for the unknown parameters.
 
     Args:
         robot: The robot with its nominal values.
@@ -140,7 +140,7 @@ def design_experiment(
         sample_time: Time between two samples [s].
         settings: How many positions, out of how many.
         ranges: Smallest and largest coordinate of each gear [rad or m], shape (M, 2); see `candidate_positions`.
-        progress: Called with what is being done, how much of it is done, and how much there is.
+        progress: Called with the current step, the amount done and the amount in all.
 
     Returns:
         The design.
@@ -149,31 +149,31 @@ def design_experiment(
         InputError: Ranges, excitation or names are not possible.
     """
 
-    def tell(what: str, whole: int = settings.candidates) -> Callable[[int], None]:
-        return lambda done: progress(what, done, whole) if progress else None
+    def report(step: str, total: int = settings.candidates) -> Callable[[int], None]:
+        return lambda done: progress(step, done, total) if progress else None
 
-    found = candidate_positions(robot, settings.candidates, ranges, settings.seed, tell("candidate positions"))
-    decays = decays_at(robot, found.motor_positions, law, sample_time, tell("settling of the positions"))
-    found = found.only(_settling(specification, sample_time, decays, settings.positions), SLOW)
+    candidates = candidate_positions(robot, settings.candidates, ranges, settings.seed, report("candidate positions"))
+    decays = decays_at(robot, candidates.motor_positions, law, sample_time, report("settling of the positions"))
+    candidates = candidates.only(_settling(specification, sample_time, decays, settings.positions), SLOW)
     conditions = experiment_conditions(specification, robot, sample_time, settings.seed, distortion=settings.distortion)
     one_block = position_information(
         robot,
         names,
-        found.motor_positions,
+        candidates.motor_positions,
         conditions,
         law,
         sample_time,
-        tell("information of the positions", len(found.gears)),
+        report("information of the positions", len(candidates.gears)),
     )
     information = max(specification.blocks_per_position) * one_block
     prior = np.eye(len(names)) / PRIOR_DEVIATION**2 / settings.positions
     design = d_optimal(information, prior)
     counts = round_design(design, settings.positions, settings.most)
     chosen = np.flatnonzero(counts)
-    chosen = chosen[short_tour(robot.home[list(robot.gear_rows)], found.gears[chosen])]
+    chosen = chosen[short_tour(robot.home[list(robot.gear_rows)], candidates.gears[chosen])]
     return ExperimentDesign(
         names=tuple(names),
-        candidates=found,
+        candidates=candidates,
         conditions=conditions,
         law=law,
         sample_time=sample_time,

@@ -1,4 +1,4 @@
-"""What a design gains against positions chosen at random."""
+"""Gain of a design over positions chosen at random."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ RANDOM_SETS = 200
 
 @dataclass(frozen=True, eq=False)
 class DesignGain:
-    """A design beside random sets with as many experiments; standard deviations are relative to the parameters.
+    """A design compared with random sets of as many experiments; standard deviations are relative to the parameters.
 
     Attributes:
         efficiency: (det of the design / det of the optimal shares)^(1/P).
@@ -72,7 +72,7 @@ def design_gain(
 
 
 def predicted_deviation(information: FloatArray) -> FloatArray:
-    """Give the standard deviations that an information matrix promises (Cramér and Rao).
+    """Return the standard deviations that an information matrix allows (Cramér-Rao bound).
 
     Args:
         information: Information, shape (..., P, P).

@@ -30,7 +30,7 @@ def move_factor(
 ) -> float:
     """Find by what factor the acceleration of moves must be lowered for the torques of the rigid robot.
 
-    The speed goes with the root of the factor, so that the shape of the moves stays.
+    The speed is scaled with the root of the factor, which keeps the shape of the moves.
 
     Args:
         robot: The robot with its nominal values.
@@ -73,9 +73,9 @@ def _torque(robot: Robot, gears: FloatArray, speed: FloatArray, acceleration: Fl
     arm, model = robot.arm_from_gears, robot.model
     values = model.parameter_values
     need = model.arm_inverse_dynamics(arm(gears), arm(speed), arm(acceleration), values).full().ravel()
-    parameters, places = robot.parameters, list(robot.gear_rows)
+    parameters, rows = robot.parameters, list(robot.gear_rows)
     motors = [f"motor_{number + 1}" for number in range(robot.n_motors)]
     inertia = np.array([parameters[f"{motor}.inertia"].value for motor in motors])
     friction = np.array([parameters[f"{motor}.viscous_friction"].value for motor in motors])
-    torque: FloatArray = need[places] + inertia * acceleration + friction * speed
+    torque: FloatArray = need[rows] + inertia * acceleration + friction * speed
     return torque

@@ -1,4 +1,4 @@
-"""Which further experiment tells most about a combination of parameters that the data left open."""
+"""The most informative further experiment for a combination of parameters that the data do not determine."""
 
 from __future__ import annotations
 

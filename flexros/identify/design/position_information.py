@@ -123,8 +123,8 @@ def _by_frequency(
 ) -> Iterator[FloatArray]:
     """Yield the information of some positions at a time, shape (q, F, P, P)."""
     controller = controller_response(law, LoopContext(robot, sample_time), conditions.frequency)
-    for first in range(0, len(motor_positions), _CHUNK):
-        positions = linearise_positions(robot, names, motor_positions[first : first + _CHUNK])
+    for begin in range(0, len(motor_positions), _CHUNK):
+        positions = linearise_positions(robot, names, motor_positions[begin : begin + _CHUNK])
         model = FrequencyModel(positions, conditions.frequency, sample_time, robot.delay)
         response, jacobian = model.response_and_jacobian(positions.values)
         spectrum = input_spectrum(response, conditions, controller)

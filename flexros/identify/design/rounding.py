@@ -1,4 +1,4 @@
-"""From optimal shares to whole numbers of experiments."""
+"""Rounding of optimal shares to whole numbers of experiments."""
 
 from __future__ import annotations
 
@@ -94,9 +94,9 @@ def _exchanged(design: Design, counts: IntArray, limit: int) -> IntArray:
                 best, move = float(values[k]), (leaving, near[k], without + entering[k])
         if move is None:
             break
-        value, (leaving, place, total) = best, move
+        value, (leaving, target, total) = best, move
         counts[leaving] -= 1
-        counts[place] += 1
+        counts[target] += 1
     if np.linalg.eigvalsh(total)[0] < _SINGULAR:
         raise InputError(
             f"{counts.sum()} experiments cannot determine the {len(total)} parameters in any of the positions; "

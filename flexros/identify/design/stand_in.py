@@ -1,4 +1,4 @@
-"""A simulated robot that stands in for the real one: what differs from the nominal robot, as values of the plant."""
+"""A robot file that plays the real robot: its differences from the nominal robot, as values of the plant."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ _NOT_PHYSICS = (
 )
 """Keys of a robot file that change no motion."""
 _ROUNDING = 1e-12
-"""Relative difference of numbers that were written and read again, or scaled (chosen)."""
+"""Relative difference of numbers after writing, reading or scaling (chosen)."""
 
 
 def stand_in_values(nominal: Robot, real: Robot) -> dict[str, float]:
-    """List the numbers in which a robot differs from the nominal one.
+    """Return the parameters in which a robot differs from the nominal one.
 
     Args:
-        nominal: The robot as it is thought to be.
+        nominal: The nominal robot.
         real: The robot that plays the real one.
 
     Returns:
         Values (SI) by name, to be used as `plant.values` of a scenario with the nominal robot.
 
     Raises:
-        InputError: They differ in more than numbers: in structure, sensors or limits.
+        InputError: They differ in more than parameters: in structure, sensors or limits.
     """
     values = {
-        name: one.value
-        for name, one in real.parameters.items()
-        if name in nominal.parameters and one.value != nominal.parameters[name].value
+        name: parameter.value
+        for name, parameter in real.parameters.items()
+        if name in nominal.parameters and parameter.value != nominal.parameters[name].value
     } | _law_factors(nominal, real)
     if real.delay != nominal.delay:
         values["delay"] = real.delay
@@ -44,8 +44,8 @@ def stand_in_values(nominal: Robot, real: Robot) -> dict[str, float]:
     where = _difference(_physics(made.spec.model_dump(mode="json")), _physics(real.spec.model_dump(mode="json")), "")
     if where:
         raise InputError(
-            f"robot {real.source} cannot stand in for {nominal.name}: they differ in '{where}', which is no number of "
-            "the equations of motion; give a file that differs from the nominal robot in such numbers only"
+            f"robot {real.source} cannot stand in for {nominal.name}: they differ in '{where}', which is no parameter "
+            "of the equations of motion; give a file that differs from the nominal robot in such parameters only"
         )
     return values
 
@@ -53,11 +53,13 @@ def stand_in_values(nominal: Robot, real: Robot) -> dict[str, float]:
 def _law_factors(nominal: Robot, real: Robot) -> dict[str, float]:
     """List the factors between nonlinear springs, whose parameter is 1 in each robot itself."""
     factors = {}
-    for number, (one, other) in enumerate(zip(nominal.spec.bodies, real.spec.bodies, strict=False), start=1):
-        for axis in one.directions.keys() & other.directions.keys():
-            mine, theirs = (_law(body.directions[axis].spring) for body in (one, other))
-            if sum(mine) and theirs and mine != theirs:
-                factors[f"body_{number}.{axis}.stiffness"] = sum(theirs) / sum(mine)
+    for number, (nominal_body, real_body) in enumerate(
+        zip(nominal.spec.bodies, real.spec.bodies, strict=False), start=1
+    ):
+        for axis in nominal_body.directions.keys() & real_body.directions.keys():
+            law, real_law = (_law(body.directions[axis].spring) for body in (nominal_body, real_body))
+            if sum(law) and real_law and law != real_law:
+                factors[f"body_{number}.{axis}.stiffness"] = sum(real_law) / sum(law)
     return factors
 
 
@@ -80,17 +82,17 @@ def _difference(one: Any, other: Any, path: str) -> str:
     """Return the first key in which two files differ, empty where they do not."""
     if isinstance(one, dict) and isinstance(other, dict):
         for key in dict.fromkeys((*one, *other)):
-            place = f"{path}.{key}" if path else str(key)
+            inner = f"{path}.{key}" if path else str(key)
             if (key in one) != (key in other):
-                return place
-            if found := _difference(one[key], other[key], place):
-                return found
+                return inner
+            if differing := _difference(one[key], other[key], inner):
+                return differing
         return ""
     if isinstance(one, list) and isinstance(other, list):
         if len(one) != len(other):
             return path
         pairs = enumerate(zip(one, other, strict=True))
-        return next((found for place, pair in pairs if (found := _difference(*pair, f"{path}[{place}]"))), "")
+        return next((key for index, pair in pairs if (key := _difference(*pair, f"{path}[{index}]"))), "")
     if isinstance(one, float) and isinstance(other, float):
         return "" if math.isclose(one, other, rel_tol=_ROUNDING) else path
     return "" if one == other else path

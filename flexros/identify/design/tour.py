@@ -14,7 +14,7 @@ def short_tour(start: FloatArray, positions: FloatArray) -> IntArray:
     """Order positions such that the sum of the largest joint moves is small: nearest neighbour, then 2-opt.
 
     Args:
-        start: Where the robot stands at first [rad or m], shape (M,).
+        start: Initial gear coordinates [rad or m], shape (M,).
         positions: The positions [rad or m], shape (S, M).
 
     Returns:

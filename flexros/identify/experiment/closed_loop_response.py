@@ -91,7 +91,7 @@ def linear_controller(law: AbstractControlLaw, context: LoopContext) -> LinearCo
 
 
 def controller_response(law: AbstractControlLaw, context: LoopContext, frequency: FloatArray) -> ControllerResponse:
-    """Give the frequency responses of a controller away from its limits.
+    """Return the frequency responses of a controller away from its limits.
 
     Args:
         law: The controller.

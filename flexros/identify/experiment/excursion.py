@@ -1,4 +1,4 @@
-"""What excitation and slow motion add to the reference while the robot stays in a position."""
+"""Excitation and slow motion that are added to the reference in a position."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Excursion:
 
 
 def excursion(plan: ExperimentPlan, visit: Visit) -> Excursion:
-    """Give the motion of a stay, from the approach of a constant speed to the end of the last experiment and back.
+    """Return the motion of a stay, from the approach of a constant speed to the end of the last experiment and back.
 
     Args:
         plan: The plan.
@@ -56,7 +56,7 @@ def excursion(plan: ExperimentPlan, visit: Visit) -> Excursion:
 
 
 def faded(plan: ExperimentPlan, signals: BlockSignals, experiment: int) -> Excursion:
-    """Give the excitation of one experiment, without slow motion.
+    """Return the excitation of one experiment, without slow motion.
 
     Args:
         plan: The plan.
@@ -78,7 +78,7 @@ def faded(plan: ExperimentPlan, signals: BlockSignals, experiment: int) -> Excur
 
 
 def _slow(plan: ExperimentPlan, *, backwards: bool) -> Excursion:
-    """Give the slow motion of one experiment; a constant speed begins and ends half its way from the position."""
+    """Return the slow motion of one experiment; a constant speed begins and ends half its way from the position."""
     timing, motion, time = plan.timing, plan.specification.slow_motion, plan.sample_time
     if isinstance(motion, NoSlowMotion):
         return Excursion(np.zeros((timing.experiment, plan.n_motors)), np.zeros((timing.experiment, plan.n_motors)))
@@ -94,7 +94,7 @@ def _slow(plan: ExperimentPlan, *, backwards: bool) -> Excursion:
 
 
 def half_way(plan: ExperimentPlan) -> FloatArray:
-    """Give how far the slow motion alone takes the motors from a position, either way [rad or m], shape (M,).
+    """Return how far the slow motion alone takes the motors from a position, either way [rad or m], shape (M,).
 
     Args:
         plan: The plan.
@@ -109,7 +109,7 @@ def half_way(plan: ExperimentPlan) -> FloatArray:
 
 
 def _add_approaches(plan: ExperimentPlan, visit: Visit, result: Excursion) -> None:
-    """Write the way to the start of the first experiment, and from the end of the last one back."""
+    """Write the approach to the start of the first experiment, and from the end of the last one back."""
     half, lead = half_way(plan), plan.timing.lead
     law = approach_law(plan.specification, half)
     time = np.arange(lead, dtype=np.float64) * plan.sample_time

@@ -106,7 +106,7 @@ def _check_move(plan: ExperimentPlan, robot: Robot, visit: Visit, reference: Ref
     motor = int(np.argmax(largest / allowed))
     if largest[motor] > allowed[motor]:
         where = visit.begin + int(np.argmax(torque[:, motor]))
-        what = "hold the robot there" if where >= visit.arrive else "move there"
+        what = "hold the robot" if where >= visit.arrive else "move there"
         raise InputError(
             f"{_place(plan, visit)}: {robot.joint_names[motor]} needs {largest[motor]:.4g} "
             f"{_unit(robot, motor, 'torque')} to {what}, allowed are {allowed[motor]:.4g}; lower "
@@ -115,7 +115,7 @@ def _check_move(plan: ExperimentPlan, robot: Robot, visit: Visit, reference: Ref
 
 
 def _refusal(plan: ExperimentPlan, robot: Robot, margin: Margin, visit: Visit) -> InputError:
-    """Say which limit is left and what would do."""
+    """Word the error of a limit that is exceeded, with the remedy."""
     motor, name = margin.motor, margin.name
     unit = _unit(robot, motor, name.split()[0])
     said = (

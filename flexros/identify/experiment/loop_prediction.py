@@ -42,7 +42,7 @@ class PredictionAtRest:
     offset: tuple[FloatArray, FloatArray]
 
     def torque(self, signals: BlockSignals) -> FloatArray:
-        """Give the torque that the excitation of a block adds over one period or record.
+        """Return the torque that the excitation of a block adds over one period or record.
 
         Args:
             signals: The excitation.
@@ -53,7 +53,7 @@ class PredictionAtRest:
         return self._answer(self.response.torque, signals)
 
     def speed(self, signals: BlockSignals) -> FloatArray:
-        """Give the motor speed that the excitation of a block causes over one period or record.
+        """Return the motor speed that the excitation of a block causes over one period or record.
 
         Args:
             signals: The excitation.
@@ -64,7 +64,7 @@ class PredictionAtRest:
         return self._answer(self.response.speed, signals)
 
     def _answer(self, response: ComplexArray, signals: BlockSignals) -> FloatArray:
-        """Give what a response makes of the excitation, shape (n_experiments, n, M)."""
+        """Return the response to the excitation, shape (n_experiments, n, M)."""
         references = np.concatenate([signals.position, signals.speed], axis=2)
         spectrum = np.fft.rfft(references, axis=1)
         answer = np.zeros((*spectrum.shape[:2], self.plan.n_motors), dtype=complex)
@@ -115,7 +115,7 @@ class LoopPrediction:
         return PredictionAtRest(self.plan, self.lines, response, self._offset(state, response.torque))
 
     def _offset(self, state: FloatArray, response: ComplexArray) -> tuple[FloatArray, FloatArray]:
-        """Give the torque at rest and at the slow motion: gravity load, friction, and what a sine accelerates."""
+        """Return the torque at rest and at the slow motion: gravity load, friction, and what a sine accelerates."""
         robot, plan, motion = self.robot, self.plan, self.plan.specification.slow_motion
         holding = robot.holding_torque(state)
         if isinstance(motion, SlowSine):
@@ -134,13 +134,13 @@ class LoopPrediction:
         return holding, holding
 
     def _moved(self, state: FloatArray, way: FloatArray) -> FloatArray:
-        """Give the torque that holds the robot with the gears moved [Nm or N], shape (M,)."""
+        """Return the torque that holds the robot with the gears moved [Nm or N], shape (M,)."""
         arm = state[: self.robot.n_arm].copy()
         arm[list(self.robot.gear_rows)] += way
         return self.robot.holding_torque(self.robot.equilibrium(arm))
 
     def _at_speed(self, state: FloatArray, speed: FloatArray) -> FloatArray:
-        """Give the torque at a constant speed of all gears and motors, springs and arm as at rest, shape (M,)."""
+        """Return the torque at a constant speed of all gears and motors, springs and arm as at rest, shape (M,)."""
         robot, model = self.robot, self.robot.model
         n = robot.n_coordinates
         velocity = np.zeros(n)
@@ -156,5 +156,5 @@ class LoopPrediction:
 
 
 def _frequency(plan: ExperimentPlan, lines: IntArray) -> FloatArray:
-    """Give the frequencies of lines [Hz], shape (F,)."""
+    """Return the frequencies of lines [Hz], shape (F,)."""
     return np.asarray(lines / (plan.period_samples * plan.sample_time), dtype=float)

@@ -18,10 +18,10 @@ class Swing:
     """A quantity of all motors in one experiment: an offset, and a part that is proportional to the amplitude.
 
     Attributes:
-        name: What it is.
+        name: Name of the quantity.
         offset_low: Lowest value without excitation, shape (M,) or over time (n, M).
         offset_high: Highest value without excitation, same shape.
-        swing: What the excitation adds, shape (n, M).
+        swing: Part due to the excitation, shape (n, M).
         low: Lowest value allowed, shape (M,).
         high: Highest value allowed, shape (M,).
     """
@@ -36,7 +36,7 @@ class Swing:
 
 @dataclass(frozen=True)
 class Margin:
-    """The tightest place of one or more swings.
+    """The smallest margin of one or more swings.
 
     Attributes:
         factor: By what the excitation may be multiplied; 0 where the offset alone is too much.
@@ -62,7 +62,7 @@ def smallest_margin(swings: Sequence[Swing]) -> Margin:
         swings: At least one.
 
     Returns:
-        The tightest place.
+        The smallest margin.
     """
     margins = [margin for swing in swings for margin in (_upwards(swing), _upwards(_mirrored(swing), -1.0))]
     return min(margins, key=lambda margin: margin.factor)

@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 __all__ = ["ExperimentPlan", "Segment"]
 
 LONGEST = 7200.0
-"""Longest experiment [s]; a longer one is taken for a mistake (chosen)."""
+"""Longest experiment [s]; a longer one is refused as a mistake (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class ExperimentPlan:
-    """What happens when, made from specification, robot, sample time and seed alone.
+    """Timetable and excitation of an experiment, a function of specification, robot, sample time and seed.
 
     Attributes:
-        specification: What was asked for.
+        specification: Specification of the experiment.
         sample_time: Time between two samples [s].
         seed: Seed of phases and detection lines.
         start: Gear angles at the start [rad or m], shape (M,).
@@ -63,7 +63,7 @@ class ExperimentPlan:
         """Make the plan.
 
         Args:
-            specification: What the user wrote.
+            specification: Specification of the experiment.
             robot: The nominal robot.
             sample_time: Time between two samples [s].
             seed: Seed of phases and detection lines where the specification has none of its own.

@@ -25,11 +25,12 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 SETTLED = 1.0
-"""Rest after a move that the feedforward computes, beside that of the plan [s]; then its torque is held (chosen)."""
+"""Rest after a move that the feedforward computes, in addition to that of the plan [s] (chosen); then its torque is
+held."""
 
 
 def moves_of(plan: ExperimentPlan) -> Trajectory:
-    """Give the moves from position to position, with rests just long enough for the feedforward to come to rest.
+    """Return the moves from position to position, with rests just long enough for the feedforward to come to rest.
 
     Args:
         plan: The plan.
@@ -101,12 +102,12 @@ def identification_reference(
 
 
 def _moving(visit: Visit, plan: ExperimentPlan) -> int:
-    """Give the sample up to which the feedforward computes a move and its rest."""
+    """Return the sample up to which the feedforward computes a move and its rest."""
     return min(visit.lead + round(SETTLED / plan.sample_time), visit.end)
 
 
 def _rows(plan: ExperimentPlan, ahead: int) -> IntArray:
-    """Give the row of the moves' reference that holds at every sample, shape (n_samples,).
+    """Return the row of the moves' reference that holds at every sample, shape (n_samples,).
 
     The last rows of a rest look `ahead` to the next move; the row before them is held during the stay.
     """

@@ -20,7 +20,7 @@ class NoSlowMotion(Settings):
 
 
 class ConstantSpeed(Settings):
-    """Constant speed, forwards in one experiment and backwards in the next, so that the robot stays near its place.
+    """Constant speed, forwards in one experiment and backwards in the next, so that the robot stays near its position.
 
     A motor that never stops has no Coulomb friction but a constant one, which a frequency response does not see
     (Moberg 2007, Paper A, section 2, after Wernholt and Gunnarsson).
@@ -33,7 +33,7 @@ class ConstantSpeed(Settings):
     )
 
     def speeds(self, n_motors: int) -> FloatArray:
-        """Give the speed of every motor [rad/s or m/s], shape (M,)."""
+        """Return the speed of every motor [rad/s or m/s], shape (M,)."""
         return per_motor("identification.slow_motion.speed", self.speed, n_motors)
 
 
@@ -49,9 +49,9 @@ class SlowSine(Settings):
     )
 
     def speeds(self, n_motors: int) -> FloatArray:
-        """Give the speed of every motor [rad/s or m/s], shape (M,)."""
+        """Return the speed of every motor [rad/s or m/s], shape (M,)."""
         return per_motor("identification.slow_motion.speed", self.speed, n_motors)
 
 
 SlowMotion: TypeAlias = Annotated[NoSlowMotion | ConstantSpeed | SlowSine, Field(discriminator="kind")]
-"""Any slow motion, told apart by its key `kind`."""
+"""Any slow motion, distinguished by its key `kind`."""

@@ -22,7 +22,7 @@ Blocks: TypeAlias = Annotated[int, Field(ge=0, le=1000)]
 
 
 class MoveSettings(Settings):
-    """How the robot goes from position to position: all joints at once, with a time law of 9th degree."""
+    """Moves from position to position: all joints at once, with a time law of 9th degree."""
 
     speed: PositivePerMotor = Field(default=1.0, description="largest speed, one or one per motor [rad/s or m/s]")
     acceleration: PositivePerMotor = Field(
@@ -31,7 +31,7 @@ class MoveSettings(Settings):
 
 
 class LimitSettings(Settings):
-    """What the robot must keep beside the torque limits of its file; checked on the nominal model before a run."""
+    """Limits in addition to the torque limits of the robot file; checked on the nominal model before a run."""
 
     position: tuple[tuple[float, float], ...] | None = Field(
         default=None, description="lowest and highest gear angle of every motor [rad or m]; no limit when left out"
@@ -137,7 +137,7 @@ class IdentificationSpecification(Settings):
             )
 
     def gears(self, n_motors: int) -> FloatArray:
-        """Give the positions.
+        """Return the positions.
 
         Args:
             n_motors: Number of motors M of the robot.

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Segment:
-    """One experiment of a block: where its recorded whole periods lie; transients are left out.
+    """One experiment of a block: its recorded whole periods, without transients.
 
     Attributes:
         position: Number of the position.
@@ -100,7 +100,7 @@ def timing_of(specification: IdentificationSpecification, n_motors: int, sample_
     """Turn the times of a specification into samples.
 
     Args:
-        specification: What the user wrote.
+        specification: Specification of the experiment.
         n_motors: Number of motors M.
         sample_time: Time between two samples [s].
 
@@ -127,10 +127,10 @@ def timing_of(specification: IdentificationSpecification, n_motors: int, sample_
 def half_travel(
     specification: IdentificationSpecification, n_motors: int, at_speed: int, sample_time: float
 ) -> FloatArray:
-    """Give half the way of an experiment at constant speed.
+    """Return half the travel of an experiment at constant speed.
 
     Args:
-        specification: What the user wrote, with a constant speed.
+        specification: Specification of the experiment, with a constant speed.
         n_motors: Number of motors M.
         at_speed: Length of the experiment less one fade [samples].
         sample_time: Time between two samples [s].
@@ -166,7 +166,7 @@ def approach_law(specification: IdentificationSpecification, half: FloatArray) -
     It accelerates no more than the fade does, because no feedforward torque helps there.
 
     Args:
-        specification: What the user wrote, with a constant speed.
+        specification: Specification of the experiment, with a constant speed.
         half: The way of every motor [rad or m], not all zero, shape (M,).
 
     Returns:
@@ -181,7 +181,7 @@ def approach_law(specification: IdentificationSpecification, half: FloatArray) -
 
 
 def samples_of(law: TimeLaw, sample_time: float) -> int:
-    """Give the number of samples in which a law has ended."""
+    """Return the number of samples in which a law has ended."""
     return int(np.ceil(law.duration / sample_time - 1e-6))
 
 
@@ -191,7 +191,7 @@ def visits_of(
     """Lay the stays one after the other; positions without blocks are left out.
 
     Args:
-        specification: What the user wrote.
+        specification: Specification of the experiment.
         timing: Lengths in samples.
         start: Gear angles at the start [rad or m], shape (M,).
         n_motors: Number of motors M, also that of experiments in a block.
@@ -218,7 +218,7 @@ def visits_of(
 
 
 def order_of(n_blocks: int, n_motors: int, *, paired: bool) -> tuple[tuple[int, int], ...]:
-    """Give the order of the experiments of a stay.
+    """Return the order of the experiments of a stay.
 
     With a constant speed whose sign changes from experiment to experiment, two blocks are run alternately: so all
     experiments of the one go forwards and all of the other backwards. A robot that leaves its position a little gives a
@@ -246,7 +246,7 @@ def segments_of(
     Args:
         visits: The stays.
         timing: Lengths in samples.
-        specification: What the user wrote.
+        specification: Specification of the experiment.
         n_motors: Number of experiments in a block.
     """
     return tuple(

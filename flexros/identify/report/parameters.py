@@ -83,7 +83,7 @@ def _ticks(result: IdentificationResult, members: list[int]) -> dict[str, Any]:
 
 
 def _widen(figure: go.Figure, columns: int) -> None:
-    """Give the names of parameters room at the left of each panel."""
+    """Return the names of parameters room at the left of each panel."""
     figure.update_layout(margin={"l": 170})
     if columns == 2:
         figure.update_layout(xaxis={"domain": [0.0, 0.4]}, xaxis2={"domain": [0.6, 1.0]})

@@ -101,7 +101,7 @@ def diagnosed(folder: Path, case: OpenCase) -> DiagnosisResult:
 
 
 def case_settings() -> DiagnosisSettings:
-    """Give the settings of a diagnosis: the usual ones, on one core because cases run side by side.
+    """Return the settings of a diagnosis: the usual ones, on one core because cases run side by side.
 
     Nothing is done that is not scored: no map of where, no next experiment.
     """

@@ -119,7 +119,7 @@ def test_long_lists_are_cut(capsys: pytest.CaptureFixture[str]) -> None:
         (
             1,
             4.658,
-            "NOT rich enough: 1 of 11 base parameters are not excited; the others are well told apart, condition "
+            "NOT rich enough: 1 of 11 base parameters are not excited; the others are well conditioned, condition "
             "number 4.658 (up to 100)",
         ),
         (0, 230.0, "NOT rich enough: condition number 230 is above 100"),

@@ -88,5 +88,5 @@ def test_prior_makes_undetermined_parameters_harmless() -> None:
 def test_parameter_that_nothing_determines_is_named() -> None:
     information = random_information(20, 3)
     information[:, 1, :] = information[:, :, 1] = 0
-    with pytest.raises(InputError, match=r"no candidate position tells parameter number 2 of 3 from the others; leave"):
+    with pytest.raises(InputError, match=r"no candidate position distinguishes parameter 2 of 3 from the others"):
         d_optimal(information)

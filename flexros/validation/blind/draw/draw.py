@@ -33,7 +33,7 @@ class Draft:
     largest: float
 
     def at(self, size: float) -> Deviation:
-        """Give the deviation of a size."""
+        """Return the deviation of a size."""
         numbers = {name: float(value) for name, value in self.shape(size).items()}
         return Deviation(effect=self.effect, location=self.location, parameters=numbers)
 

@@ -55,7 +55,7 @@ def room_of(robot: Robot) -> Room:
 
 
 def rigid_inertia(robot: Robot) -> FloatArray:
-    """Give the inertia that each motor moves at home while the others stand and nothing bends [kg m2], shape (M,)."""
+    """Return the inertia that each motor moves at home while the others stand and nothing bends [kg m2], shape (M,)."""
     q = robot.equilibrium(robot.home)[: robot.n_coordinates]
     mass = np.asarray(robot.model.mass_matrix(q, robot.model.parameter_values))
     shape = np.zeros((robot.n_coordinates, robot.n_motors))

@@ -59,7 +59,7 @@ class Rehearsal:
         return plant.run(BlindInputs(self.reference, still, still, lost, push), SETTLE)
 
     def gain(self, deviation: Deviation) -> float:
-        """Give the expected gain in log-likelihood [nats]; infinite where the loop runs away."""
+        """Return the expected gain in log-likelihood [nats]; infinite where the loop runs away."""
         setting = self.setting
         try:
             run = self.run((deviation,))

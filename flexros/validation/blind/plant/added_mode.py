@@ -54,7 +54,7 @@ def with_mode(robot: Robot, location: str, parameters: Mapping[str, float]) -> R
 
 
 def reference_inertia(robot: Robot, location: str) -> float:
-    """Give the inertia that a ratio multiplies [kg m2]: of the last body, or of the arm at home about its base."""
+    """Return the inertia that a ratio multiplies [kg m2]: of the last body, or of the arm at home about its base."""
     if location == "base":
         arm = np.asarray(robot.model.arm_inertia(robot.home, robot.model.parameter_values))
         return float(arm[0, 0])

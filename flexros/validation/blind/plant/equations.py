@@ -100,17 +100,17 @@ class Equations:
         self.delays: list[ca.SX] = [ca.SX(0)] * m
 
     def motors(self, location: str) -> tuple[int, ...]:
-        """Give the motors of a location, a joint name or "all"."""
+        """Return the motors of a location, a joint name or "all"."""
         if location == "all":
             return tuple(range(self.robot.n_motors))
         return (self.robot.joint_names.index(location),)
 
     def place(self, motor: int) -> int:
-        """Give the place of a motor's position among the coordinates."""
+        """Return the place of a motor's position among the coordinates."""
         return self.robot.motor_rows[motor]
 
     def angle(self, motor: int) -> ca.SX:
-        """Give the angle of a rotor [rad]: gear ratio times coordinate on a robot stated on the arm side."""
+        """Return the angle of a rotor [rad]: gear ratio times coordinate on a robot stated on the arm side."""
         turns = self.robot.motors[motor].gear_ratio if self.robot.spec.coordinates == "arm" else 1.0
         return turns * self.q[self.place(motor)]
 
@@ -128,7 +128,7 @@ class Equations:
         self.factors[name] = self.factors.get(name, ca.SX(1)) * factor
 
     def deflection(self, joint: int) -> Twist:
-        """Give the deflection of a joint's spring and its rate: of a gear from arm to motor, else of the arm."""
+        """Return the deflection of a joint's spring and its rate: of a gear from arm to motor, else of the arm."""
         found = self.robot.joints[joint]
         if found.motor_coordinate is None:
             return Twist(self.q[joint], self.v[joint])
@@ -136,7 +136,7 @@ class Equations:
         return Twist(self.q[own] - self.q[joint], self.v[own] - self.v[joint])
 
     def twist(self, motor: int) -> Twist:
-        """Give the deflection of a gear with what deviations have made of it so far."""
+        """Return the deflection of a gear with what deviations have made of it so far."""
         return self.twists.get(motor) or self.deflection(self.robot.gear_rows[motor])
 
     def gear_torque(self, joint: int, twist: Twist) -> ca.SX:
@@ -168,7 +168,7 @@ class Equations:
         self.added[self.place(motor)] += torque
 
     def starts(self) -> FloatArray:
-        """Give the start values of all added states, shape (number of them,)."""
+        """Return the start values of all added states, shape (number of them,)."""
         import numpy as np
 
         return np.array([state.start for state in self.states])

@@ -146,7 +146,7 @@ class BlindPlant:
         )
 
     def numbers(self, deviations: Sequence[Deviation] | None = None) -> FloatArray:
-        """Give the numbers of deviations in the order of the compiled plant, shape (P,)."""
+        """Return the numbers of deviations in the order of the compiled plant, shape (P,)."""
         chosen = self.deviations if deviations is None else deviations
         return np.array([value for one in chosen for value in one.parameters.values()], dtype=float)
 
@@ -199,7 +199,7 @@ class BlindPlant:
 
 
 def _robot_with_modes(robot: Robot, deviations: Sequence[Deviation]) -> tuple[Robot, int]:
-    """Give the robot its further bodies, and say whether one lies before the first."""
+    """Return the robot its further bodies, and say whether one lies before the first."""
     first_body = 0
     for one in deviations:
         if one.effect == "extra_mode":

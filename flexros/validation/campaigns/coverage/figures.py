@@ -166,7 +166,7 @@ def _largest(errors: FloatArray) -> float | None:
 
 
 def _mean_share(shares: FloatArray, sizes: Sequence[int]) -> Share:
-    """Give the mean over repetitions, and its interval from the means of groups."""
+    """Return the mean over repetitions, and its interval from the means of groups."""
     mean = float(np.mean(shares))
     means = [float(np.mean(part)) for part in np.split(shares, np.cumsum(sizes)[:-1])]
     reach = NORMAL_95 * float(np.std(means, ddof=1)) / np.sqrt(len(means)) if len(means) > 1 else 1.0
