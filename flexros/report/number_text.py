@@ -6,7 +6,7 @@ import numpy as np
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """Write a number with so many significant digits; whole numbers as such, "-" for none."""
+    """Format a number with significant digits; integers in full, "-" for None or not finite."""
     if value is None or not np.isfinite(value):
         return "-"
     if value == round(value) and abs(value) < 1e15:
@@ -18,7 +18,7 @@ def number(value: float | None, digits: int = 4) -> str:
 
 
 def percent(share: float, digits: int = 3) -> str:
-    """Write a share in per cent; what is beyond a factor of ten as such.
+    """Format a share in per cent, ">1000" above a factor of ten.
 
     Args:
         share: The share [1].

@@ -32,14 +32,14 @@ def test_deviation_is_relative_to_the_published_figure(comparison):
     assert row.deviation == pytest.approx(comparison.runs[0].analysis.path.path.maximum / 0.32e-3 - 1)
 
 
-def test_what_is_only_quoted_and_what_is_only_run_both_stand_in_the_table(comparison):
+def test_what_is_only_quoted_and_what_is_only_run_are_both_in_the_table(comparison):
     rows = {(row.method, row.case): row for row in comparison.rows()}
     assert rows["DAE", "slow"].attained is None
     assert rows["PD", "nominal"].published is None
     assert rows["PD", "nominal"].deviation is None
 
 
-def test_rows_of_a_method_stand_together(comparison):
+def test_rows_of_a_method_are_contiguous(comparison):
     assert [row.method for row in comparison.rows()] == ["DAE", "DAE", "DAE", "PD"]
 
 

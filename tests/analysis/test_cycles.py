@@ -39,7 +39,7 @@ def test_rest_between_passes_belongs_to_the_period_and_may_lack_at_the_end():
         assert cycle.arc_length()[-1] == pytest.approx(cycles[0].arc_length()[-1])
 
 
-def test_a_pass_that_is_broken_off_is_left_out():
+def test_a_pass_that_is_aborted_is_left_out():
     points = circle(3, 200)[:-80]
     assert len(split_cycles(run_of(points))) == 2
 

@@ -26,6 +26,6 @@ def test_a_figure_that_one_run_lacks_is_marked(make_run):
     assert values["path repeatability RT_p"][1] != "-"
 
 
-def test_each_group_stands_together(make_run):
+def test_each_group_is_contiguous(make_run):
     groups = [row.group for row in figure_rows([analyse(make_run()), analyse(make_run(cycles=2))])]
     assert groups == sorted(groups, key=groups.index)

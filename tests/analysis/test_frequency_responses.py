@@ -25,8 +25,8 @@ def test_responses_are_those_of_the_estimation(experiment_log: Log) -> None:
 
 
 def test_record_for_json_names_positions_lines_band_and_deviation(experiment_log: Log) -> None:
-    told = json.loads(json.dumps(analyse(experiment_log).as_dict()["frequency_responses"]))
-    first, second = told["positions"]
+    record = json.loads(json.dumps(analyse(experiment_log).as_dict()["frequency_responses"]))
+    first, second = record["positions"]
     assert second["gears"] == [0.1, 0.5]
     assert (first["lowest_hz"], first["highest_hz"], first["blocks"], first["periods"]) == (3.0, 39.0, 2, 2)
     assert first["lines"] > 10
@@ -70,7 +70,7 @@ def test_stopped_experiment_is_said_to_be_stopped(experiment_log: Log) -> None:
     assert not any("aborted" in text for text in warnings)
 
 
-def test_log_whose_responses_cannot_be_told_is_analysed_without(experiment_log: Log) -> None:
+def test_log_whose_responses_cannot_be_estimated_is_analysed_without(experiment_log: Log) -> None:
     analysis = analyse(replace(experiment_log, joint_commands=None))
     assert analysis.responses is not None
     assert analysis.responses.positions == ()

@@ -82,7 +82,7 @@ def test_a_last_measurement_without_command_is_no_loss():
     assert timing.exact
 
 
-def test_a_late_start_of_a_topic_is_told():
+def test_a_late_start_of_a_topic_is_reported():
     timing = loop_timing(Log(series(grid(100)), series(grid(100)[20:])))
     commands = timing.topic("joint_commands")
     assert commands is not None

@@ -63,7 +63,7 @@ def test_figures_of_the_plant_in_si_units():
     )
 
 
-def test_a_plant_that_told_half_leaves_the_rest_open():
+def test_a_plant_that_reported_half_leaves_the_rest_open():
     assert plant_pacing({"missed_commands": 2.0}) == Pacing(missed_commands=2)
 
 
@@ -84,7 +84,7 @@ def test_the_provenance_says_whether_it_was_real_time(make_run):
     assert ran_in_real_time(replace(received(log), provenance={"real_time": False})) is False
 
 
-def test_without_a_word_the_log_itself_tells(make_run):
+def test_without_provenance_the_log_itself_decides(make_run):
     log = make_run()
     assert ran_in_real_time(received(log)) is True
     assert ran_in_real_time(replace(log, plant_figures=FIGURES)) is True

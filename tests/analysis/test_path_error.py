@@ -40,7 +40,7 @@ def test_ellipse_around_a_circle_has_the_difference_of_the_half_axes_as_error():
     assert error.path.rms == pytest.approx(np.sqrt(np.mean(exact**2)), rel=1e-9)
 
 
-def test_time_and_place_of_the_largest_error_are_told():
+def test_time_and_place_of_the_largest_error_are_reported():
     angle = np.linspace(0.0, 2 * np.pi, 801)
     bump = 1e-4 * np.exp(-(((angle - np.pi / 2) / 0.1) ** 2))
     error = path_error(series(ring(angle, RADIUS + bump, RADIUS + bump)), series(ring(angle)))

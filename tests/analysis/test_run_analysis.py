@@ -37,7 +37,7 @@ def test_cycles_are_cut_and_counted(make_run):
 
 
 @pytest.mark.parametrize("absent", ["tool_reference", "tool_pose"])
-def test_without_a_tool_topic_only_the_motor_side_is_told(make_run, absent):
+def test_without_a_tool_topic_only_the_motor_side_is_reported(make_run, absent):
     analysis = analyse(replace(make_run(), **{absent: None}))
     assert analysis.path is None
     assert analysis.motors[0].tracking is not None
@@ -88,10 +88,10 @@ def test_components_that_the_robot_does_not_control_are_left_out(make_run):
     assert analysis.path.path.maximum == pytest.approx(analyse(make_run()).path.path.maximum, rel=1e-9)
 
 
-def test_a_linear_drive_is_told_from_a_turning_one(make_run):
+def test_a_linear_drive_is_reported_from_a_turning_one(make_run):
     log = make_run()
-    one = replace(log.joint_states, names=("motor_1",), position=log.joint_states.position[:, :1])
-    (motor,) = analyse(Log(one), robot=load_robot("emps")).motors
+    single = replace(log.joint_states, names=("motor_1",), position=log.joint_states.position[:, :1])
+    (motor,) = analyse(Log(single), robot=load_robot("emps")).motors
     assert motor.linear
     assert not analyse(log, robot=load_robot("e12")).motors[0].linear
 
@@ -141,5 +141,5 @@ def test_a_path_followed_in_part_says_how_much(make_run):
 def test_a_log_that_ends_early_says_so(make_run, planned, warned):
     log = make_run()
     warnings = analyse(replace(log, provenance={**log.provenance, "n_samples": planned})).warnings
-    told = "the log has 1001 of the 2000 samples of its run, which was aborted or lost samples"
-    assert warnings == ((told,) if warned else ())
+    warning = "the log has 1001 of the 2000 samples of its run, which was aborted or lost samples"
+    assert warnings == ((warning,) if warned else ())

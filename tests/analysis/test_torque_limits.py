@@ -21,9 +21,9 @@ def with_limit(limit):
 
 def limits(*arguments):
     warnings = []
-    found = limited_drives(*arguments, warnings)
+    drives = limited_drives(*arguments, warnings)
     assert warnings == []
-    return {joint: (drive.torque_limit, drive.limited_by) for joint, drive in found.items()}
+    return {joint: (drive.torque_limit, drive.limited_by) for joint, drive in drives.items()}
 
 
 def test_the_smaller_of_both_limits_holds():
@@ -44,20 +44,20 @@ def test_without_a_limit_of_the_controller_that_of_the_robot_holds(provenance):
 
 
 def test_the_limit_of_the_controller_is_used_without_a_robot():
-    found = limits(None, ("a", "b"), with_limit([5.0, 6.0]))
-    assert found == {"a": (5.0, "controller.torque_limit"), "b": (6.0, "controller.torque_limit")}
+    drives = limits(None, ("a", "b"), with_limit([5.0, 6.0]))
+    assert drives == {"a": (5.0, "controller.torque_limit"), "b": (6.0, "controller.torque_limit")}
 
 
 def test_limits_of_the_controller_follow_the_names_of_the_joints():
-    found = limits(DRIVES, ("motor_2", "motor_1"), with_limit([50.0, 300.0]))
-    assert {joint: limit for joint, (limit, _) in found.items()} == {"motor_2": 300.0, "motor_1": 50.0}
+    drives = limits(DRIVES, ("motor_2", "motor_1"), with_limit([50.0, 300.0]))
+    assert {joint: limit for joint, (limit, _) in drives.items()} == {"motor_2": 300.0, "motor_1": 50.0}
 
 
 @pytest.mark.parametrize("limit", ["much", [1.0, 2.0, 3.0], -5.0, float("nan"), [[1.0, 2.0]], {"a": 1}])
 def test_a_limit_that_is_none_is_left_out_with_a_sentence(limit):
     warnings = []
-    found = limited_drives(DRIVES, JOINTS, with_limit(limit), warnings)
-    assert {joint: drive.torque_limit for joint, drive in found.items()} == {"motor_1": 100.0, "motor_2": np.inf}
+    drives = limited_drives(DRIVES, JOINTS, with_limit(limit), warnings)
+    assert {joint: drive.torque_limit for joint, drive in drives.items()} == {"motor_1": 100.0, "motor_2": np.inf}
     assert warnings == [
         f"controller.torque_limit in the provenance is {limit!r}, allowed is a positive number or one for each of the "
         "motors (2); it was ignored"
@@ -82,8 +82,8 @@ def test_a_command_at_its_limit_and_a_feedforward_beyond_it_are_warned_of(make_r
     motor = analysis.motors[1]
     assert motor.saturated_share == pytest.approx(np.mean(ahead >= 2000.0))
     share = f"{1e2 * np.mean(ahead > 2000.0):.3g} % of the run"
-    told = [warning for warning in analysis.warnings if "motor_2" in warning]
-    assert told == [
+    warnings_of_motor = [warning for warning in analysis.warnings if "motor_2" in warning]
+    assert warnings_of_motor == [
         f"the command of motor_2 is at its limit of 2000 Nm (controller.torque_limit) for {share}, where no feedback "
         "can act",
         f"the feedforward torque of motor_2 alone exceeds the limit of 2000 Nm (controller.torque_limit) for {share} "

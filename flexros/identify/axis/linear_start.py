@@ -132,16 +132,16 @@ def chain_of_masses(
 def linear_start(
     structure: AxisStructure, rigid: RigidStart, antiresonances: Sequence[float], resonances: Sequence[float]
 ) -> dict[str, float]:
-    """Put the values of the linear steps together.
+    """Combine the values of the linear steps.
 
     Args:
-        structure: What the model is made of.
+        structure: Model structure.
         rigid: The rigid axis.
         antiresonances: [Hz], one less than masses.
         resonances: [Hz], one less than masses.
 
     Returns:
-        Values of all parameters but those of the gear's nonlinearity and of the Stribeck hump, by name.
+        Values by name of all parameters except those of the gear nonlinearity and of the Stribeck term.
 
     Raises:
         InputError: Wrong number or order of frequencies.

@@ -41,9 +41,7 @@ class DiagnosisSpecification(Settings):
         description="parts, each as often as it is listed: creep both ways, presliding (small slow reversals), "
         "multisine, biased (multisine on a slow swing), moves (fast), steps",
     )
-    poses: int = Field(
-        default=3, ge=1, le=12, description="poses in which the parts take place in turn, the start included [1]"
-    )
+    poses: int = Field(default=3, ge=1, le=12, description="poses of the parts in turn, including the initial one [1]")
     dwell: float = Field(default=0.3, ge=0.05, le=60.0, description="rest after a fast move [s]")
     intensity: float = Field(
         default=1.0, gt=0.0, le=1.2, description="size of multisines, moves and steps relative to the usual one [1]"
@@ -57,10 +55,10 @@ class DiagnosisSpecification(Settings):
         default=0.35, ge=0.0, le=0.8, description="peak torque of the slow swing of biased, share of the torque scale"
     )
     lowest: float | None = Field(
-        default=None, gt=0.0, description="lowest line of the multisines [Hz]; three over the period when left out"
+        default=None, gt=0.0, description="lowest line of the multisines [Hz]; default: three over the period"
     )
     highest: float | None = Field(
-        default=None, gt=0.0, description="highest line of the multisines [Hz]; 0.06 of the sampling rate when left out"
+        default=None, gt=0.0, description="highest line of the multisines [Hz]; default: 0.06 of the sampling rate"
     )
     creep_speeds: tuple[float, ...] = Field(
         default=(1.0, 3.0, 0.05),
@@ -69,7 +67,7 @@ class DiagnosisSpecification(Settings):
     )
     creep: PositivePerMotor | None = Field(
         default=None,
-        description="way of the creep, one or one per motor [rad or m]; 2.5 turns of the rotor when left out",
+        description="stroke of the creep, one or one per motor [rad or m]; default: 2.5 turns of the rotor",
     )
     reversal: float = Field(
         default=1.0, gt=0.0, le=10.0, description="size of the small slow reversals relative to the usual one [1]"
@@ -87,7 +85,7 @@ class DiagnosisSpecification(Settings):
         default=None,
         ge=0,
         lt=2**63,
-        description="seed of poses, phases, lines and order of the parts; that of the scenario when left out [1]",
+        description="seed of poses, phases, lines and order of the parts; default: that of the scenario [1]",
     )
 
     @model_validator(mode="after")

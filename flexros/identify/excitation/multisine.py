@@ -50,7 +50,7 @@ class Multisine(AbstractExcitation):
         default="linear", description="spacing of the excited lines in the band [name]"
     )
     number: int | None = Field(
-        default=None, ge=2, description="number of lines before detection lines are left out; all when left out [1]"
+        default=None, ge=2, description="number of lines before detection lines are removed; default: all [1]"
     )
     lines_of: Literal["odd", "all"] = Field(
         default="odd", description="odd: even lines stay empty and show even distortions; all: any line [name]"

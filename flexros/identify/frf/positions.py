@@ -50,7 +50,7 @@ def estimate_responses(
         One response per position that was visited, in the order of the plan's positions.
 
     Raises:
-        InputError: The record would give a wrong response; the message names place and cause.
+        InputError: The record would give a wrong response; the message names location and cause.
     """
     chosen = FrfSettings() if settings is None else settings
     aligned = align(log, plan, start_stamp)

@@ -1,9 +1,9 @@
-"""How large a misfit may be by chance: few blocks give variances that are themselves uncertain.
+"""Limits of residuals that chance explains: few blocks give variances that are themselves uncertain.
 
-The squared misfit of a line over a variance of nu complex degrees of freedom is F-distributed with 2 and 2 nu degrees;
-variances pooled over neighbouring lines are the same for all of them, so that a mean over lines scatters by more than
-their number suggests. Where the weights of a fit are not optimal, the scatter of its parameters comes on top: it moves
-lines that the weights make little of by many of their standard deviations (derived).
+The squared residual of a line over a variance of nu complex degrees of freedom is F-distributed with 2 and 2 nu
+degrees. Variances pooled over neighbouring lines are the same for all of them, so that a mean over lines scatters by
+more than their number suggests. Where the weights of a fit are not optimal, the scatter of its parameters is added: it
+moves lines of low weight by many of their standard deviations (derived).
 """
 
 from __future__ import annotations
@@ -24,54 +24,54 @@ if TYPE_CHECKING:
     from flexros.identify.graybox.response_noise import ResponseNoise
 
 UNEXPLAINED = 2.0
-"""Mean squared misfit over variance, every line counting alike, from which something is left unexplained (chosen)."""
+"""Mean squared residual over variance, all lines weighted equally, above which part is unexplained (chosen)."""
 
 SURE = 0.999
 """Probability with which chance stays below the limits (chosen)."""
 
 _DRAWS, _MOST_RATIOS = 20_000, 50
-"""Draws of means of ratios, and ratios in each at most (chosen)."""
+"""Number of draws of means of ratios, and largest number of ratios in each (chosen)."""
 
 _FEWEST = 3.0
-"""Degrees of freedom that are counted at least: with two, the variance of an F-distribution is infinite."""
+"""Smallest assumed degrees of freedom: with two, the variance of an F-distribution is infinite."""
 
 
 @dataclass(frozen=True)
 class ScatterLimits:
-    """What chance explains.
+    """Largest residuals that chance explains.
 
     Attributes:
         cost: Cost of the fit over its expected value.
-        chi_square: Mean squared misfit over variance, every line counting alike.
+        chi_square: Mean squared residual over variance, all lines weighted equally.
     """
 
     cost: float = MISSES
     chi_square: float = UNEXPLAINED
 
 
-def scatter_limits(problem: GrayBoxProblem, found: GrayBoxFit, covariance: ParameterCovariance) -> ScatterLimits:
+def scatter_limits(problem: GrayBoxProblem, fit: GrayBoxFit, covariance: ParameterCovariance) -> ScatterLimits:
     """Compute the limits of an identification.
 
     Args:
-        problem: What was fitted.
-        found: Where the fit ended.
+        problem: Measured responses, estimator and weights.
+        fit: Result of the fit.
         covariance: Covariance of its parameters.
 
     Returns:
-        The limits, `MISSES` and `UNEXPLAINED` at least; these where the responses have no covariance.
+        The limits, at least `MISSES` and `UNEXPLAINED`; exactly these where the responses have no covariance.
     """
     noises = [noise for noise in map(response_noise, problem.responses) if noise is not None]
     if len(noises) < len(problem.responses):
         return ScatterLimits()
-    response, slopes = problem.model_at(found.values).response_and_jacobian(
-        found.values, problem.scale.per_value(found.values)
+    response, slopes = problem.model_at(fit.values).response_and_jacobian(
+        fit.values, problem.scale.per_value(fit.values)
     )
     variance = np.stack([noise.variance for noise in noises])
     used = problem.weights > 0
     degrees = max(min(noise.degrees_of_freedom for noise in noises), _FEWEST)
     width = max(1, round(degrees / max(1, _spare(noises[0]))))
     expected = np.where(used, problem.weights * problem.estimator.element_variance(variance, response), 0.0)
-    own = _variance(expected / expected.sum(), degrees, width, 1.0 / problem.estimator.noise_share)
+    weighted = _variance(expected / expected.sum(), degrees, width, 1.0 / problem.estimator.noise_share)
     lines = _variance(used / np.count_nonzero(used), degrees, width, 1.0)
     relative = np.where(used, 1.0 / np.sqrt(variance), 0.0)[..., None] * slopes
     information = np.real(np.tensordot(relative.conj(), relative, axes=([0, 1, 2, 3], [0, 1, 2, 3])))
@@ -79,11 +79,11 @@ def scatter_limits(problem: GrayBoxProblem, found: GrayBoxFit, covariance: Param
     grown = degrees / (degrees - 1.0)
     mean = grown * (1.0 + float(np.trace(moved)))
     spread = grown**2 * (lines + 2.0 * float(np.trace(moved @ moved)))
-    return ScatterLimits(max(MISSES, by_chance(1.0, own)), max(UNEXPLAINED, by_chance(mean, spread)))
+    return ScatterLimits(max(MISSES, by_chance(1.0, weighted)), max(UNEXPLAINED, by_chance(mean, spread)))
 
 
 def by_chance(mean: float, variance: float) -> float:
-    """Return what a mean of squares stays below with probability `SURE`, as a scaled chi-square distribution tells.
+    """Return the bound of a mean of squares at probability `SURE`, for a scaled chi-square distribution.
 
     Args:
         mean: Its expected value.
@@ -96,13 +96,13 @@ def by_chance(mean: float, variance: float) -> float:
 
 
 def power_ratio(above: float, below: float, number: int) -> float:
-    """Return what a mean of ratios of two mean powers, of equal expectation, stays below by chance.
+    """Return the bound at probability `SURE` of a mean of ratios of two mean powers of equal expectation.
 
     Means of few ratios with few degrees of freedom have long tails, so they are drawn (seeded).
 
     Args:
-        above: Complex degrees of freedom of the upper one.
-        below: Those of the lower one.
+        above: Complex degrees of freedom of the numerator.
+        below: Those of the denominator.
         number: Number of independent ratios.
     """
     generator, shape = np.random.default_rng(0), (_DRAWS, min(max(number, 1), _MOST_RATIOS))
@@ -111,7 +111,7 @@ def power_ratio(above: float, below: float, number: int) -> float:
 
 
 def _spare(noise: ResponseNoise) -> int:
-    """Degrees of freedom of a single line, before variances were pooled."""
+    """Degrees of freedom of a single line, before pooling."""
     response = noise.response
     motors = len(response.input_names)
     if noise.kind == "total":
@@ -125,7 +125,7 @@ def _variance(shares: FloatArray, degrees: float, width: int, single: float) -> 
     Args:
         shares: Shares of the elements, shape (Q, F, n_y, n_u), of sum 1.
         degrees: Degrees of freedom nu of each variance.
-        width: Neighbouring lines that have one variance, as all inputs have.
+        width: Number of neighbouring lines with one common variance.
         single: Variance of one squared error over its variance: 1 if it is complex, 2 if real.
     """
     starts = np.arange(0, shares.shape[1], width)

@@ -34,11 +34,11 @@ def test_table_has_the_deviation_of_every_motor(experiment: Analysis) -> None:
     table = next(block for block in blocks if isinstance(block, TextTable))
     assert [row[0] for row in table.rows] == ["position 1 (0.00, 0.30)", "position 2 (0.10, 0.50)"]
     assert experiment.responses is not None
-    told = experiment.responses.as_dict()["positions"][1]["relative_std_diagonal"]["motor_2"]
-    assert float(table.rows[1][-1]) == pytest.approx(100 * told, rel=0.01)
+    share = experiment.responses.as_dict()["positions"][1]["relative_std_diagonal"]["motor_2"]
+    assert float(table.rows[1][-1]) == pytest.approx(100 * share, rel=0.01)
 
 
-def test_several_runs_are_told_apart_and_others_left_out(experiment: Analysis, make_run) -> None:
+def test_several_runs_are_distinguished_and_others_left_out(experiment: Analysis, make_run) -> None:
     other = analyse(make_run(), label="circle")
     blocks = FrequencyResponseSection().blocks([other, replace(experiment, label="a"), replace(experiment, label="b")])
     texts = [block.text for block in blocks if isinstance(block, Paragraph)]
@@ -47,7 +47,7 @@ def test_several_runs_are_told_apart_and_others_left_out(experiment: Analysis, m
     assert FrequencyResponseSection().blocks([other]) == ()
 
 
-def test_warnings_of_the_record_stand_in_the_section(experiment_log: Log, experiment: Analysis) -> None:
+def test_warnings_of_the_record_are_in_the_section(experiment_log: Log, experiment: Analysis) -> None:
     assert experiment.responses is not None
     spoilt = replace(experiment.responses.positions[0], warnings=("the clock stood still",))
     blocks = FrequencyResponseSection().blocks(
@@ -56,7 +56,7 @@ def test_warnings_of_the_record_stand_in_the_section(experiment_log: Log, experi
     assert Paragraph("Warning: the clock stood still.", "note") in blocks
 
 
-def test_reason_is_shown_where_responses_cannot_be_told(experiment_log: Log) -> None:
+def test_reason_is_shown_where_there_are_no_responses(experiment_log: Log) -> None:
     analysis = analyse(replace(experiment_log, joint_commands=None))
     (only,) = FrequencyResponseSection().blocks([analysis])
     assert isinstance(only, Paragraph)

@@ -50,7 +50,7 @@ def test_both_axes_have_the_same_scale_and_a_unit(make_run):
 @pytest.mark.parametrize(
     ("columns", "titles"), [("xy", ("y [mm]", "x [mm]")), ("yx", ("x [mm]", "y [mm]")), ("xz", ("x [mm]", "z [mm]"))]
 )
-def test_a_path_higher_than_wide_lies_on_its_side_unless_it_is_upright(make_run, columns, titles):
+def test_a_path_higher_than_wide_is_drawn_on_its_side_unless_it_is_upright(make_run, columns, titles):
     log = make_run()
 
     def ellipse(series):

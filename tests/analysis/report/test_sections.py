@@ -67,7 +67,7 @@ def test_verdict_of_several_runs_names_best_and_worst(make_run):
     assert "dae stayed closest to its path, within 0.285 mm; pd left it farthest" in verdict(runs)
 
 
-def test_exact_timing_is_said_to_be_so_by_construction(runs):
+def test_exact_timing_is_reported_as_exact_by_construction(runs):
     blocks = TimingSection().blocks(runs[:1])
     assert "exact by construction" in next(b.text for b in blocks if isinstance(b, Paragraph))
     assert not any(isinstance(block, Picture) for block in blocks)
@@ -107,7 +107,7 @@ def test_real_time_is_said_with_what_plant_and_recorder_saw(make_run):
 
 
 @pytest.mark.parametrize(
-    ("figures", "told"),
+    ("figures", "expected"),
     [
         ({}, "paced by the wall clock: the log does not contain the plant's report of it. "),
         ({"cycles": 9}, "paced by the wall clock: the plant did not report how well. "),
@@ -116,13 +116,13 @@ def test_real_time_is_said_with_what_plant_and_recorder_saw(make_run):
         ({"missed_commands": 7}, "wall clock: 7 commands were missed, for which the last one was held. "),
     ],
 )
-def test_what_the_plant_did_not_tell_is_left_open(make_run, figures, told):
+def test_what_the_plant_did_not_report_is_left_open(make_run, figures, expected):
     (text,) = texts(TimingSection(), analyse(paced(make_run(), received=False, **figures)))
-    assert told in text
+    assert expected in text
     assert text.endswith("The log times are the stamps, so the receive times are not known.")
 
 
-def test_a_recorder_that_takes_messages_in_bursts_is_told_from_the_loop(make_run):
+def test_a_recorder_that_takes_messages_in_bursts_is_distinguished_from_the_loop(make_run):
     log = paced(make_run(), **KEPT)
     stamp = log.joint_states.stamp
     bursts = stamp[np.minimum((np.arange(1001) // 8 + 1) * 8, 1000)] + np.arange(1001) % 8 * 20_000
@@ -145,7 +145,7 @@ def test_real_time_is_tabled_and_drawn_by_the_times_of_receipt(make_run):
     assert bars.y[-1] == 1
 
 
-def test_runs_of_both_kinds_are_told_apart(make_run):
+def test_runs_of_both_kinds_are_distinguished(make_run):
     runs = [analyse(make_run(), label="still"), analyse(paced(make_run(), **KEPT), label="paced")]
     first, second = texts(TimingSection(), *runs)
     assert first.startswith("In still all stamps are on an exact grid")
@@ -153,12 +153,12 @@ def test_runs_of_both_kinds_are_told_apart(make_run):
     assert second.startswith("paced ran in real time")
 
 
-def test_a_log_that_does_not_tell_is_not_called_lock_step(make_run):
+def test_a_log_without_a_mode_is_not_called_lock_step(make_run):
     (text,) = texts(TimingSection(), analyse(replace(make_run(), provenance={})))
     assert text.endswith("Whether the loop ran in real time or in lock-step is not known.")
 
 
-def test_verdict_tells_the_pace_of_real_time(make_run):
+def test_verdict_states_the_pace_of_real_time(make_run):
     run = analyse(paced(make_run(), **KEPT))
     assert verdict([run]).endswith(
         "No sample is missing. In real time 3.50 % of the cycles began late and 1 command was missed, for which the "
@@ -216,7 +216,7 @@ def test_the_torque_limit_is_named_with_the_share_of_the_run(make_run):
     assert text.endswith(f"; the torque limit was reached at motor_2 (for {share:.1f} % of the run).")
 
 
-def test_torque_shares_of_several_runs_stand_in_a_table(runs):
+def test_torque_shares_of_several_runs_are_in_a_table(runs):
     table = TorqueSection().blocks(runs)[0]
     assert isinstance(table, TextTable)
     assert table.rows[0] == ("one", "8.36", "3.00")

@@ -75,7 +75,7 @@ def test_plotly_is_embedded_once(page):
     assert len(re.findall(r"<script>/\*\*?\s*\n?\s*\* plotly\.js", text)) == 1
 
 
-def test_every_picture_has_its_place_and_caption(page):
+def test_every_picture_has_its_element_and_caption(page):
     tags = parsed(page)
     places = [attributes["id"] for tag, attributes in tags.tags if attributes.get("class") == "picture"]
     assert places == [picture["id"] for picture in tags.pictures]

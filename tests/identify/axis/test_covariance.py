@@ -16,8 +16,8 @@ def fixture_slopes() -> np.ndarray:
 def test_white_errors_give_the_usual_covariance(slopes: np.ndarray) -> None:
     errors = 0.1 * np.random.default_rng(2).normal(size=4000)
     expected = 0.01 * np.linalg.inv(slopes.T @ slopes)
-    found = prediction_covariance(errors, slopes, 5)
-    assert np.sqrt(np.diag(found)) == pytest.approx(np.sqrt(np.diag(expected)), rel=0.05)
+    covariance = prediction_covariance(errors, slopes, 5)
+    assert np.sqrt(np.diag(covariance)) == pytest.approx(np.sqrt(np.diag(expected)), rel=0.05)
 
 
 def test_correlated_errors_and_slopes_raise_deviations(slopes: np.ndarray) -> None:
@@ -40,17 +40,17 @@ def test_intervals_of_short_records_hold() -> None:
     assert np.mean(covered) > 0.92
 
 
-def test_parameters_that_act_alike_are_not_told(slopes: np.ndarray) -> None:
+def test_parameters_that_act_alike_are_not_identifiable(slopes: np.ndarray) -> None:
     errors = 0.1 * np.random.default_rng(2).normal(size=4000)
     alike = np.column_stack([slopes, -7.0 * slopes[:, 1]])
-    found = prediction_covariance(errors, alike, 5)
-    assert np.all(np.isinf(np.diag(found)[[1, 3]]))
+    covariance = prediction_covariance(errors, alike, 5)
+    assert np.all(np.isinf(np.diag(covariance)[[1, 3]]))
     alone = prediction_covariance(errors, slopes, 5)
-    assert np.diag(found)[[0, 2]] == pytest.approx(np.diag(alone)[[0, 2]], rel=0.02)
+    assert np.diag(covariance)[[0, 2]] == pytest.approx(np.diag(alone)[[0, 2]], rel=0.02)
 
 
-def test_parameter_without_effect_is_not_told(slopes: np.ndarray) -> None:
+def test_parameter_without_effect_is_not_identifiable(slopes: np.ndarray) -> None:
     errors = 0.1 * np.random.default_rng(2).normal(size=4000)
-    found = prediction_covariance(errors, np.column_stack([slopes, np.zeros(4000)]), 5)
-    assert np.isinf(found[3, 3])
-    assert np.all(np.isfinite(found[:3, :3]))
+    covariance = prediction_covariance(errors, np.column_stack([slopes, np.zeros(4000)]), 5)
+    assert np.isinf(covariance[3, 3])
+    assert np.all(np.isfinite(covariance[:3, :3]))

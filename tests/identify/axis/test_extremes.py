@@ -27,17 +27,17 @@ def response_of(robot: Robot, highest: float = 60.0) -> FrequencyResponse:
 
 
 def test_extremes_of_two_masses_are_those_of_their_formulas() -> None:
-    found = extremes_of_robot(load_robot("two_mass"), "motor_1", 1)
-    assert found is not None
-    np.testing.assert_allclose(found.antiresonances, np.sqrt(6e4 / 6) / (2 * np.pi))
-    np.testing.assert_allclose(found.resonances, np.sqrt(6e4 * (1 / 6 + 1 / 4)) / (2 * np.pi))
-    assert found.source == "linear model of two_mass"
+    extremes = extremes_of_robot(load_robot("two_mass"), "motor_1", 1)
+    assert extremes is not None
+    np.testing.assert_allclose(extremes.antiresonances, np.sqrt(6e4 / 6) / (2 * np.pi))
+    np.testing.assert_allclose(extremes.resonances, np.sqrt(6e4 * (1 / 6 + 1 / 4)) / (2 * np.pi))
+    assert extremes.source == "linear model of two_mass"
 
 
 def test_three_masses_have_two_pairs_and_no_third() -> None:
-    found = extremes_of_robot(three_mass(), "motor_1", 2)
-    assert found is not None
-    order = [f for pair in zip(found.antiresonances, found.resonances, strict=True) for f in pair]
+    extremes = extremes_of_robot(three_mass(), "motor_1", 2)
+    assert extremes is not None
+    order = [f for pair in zip(extremes.antiresonances, extremes.resonances, strict=True) for f in pair]
     assert order == sorted(order)
     assert extremes_of_robot(three_mass(), "motor_1", 3) is None
 

@@ -15,35 +15,35 @@ FREQUENCIES = {"antiresonances": [15.9], "resonances": [25.2]}
 
 
 @pytest.fixture(scope="module")
-def found() -> OneAxisIdentification:
+def identification() -> OneAxisIdentification:
     return identify_one_axis(recorded_axis(), TWO_MASS, validation=recorded_axis(seed=2), **FREQUENCIES)
 
 
 @pytest.mark.parametrize("name", sorted(TRUTH))
-def test_parameter_lies_within_its_interval(found: OneAxisIdentification, name: str) -> None:
-    low, high = found.nonlinear.interval(name, width=3.0)
+def test_parameter_lies_within_its_interval(identification: OneAxisIdentification, name: str) -> None:
+    low, high = identification.nonlinear.interval(name, width=3.0)
     assert low <= TRUTH[name] <= high
     assert high / low < (1.06 if name.endswith("friction") else 1.03)
 
 
-def test_nonlinear_gear_explains_what_the_linear_one_cannot(found: OneAxisIdentification) -> None:
-    assert found.validation is not None
-    assert found.linear_validation is not None
-    assert found.gain > 0.4
-    assert found.validation.simulation > 98.5
-    assert found.linear_validation.simulation < 95
-    assert found.validation.prediction > 99.99
-    assert abs(found.nonlinear.whiteness) < 0.15 < abs(found.linear.whiteness)
+def test_nonlinear_gear_explains_what_the_linear_one_cannot(identification: OneAxisIdentification) -> None:
+    assert identification.validation is not None
+    assert identification.linear_validation is not None
+    assert identification.gain > 0.4
+    assert identification.validation.simulation > 98.5
+    assert identification.linear_validation.simulation < 95
+    assert identification.validation.prediction > 99.99
+    assert abs(identification.nonlinear.whiteness) < 0.15 < abs(identification.linear.whiteness)
 
 
-def test_fit_stands_the_validation(found: OneAxisIdentification) -> None:
-    assert found.validation is not None
-    assert found.validation.error == pytest.approx(found.nonlinear.quality.error, rel=0.1)
+def test_fit_holds_on_the_validation_log(identification: OneAxisIdentification) -> None:
+    assert identification.validation is not None
+    assert identification.validation.error == pytest.approx(identification.nonlinear.quality.error, rel=0.1)
 
 
-def test_linear_steps_start_near(found: OneAxisIdentification) -> None:
-    assert found.start["motor_inertia"] == pytest.approx(4.0, rel=0.05)
-    assert "gear_knee" not in found.start
+def test_linear_steps_start_near(identification: OneAxisIdentification) -> None:
+    assert identification.start["motor_inertia"] == pytest.approx(4.0, rel=0.05)
+    assert "gear_knee" not in identification.start
 
 
 def test_linear_gear_shows_no_gain_and_no_knee() -> None:

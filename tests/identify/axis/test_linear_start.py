@@ -25,9 +25,9 @@ def test_chain_has_the_given_frequencies(masses: int) -> None:
         np.sqrt(np.abs(np.sort(np.linalg.eigvals(K[first:, first:] / inertias[first:, None]).real))) / (2 * np.pi)
         for first in (0, 1)
     )
-    found = chain_of_masses(float(np.sum(inertias)), antiresonances, resonances[1:])
-    np.testing.assert_allclose(found[0], inertias, rtol=1e-6)
-    np.testing.assert_allclose(found[1], stiffnesses, rtol=1e-6)
+    chain = chain_of_masses(float(np.sum(inertias)), antiresonances, resonances[1:])
+    np.testing.assert_allclose(chain[0], inertias, rtol=1e-6)
+    np.testing.assert_allclose(chain[1], stiffnesses, rtol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -17,33 +17,36 @@ from tests.identify.axis.recorded_axis import recorded_axis
 EXTREMES = Extremes((15.9,), (25.2,), "command line")
 
 
-@pytest.fixture(scope="module", name="found")
-def fixture_found() -> OneAxisIdentification:
+@pytest.fixture(scope="module", name="identification")
+def fixture_identification() -> OneAxisIdentification:
     log = recorded_axis(samples=2100)
     return identify_one_axis(
         log, load_robot("two_mass"), antiresonances=EXTREMES.antiresonances, resonances=EXTREMES.resonances
     )
 
 
-def test_record_holds_values_intervals_and_gain(found: OneAxisIdentification) -> None:
-    found = replace(found, warnings=("it rained",))
-    record = result_record(found, "motor_1", EXTREMES, {"log": {"seed": 1}})
+def test_record_holds_values_intervals_and_gain(identification: OneAxisIdentification) -> None:
+    identification = replace(identification, warnings=("it rained",))
+    record = result_record(identification, "motor_1", EXTREMES, {"log": {"seed": 1}})
     assert json.loads(json.dumps(record, allow_nan=False)) == record
     row = next(row for row in record["nonlinear"]["parameters"] if row["name"] == "gear_knee")
-    assert (row["unit"], row["value"]) == ("rad", found.nonlinear.parameters["gear_knee"])
+    assert (row["unit"], row["value"]) == ("rad", identification.nonlinear.parameters["gear_knee"])
     assert row["interval"][0] < 0.003 < row["interval"][1]
     assert "gear_knee" not in {row["name"] for row in record["linear"]["parameters"]}
-    assert (record["gain"], record["gain_on"]) == (found.gain, "fit")
+    assert (record["gain"], record["gain_on"]) == (identification.gain, "fit")
     assert record["nonlinear"]["validation"] is None
     assert record["warnings"][0] == "it rained"
     assert record["provenance"]["logs"] == {"log": {"seed": 1}}
 
 
-def test_value_that_is_not_told_has_no_interval_and_is_warned_of(found: OneAxisIdentification) -> None:
-    covariance = found.nonlinear.covariance.copy()
-    place = found.nonlinear.structure.names.index("viscous_friction")
+def test_value_that_is_not_identifiable_has_no_interval_and_is_warned_of(identification: OneAxisIdentification) -> None:
+    covariance = identification.nonlinear.covariance.copy()
+    place = identification.nonlinear.structure.names.index("viscous_friction")
     covariance[place, place] = np.inf
-    unknown = replace(found, nonlinear=replace(found.nonlinear, covariance=covariance, whiteness=0.8, converged=False))
+    unknown = replace(
+        identification,
+        nonlinear=replace(identification.nonlinear, covariance=covariance, whiteness=0.8, converged=False),
+    )
     record = result_record(replace(unknown, warnings=()), "motor_1", EXTREMES, {})
     row = next(row for row in record["nonlinear"]["parameters"] if row["name"] == "viscous_friction")
     assert (row["std"], row["interval"]) == (None, None)

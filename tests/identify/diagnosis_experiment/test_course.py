@@ -137,7 +137,7 @@ def test_band_without_width_is_refused() -> None:
         load_scenario("diagnosis").with_values({"diagnosis.lowest": 30.0, "diagnosis.highest": 20.0})
 
 
-def test_diagnosis_beside_a_duration_is_refused() -> None:
+def test_diagnosis_with_a_duration_is_refused() -> None:
     with pytest.raises(InputError, match="has diagnosis and duration, allowed is one of them"):
         load_scenario("diagnosis").with_values({"duration": 3.0})
 

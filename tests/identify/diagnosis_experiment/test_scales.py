@@ -32,8 +32,8 @@ def test_inertia_is_that_of_the_rigid_robot() -> None:
 
 def test_what_is_given_is_taken() -> None:
     robot = load_robot("e12")
-    given = DiagnosisSpecification(reach=(0.1, 0.2), speed=0.7, acceleration=3.0, creep=0.01)
-    scales = scales_of(given, robot, robot.home)
+    specification = DiagnosisSpecification(reach=(0.1, 0.2), speed=0.7, acceleration=3.0, creep=0.01)
+    scales = scales_of(specification, robot, robot.home)
     np.testing.assert_allclose(scales.reach, [0.1, 0.2])
     np.testing.assert_allclose(scales.speed, [0.7, 0.7])
     np.testing.assert_allclose(scales.acceleration, [3.0, 3.0])

@@ -23,8 +23,8 @@ def test_crest_factor_of_a_sine_is_the_root_of_two() -> None:
 
 def test_amplitudes_stay_and_peaks_sink() -> None:
     size, phases = sizes_and_phases()
-    found = low_crest_phases(LINES, size, phases, 200, np.array([False, False]))
-    before, after = (synthesise(LINES, size, p[None], 2000, 1e-3).speed[0] for p in (phases, found))
+    improved = low_crest_phases(LINES, size, phases, 200, np.array([False, False]))
+    before, after = (synthesise(LINES, size, p[None], 2000, 1e-3).speed[0] for p in (phases, improved))
     np.testing.assert_allclose(np.abs(np.fft.rfft(after, axis=0)), np.abs(np.fft.rfft(before, axis=0)), atol=1e-9)
     assert np.all(crest_factor(before) > 2.3)
     assert np.all(crest_factor(after) < 1.7)
@@ -32,8 +32,8 @@ def test_amplitudes_stay_and_peaks_sink() -> None:
 
 def test_low_envelope_bounds_the_signal_at_every_common_phase() -> None:
     size, phases = sizes_and_phases()
-    found = low_crest_phases(LINES, size, phases, 300, np.array([True, True]))
-    turned = found + np.linspace(0.0, 2.0 * np.pi, 24)[:, None, None]
+    improved = low_crest_phases(LINES, size, phases, 300, np.array([True, True]))
+    turned = improved + np.linspace(0.0, 2.0 * np.pi, 24)[:, None, None]
     worst = np.max(crest_factor(np.moveaxis(synthesise(LINES, size, turned, 2000, 1e-3).speed, 1, 0)))
     assert worst < 1.9
     only_signal = low_crest_phases(LINES, size, phases, 300, np.array([False, False]))
@@ -50,5 +50,5 @@ def test_without_iterations_the_phases_stay() -> None:
 def test_a_motor_without_excitation_does_no_harm(envelope: bool) -> None:
     size, phases = sizes_and_phases()
     size[0] = 0.0
-    found = low_crest_phases(LINES, size, phases, 10, np.array([envelope, envelope]))
-    assert np.all(np.isfinite(found))
+    improved = low_crest_phases(LINES, size, phases, 10, np.array([envelope, envelope]))
+    assert np.all(np.isfinite(improved))

@@ -48,7 +48,7 @@ def test_only_the_excited_lines_have_energy() -> None:
     assert np.max(np.delete(U, excited, axis=0)) < 1e-10
 
 
-def test_detection_lines_are_empty_and_one_lies_in_every_group() -> None:
+def test_detection_lines_are_empty_and_one_is_in_every_group() -> None:
     multisine = Multisine(detection_group=4)
     U, lines = np.abs(spectra(multisine, 2)), multisine.lines(T, 1)
     assert np.max(U[lines.odd_detection]) < 1e-10

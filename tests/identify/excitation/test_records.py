@@ -92,9 +92,9 @@ def test_every_part_of_a_record_is_whole_samples(kind: type[Chirp | Burst]) -> N
 @pytest.mark.parametrize("kind", [Chirp, Burst])
 @pytest.mark.parametrize(("duration", "taper"), [(0.203, 0.1015), (0.2, 1e-6), (0.2, 0.0303)])
 def test_taper_is_rounded_to_samples_that_fit(kind: type[Chirp | Burst], duration: float, taper: float) -> None:
-    mine = kind(kind=kind.__name__.lower(), rest_before=0.0, duration=duration, rest_after=0.001, taper=taper)
-    signals = mine.block(1, T, 1, 0, 0)
-    assert signals.speed.shape == (1, mine.record_samples(T), 1)
+    excitation = kind(kind=kind.__name__.lower(), rest_before=0.0, duration=duration, rest_after=0.001, taper=taper)
+    signals = excitation.block(1, T, 1, 0, 0)
+    assert signals.speed.shape == (1, excitation.record_samples(T), 1)
     assert np.all(np.isfinite(signals.speed))
     assert np.all(signals.position[0, [0, -1]] == 0.0)
 

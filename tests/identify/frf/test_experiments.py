@@ -17,24 +17,24 @@ if TYPE_CHECKING:
 
 
 def test_one_input_and_output_may_be_plain_vectors() -> None:
-    mine = Experiments.of(np.arange(100.0), np.arange(100.0), 1e-2, n_periods=2, lines=[3, 1, 7])
-    assert mine.inputs.shape == (1, 100, 1)
-    assert mine.period == 50
-    np.testing.assert_array_equal(mine.excited, [1, 3, 7])
-    np.testing.assert_array_equal(mine.odd_detection, [5])
-    np.testing.assert_array_equal(mine.even_detection, [2, 4, 6])
-    np.testing.assert_allclose(mine.frequency, [2, 6, 14])
+    experiments = Experiments.of(np.arange(100.0), np.arange(100.0), 1e-2, n_periods=2, lines=[3, 1, 7])
+    assert experiments.inputs.shape == (1, 100, 1)
+    assert experiments.period == 50
+    np.testing.assert_array_equal(experiments.excited, [1, 3, 7])
+    np.testing.assert_array_equal(experiments.odd_detection, [5])
+    np.testing.assert_array_equal(experiments.even_detection, [2, 4, 6])
+    np.testing.assert_allclose(experiments.frequency, [2, 6, 14])
 
 
 def test_blocks_hold_as_many_experiments_as_inputs() -> None:
-    mine = Experiments.of(np.zeros((6, 50, 3)), np.zeros((6, 50, 2)), 1e-2)
-    np.testing.assert_array_equal(mine.block, [0, 0, 0, 1, 1, 1])
-    assert mine.input_names == ("motor_1", "motor_2", "motor_3")
+    experiments = Experiments.of(np.zeros((6, 50, 3)), np.zeros((6, 50, 2)), 1e-2)
+    np.testing.assert_array_equal(experiments.block, [0, 0, 0, 1, 1, 1])
+    assert experiments.input_names == ("motor_1", "motor_2", "motor_3")
 
 
 def test_band_chooses_lines() -> None:
-    mine = Experiments.of(np.zeros(1000), np.zeros(1000), 1e-3, band=(2.0, 4.0))
-    np.testing.assert_array_equal(mine.excited, [2, 3, 4])
+    experiments = Experiments.of(np.zeros(1000), np.zeros(1000), 1e-3, band=(2.0, 4.0))
+    np.testing.assert_array_equal(experiments.excited, [2, 3, 4])
 
 
 def test_unequal_lengths_are_refused() -> None:
@@ -64,8 +64,10 @@ def test_mean_output_is_a_motor_position_only_where_outputs_are_positions(quanti
     t = np.arange(400)
     u = np.cos(2 * np.pi * 5 * t / 100)
     rng = np.random.default_rng(0)
-    mine = Experiments.of(u, 3.0 + u + 1e-3 * rng.standard_normal(400), 1e-2, n_periods=4, lines=[5], quantity=quantity)
-    np.testing.assert_allclose(frequency_response_of(mine).motor_position, [place], atol=1e-3)
+    experiments = Experiments.of(
+        u, 3.0 + u + 1e-3 * rng.standard_normal(400), 1e-2, n_periods=4, lines=[5], quantity=quantity
+    )
+    np.testing.assert_allclose(frequency_response_of(experiments).motor_position, [place], atol=1e-3)
 
 
 def test_joints_of_outputs_that_are_no_positions_cannot_be_compared_with_the_robot() -> None:
@@ -73,8 +75,8 @@ def test_joints_of_outputs_that_are_no_positions_cannot_be_compared_with_the_rob
     multisine = np.cos(2 * np.pi * np.outer(t, [3, 5, 7]) / 200 + [0.0, 1.0, 4.0]).sum(axis=1)
     u = np.array([[multisine, multisine], [multisine, -multisine]]).swapaxes(1, 2)
     y = u @ np.array([[1.0, 0.2], [0.2, 0.8]]) + 1e-3 * rng.standard_normal(u.shape)
-    mine = Experiments.of(u, y, 1e-2, n_periods=4, lines=[3, 5, 7], quantity="velocity", label="position 1")
-    warnings = frequency_response_of(mine, robot=load_robot("e12")).warnings
+    experiments = Experiments.of(u, y, 1e-2, n_periods=4, lines=[3, 5, 7], quantity="velocity", label="position 1")
+    warnings = frequency_response_of(experiments, robot=load_robot("e12")).warnings
     assert [warning for warning in warnings if "swapped or inverted" in warning] == [
         "position 1: the motor positions of motor_1, motor_2 are not known, because the outputs are no positions; "
         "whether joints are swapped or inverted was not checked against robot e12"

@@ -54,35 +54,35 @@ def test_covariance_is_that_of_an_error_times_weights() -> None:
 
 
 def test_standard_deviation_is_the_root_of_the_diagonal() -> None:
-    mine = response(2, 3)
-    diagonal = np.einsum("fii->fi", mine.covariance()).real
-    np.testing.assert_allclose(mine.standard_deviation() ** 2, np.swapaxes(diagonal.reshape(3, 3, 2), 1, 2))
+    original = response(2, 3)
+    diagonal = np.einsum("fii->fi", original.covariance()).real
+    np.testing.assert_allclose(original.standard_deviation() ** 2, np.swapaxes(diagonal.reshape(3, 3, 2), 1, 2))
 
 
 def test_quantities_differ_by_powers_of_jw_and_come_back() -> None:
-    mine = response()
-    position = mine.as_quantity("position")
-    s = 2j * np.pi * mine.frequency[:, None, None]
-    np.testing.assert_allclose(position.response * s**2, mine.response, rtol=1e-14)
-    np.testing.assert_allclose(position.standard_deviation() * abs(s) ** 2, mine.standard_deviation(), rtol=1e-14)
+    original = response()
+    position = original.as_quantity("position")
+    s = 2j * np.pi * original.frequency[:, None, None]
+    np.testing.assert_allclose(position.response * s**2, original.response, rtol=1e-14)
+    np.testing.assert_allclose(position.standard_deviation() * abs(s) ** 2, original.standard_deviation(), rtol=1e-14)
     assert position.output_units == ("rad", "rad")
-    assert mine.output_units == ("rad/s²", "rad/s²")
-    np.testing.assert_allclose(position.as_quantity("acceleration").response, mine.response, rtol=1e-14)
+    assert original.output_units == ("rad/s²", "rad/s²")
+    np.testing.assert_allclose(position.as_quantity("acceleration").response, original.response, rtol=1e-14)
 
 
 def test_frd_has_the_response_at_its_frequencies() -> None:
-    mine = response(2, 3)
-    frd = mine.frd()
-    np.testing.assert_allclose(frd.omega, 2 * np.pi * mine.frequency)
-    np.testing.assert_array_equal(frd.frdata[:, :, 1], mine.response[1])
+    original = response(2, 3)
+    frd = original.frd()
+    np.testing.assert_allclose(frd.omega, 2 * np.pi * original.frequency)
+    np.testing.assert_array_equal(frd.frdata[:, :, 1], original.response[1])
     assert frd.dt == 1e-3
     assert frd.input_labels == ["motor_1", "motor_2", "motor_3"]
 
 
 def test_dataset_is_labelled() -> None:
     data = dataset_of(response(2, 3))
-    mine = response(2, 3)
-    assert complex(data["response"].sel(frequency=2.0, output="motor_2", input="motor_3")) == mine.response[1, 1, 2]
+    original = response(2, 3)
+    assert complex(data["response"].sel(frequency=2.0, output="motor_2", input="motor_3")) == original.response[1, 1, 2]
     assert data["response"].attrs["output_units"] == "rad/s²;rad/s²"
     assert data["frequency"].attrs["units"] == "Hz"
     assert data.attrs["quantity"] == "acceleration"

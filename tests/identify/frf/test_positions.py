@@ -246,7 +246,7 @@ def test_transient_in_the_record_is_warned_of_and_modelled_by_local_polynomials(
     assert better < 0.5 * worse
 
 
-def test_coulomb_friction_shows_on_odd_lines_and_foretells_the_scatter_over_blocks() -> None:
+def test_coulomb_friction_shows_on_odd_lines_and_predicts_the_scatter_over_blocks() -> None:
     friction = tuple(f"coulomb_friction@motor_{i}:level=40" for i in (1, 2))
     recorded = run(friction, positions=[[0.0, 0.3]], blocks=3)
     found = estimate_responses(recorded.log, recorded.plan)[0].distortion

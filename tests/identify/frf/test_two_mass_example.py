@@ -30,15 +30,15 @@ def swept(axis: TwoMassAxis) -> tuple[np.ndarray, np.ndarray]:
 
 
 def speed_response(u: np.ndarray, y: np.ndarray, axis: TwoMassAxis, **settings: object) -> FrequencyResponse:
-    mine = Experiments.of(u, y, axis.sample_time, band=BAND, periodic=False)
+    experiments = Experiments.of(u, y, axis.sample_time, band=BAND, periodic=False)
     chosen = FrfSettings.model_validate({"method": "smoothing", "thinned": False, **settings})
-    return frequency_response_of(mine, chosen).as_quantity("velocity")
+    return frequency_response_of(experiments, chosen).as_quantity("velocity")
 
 
-def decibels_off(found: FrequencyResponse, axis: TwoMassAxis) -> float:
+def decibels_off(response: FrequencyResponse, axis: TwoMassAxis) -> float:
     """Rms deviation of the magnitude from the sampled model [dB]."""
-    truth = axis.sampled_speed_response(found.frequency)
-    return float(np.sqrt(np.mean((20 * np.log10(abs(found.response[:, 0, 0] / truth))) ** 2)))
+    truth = axis.sampled_speed_response(response.frequency)
+    return float(np.sqrt(np.mean((20 * np.log10(abs(response.response[:, 0, 0] / truth))) ** 2)))
 
 
 def test_noise_of_the_speed_is_as_large_as_the_speed(swept: tuple[np.ndarray, np.ndarray], axis: TwoMassAxis) -> None:
@@ -82,11 +82,11 @@ def test_noise_alone_gives_minus_the_inverse_controller(axis: TwoMassAxis, seed:
     """Figure 4.8: -20 dB at all frequencies, with a Bartlett window against leakage."""
     noise = NOISE * np.random.default_rng(seed).standard_normal((AT_REST, 1))
     u, y = axis.closed_loop(np.zeros(AT_REST), noise)
-    found = speed_response(u[:, 0], y[:, 0], axis, window="bartlett")
-    gain = found.response[:, 0, 0]
+    response = speed_response(u[:, 0], y[:, 0], axis, window="bartlett")
+    gain = response.response[:, 0, 0]
     assert np.max(abs(20 * np.log10(abs(gain)) + 20)) < 1.5
     assert abs(np.median(gain.real) * SPEED_GAIN + 1) < 0.02
-    assert any("minus the inverse of the controller" in warning for warning in found.warnings)
+    assert any("minus the inverse of the controller" in warning for warning in response.warnings)
     plain = speed_response(u[:, 0], y[:, 0], axis).response[:, 0, 0]
     assert np.max(abs(20 * np.log10(abs(plain)) + 20)) > 2 * np.max(abs(20 * np.log10(abs(gain)) + 20))
 

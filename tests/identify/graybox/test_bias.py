@@ -51,7 +51,7 @@ def test_misfit_that_chance_explains_is_no_sign(clear: IdentificationResult) -> 
     assert bias_signs(clear.problem, covariance, residuals, limits) == ()
 
 
-def test_fit_on_a_bound_tells_nothing_of_the_robot(clear: IdentificationResult) -> None:
+def test_fit_on_a_bound_is_no_evidence_about_the_robot(clear: IdentificationResult) -> None:
     covariance = replace(
         clear.covariance, reduced_cost=50.0, explanation="by 50: by this, because of a model-form error."
     )
@@ -78,12 +78,12 @@ def test_even_distortions_count_only_where_they_are_large(
     levels = clear.problem.responses[0].distortion
     assert levels is not None
     even = share * levels.output[5:10] * [0.1, 1.0]
-    found = with_levels(clear, even_frequency=levels.frequency[5:10], even=even, even_noise=0.1 * even).bias_signs
-    assert len(found) == signs
-    assert all(sign.startswith("even detection lines of motor_2 carry") for sign in found)
+    found_signs = with_levels(clear, even_frequency=levels.frequency[5:10], even=even, even_noise=0.1 * even).bias_signs
+    assert len(found_signs) == signs
+    assert all(sign.startswith("even detection lines of motor_2 carry") for sign in found_signs)
 
 
-def test_without_detection_lines_blocks_tell(clear: IdentificationResult) -> None:
+def test_without_detection_lines_blocks_are_used(clear: IdentificationResult) -> None:
     levels = clear.problem.responses[0].distortion
     assert levels is not None
     none = np.zeros((0, 2))

@@ -60,9 +60,9 @@ def test_covariance_is_that_of_repeated_fits(
     scores = []
     for _ in range(REPETITIONS):
         problem: GrayBoxProblem = replace(frame, responses=drawn(stated, roots, rng))
-        found = fit(problem)
-        deviation = parameter_covariance(problem, found, correct=False).standard_deviation
-        scores.append(np.log(found.values / problem.scale.nominal) / deviation)
+        result = fit(problem)
+        deviation = parameter_covariance(problem, result, correct=False).standard_deviation
+        scores.append(np.log(result.values / problem.scale.nominal) / deviation)
     np.testing.assert_allclose(np.std(scores, axis=0), 1.0, atol=0.2)
     covered = np.mean(np.abs(scores) <= 1.96)
     assert 0.92 <= covered <= 0.975
@@ -75,13 +75,13 @@ def test_reduced_cost_is_one_when_the_model_explains_all_but_noise(
     assert parameter_covariance(problem, fit(problem)).reduced_cost == pytest.approx(1.0, abs=0.12)
 
 
-def test_covariance_grows_when_the_model_misses_something(
+def test_covariance_grows_when_there_is_a_model_form_error(
     e12: Robot, e12_names: list[str], noisy_e12: Responses
 ) -> None:
     heavier = e12.with_values({"body_3.mass": 206.0})
     problem = graybox_problem(heavier, noisy_e12, e12_names, "LLS", "optimal")
-    found = fit(problem)
-    plain, corrected = (parameter_covariance(problem, found, correct) for correct in (False, True))
+    result = fit(problem)
+    plain, corrected = (parameter_covariance(problem, result, correct) for correct in (False, True))
     assert corrected.reduced_cost > 3.0
     np.testing.assert_allclose(corrected.matrix, plain.matrix * corrected.factor)
     assert "model-form error" in corrected.explanation
@@ -96,14 +96,14 @@ def test_covariance_grows_when_the_model_misses_something(
         (1.4, "because of a model-form error"),
     ],
 )
-def test_only_a_clear_excess_of_the_cost_is_held_against_the_model(
+def test_only_a_clear_excess_of_the_cost_is_attributed_to_the_model(
     reduced: float, said: str, e12: Robot, e12_names: list[str], noisy_e12: Responses
 ) -> None:
     problem = graybox_problem(e12, noisy_e12, e12_names)
-    found = fit(problem)
-    share = parameter_covariance(problem, found).reduced_cost / reduced
+    result = fit(problem)
+    share = parameter_covariance(problem, result).reduced_cost / reduced
     stated = tuple(replace(response, total_error=share * response.total_error) for response in noisy_e12)
-    covariance = parameter_covariance(replace(problem, responses=stated), found)
+    covariance = parameter_covariance(replace(problem, responses=stated), result)
     assert covariance.reduced_cost == pytest.approx(reduced, rel=0.02)
     assert said in covariance.explanation
     assert ("multiplied by this, " in covariance.explanation) == (reduced > 1)
@@ -123,24 +123,27 @@ def test_combined_weights_inflate_by_what_they_take_from_the_noise(
     few = tuple(replace(response, degrees_of_freedom=20.0) for response in noisy_e12)
     combined = CombinedWeights(diagonal=allowed, off_diagonal=allowed)
     problem = graybox_problem(e12, few, e12_names, "LLS", combined)
-    found = fit(problem)
-    problem = problem.reweighted(found.values)
-    plain, corrected = (parameter_covariance(problem, found, correct) for correct in (False, True))
+    result = fit(problem)
+    problem = problem.reweighted(result.values)
+    plain, corrected = (parameter_covariance(problem, result, correct) for correct in (False, True))
     share = (corrected.factor / max(corrected.reduced_cost, 1.0) - 1.0) / (20.0 / 18.0 - 1.0)
     assert lowest <= share <= highest + 1e-9
     growth = np.diag(corrected.matrix) / np.diag(plain.matrix) / max(corrected.reduced_cost, 1.0)
     assert np.all((growth >= 1.0 - 1e-9) & (growth <= 20.0 / 18.0 + 1e-9))
 
 
-def test_elements_where_the_model_is_lost_in_noise_are_told(
+def test_elements_where_the_model_is_below_the_noise_are_reported(
     e12: Robot, e12_names: list[str], measured: Measure
 ) -> None:
     loud = measured(e12, np.array([[0.0, 0.3], [0.2, 1.2]]), np.linspace(1.0, 40.0, 60), noise=0.3)
     problem = graybox_problem(e12, loud, e12_names)
-    found = fit(problem)
-    told = [parameter_covariance(each, found).explanation for each in (problem, problem.reweighted(found.values))]
-    assert re.search(r"; .* [1-9]\d* of \d+ elements are modelled below their noise, so that this is", told[0])
-    assert "lost in noise" not in told[1]
+    result = fit(problem)
+    explanations = [
+        parameter_covariance(fitted_problem, result).explanation
+        for fitted_problem in (problem, problem.reweighted(result.values))
+    ]
+    assert re.search(r"; .* [1-9]\d* of \d+ elements are modelled below their noise, so that this is", explanations[0])
+    assert "lost in noise" not in explanations[1]
 
 
 def test_residuals_stand_in_for_a_covariance_that_is_not_known(
@@ -149,11 +152,11 @@ def test_residuals_stand_in_for_a_covariance_that_is_not_known(
     bare = tuple(replace(response, total_error=None) for response in noisy_e12)
     known = graybox_problem(e12, noisy_e12, e12_names, "NLS")
     unknown = replace(graybox_problem(e12, bare, e12_names, "NLS"), weights=known.weights)
-    found = fit(unknown)
-    covariance = parameter_covariance(unknown, found)
+    result = fit(unknown)
+    covariance = parameter_covariance(unknown, result)
     assert covariance.basis == "residuals"
     np.testing.assert_allclose(
-        covariance.standard_deviation, parameter_covariance(known, found).standard_deviation, rtol=0.5
+        covariance.standard_deviation, parameter_covariance(known, result).standard_deviation, rtol=0.5
     )
 
 
@@ -166,8 +169,8 @@ def test_parameter_without_influence_is_unknown(e12: Robot, noisy_e12: Responses
 
 def test_intervals_hold_the_value(e12: Robot, e12_names: list[str], noisy_e12: Responses) -> None:
     problem = graybox_problem(e12, noisy_e12, e12_names)
-    found = fit(problem)
-    covariance = parameter_covariance(problem, found)
+    result = fit(problem)
+    covariance = parameter_covariance(problem, result)
     intervals = covariance.intervals()
-    np.testing.assert_allclose(intervals[:, 0] * intervals[:, 1], found.values**2)
-    np.testing.assert_allclose(np.log(intervals[:, 1] / found.values), 1.959964 * covariance.relative)
+    np.testing.assert_allclose(intervals[:, 0] * intervals[:, 1], result.values**2)
+    np.testing.assert_allclose(np.log(intervals[:, 1] / result.values), 1.959964 * covariance.relative)

@@ -39,9 +39,9 @@ def test_truth_of_e12_is_recovered(name: str, e12: Robot, e12_names: list[str], 
     estimator, weights, positions = SIX[name]
     problem = graybox_problem(e12, exact_e12[:positions], e12_names, estimator, weights)
     start = problem.scale.nominal * np.array([1.2, 0.6, 0.85, 1.5, 1.15, 0.7])
-    found = fit(problem, start)
-    assert found.converged
-    np.testing.assert_allclose(found.values, problem.scale.nominal, rtol=1e-5)
+    result = fit(problem, start)
+    assert result.converged
+    np.testing.assert_allclose(result.values, problem.scale.nominal, rtol=1e-5)
 
 
 def test_truth_of_six_axis_is_recovered_from_starts_within_a_decade(
@@ -49,9 +49,9 @@ def test_truth_of_six_axis_is_recovered_from_starts_within_a_decade(
 ) -> None:
     problem = graybox_problem(six_axis, six_axis_responses)
     for start in random_starts(problem, 3, seed=0):
-        found = fit(problem, start)
+        result = fit(problem, start)
         springs = np.array([name.endswith("stiffness") for name in problem.names])
-        ratio = found.values / problem.scale.nominal
+        ratio = result.values / problem.scale.nominal
         assert np.all(np.abs(np.log(ratio[springs])) < 0.02)
         assert np.all(np.abs(np.log(ratio[~springs])) < 0.15)
 
@@ -78,24 +78,24 @@ def test_masses_lengths_and_friction_are_fitted(e12: Robot, measured: Measure) -
         "body_3.center_of_mass.z": -0.03,
     }
     responses = measured(e12.with_values(values), np.array([[0.0, 0.3], [0.2, 1.2]]), np.linspace(1.0, 40.0, 50))
-    found = fit(graybox_problem(e12, responses, list(values)))
-    np.testing.assert_allclose(found.values, list(values.values()), rtol=1e-5)
-    assert found.value("body_3.mass") == pytest.approx(220.0)
+    result = fit(graybox_problem(e12, responses, list(values)))
+    np.testing.assert_allclose(result.values, list(values.values()), rtol=1e-5)
+    assert result.value("body_3.mass") == pytest.approx(220.0)
 
 
 def test_friction_that_is_not_there_is_found_to_be_zero(e12: Robot, exact_e12: Responses) -> None:
     names = ["body_1.ry.stiffness", "motor_1.viscous_friction"]
-    found = fit(graybox_problem(e12, exact_e12, names), np.array([9e4, 30.0]))
-    np.testing.assert_allclose(found.values, [1e5, 0.0], atol=1e-3)
+    result = fit(graybox_problem(e12, exact_e12, names), np.array([9e4, 30.0]))
+    np.testing.assert_allclose(result.values, [1e5, 0.0], atol=1e-3)
 
 
 def test_values_stay_within_bounds(e12: Robot, e12_names: list[str], exact_e12: Responses) -> None:
     problem = graybox_problem(e12, exact_e12, e12_names)
     start = problem.scale.nominal * 1.3
-    found = fit(problem, start, bounds={"body_1.ry.stiffness": (1.2e5, 2e5)})
-    assert found.value("body_1.ry.stiffness") == pytest.approx(1.2e5)
-    assert found.at_bound[0]
-    assert np.all((found.values >= found.lower * (1 - 1e-12)) & (found.values <= found.upper * (1 + 1e-12)))
+    result = fit(problem, start, bounds={"body_1.ry.stiffness": (1.2e5, 2e5)})
+    assert result.value("body_1.ry.stiffness") == pytest.approx(1.2e5)
+    assert result.at_bound[0]
+    assert np.all((result.values >= result.lower * (1 - 1e-12)) & (result.values <= result.upper * (1 + 1e-12)))
 
 
 @pytest.mark.parametrize("estimator", ["LLS", "LLSM", "NLS"])
@@ -115,12 +115,12 @@ def test_gradient_is_that_of_differences(
 def test_fit_that_runs_out_of_steps_says_so(e12: Robot, e12_names: list[str], exact_e12: Responses) -> None:
     problem = graybox_problem(e12, exact_e12, e12_names, weights=UserWeights(off_diagonal=0.0))
     settings = FitSettings(StopRule(iterations=1), relinearisations=0)
-    found = fit(problem, problem.scale.nominal * 1.5, settings=settings)
-    assert not found.converged
-    assert found.message == "the limit of steps was reached"
+    result = fit(problem, problem.scale.nominal * 1.5, settings=settings)
+    assert not result.converged
+    assert result.message == "the limit of steps was reached"
 
 
-def test_values_without_a_rest_end_the_fit_where_it_stands(
+def test_values_without_a_rest_end_the_fit_at_the_last_step(
     e12: Robot, e12_names: list[str], exact_e12: Responses, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     problem = graybox_problem(e12, exact_e12, e12_names)
@@ -129,10 +129,10 @@ def test_values_without_a_rest_end_the_fit_where_it_stands(
         raise InputError("robot e12 finds no rest")
 
     monkeypatch.setattr(type(problem), "model_at", no_rest)
-    found = fit(problem, problem.scale.nominal * 1.2)
-    assert not found.converged
-    assert found.message == "the robot could not be linearised again: robot e12 finds no rest"
-    np.testing.assert_allclose(found.values, problem.scale.nominal, rtol=1e-5)
+    result = fit(problem, problem.scale.nominal * 1.2)
+    assert not result.converged
+    assert result.message == "the robot could not be linearised again: robot e12 finds no rest"
+    np.testing.assert_allclose(result.values, problem.scale.nominal, rtol=1e-5)
 
 
 def test_start_outside_the_bounds_is_refused(e12: Robot, e12_names: list[str], exact_e12: Responses) -> None:
@@ -149,9 +149,9 @@ def test_start_of_another_length_is_refused(e12: Robot, e12_names: list[str], ex
 def test_value_of_a_parameter_that_was_not_fitted_is_refused(
     e12: Robot, e12_names: list[str], exact_e12: Responses
 ) -> None:
-    found = fit(graybox_problem(e12, exact_e12, e12_names))
+    result = fit(graybox_problem(e12, exact_e12, e12_names))
     with pytest.raises(InputError, match=r"unknown fitted parameter 'body_3.mass'"):
-        found.value("body_3.mass")
+        result.value("body_3.mass")
 
 
 def test_values_at_which_the_model_is_singular_are_left_out(
@@ -178,10 +178,10 @@ def test_values_at_which_the_model_is_singular_are_left_out(
                 raise np.linalg.LinAlgError("Singular matrix")
 
     monkeypatch.setattr("flexros.identify.graybox.fit.least_squares", Singular)
-    found = fit(problem, problem.scale.nominal * np.array([1.3, 0.5, 1.4, 2.0, 0.7, 0.5]))
+    result = fit(problem, problem.scale.nominal * np.array([1.3, 0.5, 1.4, 2.0, 0.7, 0.5]))
     assert refused
-    assert found.values[0] >= 0.999e5
-    assert np.isfinite(found.cost)
+    assert result.values[0] >= 0.999e5
+    assert np.isfinite(result.cost)
 
 
 def test_fit_whose_model_fails_at_the_start_says_so(
@@ -193,11 +193,11 @@ def test_fit_whose_model_fails_at_the_start_says_so(
     problem = graybox_problem(e12, exact_e12, e12_names)
     for name in ("cost", "normal_equations"):
         monkeypatch.setattr(type(least_squares(problem.model, problem.target)), name, singular)
-    found = fit(problem)
-    assert not found.converged
-    assert np.isnan(found.cost)
-    assert np.isnan(found.start_cost)
-    assert found.message == "the model cannot be evaluated at the initial values"
+    result = fit(problem)
+    assert not result.converged
+    assert np.isnan(result.cost)
+    assert np.isnan(result.start_cost)
+    assert result.message == "the model cannot be evaluated at the initial values"
 
 
 def test_fits_of_one_problem_share_one_target(

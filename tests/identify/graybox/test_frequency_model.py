@@ -30,8 +30,8 @@ def test_response_without_sampling_is_that_of_the_state_space_model(name: str) -
     omega = 2 * np.pi * FREQUENCY
     expected = np.moveaxis(system(1j * omega)[: robot.n_motors], -1, 0)
     aliases = np.tensordot(model.hold.aliases[0], model.expansion[0], 1)
-    found = (model.response(model.positions.values)[0] - aliases) / model.hold.gain[0][:, None, None]
-    np.testing.assert_allclose(found, expected, rtol=1e-7)
+    continuous = (model.response(model.positions.values)[0] - aliases) / model.hold.gain[0][:, None, None]
+    np.testing.assert_allclose(continuous, expected, rtol=1e-7)
     hold = np.exp(-1j * omega * (robot.delay + robot.sample_time / 2)) * np.sinc(FREQUENCY * robot.sample_time)
     np.testing.assert_allclose(model.hold.gain[0], -(omega**2) * hold, rtol=1e-10)
 
@@ -79,7 +79,7 @@ def test_positions_may_have_frequencies_of_their_own() -> None:
     np.testing.assert_allclose(own.response(theta)[1], common.response(theta)[1, ::-1], rtol=1e-12)
 
 
-def test_wrong_shape_of_frequencies_is_told() -> None:
+def test_wrong_shape_of_frequencies_is_reported() -> None:
     positions = model_of("e12", ["body_1.ry.stiffness"]).positions
     with pytest.raises(InputError, match=r"frequencies have shape \(3, 4\), but 2 positions need one list"):
         FrequencyModel(positions, np.ones((3, 4)), 5e-4)

@@ -30,7 +30,7 @@ def test_parameters_that_the_responses_show_are_determined(
     assert all(each.interval[0] < each.value < each.interval[1] for each in verdict.parameters)
 
 
-def test_pair_that_cannot_be_told_apart_is_found_with_its_combination(pendulum: Robot, measured: Measure) -> None:
+def test_pair_that_cannot_be_distinguished_is_found_with_its_combination(pendulum: Robot, measured: Measure) -> None:
     responses = measured(pendulum, np.array([[0.0]]), np.linspace(2.0, 60.0, 40), noise=1e-3)
     problem = graybox_problem(pendulum, responses, PENDULUM)
     verdict = identifiability(problem, fit(problem, problem.scale.nominal * np.array([1.2, 0.9, 1.1])))
@@ -66,13 +66,13 @@ def test_length_along_the_axis_of_rotation_does_not_act(e12: Robot, noisy_e12: R
 
 def test_value_on_a_bound_is_not_determined(e12: Robot, e12_names: list[str], noisy_e12: Responses) -> None:
     problem = graybox_problem(e12, noisy_e12, e12_names, "LLS", "optimal")
-    found = fit(problem, problem.scale.nominal * 1.3, bounds={"body_3.ry.stiffness": (1.2e5, 2e5)})
-    verdict = {each.name: each for each in identifiability(problem, found).parameters}["body_3.ry.stiffness"]
+    result = fit(problem, problem.scale.nominal * 1.3, bounds={"body_3.ry.stiffness": (1.2e5, 2e5)})
+    verdict = {each.name: each for each in identifiability(problem, result).parameters}["body_3.ry.stiffness"]
     assert verdict.verdict == "not_determined"
     assert verdict.reason.startswith("the fit ended on a bound; standard deviation")
 
 
-def test_between_determined_and_not_lies_weak(e12: Robot, e12_names: list[str], measured: Measure) -> None:
+def test_between_determined_and_not_is_weak(e12: Robot, e12_names: list[str], measured: Measure) -> None:
     responses = measured(e12, np.array([[0.0, 0.3]]), np.linspace(1.0, 40.0, 40), noise=0.15)
     problem = graybox_problem(e12, responses, e12_names, "NLS", "optimal")
     verdict = identifiability(problem, fit(problem))

@@ -53,11 +53,11 @@ def shifted(model: FrequencyModel) -> np.ndarray:
     return theta
 
 
-def assert_equal(found: NormalEquations, expected: NormalEquations, tolerance: float = 1e-9) -> None:
+def assert_equal(actual: NormalEquations, expected: NormalEquations, tolerance: float = 1e-9) -> None:
     sizes = np.sqrt(np.diag(expected.hessian))
-    assert found.cost == pytest.approx(expected.cost, rel=tolerance)
-    assert np.max(np.abs(found.gradient - expected.gradient) / (sizes * np.sqrt(expected.cost))) < tolerance
-    assert np.max(np.abs(found.hessian - expected.hessian) / np.outer(sizes, sizes)) < tolerance
+    assert actual.cost == pytest.approx(expected.cost, rel=tolerance)
+    assert np.max(np.abs(actual.gradient - expected.gradient) / (sizes * np.sqrt(expected.cost))) < tolerance
+    assert np.max(np.abs(actual.hessian - expected.hessian) / np.outer(sizes, sizes)) < tolerance
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)
@@ -115,9 +115,9 @@ def test_phase_errors_are_taken_within_half_a_turn() -> None:
 def test_threads_change_nothing() -> None:
     model = model_of("e12")
     target, theta = target_of(model, "LLS"), shifted(model)
-    one, two = (least_squares(model, target, threads).normal_equations(theta) for threads in (1, 2))
-    assert one.cost == two.cost
-    np.testing.assert_array_equal(one.hessian, two.hessian)
+    single, double = (least_squares(model, target, threads).normal_equations(theta) for threads in (1, 2))
+    assert single.cost == double.cost
+    np.testing.assert_array_equal(single.hessian, double.hessian)
 
 
 def test_vanishing_pivot_is_left_to_numpy() -> None:
@@ -141,7 +141,7 @@ def test_without_compiler_numpy_answers(monkeypatch: pytest.MonkeyPatch) -> None
     assert squares.cost(shifted(model)) > 0
 
 
-def test_wrong_shape_is_told() -> None:
+def test_wrong_shape_is_reported() -> None:
     model = model_of("e12")
     with pytest.raises(
         InputError, match=r"weights have shape \(2,\), but the model of robot e12 needs \(3, 21, 2, 2\)"
@@ -149,7 +149,7 @@ def test_wrong_shape_is_told() -> None:
         least_squares(model, ResponseTarget(np.ones((3, 21, 2, 2), complex), np.ones(2), "LLS"))
 
 
-def test_negative_weight_is_told() -> None:
+def test_negative_weight_is_reported() -> None:
     model = model_of("e12")
     ones = np.ones((3, 21, 2, 2))
     with pytest.raises(InputError, match="weights of frequency responses must be finite and not negative"):
@@ -157,7 +157,7 @@ def test_negative_weight_is_told() -> None:
 
 
 @pytest.mark.parametrize("value", [0.0, np.nan])
-def test_weight_on_nothing_is_told(value: float) -> None:
+def test_weight_on_nothing_is_reported(value: float) -> None:
     model = model_of("e12")
     response = np.ones((3, 21, 2, 2), complex)
     response[1, 2, 0, 1] = value
@@ -165,7 +165,7 @@ def test_weight_on_nothing_is_told(value: float) -> None:
         least_squares(model, ResponseTarget(response, np.ones(response.shape), "LLS"))
 
 
-def test_unknown_estimator_is_told() -> None:
+def test_unknown_estimator_is_reported() -> None:
     model = model_of("e12")
     ones = np.ones((3, 21, 2, 2))
     with pytest.raises(InputError, match="LSS"):

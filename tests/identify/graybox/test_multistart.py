@@ -57,8 +57,8 @@ def test_starts_lie_within_given_bounds_and_fill_them(problem: GrayBoxProblem) -
 @pytest.mark.parametrize("threads", [1, 3])
 def test_fits_come_in_the_order_of_their_starts_whatever_the_threads(problem: GrayBoxProblem, threads: int) -> None:
     starts = random_starts(problem, 5, seed=2)
-    found = multistart(problem, starts, threads=threads)
-    for each, start in zip(found, starts, strict=True):
+    fits = multistart(problem, starts, threads=threads)
+    for each, start in zip(fits, starts, strict=True):
         np.testing.assert_array_equal(each.start, start)
         np.testing.assert_array_equal(each.values, fit(problem, start).values)
 
@@ -82,12 +82,12 @@ def test_wrong_start_ends_all(problem: GrayBoxProblem) -> None:
 
 
 def test_best_is_the_one_of_lowest_cost(problem: GrayBoxProblem) -> None:
-    found = multistart(problem, 5, seed=2)
-    lowest = min(each.cost for each in found)
-    failed = replace(found[0], cost=np.nan, converged=False)
-    assert best(found).cost == lowest
-    assert best([failed, *found]).cost == lowest
-    assert best([*found, replace(failed, cost=-np.inf)]).cost == lowest
+    fits = multistart(problem, 5, seed=2)
+    lowest = min(each.cost for each in fits)
+    failed = replace(fits[0], cost=np.nan, converged=False)
+    assert best(fits).cost == lowest
+    assert best([failed, *fits]).cost == lowest
+    assert best([*fits, replace(failed, cost=-np.inf)]).cost == lowest
 
 
 def test_best_of_fits_that_all_failed_is_refused(problem: GrayBoxProblem) -> None:

@@ -36,7 +36,7 @@ def test_other_choice_shares_the_measurement(e12: Robot, e12_names: list[str], n
     np.testing.assert_array_equal(other.weights, direct.weights)
 
 
-def test_weights_made_anew_follow_the_model(e12: Robot, e12_names: list[str], noisy_e12: Responses) -> None:
+def test_recomputed_weights_follow_the_model(e12: Robot, e12_names: list[str], noisy_e12: Responses) -> None:
     problem = graybox_problem(e12, noisy_e12, e12_names, "LLS", "optimal")
     again = problem.reweighted(problem.scale.nominal)
     model = problem.model.response(problem.scale.nominal)

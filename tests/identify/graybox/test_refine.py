@@ -46,7 +46,7 @@ def test_optimal_weights_need_a_covariance(e12: Robot, e12_names: list[str], noi
         refine(problem, fit(problem))
 
 
-def test_weights_that_did_not_settle_are_told(
+def test_weights_that_did_not_settle_are_reported(
     e12: Robot, e12_names: list[str], noisy_e12: Responses, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("flexros.identify.graybox.refine.MOST_ROUNDS", 1)

@@ -29,11 +29,11 @@ def test_shares_add_up_and_noise_alone_gives_one(e12: Robot, e12_names: list[str
 
 def test_what_the_model_misses_is_found(e12: Robot, e12_names: list[str], noisy_e12: Responses) -> None:
     problem = graybox_problem(e12, noisy_e12, e12_names, "NLS", "optimal")
-    found = fit(problem)
+    result = fit(problem)
     spoilt = noisy_e12[1].response.copy()
     spoilt[30, 1, 0] += 20.0 * noisy_e12[1].standard_deviation("total")[30, 1, 0]
     responses = (noisy_e12[0], replace(noisy_e12[1], response=spoilt), noisy_e12[2])
-    report = residual_report(replace(problem, responses=responses), found, bands=[10.0, 20.0, 30.0])
+    report = residual_report(replace(problem, responses=responses), result, bands=[10.0, 20.0, 30.0])
     worst = report.worst(1)[0]
     assert (worst.position, worst.output, worst.input) == (1, "motor_2", "motor_1")
     assert worst.lowest <= noisy_e12[0].frequency[30] <= worst.highest

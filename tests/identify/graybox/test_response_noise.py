@@ -31,20 +31,20 @@ def test_record_without_repetition_has_none(noisy_e12: tuple[FrequencyResponse, 
 
 
 def test_covariance_is_that_of_the_estimate(noisy_e12: tuple[FrequencyResponse, ...]) -> None:
-    given = replace(noisy_e12[1], noise_error=0.1 * noisy_e12[1].error())
-    noise = response_noise(given)
+    response = replace(noisy_e12[1], noise_error=0.1 * noisy_e12[1].error())
+    noise = response_noise(response)
     assert noise is not None
-    np.testing.assert_array_equal(noise.input_inverse, given.input_inverse)
-    np.testing.assert_array_equal(noise.covariance(), given.covariance("total"))
-    np.testing.assert_allclose(noise.variance, given.standard_deviation("total") ** 2)
-    assert noise.degrees_of_freedom == given.degrees_of_freedom
+    np.testing.assert_array_equal(noise.input_inverse, response.input_inverse)
+    np.testing.assert_array_equal(noise.covariance(), response.covariance("total"))
+    np.testing.assert_allclose(noise.variance, response.standard_deviation("total") ** 2)
+    assert noise.degrees_of_freedom == response.degrees_of_freedom
 
 
 def test_covariance_of_few_degrees_of_freedom_is_not_pooled_once_more(noisy_e12: tuple[FrequencyResponse, ...]) -> None:
     """The estimate of the response did that, and its degrees of freedom count it."""
     scatter = np.random.default_rng(0).gamma(4.0, 0.25, len(noisy_e12[0].frequency))
-    given = replace(noisy_e12[0], total_error=noisy_e12[0].error() * scatter[:, None, None], degrees_of_freedom=4.0)
-    noise = response_noise(given)
+    response = replace(noisy_e12[0], total_error=noisy_e12[0].error() * scatter[:, None, None], degrees_of_freedom=4.0)
+    noise = response_noise(response)
     assert noise is not None
     assert noise.degrees_of_freedom == 4.0
-    np.testing.assert_array_equal(noise.error, given.error())
+    np.testing.assert_array_equal(noise.error, response.error())

@@ -71,12 +71,12 @@ def test_response_is_that_of_the_exact_discretisation(name: str, delay: float) -
 def test_rows_of_frequencies_are_taken_as_they_are() -> None:
     frequency = np.array([[1.0, 2.0], [3.0, 4.0]])
     both = sampled_hold(frequency, 1e-3, 2e-4)
-    one = sampled_hold(frequency[1], 1e-3, 2e-4)
-    np.testing.assert_array_equal(both.gain[1], one.gain)
-    np.testing.assert_array_equal(both.aliases[1], one.aliases)
+    single = sampled_hold(frequency[1], 1e-3, 2e-4)
+    np.testing.assert_array_equal(both.gain[1], single.gain)
+    np.testing.assert_array_equal(both.aliases[1], single.aliases)
 
 
 @pytest.mark.parametrize("wrong", [0.0, 500.0, 700.0])
-def test_frequency_beyond_sampling_is_told(wrong: float) -> None:
+def test_frequency_beyond_sampling_is_reported(wrong: float) -> None:
     with pytest.raises(InputError, match=rf"a frequency of {wrong:g} Hz .* must lie between 0 and .* 500 Hz"):
         sampled_hold(np.array([1.0, wrong]), 1e-3)

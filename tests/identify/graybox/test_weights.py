@@ -37,7 +37,7 @@ def test_lines_outside_the_band_have_no_weight(exact_e12: Responses) -> None:
 
 
 @pytest.mark.parametrize("kind", ["user", "optimal", "combined"])
-def test_logarithms_of_lines_lost_in_noise_have_no_weight(exact_e12: Responses, kind: str) -> None:
+def test_logarithms_of_lines_below_the_noise_have_no_weight(exact_e12: Responses, kind: str) -> None:
     error = exact_e12[0].total_error
     assert error is not None
     loud = error.copy()
@@ -47,7 +47,7 @@ def test_logarithms_of_lines_lost_in_noise_have_no_weight(exact_e12: Responses, 
     assert np.all(weights[0, 8] > 0.0)
 
 
-def test_nls_drops_elements_that_are_lost_in_noise_as_a_whole(exact_e12: Responses) -> None:
+def test_nls_drops_elements_that_are_below_the_noise_as_a_whole(exact_e12: Responses) -> None:
     response = exact_e12[0].response.copy()
     response[:, 0, 1] *= 1e-12
     weights = UserWeights().array([replace(exact_e12[0], response=response)], NLS)

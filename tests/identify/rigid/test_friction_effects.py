@@ -18,11 +18,11 @@ def friction(v: np.ndarray) -> np.ndarray:
 
 def test_coulomb_friction_and_offset_become_an_effect(emps, fourier_motion, rigid_log) -> None:
     log = rigid_log(emps, fourier_motion(8000, 1e-3, 1), noise=1e-6, friction=friction)
-    found = friction_outside_file(fit_rigid(log, emps, RigidSettings(cutoff=25.0)))
-    assert found.values["motor_1.coulomb_friction"] == pytest.approx(10, rel=0.02)
-    assert found.values["motor_1.torque_offset"] == pytest.approx(3, rel=0.02)
-    assert found.means == ()
-    (effect,) = found.effects
+    outside = friction_outside_file(fit_rigid(log, emps, RigidSettings(cutoff=25.0)))
+    assert outside.values["motor_1.coulomb_friction"] == pytest.approx(10, rel=0.02)
+    assert outside.values["motor_1.torque_offset"] == pytest.approx(3, rel=0.02)
+    assert outside.means == ()
+    (effect,) = outside.effects
     name, _, numbers = effect.partition(":")
     assert name == "coulomb_friction@motor_1"
     read = dict(entry.split("=") for entry in numbers.split(","))
@@ -32,12 +32,12 @@ def test_coulomb_friction_and_offset_become_an_effect(emps, fourier_motion, rigi
 
 def test_friction_by_direction_is_the_same_effect(emps, fourier_motion, rigid_log) -> None:
     log = rigid_log(emps, fourier_motion(8000, 1e-3, 1), noise=1e-6, friction=friction)
-    found = friction_outside_file(fit_rigid(log, emps, RigidSettings(cutoff=25.0, asymmetric=True)))
-    (effect,) = found.effects
+    outside = friction_outside_file(fit_rigid(log, emps, RigidSettings(cutoff=25.0, asymmetric=True)))
+    (effect,) = outside.effects
     read = dict(entry.split("=") for entry in effect.partition(":")[2].split(","))
     assert float(read["level"]) == pytest.approx(10, rel=0.03)
     assert float(read["asymmetry"]) == pytest.approx(0.6, rel=0.05)
-    assert found.means[0].startswith("motor_1.viscous_friction in the robot file is the mean of 20")
+    assert outside.means[0].startswith("motor_1.viscous_friction in the robot file is the mean of 20")
 
 
 def test_no_effect_without_friction(elbow, fourier_motion, rigid_log) -> None:

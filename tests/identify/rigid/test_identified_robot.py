@@ -66,7 +66,7 @@ def test_what_cannot_be_is_left_out_and_said(elbow, fourier_motion, rigid_log) -
     assert {"body_2.inertia.yy", "motor_2.viscous_friction"} <= set(identified.values)
 
 
-def test_friction_that_a_file_has_no_place_for_is_never_missed(elbow, fourier_motion, rigid_log) -> None:
+def test_friction_that_a_file_cannot_hold_is_never_missed(elbow, fourier_motion, rigid_log) -> None:
     real = elbow.with_values({"motor_2.inertia": 28.0})
     log = rigid_log(real, fourier_motion(8000, 1e-3, 2), noise=1e-6, friction=lambda v: 20 * np.sign(v))
     fit = fit_rigid(log, elbow, SLOW)
@@ -92,7 +92,7 @@ def test_others_take_over_what_a_body_cannot_have(elbow, fourier_motion, rigid_l
     assert np.linalg.norm(got - wanted) < 2e-3 * np.linalg.norm(wanted)
 
 
-def test_first_moment_of_a_body_without_mass_has_no_place(fourier_motion, rigid_log) -> None:
+def test_first_moment_of_a_body_without_mass_is_undefined(fourier_motion, rigid_log) -> None:
     robot = load_robot("four_mass_linear")
     fit = fit_rigid(rigid_log(robot, fourier_motion(8000, 1e-3, 1)), robot, SLOW)
     identified = identified_values(fit)
@@ -115,7 +115,9 @@ def test_identified_file_of_a_robot_in_space(fourier_motion, rigid_log, tmp_path
 
 
 @pytest.mark.parametrize(("name", "samples"), [("elbow", 8000), ("six_axis", 10_000)])
-def test_tolerances_allow_for_what_only_combinations_tell(name: str, samples: int, fourier_motion, rigid_log) -> None:
+def test_tolerances_allow_for_what_only_combinations_determine(
+    name: str, samples: int, fourier_motion, rigid_log
+) -> None:
     robot, rng = load_robot(name), np.random.default_rng(3)
     changed = {
         key: parameter.value * (1 + 0.12 * rng.normal())
@@ -141,8 +143,8 @@ def test_tolerance_of_the_robot_file_is_the_prior(elbow, fourier_motion, rigid_l
     known["bodies"][1]["center_of_mass"]["tolerance"] = 1e-6
     sure = robot_from_data(known, "test")
     fit = fit_rigid(rigid_log(elbow, fourier_motion(8000, 1e-3, 2), noise=1e-6), sure, SLOW)
-    told, unknown = identified_values(fit), identified_values(replace(fit, robot=elbow))
-    assert told.values["body_2.mass"].relative < 1e-4
+    identified, unknown = identified_values(fit), identified_values(replace(fit, robot=elbow))
+    assert identified.values["body_2.mass"].relative < 1e-4
     assert unknown.values["body_2.mass"].relative > 0.05
 
 

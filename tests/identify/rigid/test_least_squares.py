@@ -22,8 +22,8 @@ def problem(n: int = 400, seed: int = 1) -> np.ndarray:
 
 def test_exact_torques_give_exact_parameters() -> None:
     H, true = problem(), np.array([3.0, -2e3, 1e-3])
-    found = weighted_least_squares(H, H @ true, 400)
-    np.testing.assert_allclose(found.values, true, rtol=1e-9)
+    solution = weighted_least_squares(H, H @ true, 400)
+    np.testing.assert_allclose(solution.values, true, rtol=1e-9)
 
 
 def test_motor_with_the_larger_residual_counts_less() -> None:
@@ -42,12 +42,12 @@ def test_standard_deviations_cover_correlated_residuals() -> None:
     plain = []
     for _ in range(150):
         noise = lfilter([1], [1, -0.9], rng.normal(size=(400, 2)), axis=0)
-        found = weighted_least_squares(H, H @ true + noise, 400)
-        residual = H @ (true - found.values) + noise
-        spread = covariance(found, np.einsum("nmk,nm->nk", H, residual / found.deviation**2), residual)
-        scores.append((found.values - true) / np.sqrt(np.diag(spread)))
+        solution = weighted_least_squares(H, H @ true + noise, 400)
+        residual = H @ (true - solution.values) + noise
+        spread = covariance(solution, np.einsum("nmk,nm->nk", H, residual / solution.deviation**2), residual)
+        scores.append((solution.values - true) / np.sqrt(np.diag(spread)))
         white = np.linalg.inv(np.einsum("nmi,nmj->ij", H, H)) * residual.var()
-        plain.append((found.values - true) / np.sqrt(np.diag(white)))
+        plain.append((solution.values - true) / np.sqrt(np.diag(white)))
     assert 0.8 < np.std(scores) < 1.45
     assert np.std(plain) > 2.0  # what the usual formula would have promised
 

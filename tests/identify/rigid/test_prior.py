@@ -18,7 +18,7 @@ def prior_covariance(robot: Robot) -> tuple[np.ndarray, list[str]]:
     return factor @ factor.T, [parameter.name for parameter in base.standard]
 
 
-def test_prior_is_that_of_robots_with_scattered_numbers() -> None:
+def test_prior_is_that_of_robots_with_scattered_parameters() -> None:
     robot, rng = load_robot("elbow"), np.random.default_rng(1)
     scattered = ("body_2.mass", "body_2.inertia.yy", "motor_2.inertia")
     drawn = []
@@ -39,7 +39,7 @@ def test_prior_is_that_of_robots_with_scattered_numbers() -> None:
     assert expected[mass, moment] == pytest.approx(0.35 * expected[mass, mass])
 
 
-def test_numbers_of_zero_move_as_others_of_their_kind() -> None:
+def test_parameters_of_zero_move_as_others_of_their_kind() -> None:
     robot = load_robot("elbow")
     without = robot.with_values({"motor_2.viscous_friction": 0.0})
     covariance, names = prior_covariance(without)

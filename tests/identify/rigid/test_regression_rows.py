@@ -68,7 +68,7 @@ def test_force_error_of_the_values_themselves(elbow, fourier_motion, rigid_log) 
     assert fit.force_error(0 * fit.values) == pytest.approx(100)
 
 
-def test_lost_samples_are_bridged_and_long_holes_left_out(elbow, fourier_motion, rigid_log) -> None:
+def test_lost_samples_are_bridged_and_long_gaps_excluded(elbow, fourier_motion, rigid_log) -> None:
     log = rigid_log(elbow, fourier_motion(12_000, 1e-3, 2), noise=1e-6)
     kept = np.delete(np.arange(12_000), [500, 501, 3000, *range(7000, 7100)])
     states = replace(log.joint_states, stamp=log.joint_states.stamp[kept], position=log.joint_states.position[kept])

@@ -18,8 +18,8 @@ def test_inertia_at_the_joint_of_a_point_mass() -> None:
 
 def test_inertia_comes_back_to_the_centre() -> None:
     center = np.array([0.3, -0.2, 0.5])
-    there = inertia_at_joint(STEEL, 7.0, center)
-    assert inertia_at_joint(there, 7.0, center, sign=-1.0) == pytest.approx(STEEL)
+    at_joint = inertia_at_joint(STEEL, 7.0, center)
+    assert inertia_at_joint(at_joint, 7.0, center, sign=-1.0) == pytest.approx(STEEL)
 
 
 def test_nominal_values_follow_from_the_robot_file(elbow) -> None:
@@ -40,5 +40,5 @@ def test_units_of_a_drive_that_slides(emps) -> None:
 
 def test_friction_of_bodies_counts_where_the_file_gives_it(elbow) -> None:
     assert not any("body_1.viscous" in parameter.name for parameter in standard_parameters(elbow))
-    found = standard_parameters(load_robot("four_mass_linear"))
-    assert [p.name for p in found][-3:] == [f"body_{k}.viscous_friction" for k in (1, 2, 3)]
+    parameters = standard_parameters(load_robot("four_mass_linear"))
+    assert [p.name for p in parameters][-3:] == [f"body_{k}.viscous_friction" for k in (1, 2, 3)]

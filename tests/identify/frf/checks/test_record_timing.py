@@ -16,7 +16,7 @@ def numbers_of(stamp: np.ndarray, highest: float = 60.0, warnings: list[str] | N
     return sample_numbers(stamp, START_NS, T, "joint_states", highest, [] if warnings is None else warnings)
 
 
-def test_stamps_of_flexros_are_numbered_without_a_word() -> None:
+def test_stamps_of_flexros_are_numbered_without_a_warning() -> None:
     warnings: list[str] = []
     np.testing.assert_array_equal(numbers_of(stamps_ns(500, T), warnings=warnings), np.arange(500))
     assert warnings == []
@@ -64,7 +64,7 @@ def test_unequal_rates_are_refused() -> None:
         check_equal_rates(stamps_ns(100, T), stamps_ns(50, 2 * T))
 
 
-def test_gap_names_place_and_number() -> None:
+def test_gap_names_location_and_count() -> None:
     numbers = np.delete(np.arange(100), [20, 21, 40])
     check_no_gap(numbers, 50, 100, T, "block 1")
     with pytest.raises(

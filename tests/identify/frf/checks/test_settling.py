@@ -31,7 +31,7 @@ def test_transient_is_warned_of() -> None:
     assert text.endswith("add transient_periods, or set method to local_polynomial, which models it")
 
 
-def test_one_period_tells_nothing() -> None:
+def test_one_period_has_no_covariance() -> None:
     assert check_settled(record(0.5, n_periods=1), 2) == []
 
 

@@ -53,13 +53,13 @@ def test_covariance_of_the_estimate_is_right_in_closed_loop(average: str, distor
         U, Y, R = (
             np.transpose(part.mean(axis=1), (1, 2, 0)) for part in (spectra.input, spectra.output, spectra.reference)
         )
-        found = estimate(U, Y, R, spectra.block, average, spectra.frequency)  # type: ignore[arg-type]
-        error = error_covariance(spectra, found, 0, 3)
+        result = estimate(U, Y, R, spectra.block, average, spectra.frequency)  # type: ignore[arg-type]
+        error = error_covariance(spectra, result, 0, 3)
         assert error.noise is not None
         assert error.total is not None
-        vec = np.swapaxes(found.response - G, 1, 2).reshape(N_LINES, 9)
+        vec = np.swapaxes(result.response - G, 1, 2).reshape(N_LINES, 9)
         errors.append(np.einsum("fi,fj->ij", vec, vec.conj()) / N_LINES)
-        weight = np.conj(found.input_inverse)
+        weight = np.conj(result.input_inverse)
         claimed = (
             np.einsum("fab,fij->faibj", weight, part).reshape(N_LINES, 9, 9) for part in (error.total, error.noise)
         )
@@ -79,8 +79,8 @@ def test_degrees_of_freedom_are_those_of_spare_experiments_and_neighbours() -> N
     G = np.tile(np.eye(3, dtype=complex), (N_LINES, 1, 1))
     spectra = closed_loop_spectra(rng, G, 0.0)
     U, Y = (np.transpose(part.mean(axis=1), (1, 2, 0)) for part in (spectra.input, spectra.output))
-    found = estimate(U, Y, None, spectra.block, "joint", spectra.frequency)
-    assert abs(error_covariance(spectra, found, 0, 3).degrees_of_freedom - 7 * (9 - 3)) < 1e-6
+    result = estimate(U, Y, None, spectra.block, "joint", spectra.frequency)
+    assert abs(error_covariance(spectra, result, 0, 3).degrees_of_freedom - 7 * (9 - 3)) < 1e-6
 
 
 def test_degrees_of_freedom_are_those_of_the_scatter_over_repeated_experiments() -> None:
@@ -100,21 +100,21 @@ def test_degrees_of_freedom_are_those_of_the_scatter_over_repeated_experiments()
             reference=None,
             block=np.array([0, 0, 1, 1]),
         )
-        found = estimate(U, Y.mean(axis=0), None, spectra.block, "joint", spectra.frequency)
-        error = error_covariance(spectra, found, 0, 3)
+        result = estimate(U, Y.mean(axis=0), None, spectra.block, "joint", spectra.frequency)
+        error = error_covariance(spectra, result, 0, 3)
         assert error.total is not None
         totals.append(np.einsum("fii->fi", error.total).real)
     drawn = np.mean(np.mean(totals, axis=0) ** 2 / np.var(totals, axis=0))
     assert abs(error.degrees_of_freedom / drawn - 1) < 0.1
 
 
-def test_one_block_and_one_period_tell_nothing() -> None:
+def test_one_block_and_one_period_have_no_covariance() -> None:
     rng = np.random.default_rng(1)
     G = np.tile(np.eye(3, dtype=complex), (N_LINES, 1, 1))
     whole = closed_loop_spectra(rng, G, 0.0)
-    one = PeriodSpectra(whole.lines, 100, 1e-2, whole.input[:3, :1], whole.output[:3, :1], None, whole.block[:3])
-    U, Y = (np.transpose(part.mean(axis=1), (1, 2, 0)) for part in (one.input, one.output))
-    error = error_covariance(one, estimate(U, Y, None, one.block, "joint", one.frequency), 0, 3)
+    first_half = PeriodSpectra(whole.lines, 100, 1e-2, whole.input[:3, :1], whole.output[:3, :1], None, whole.block[:3])
+    U, Y = (np.transpose(part.mean(axis=1), (1, 2, 0)) for part in (first_half.input, first_half.output))
+    error = error_covariance(first_half, estimate(U, Y, None, first_half.block, "joint", first_half.frequency), 0, 3)
     assert error.noise is None
     assert error.total is None
     assert error.degrees_of_freedom == 0

@@ -33,10 +33,10 @@ def levels(
             u[block, k] = 3.0 * (r[k] - y[block, k])
             x += h * (u[block, k] - x)
     recorded = slice(DROPPED * PERIOD, None)
-    mine = Experiments.of(u[:, recorded], y[:, recorded], 1e-3, n_periods=PERIODS, lines=LINES)
-    found = frequency_response_of(mine, FrfSettings(drift_degree=0)).distortion
-    assert found is not None
-    return found
+    experiments = Experiments.of(u[:, recorded], y[:, recorded], 1e-3, n_periods=PERIODS, lines=LINES)
+    distortion = frequency_response_of(experiments, FrfSettings(drift_degree=0)).distortion
+    assert distortion is not None
+    return distortion
 
 
 def rms(level: np.ndarray) -> float:
@@ -44,45 +44,54 @@ def rms(level: np.ndarray) -> float:
 
 
 def test_linear_loop_has_no_distortion() -> None:
-    found = levels(lambda x: x)
-    assert max(rms(found.odd), rms(found.even), rms(found.total)) < 1e-8 * rms(found.output)
+    distortion = levels(lambda x: x)
+    assert max(rms(distortion.odd), rms(distortion.even), rms(distortion.total)) < 1e-8 * rms(distortion.output)
 
 
 def test_cubic_output_shows_on_odd_lines_alone() -> None:
-    found = levels(lambda x: x + 0.3 * x**3)
-    assert rms(found.odd) > 0.01 * rms(found.output)
-    assert rms(found.even) < 1e-6 * rms(found.odd)
-    assert 0.2 < rms(found.odd) / rms(found.total) < 5  # the detection lines foretell the scatter over blocks
+    distortion = levels(lambda x: x + 0.3 * x**3)
+    assert rms(distortion.odd) > 0.01 * rms(distortion.output)
+    assert rms(distortion.even) < 1e-6 * rms(distortion.odd)
+    assert 0.2 < rms(distortion.odd) / rms(distortion.total) < 5  # the detection lines foretell the scatter over blocks
 
 
 def test_square_output_shows_on_even_lines_alone_although_the_loop_feeds_it_back() -> None:
     """Of second order the output holds a x^2 with x = G u; harmonics of u at even lines are referred to the output."""
-    found = levels(lambda x: x + 0.05 * x**2)
-    assert rms(found.even) > 5 * rms(found.odd)
-    assert rms(found.even) > 0.003 * rms(found.output)
+    distortion = levels(lambda x: x + 0.05 * x**2)
+    assert rms(distortion.even) > 5 * rms(distortion.odd)
+    assert rms(distortion.even) > 0.003 * rms(distortion.output)
 
 
-def test_noise_is_told_from_distortion() -> None:
-    found = levels(lambda x: x, noise=0.02)
+def test_noise_and_distortion_are_separated() -> None:
+    distortion = levels(lambda x: x, noise=0.02)
     expected = 2 * 0.02 / np.sqrt(PERIOD) / np.sqrt(PERIODS)
-    for level in (found.noise, found.total, found.odd, found.even, found.odd_noise, found.even_noise):
+    for level in (
+        distortion.noise,
+        distortion.total,
+        distortion.odd,
+        distortion.even,
+        distortion.odd_noise,
+        distortion.even_noise,
+    ):
         assert 0.6 < rms(level) / expected < 1.5
-    assert rms(found.time_variation) < 1.0 * rms(found.noise) * np.sqrt(PERIODS)
+    assert rms(distortion.time_variation) < 1.0 * rms(distortion.noise) * np.sqrt(PERIODS)
 
 
 def test_changing_gain_is_time_variation() -> None:
-    found = levels(lambda x: x, noise=0.001, gain=lambda k: 1.0 + 0.1 * (k // PERIOD) / PERIODS)
-    assert rms(found.time_variation) > 20 * rms(found.noise[found.noise < np.inf] * 0 + rms(found.odd_noise))
+    distortion = levels(lambda x: x, noise=0.001, gain=lambda k: 1.0 + 0.1 * (k // PERIOD) / PERIODS)
+    assert rms(distortion.time_variation) > 20 * rms(
+        distortion.noise[distortion.noise < np.inf] * 0 + rms(distortion.odd_noise)
+    )
 
 
 def test_levels_follow_differentiation() -> None:
-    found = levels(lambda x: x + 0.3 * x**3)
-    twice = found.differentiated(2)
-    np.testing.assert_allclose(twice.odd, found.odd * (2 * np.pi * found.odd_frequency[:, None]) ** 2)
-    np.testing.assert_allclose(twice.output, found.output * (2 * np.pi * found.frequency[:, None]) ** 2)
+    distortion = levels(lambda x: x + 0.3 * x**3)
+    twice = distortion.differentiated(2)
+    np.testing.assert_allclose(twice.odd, distortion.odd * (2 * np.pi * distortion.odd_frequency[:, None]) ** 2)
+    np.testing.assert_allclose(twice.output, distortion.output * (2 * np.pi * distortion.frequency[:, None]) ** 2)
 
 
 def test_interpolation_is_linear_between_lines_and_holds_the_ends() -> None:
     response = np.array([1.0 + 1j, 3.0 - 1j]).reshape(2, 1, 1)
-    found = interpolated(response, np.array([1.0, 3.0]), np.array([0.5, 2.0, 4.0]))[:, 0, 0]
-    np.testing.assert_allclose(found, [1 + 1j, 2, 3 - 1j])
+    distortion = interpolated(response, np.array([1.0, 3.0]), np.array([0.5, 2.0, 4.0]))[:, 0, 0]
+    np.testing.assert_allclose(distortion, [1 + 1j, 2, 3 - 1j])

@@ -21,7 +21,7 @@ def test_trend_is_taken_off_whatever_the_periodic_part_is(n_periods: int) -> Non
     assert np.max(abs(change)) < 1e-11
 
 
-def test_single_period_is_freed_of_its_trend_beside_excited_lines() -> None:
+def test_single_period_has_its_trend_removed_next_to_excited_lines() -> None:
     t = np.arange(200)[:, None] / 200
     periodic = sum(np.cos(2 * np.pi * line * t + line) for line in LINES)
     steady = without_drift(periodic + 4.0 + 30.0 * t, 1, 1, LINES)

@@ -48,8 +48,8 @@ def test_leakage_is_modelled(m: int, n_u: int) -> None:
     u, y = random_record(rng, m, n_u)
     U, Y = spectra(u, lines), spectra(y, lines)
     at = np.arange(20, 360, 5)
-    found = local_polynomial(U, Y, None, at).response
-    error = np.median(abs(found - truth(lines[at], n_u)))
+    result = local_polynomial(U, Y, None, at).response
+    error = np.median(abs(result - truth(lines[at], n_u)))
     assert error < 2e-3
     if m == n_u:
         plain = (Y @ np.linalg.inv(U))[at]
@@ -65,10 +65,10 @@ def test_errors_are_as_large_as_claimed(known: bool) -> None:
         u, y = random_record(rng, 1, 2)
         U = spectra(u, lines)
         Y = spectra(y, lines) + 0.02 * complex_normal(rng, len(lines), 2, 1)
-        found = local_polynomial(U, Y, U if known else None, at, spare=6)
-        assert found.error is not None
-        errors.append(np.sum(abs(found.response - truth(lines[at], 2)) ** 2, axis=(1, 2)))
-        claimed.append(np.einsum("fii->f", found.error).real * np.einsum("fii->f", found.input_inverse).real)
+        result = local_polynomial(U, Y, U if known else None, at, spare=6)
+        assert result.error is not None
+        errors.append(np.sum(abs(result.response - truth(lines[at], 2)) ** 2, axis=(1, 2)))
+        claimed.append(np.einsum("fii->f", result.error).real * np.einsum("fii->f", result.input_inverse).real)
     assert abs(np.sum(errors) / np.sum(claimed) - 1) < 0.15
 
 

@@ -22,15 +22,15 @@ def test_exact_data_give_the_exact_response(average: str, known: bool) -> None:
     rng = np.random.default_rng(1)
     G, R = complex_normal(rng, 2, 3, 2), complex_normal(rng, 2, 2, 4)
     U = complex_normal(rng, 2, 2, 2) @ R
-    found = estimate(U, G @ U, R if known else None, BLOCK, average, FREQUENCY)  # type: ignore[arg-type]
-    np.testing.assert_allclose(found.response, G, rtol=1e-10)
-    np.testing.assert_allclose(U @ found.weights, np.broadcast_to(np.eye(2), (2, 2, 2)), atol=1e-12)
+    result = estimate(U, G @ U, R if known else None, BLOCK, average, FREQUENCY)  # type: ignore[arg-type]
+    np.testing.assert_allclose(result.response, G, rtol=1e-10)
+    np.testing.assert_allclose(U @ result.weights, np.broadcast_to(np.eye(2), (2, 2, 2)), atol=1e-12)
 
 
 def test_input_inverse_is_that_of_least_squares() -> None:
     U = complex_normal(np.random.default_rng(2), 2, 2, 4)
-    found = estimate(U, U, None, BLOCK, "joint", FREQUENCY)
-    np.testing.assert_allclose(found.input_inverse, np.linalg.inv(U @ np.conj(np.swapaxes(U, 1, 2))))
+    result = estimate(U, U, None, BLOCK, "joint", FREQUENCY)
+    np.testing.assert_allclose(result.input_inverse, np.linalg.inv(U @ np.conj(np.swapaxes(U, 1, 2))))
 
 
 def test_known_reference_removes_the_bias_of_noise_in_the_input() -> None:
@@ -47,8 +47,8 @@ def test_known_reference_removes_the_bias_of_noise_in_the_input() -> None:
 
 
 def test_logarithmic_mean_is_geometric_and_does_not_jump_in_phase() -> None:
-    found = logarithmic_mean(np.array([4 * np.exp(3.1j), np.exp(-3.1j)]).reshape(2, 1, 1, 1))[0, 0, 0]
-    assert abs(found - (-2.0)) < 1e-12
+    result = logarithmic_mean(np.array([4 * np.exp(3.1j), np.exp(-3.1j)]).reshape(2, 1, 1, 1))[0, 0, 0]
+    assert abs(result - (-2.0)) < 1e-12
 
 
 def test_too_few_experiments_are_refused() -> None:

@@ -24,8 +24,8 @@ def test_record_from_rest_to_rest_elsewhere_is_exact_without_its_line() -> None:
     lines = np.arange(1, 40)
     d = np.exp(-2j * np.pi * lines / N)
     truth = 0.02 * d / ((1 - d) * (1 - 0.98 * d))
-    found = np.fft.rfft(without_line(y[:, None])[:, 0])[lines] / np.fft.rfft(u)[lines]
-    np.testing.assert_allclose(found, truth, rtol=1e-6)
+    response = np.fft.rfft(without_line(y[:, None])[:, 0])[lines] / np.fft.rfft(u)[lines]
+    np.testing.assert_allclose(response, truth, rtol=1e-6)
     assert np.max(abs(np.fft.rfft(y)[lines] / np.fft.rfft(u)[lines] / truth - 1)) > 0.1
 
 
@@ -50,9 +50,9 @@ def test_lines_kept_are_nearly_independent() -> None:
     def correlation(thinned: bool) -> float:
         products, squares = [], []
         for seed in range(10):
-            found = record_response(noise_record(seed), FrfSettings(method="local_polynomial", thinned=thinned))
-            d = np.exp(-2j * np.pi * found.frequency * T)
-            error = found.response[:, 0, 0] - (1 + 0.4 * d) / (1 - 1.5 * d + 0.7 * d**2)
+            response = record_response(noise_record(seed), FrfSettings(method="local_polynomial", thinned=thinned))
+            d = np.exp(-2j * np.pi * response.frequency * T)
+            error = response.response[:, 0, 0] - (1 + 0.4 * d) / (1 - 1.5 * d + 0.7 * d**2)
             products.append(np.mean((error[1:] * np.conj(error[:-1])).real))
             squares.append(np.mean(abs(error) ** 2))
         return float(np.mean(products) / np.mean(squares))
@@ -81,30 +81,30 @@ def test_degrees_of_freedom_are_those_of_the_scatter_over_repeated_records(choic
     u, errors = rng.standard_normal((1, 600, 1)), []
     for _ in range(100):
         y = u + 0.1 * rng.standard_normal(u.shape)
-        found = record_response(Experiments.of(u, y, T, band=(50.0, 250.0), periodic=False), settings)
-        assert found.total_error is not None
-        errors.append(found.total_error[:, 0, 0].real)
+        response = record_response(Experiments.of(u, y, T, band=(50.0, 250.0), periodic=False), settings)
+        assert response.total_error is not None
+        errors.append(response.total_error[:, 0, 0].real)
     drawn = np.mean(np.mean(errors, axis=0) ** 2 / np.var(errors, axis=0))
-    assert 0.7 < found.degrees_of_freedom / drawn < 1.2
+    assert 0.7 < response.degrees_of_freedom / drawn < 1.2
 
 
-def test_form_in_which_the_error_is_flat_is_found_beside_a_resonance() -> None:
+def test_form_in_which_the_error_is_flat_is_found_next_to_a_resonance() -> None:
     """A disturbance of the torque through a resonance of 4 Hz half width: the error follows |G|^2."""
     a, ratios = [1.0, -1.94 * np.cos(0.2 * np.pi), 0.97**2], []
     for seed in range(4):
         rng = np.random.default_rng(seed)
         u, w = rng.standard_normal(3 * N), 0.2 * rng.standard_normal(3 * N)
-        mine = Experiments.of(u[-N:], lfilter([1.0], a, u + w)[-N:], T, band=(60.0, 140.0), periodic=False)
-        found = record_response(mine, FrfSettings(method="local_polynomial", spare_degrees=10))
-        assert found.total_error is not None
-        G = 1.0 / np.polyval(a[::-1], np.exp(-2j * np.pi * found.frequency * T))
-        ratios.append(found.total_error[:, 0, 0].real / abs(G) ** 2 / (0.2**2 * 4 / N))
+        experiments = Experiments.of(u[-N:], lfilter([1.0], a, u + w)[-N:], T, band=(60.0, 140.0), periodic=False)
+        response = record_response(experiments, FrfSettings(method="local_polynomial", spare_degrees=10))
+        assert response.total_error is not None
+        G = 1.0 / np.polyval(a[::-1], np.exp(-2j * np.pi * response.frequency * T))
+        ratios.append(response.total_error[:, 0, 0].real / abs(G) ** 2 / (0.2**2 * 4 / N))
     assert np.std(np.log(ratios)) < 0.3
     assert abs(np.mean(np.log(ratios))) < 0.2
 
 
-def test_error_is_total_because_noise_cannot_be_told_from_it() -> None:
-    found = record_response(noise_record(1), FrfSettings(method="local_polynomial"))
-    assert found.total_error is not None
-    assert found.noise_error is None
-    assert found.degrees_of_freedom > 4
+def test_error_is_total_because_noise_cannot_be_separated_from_it() -> None:
+    response = record_response(noise_record(1), FrfSettings(method="local_polynomial"))
+    assert response.total_error is not None
+    assert response.noise_error is None
+    assert response.degrees_of_freedom > 4

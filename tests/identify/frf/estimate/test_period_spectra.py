@@ -12,10 +12,10 @@ from flexros.identify.frf.estimate.period_spectra import amplitudes
 def test_cosine_has_its_amplitude_and_phase_in_every_period() -> None:
     n = np.arange(300)
     samples = 3.0 * np.cos(2 * np.pi * 7 * n / 100 + 0.4)[:, None]
-    found = amplitudes(samples, 3, np.array([5, 7]))
-    assert found.shape == (3, 2, 1)
-    np.testing.assert_allclose(found[:, 1, 0], 3.0 * np.exp(0.4j))
-    np.testing.assert_allclose(found[:, 0, 0], 0, atol=1e-13)
+    spectra = amplitudes(samples, 3, np.array([5, 7]))
+    assert spectra.shape == (3, 2, 1)
+    np.testing.assert_allclose(spectra[:, 1, 0], 3.0 * np.exp(0.4j))
+    np.testing.assert_allclose(spectra[:, 0, 0], 0, atol=1e-13)
 
 
 def test_record_that_is_no_whole_periods_is_refused() -> None:

@@ -46,11 +46,11 @@ def test_errors_of_the_estimate_are_as_large_as_claimed(axis: TwoMassAxis) -> No
     u, y, r = record(axis, runs, 2e-5, 1)
     errors, totals, noises = [], [], []
     for i in range(runs):
-        mine = Experiments.of(u[i], y[i], axis.sample_time, reference=r[i], n_periods=PERIODS, lines=LINES)
-        found = frequency_response_of(mine)
-        errors.append(abs(found.response[:, 0, 0] - true_position_response(axis, found.frequency)) ** 2)
-        totals.append(found.standard_deviation("total")[:, 0, 0] ** 2)
-        noises.append(found.standard_deviation("noise")[:, 0, 0] ** 2)
+        experiments = Experiments.of(u[i], y[i], axis.sample_time, reference=r[i], n_periods=PERIODS, lines=LINES)
+        result = frequency_response_of(experiments)
+        errors.append(abs(result.response[:, 0, 0] - true_position_response(axis, result.frequency)) ** 2)
+        totals.append(result.standard_deviation("total")[:, 0, 0] ** 2)
+        noises.append(result.standard_deviation("noise")[:, 0, 0] ** 2)
     error, total, noise = (np.mean(part, axis=0) for part in (errors, totals, noises))
     assert abs(np.mean(error / total) - 1) < 0.07
     assert abs(np.mean(error / noise) - 1) < 0.07
@@ -60,31 +60,33 @@ def test_errors_of_the_estimate_are_as_large_as_claimed(axis: TwoMassAxis) -> No
 @pytest.mark.parametrize("reference", ["auto", "unknown"])
 def test_estimate_without_noise_is_the_sampled_model(axis: TwoMassAxis, average: str, reference: str) -> None:
     u, y, r = record(axis, 1, 0.0, 2)
-    mine = Experiments.of(u[0], y[0], axis.sample_time, reference=r[0], n_periods=PERIODS, lines=LINES)
-    found = frequency_response_of(mine, FrfSettings.model_validate({"average": average, "reference": reference}))
-    truth = true_position_response(axis, found.frequency)
-    np.testing.assert_allclose(found.response[:, 0, 0], truth, rtol=2e-3)
+    experiments = Experiments.of(u[0], y[0], axis.sample_time, reference=r[0], n_periods=PERIODS, lines=LINES)
+    result = frequency_response_of(
+        experiments, FrfSettings.model_validate({"average": average, "reference": reference})
+    )
+    truth = true_position_response(axis, result.frequency)
+    np.testing.assert_allclose(result.response[:, 0, 0], truth, rtol=2e-3)
 
 
 def test_slow_motion_spoils_the_estimate_unless_its_drift_is_taken_off(axis: TwoMassAxis) -> None:
     u, y, r = record(axis, 1, 0.0, 2)
-    mine = Experiments.of(u[0], y[0], axis.sample_time, reference=r[0], n_periods=PERIODS, lines=LINES)
-    truth = true_position_response(axis, mine.frequency)
+    experiments = Experiments.of(u[0], y[0], axis.sample_time, reference=r[0], n_periods=PERIODS, lines=LINES)
+    truth = true_position_response(axis, experiments.frequency)
 
     def worst(degree: int) -> float:
-        found = periodic_response(mine, FrfSettings(drift_degree=degree)).response[:, 0, 0]
-        return float(np.max(abs(found / truth - 1)))
+        result = periodic_response(experiments, FrfSettings(drift_degree=degree)).response[:, 0, 0]
+        return float(np.max(abs(result / truth - 1)))
 
     assert worst(1) < 2e-3
     assert worst(0) > 0.5
     with pytest.raises(InputError, match="is below its standard deviation"):
-        frequency_response_of(mine, FrfSettings(drift_degree=0))
+        frequency_response_of(experiments, FrfSettings(drift_degree=0))
 
 
 def test_single_period_and_block_give_a_response_without_covariance(axis: TwoMassAxis) -> None:
     u, y, _ = record(axis, 1, 0.0, 3)
-    mine = Experiments.of(u[0, :1, :PERIOD], y[0, :1, :PERIOD], axis.sample_time, lines=LINES)
-    found = frequency_response_of(mine)
-    np.testing.assert_allclose(found.response[:, 0, 0], true_position_response(axis, found.frequency), rtol=1e-2)
-    assert found.total_error is None
-    assert found.noise_error is None
+    experiments = Experiments.of(u[0, :1, :PERIOD], y[0, :1, :PERIOD], axis.sample_time, lines=LINES)
+    result = frequency_response_of(experiments)
+    np.testing.assert_allclose(result.response[:, 0, 0], true_position_response(axis, result.frequency), rtol=1e-2)
+    assert result.total_error is None
+    assert result.noise_error is None

@@ -34,9 +34,9 @@ def test_data_windows_have_mean_one_and_their_shape() -> None:
 def test_length_one_is_the_ratio_of_the_spectra() -> None:
     rng = np.random.default_rng(0)
     U, Y = complex_normal(rng, 9, 1, 1), complex_normal(rng, 9, 1, 1)
-    found = smoothed_estimate(U, Y, None, triangular(1))
-    np.testing.assert_allclose(found.response, Y / U)
-    assert found.error is None
+    result = smoothed_estimate(U, Y, None, triangular(1))
+    np.testing.assert_allclose(result.response, Y / U)
+    assert result.error is None
 
 
 @pytest.mark.parametrize("known", [True, False])
@@ -47,10 +47,10 @@ def test_errors_are_as_large_as_claimed_where_the_response_is_constant(known: bo
     for _ in range(60):
         U = complex_normal(rng, 40, 2, 2)
         Y = G @ U + sigma * complex_normal(rng, 40, 2, 2)
-        found = smoothed_estimate(U, Y, U if known else None, triangular(7))
-        assert found.error is not None
+        result = smoothed_estimate(U, Y, U if known else None, triangular(7))
+        assert result.error is not None
         inner = slice(4, 36)
-        errors.append(np.sum(abs(found.response - G)[inner] ** 2, axis=(1, 2)))
-        variances = np.einsum("fii->f", found.error).real * np.einsum("fii->f", found.input_inverse).real
+        errors.append(np.sum(abs(result.response - G)[inner] ** 2, axis=(1, 2)))
+        variances = np.einsum("fii->f", result.error).real * np.einsum("fii->f", result.input_inverse).real
         claimed.append(variances[inner])
     assert abs(np.sum(errors) / np.sum(claimed) - 1) < 0.08

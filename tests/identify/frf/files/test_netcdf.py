@@ -96,7 +96,7 @@ def test_missing_folder_is_named(tmp_path: Path) -> None:
         save_responses([response(4)], tmp_path / "nowhere" / "responses.nc")
 
 
-def test_folder_in_place_of_a_file_is_named() -> None:
+def test_folder_instead_of_a_file_is_named() -> None:
     with pytest.raises(
         InputError, match=r"the frequency responses cannot be written to '\.', which is a folder; give a"
     ):

@@ -11,10 +11,10 @@ def test_products_and_sums() -> None:
     a, b = numbers(80, 0), numbers(80, 1)
     np.testing.assert_allclose(evaluate(lambda w, x, y: w.mul(x, y), a, b), a * b, rtol=1e-14)
     np.testing.assert_allclose(evaluate(lambda w, x, y: w.add(x, w.negative(y)), a, b), a - b, rtol=1e-14)
-    found = evaluate(lambda w, x, y: w.add_product(x, x, y), a, b)
-    assert np.max(np.abs(found - a * (1 + b)) / (np.abs(a) * (1 + np.abs(b)))) < 1e-15
-    found = evaluate(lambda w, x, y: w.add_scaled(x, y, w.block.number(3.0)), a, b)
-    assert np.max(np.abs(found - a - 3 * b) / (np.abs(a) + 3 * np.abs(b))) < 1e-15
+    result = evaluate(lambda w, x, y: w.add_product(x, x, y), a, b)
+    assert np.max(np.abs(result - a * (1 + b)) / (np.abs(a) * (1 + np.abs(b)))) < 1e-15
+    result = evaluate(lambda w, x, y: w.add_scaled(x, y, w.block.number(3.0)), a, b)
+    assert np.max(np.abs(result - a - 3 * b) / (np.abs(a) + 3 * np.abs(b))) < 1e-15
 
 
 def test_inverse() -> None:

@@ -49,8 +49,10 @@ def test_response_and_jacobian_are_those_of_numpy(name: str) -> None:
     response, jacobian = model.response_and_jacobian(theta)
     assert compiled.factored_jacobian(theta) is not None
     np.testing.assert_allclose(compiled.response(theta), response, atol=1e-9 * np.max(np.abs(response)), rtol=1e-7)
-    for found, expected in zip(np.moveaxis(compiled.jacobian(theta), -1, 0), np.moveaxis(jacobian, -1, 0), strict=True):
-        np.testing.assert_allclose(found, expected, atol=1e-9 * np.max(np.abs(expected)))
+    for diagonal, expected in zip(
+        np.moveaxis(compiled.jacobian(theta), -1, 0), np.moveaxis(jacobian, -1, 0), strict=True
+    ):
+        np.testing.assert_allclose(diagonal, expected, atol=1e-9 * np.max(np.abs(expected)))
 
 
 def test_diagonal_elements_agree_to_nine_digits() -> None:
@@ -58,8 +60,8 @@ def test_diagonal_elements_agree_to_nine_digits() -> None:
     compiled = compiled_model(model)
     assert compiled is not None
     theta = shifted(model)
-    found, expected = (np.einsum("qfmm->qfm", m.response(theta)) for m in (compiled, model))
-    np.testing.assert_allclose(found, expected, rtol=1e-9)
+    diagonal, expected = (np.einsum("qfmm->qfm", m.response(theta)) for m in (compiled, model))
+    np.testing.assert_allclose(diagonal, expected, rtol=1e-9)
 
 
 def test_scale_of_parameters() -> None:

@@ -32,14 +32,14 @@ def test_last_block_can_be_filled_with_a_number() -> None:
     np.testing.assert_array_equal(blocks[0, 0], [[1, 1, 1, 0, 0, 0, 0, 0]] * 2)
 
 
-def test_springs_and_dampers_of_one_place_share_their_vector() -> None:
+def test_springs_and_dampers_of_one_location_share_their_vector() -> None:
     names = ["body_1.ry.stiffness", "body_1.ry.damping", "body_2.mass", "motor_2.inertia", "motor_2.viscous_friction"]
-    found = kernel_structure(linearise_positions(load_robot("elbow"), names, [[0.2, 0.3]]))
-    assert found.vectors == (((0, -1.0), (2, 1.0)), ((3, 1.0),))
-    assert found.parameters == ((0, 0), (0, 1), (2, 0), (1, 2), (1, 1))
-    assert found.n_slopes == 1
-    assert found.touched == (0, 1)
-    assert [found.elimination.order[turn] for turn in found.sloped] == sorted(found.touched)
+    structure = kernel_structure(linearise_positions(load_robot("elbow"), names, [[0.2, 0.3]]))
+    assert structure.vectors == (((0, -1.0), (2, 1.0)), ((3, 1.0),))
+    assert structure.parameters == ((0, 0), (0, 1), (2, 0), (1, 2), (1, 1))
+    assert structure.n_slopes == 1
+    assert structure.touched == (0, 1)
+    assert [structure.elimination.order[turn] for turn in structure.sloped] == sorted(structure.touched)
 
 
 def test_structure_does_not_depend_on_numbers() -> None:
