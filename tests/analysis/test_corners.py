@@ -87,5 +87,5 @@ def test_all_corners_of_a_polygon_are_found_in_order():
     corners = np.array([[0, 0], [1, 0], [1.5, 1], [0.5, 1.5], [-0.5, 0.5]], dtype=float)
     legs = [np.linspace(a, b, 40, endpoint=False) for a, b in pairwise(corners)]
     flat = np.concatenate([*legs, corners[-1:]])
-    corners = find_corners(np.column_stack([flat[:, 0], np.zeros(len(flat)), flat[:, 1]]))
-    np.testing.assert_allclose([c.point[[0, 2]] for c in corners], corners[1:-1], atol=1e-9)
+    found_corners = find_corners(np.column_stack([flat[:, 0], np.zeros(len(flat)), flat[:, 1]]))
+    np.testing.assert_allclose([c.point[[0, 2]] for c in found_corners], corners[1:-1], atol=1e-9)

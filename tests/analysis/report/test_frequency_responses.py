@@ -60,7 +60,8 @@ def test_reason_is_shown_where_there_are_no_responses(experiment_log: Log) -> No
     analysis = analyse(replace(experiment_log, joint_commands=None))
     (only,) = FrequencyResponseSection().blocks([analysis])
     assert isinstance(only, Paragraph)
-    assert only.text.startswith("The frequency responses were not estimated: the log has no joint_commands.effort")
+    assert only.text.startswith("The frequency responses were not estimated: ")
+    assert "joint_commands" in only.text
     assert verdict([analysis]).startswith(
         "An identification experiment whose frequency responses were not estimated; the"
     )
