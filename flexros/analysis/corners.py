@@ -20,7 +20,7 @@ _SHARPEST_BEND = np.radians(20.0)
 _SMOOTH_BEND = np.radians(2.0)
 """A corner between two samples bends the path by more than this at both."""
 _STRAIGHT = np.cos(np.radians(0.1))
-"""A leg is straight as far as its direction keeps within a tenth of a degree."""
+"""A leg is straight where its direction stays within a tenth of a degree."""
 _LEG_SAMPLES, _LEG_LENGTH = 5, 1e-3
 """Both legs of a corner are straight over so many samples and so far [m] (chosen); transitions of curves are none."""
 _REVERSAL = np.cos(np.radians(170.0))

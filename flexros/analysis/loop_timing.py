@@ -27,8 +27,8 @@ class Gap:
     """Samples missing between two consecutive stamps.
 
     Attributes:
+        time: Time of the last sample before the gap, from the start of the log [s].
         missing: Number of samples missing in it.
-        missing: Number of samples that should lie in it.
     """
 
     time: float
@@ -46,6 +46,8 @@ class TopicTiming:
         period: Median of the steps between stamps [s]; nan with fewer than two different stamps.
         mean_period: Mean of the steps without gaps [s].
         jitter_std: Standard deviation of the steps without gaps [s].
+        jitter_p99: 99th percentile of |step - period| over these steps [s].
+        jitter_max: Largest |step - period| over these steps [s].
         missed: Number of samples missing in gaps.
         gaps: The first gaps, at most 20.
         duplicates: Number of messages whose stamp occurred before.

@@ -39,10 +39,9 @@ class MotorTracking:
         feedback_rms: Rms of `feedback` [Nm, or N].
         feedback_share: Rms of `feedback` over rms of `torque`: 0 for pure feedforward, 1 without feedforward; above 1
             where the two oppose each other.
-            none; above 1 where the two work against each other.
         torque_limit: Torque limit [Nm, or N]; inf where there is none, None where it is not known.
-        limited_by: Where the limit comes from.
         limited_by: Source of the limit.
+        saturated_share: Share of the torque samples at the limit.
         overload_share: Share of the torque samples whose feedforward alone exceeds the limit.
     """
 
@@ -85,7 +84,7 @@ class Drive:
         joint: Name of its joint.
         torque_limit: Largest absolute torque [Nm, or N]; inf where none.
         linear: Whether it moves in metres.
-        limited_by: Where the limit comes from.
+        limited_by: Source of the limit.
     """
 
     joint: str

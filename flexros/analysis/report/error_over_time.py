@@ -19,7 +19,7 @@ class ErrorSection(AbstractSection["Sequence[Analysis]"]):
     title: ClassVar[str] = "Errors over time"
 
     def blocks(self, analyses: Sequence[Analysis]) -> tuple[Block, ...]:
-        """Return one picture of the tool and one of the motors, as far as the logs hold them."""
+        """Return one picture of the tool and one of the motors, where the logs contain them."""
         blocks: list[Block] = []
         if any(analysis.path is not None for analysis in analyses):
             blocks.append(tool_errors(analyses))

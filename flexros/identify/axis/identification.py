@@ -46,7 +46,7 @@ class OneAxisIdentification:
         start: Values of the linear steps, by name.
         validation: Quality of the nonlinear model on the validation log; None without one.
         linear_validation: Quality of the linear-spring model there.
-        warnings: What was repaired in the logs or is doubtful, and what the model lacks, one sentence each.
+        warnings: Repairs and doubts about the logs, and effects that the model does not contain, one sentence each.
     """
 
     nonlinear: AxisFit

@@ -27,7 +27,7 @@ UNEXPLAINED = 2.0
 """Mean squared residual over variance, all lines weighted equally, above which part is unexplained (chosen)."""
 
 SURE = 0.999
-"""Probability with which chance stays below the limits (chosen)."""
+"""Probability that chance stays below the limits (chosen)."""
 
 _DRAWS, _MOST_RATIOS = 20_000, 50
 """Number of draws of means of ratios, and largest number of ratios in each (chosen)."""

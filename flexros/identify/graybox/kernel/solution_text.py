@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _Body: TypeAlias = Callable[["int | str", list[ComplexValue]], list[ComplexValue]]
 """Writes one turn for a number or an i64 value: totals before, totals after."""
 TILE = 3
-"""Rows and columns of a tile: nine complex sums and what they are made of fill 32 vector registers."""
+"""Rows and columns of a tile: nine complex sums and their factors fill 32 vector registers."""
 SHORTEST_LOOP = 4
 """Shorter runs of columns are unrolled."""
 SMALLEST_PIVOT = 1e-7
