@@ -58,7 +58,7 @@ class GapMonitorNode(FlexrosNode):
             calibration = read_calibration(path, model.fingerprint, model.base.joint_names)
         self.monitor = GapMonitor(model.model, false_alarms=self.value("false_alarms"), calibration=calibration)
         self._units = torque_units(model.base)
-        self._budget = LoadBudget(self.value("max_load"))
+        self.budget = LoadBudget(self.value("max_load"))
         self._used = 0.0
         self._skipped = 0
         self._waiting: dict[str, list[bytes]] = {}
@@ -93,7 +93,7 @@ class GapMonitorNode(FlexrosNode):
     def _update(self) -> None:
         """Process the messages received since the last call, as far as the processor budget allows."""
         monitor, now = self._configured_monitor(), perf_counter()
-        allowed = self._budget.allows(now)
+        allowed = self.budget.allows(now)
         begun = thread_time()
         for name, add in (("joint_states", monitor.add_states), ("joint_commands", monitor.add_commands)):
             messages = self._waiting[name]
@@ -107,7 +107,7 @@ class GapMonitorNode(FlexrosNode):
         if allowed:
             monitor.advance()
         used = thread_time() - begun
-        self._budget.use(used)
+        self.budget.use(used)
         self._used += used
 
     def _configured_monitor(self) -> GapMonitor:
@@ -137,7 +137,7 @@ class GapMonitorNode(FlexrosNode):
         array.header.stamp.sec, array.header.stamp.nanosec = divmod(self.stamp, NANOSECONDS)
         self._diagnostics.publish(array)
         used = thread_time() - begun
-        self._budget.use(used)
+        self.budget.use(used)
         self._used += used
 
     def _input_problems(self) -> str:

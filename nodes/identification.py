@@ -44,18 +44,18 @@ class IdentificationNode(FlexrosNode):
 
     def configure(self) -> None:
         """Compute plan and reference; create publishers, services and the subscription to the clock."""
-        self._run: Experiment = prepared_run(self.value("scenario"))
-        settings = self._run.scenario.identification
-        if self._run.plan is None or settings is None:
+        self.run: Experiment = prepared_run(self.value("scenario"))
+        settings = self.run.scenario.identification
+        if self.run.plan is None or settings is None:
             raise InputError(
-                f"scenario {self._run.scenario.name} has no key identification, which node identification needs; add "
+                f"scenario {self.run.scenario.name} has no key identification, which node identification needs; add "
                 "the key, or use node feedforward"
             )
-        self._n_rest = round(max(settings.settle, LEAST_REST) / self._run.sample_time)
-        self._course = ExperimentCourse(self._run.plan)
-        self._stream = ReferenceStream(self, self._run)
-        self._stream.on_progress = self._on_progress
-        self._stream.on_restart = self._on_restart
+        self._n_rest = round(max(settings.settle, LEAST_REST) / self.run.sample_time)
+        self._course = ExperimentCourse(self.run.plan)
+        self.stream = ReferenceStream(self, self.run)
+        self.stream.on_progress = self._on_progress
+        self.stream.on_restart = self._on_restart
         self._states = self.announce("experiment_state")
         self.offer("start", self._on_start)
         self.offer("stop", self._on_stop)
@@ -64,29 +64,29 @@ class IdentificationNode(FlexrosNode):
 
     def _begin(self) -> None:
         """Return to the state before the first sample."""
-        self._stream.closed = not self.value("begin_at_once")
+        self.stream.closed = not self.value("begin_at_once")
         self._stopped: tuple[int, int] | None = None
         self._last_completed = -1
 
     def start(self) -> None:
         """Search for the subscribers; start the experiment, or wait for the service."""
         self._begin()
-        self._stream.start()
+        self.stream.start()
         self.every(period("diagnostics"), self._publish_progress)
         self.every(STATE_PERIOD, self._send_state)
 
     def state(self) -> ExperimentState:
         """Return the present state of the experiment."""
-        progress, last = self._stream.progress, self._run.n_samples - 1
+        progress, last = self.stream.progress, self.run.n_samples - 1
         if self._stopped is not None:
             return self._course.state("stopping", progress, self._stopped)
-        if self._stream.closed:
+        if self.stream.closed:
             return self._course.state("waiting", progress)
-        return self._course.state("done" if progress + self._stream.clock_samples > last else "running", progress)
+        return self._course.state("done" if progress + self.stream.clock_samples > last else "running", progress)
 
     def figures(self) -> dict[str, float]:
         """Return the progress of the experiment, and counts of sent and repeated messages."""
-        return {**self.state().numbers(), **self._stream.figures()}
+        return {**self.state().numbers(), **self.stream.figures()}
 
     def _on_progress(self, progress: int) -> None:
         """Publish the progress at once when an experiment begins or ends."""
@@ -111,23 +111,23 @@ class IdentificationNode(FlexrosNode):
     def _on_start(self) -> Answer:
         if self._stopped is not None:
             return Answer(False, f"the experiment was stopped ({self.state().sentence()}); run it again")
-        if not self._stream.closed:
+        if not self.stream.closed:
             return Answer(False, f"the experiment has been started already: {self.state().sentence()}")
-        self._stream.open()
+        self.stream.open()
         self._publish_progress()
         return Answer(True, f"the experiment begins; it takes {self.state().time_left_s:g} s of simulated time")
 
     def _on_stop(self) -> Answer:
         if self._stopped is not None:
             return Answer(True, f"the experiment has been stopped already: {self.state().sentence()}")
-        first, last = self._stream.sent, self._run.n_samples - 1
+        first, last = self.stream.sent, self.run.n_samples - 1
         if first > last:
             return Answer(True, f"the experiment ends by itself within {self.state().time_left_s:g} s")
         n_slowing = self._course.n_slowing(first)
         self._stopped = first, min(first + n_slowing + self._n_rest, last)
-        self._stream.replace(RowsToRest(self._run.reference, first, n_slowing, self._run.sample_time))
+        self.stream.replace(RowsToRest(self.run.reference, first, n_slowing, self.run.sample_time))
         self._send_state()
-        self._stream.open()
+        self.stream.open()
         self._publish_progress()
         return Answer(True, f"{self.state().sentence()}; the run ends in {self.state().time_left_s:g} s")
 

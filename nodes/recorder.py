@@ -112,7 +112,7 @@ class RecorderNode(FlexrosNode):
         if until <= self._all_confirmed:
             return False
         self.stamp = self._all_confirmed = until
-        self._publish_progress("", until)
+        self.publish_progress("", until)
         return True
 
     def _confirm_each(self) -> bool:
@@ -122,7 +122,7 @@ class RecorderNode(FlexrosNode):
             if recording.last > self._confirmed.get(name, -1):
                 advanced = True
                 self._confirmed[name] = recording.last
-                self._publish_progress(name, recording.last)
+                self.publish_progress(name, recording.last)
         return advanced
 
     def _confirm_periodically(self) -> None:
@@ -134,7 +134,7 @@ class RecorderNode(FlexrosNode):
         if self._stalls and (self._stalls & (self._stalls - 1) == 0 or self._stalls % STALL_PERIODS == 0):
             for name, stamp in {"": self._all_confirmed, **self._confirmed}.items():
                 if stamp >= 0:
-                    self._publish_progress(name, stamp)
+                    self.publish_progress(name, stamp)
 
     def _on_experiment(self, message: bytes) -> None:
         """Store the state of an experiment that the user has stopped."""
@@ -142,7 +142,8 @@ class RecorderNode(FlexrosNode):
         if state.stopped_at_sample >= 0:
             self._stopped = state.as_dict()
 
-    def _publish_progress(self, name: str, stamp: int) -> None:
+    def publish_progress(self, name: str, stamp: int) -> None:
+        """Confirm that a topic is recorded up to a stamp [ns]; an empty name means all topics of the loop."""
         message = Header(frame_id=name)
         message.stamp.sec, message.stamp.nanosec = divmod(stamp, NANOSECONDS)
         self._progress.publish(message)

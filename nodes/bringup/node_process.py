@@ -110,6 +110,10 @@ class NodeProcess:
         if not self.ended:
             self._process.send_signal(PARTNER_ENDED)
 
+    def wait(self, timeout: float) -> None:
+        """Wait for the end of the process, at most a time-out [s]."""
+        self._process.wait(timeout)
+
     def stop(self, timeout: float) -> None:
         """Stop the process: by request, after a time-out [s] by SIGKILL."""
         self.request_stop()

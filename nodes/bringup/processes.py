@@ -93,17 +93,17 @@ class ProcessManager:
 
     def _bring_up_and_watch(self) -> None:
         for name in self._plan.nodes:
-            self._await_services(name)
+            self.await_services(name)
         for transition in (Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE):
             for name in self._plan.nodes:
-                if not self._change(name, transition, CONFIGURE_TIMEOUT):
+                if not self.change_state(name, transition, CONFIGURE_TIMEOUT):
                     return
-        self._wait(lambda: any(process.ended for process in self.processes.values()), None)
+        self.wait(lambda: any(process.ended for process in self.processes.values()), None)
         plant = self.processes["plant"]
         recorder = self.processes.get("recorder")
         if not self._interrupted() and (recorder is None or not recorder.ended):
             plant.report_partner_ended()
-            self._wait(lambda: plant.ended, self._braking_timeout())
+            self.wait(lambda: plant.ended, self._braking_timeout())
 
     def _braking_timeout(self) -> float:
         """Return the longest time that the plant may take to brake and to wait for the recorder [s]."""
@@ -111,20 +111,20 @@ class ProcessManager:
         braking = float(self._plan.parameters.get("plant", {}).get("brake_duration", default))
         return BRAKING_MARGIN * (braking + 1.0) + FLUSH_TIMEOUT
 
-    def _await_services(self, name: str) -> None:
+    def await_services(self, name: str) -> None:
         """Wait until a node offers its services; restart it once if it does not."""
         clients = (self._changers[name], self._watchers[name])
 
         def ready() -> bool:
             return self.processes[name].ended or all(client.service_is_ready() for client in clients)
 
-        is_ready = self._wait(ready, START_TIMEOUT)
+        is_ready = self.wait(ready, START_TIMEOUT)
         if not is_ready and not self._interrupted():
             self.processes[name].stop(SHUTDOWN_TIMEOUT)  # if killed at once, the others would count it for long
             self._has_killed |= self.processes[name].killed
             self.processes[name] = NodeProcess(name, self._plan.process_values(name), self._scratch)
 
-    def _change(self, name: str, transition: int, timeout: float) -> bool:
+    def change_state(self, name: str, transition: int, timeout: float) -> bool:
         """Request a transition; return False when it was refused, the node ended or termination was requested.
 
         An answer is lost when the service discovers the request channel of the client before its reply channel. Without
@@ -135,7 +135,7 @@ class ProcessManager:
         request = ChangeState.Request()
         request.transition.id = transition
         deadline = monotonic() + timeout
-        answer = self._ask(name, self._changers[name], request, deadline)
+        answer = self.request(name, self._changers[name], request, deadline)
         while answer is not None and monotonic() < deadline:
             self._wait_for_answer(name, answer)
             if process.ended or self._interrupted():
@@ -144,16 +144,16 @@ class ProcessManager:
             if state == target:
                 return True
             if state == origin:  # it failed and ends with its reason, or the request was lost
-                self._wait(lambda: process.ended, SLICE)
-                answer = self._ask(name, self._changers[name], request, deadline)
+                self.wait(lambda: process.ended, SLICE)
+                answer = self.request(name, self._changers[name], request, deadline)
         if process.ended or self._interrupted():
             return False
         raise RunError(f"node {name} did not finish a transition within {timeout:g} s; try again")
 
-    def _ask(self, name: str, client: Client, request: object, deadline: float) -> Future | None:
+    def request(self, name: str, client: Client, request: object, deadline: float) -> Future | None:
         """Send a request once the service is available; None when the node ended or termination was requested."""
         process = self.processes[name]
-        self._wait(lambda: client.service_is_ready() or process.ended, deadline - monotonic())
+        self.wait(lambda: client.service_is_ready() or process.ended, deadline - monotonic())
         if process.ended or self._interrupted():
             return None
         if not client.service_is_ready():
@@ -162,16 +162,16 @@ class ProcessManager:
 
     def _state(self, name: str, deadline: float) -> int | None:
         """Query the lifecycle state of a node; None when it does not answer."""
-        answer = self._ask(name, self._watchers[name], GetState.Request(), deadline)
+        answer = self.request(name, self._watchers[name], GetState.Request(), deadline)
         if answer is None:
             return None
         self._wait_for_answer(name, answer)
         return answer.result().current_state.id if answer.done() else None
 
     def _wait_for_answer(self, name: str, answer: Future) -> None:
-        self._wait(lambda: answer.done() or self.processes[name].ended, ANSWER_TIMEOUT)
+        self.wait(lambda: answer.done() or self.processes[name].ended, ANSWER_TIMEOUT)
 
-    def _wait(self, condition: Callable[[], bool], timeout: float | None) -> bool:
+    def wait(self, condition: Callable[[], bool], timeout: float | None) -> bool:
         """Spin until a condition holds, a time-out or a termination request; return whether it holds."""
         deadline = None if timeout is None else monotonic() + timeout
         while not condition():

@@ -100,7 +100,7 @@ class FollowTrajectory:
         self._action = action
         self._active: ActiveGoal | None = None
         self._next_feedback = 0
-        self._server = server(
+        self.server = server(
             node,
             action,
             "~/follow_joint_trajectory",
@@ -112,7 +112,7 @@ class FollowTrajectory:
 
     def close(self) -> None:
         """Destroy the action server."""
-        self._server.destroy()
+        self.server.destroy()
 
     def read(self, goal: Any) -> tuple[JointTrajectoryChunk, TrajectoryGoal]:
         """Decode a goal message.
@@ -199,7 +199,7 @@ class FollowTrajectory:
     def _conclude(self, verdict: Verdict, *, canceled: bool = False) -> None:
         active, self._active = self._active, None
         if active is not None:
-            self._server.notify_execute(active.handle, partial(self._end, verdict, canceled))
+            self.server.notify_execute(active.handle, partial(self._end, verdict, canceled))
 
     def _end(self, verdict: Verdict, canceled: bool, handle: Any) -> Any:
         """Set the final state of a goal and return its result."""

@@ -48,14 +48,14 @@ class ControllerNode(FlexrosNode):
 
     node_name = "controller"
     _gain_names: tuple[str, ...] = ()
-    _follower: FollowTrajectory | None = None
+    follower: FollowTrajectory | None = None
 
     def configure(self) -> None:
         """Prepare the control law, publishers and subscriptions; declare the gains."""
         run = prepared_run(self.value("scenario"))
         self._names = run.nominal.joint_names
         self._n_motors = len(self._names)
-        self._controller = run.controller()
+        self.controller = run.controller()
         self._declare_gains()
         self._sample_time = run.sample_time
         self._view = JointStateView(self._names)
@@ -70,20 +70,20 @@ class ControllerNode(FlexrosNode):
         self.listen("joint_reference_ahead", self._on_chunk)
         self.listen("joint_trajectory", self._on_trajectory)
         if (action := installed_action()) is not None:
-            self._follower = FollowTrajectory(self, self._names, action)
+            self.follower = FollowTrajectory(self, self._names, action)
             self.on_close(self._close_follower)
 
     def _close_follower(self) -> None:
-        if self._follower is not None:
-            self._follower.close()
-            self._follower = None
+        if self.follower is not None:
+            self.follower.close()
+            self.follower = None
 
     def _begin(self) -> None:
         """Return to the state before the first sample."""
-        if self._follower is not None:
-            self._follower.abort("the loop restarts")
-        self._controller.reset()
-        self._buffer = ReferenceBuffer(self._n_motors, self._sample_time)
+        if self.follower is not None:
+            self.follower.abort("the loop restarts")
+        self.controller.reset()
+        self.buffer = ReferenceBuffer(self._n_motors, self._sample_time)
         self._lockstep = ControllerLockStep(self._sample_time)
         self._loss = MessageLoss(self.value("drop_fraction"), self.value("drop_seed"))
         self._drops: Callable[[], bool] | None = self._loss.drops if self.value("drop_fraction") else None
@@ -100,14 +100,14 @@ class ControllerNode(FlexrosNode):
 
     def stop(self) -> None:
         """Abort the goal that is followed."""
-        if self._follower is not None:
-            self._follower.abort("the controller has stopped")
+        if self.follower is not None:
+            self.follower.abort("the controller has stopped")
 
     def _declare_gains(self) -> None:
-        gains = self._controller.gains
+        gains = self.controller.gains
         self.undeclare(name for name in self._gain_names if self.has_parameter(name))  # the scenario may have changed
-        self._gain_names = self._controller.gain_names
-        self.declare(gain_parameters(self._controller.law, self._gain_names, gains))
+        self._gain_names = self.controller.gain_names
+        self.declare(gain_parameters(self.controller.law, self._gain_names, gains))
         self._set_gains({name: self.value(name) for name in self._gain_names if self.has_parameter(name)})
 
     def parameters_changed(self, values: Mapping[str, Value]) -> None:
@@ -119,10 +119,10 @@ class ControllerNode(FlexrosNode):
             self.get_logger().info(f"{what} from {first} on")
 
     def _set_gains(self, values: Mapping[str, Value]) -> None:
-        gains = self._controller.gains
+        gains = self.controller.gains
         for i, name in enumerate(self._gain_names):
             gains[i] = values.get(name, gains[i])
-        self._controller.gains = gains
+        self.controller.gains = gains
 
     def figures(self) -> dict[str, float]:
         """Return counts of answered, repeated and lost states."""
@@ -132,7 +132,7 @@ class ControllerNode(FlexrosNode):
             "old_states": self._lockstep.old,
             "missed_states": self._lockstep.missed,
             "waits_for_reference": self._waits,
-            "ignored_chunks": self._buffer.ignored,
+            "ignored_chunks": self.buffer.ignored,
             "refused_trajectories": self._rejected,
             "dropped_on_purpose": self._loss.dropped,
         }
@@ -142,7 +142,7 @@ class ControllerNode(FlexrosNode):
     def _on_state(self, message: bytes) -> None:
         if self._drops is not None and self._drops():
             return
-        if not self._partners_found and not self._find_partners():
+        if not self._partners_found and not self.find_partners():
             return
         try:
             sample = self._view.unpack(message)
@@ -159,13 +159,13 @@ class ControllerNode(FlexrosNode):
             self._pending = sample.position
             self._answer()
         elif arrival is Arrival.REPEATED and self._pending is None and self._reply is not None:
-            self._publish(*self._reply)
+            self.publish_reply(*self._reply)
         elif arrival is Arrival.RESTARTED:
             self.get_logger().info("the plant has restarted, and so does the controller")
             self._begin()
             self._on_state(message)
 
-    def _find_partners(self) -> bool:
+    def find_partners(self) -> bool:
         """Return whether plant and recorders would receive a reply; until then the plant repeats its first state."""
         observers = self.value("observers")
         self._partners_found = (
@@ -182,11 +182,11 @@ class ControllerNode(FlexrosNode):
         if position is None:
             return
         stamp = self._lockstep.last
-        reference = self._buffer.take(stamp, position)
+        reference = self.buffer.take(stamp, position)
         if reference is None:
             self._waits += 1
             return
-        command = self._controller.step(position, reference)
+        command = self.controller.step(position, reference)
         self._pending = None
         self._read_budget = min(self._read_budget + READS_PER_SAMPLE, READ_BUDGET)
         self.stamp = stamp
@@ -197,11 +197,12 @@ class ControllerNode(FlexrosNode):
             self._command_message.fill(stamp, effort=command),
             self._reference_message.fill(stamp, values[:n], values[n : 2 * n], values[2 * n :]),
         )
-        self._publish(*self._reply)
-        if self._follower is not None:
-            self._follower.sampled(stamp, self._buffer.trajectory_end, reference, position)
+        self.publish_reply(*self._reply)
+        if self.follower is not None:
+            self.follower.sampled(stamp, self.buffer.trajectory_end, reference, position)
 
-    def _publish(self, command: bytes, reference: bytes) -> None:
+    def publish_reply(self, command: bytes, reference: bytes) -> None:
+        """Publish the command of a sample and the reference it used."""
         self._commands.publish(command)
         self._references.publish(reference)
 
@@ -214,7 +215,7 @@ class ControllerNode(FlexrosNode):
             chunk = read_joint_trajectory(message).in_order(self._names)
         except FlexrosError as error:
             raise RunError(f"a message on joint_reference_ahead is rejected: {error}") from error
-        self._buffer.append(chunk)
+        self.buffer.append(chunk)
         self._answer()
         self._confirmation.stamp.sec, self._confirmation.stamp.nanosec = divmod(chunk.stamp_ns, NANOSECONDS)
         self._received.publish(self._confirmation)
@@ -240,13 +241,13 @@ class ControllerNode(FlexrosNode):
                 throttle_duration_sec=REJECTION_PERIOD,
             )
             return
-        if self._follower is not None:
-            self._follower.abort("replaced by a trajectory on joint_trajectory")
+        if self.follower is not None:
+            self.follower.abort("replaced by a trajectory on joint_trajectory")
         self.follow(trajectory)
 
     def check_trajectory(self, trajectory: JointTrajectoryChunk) -> None:
         """Raise RejectedTrajectoryError where `follow` would."""
-        self._buffer.check(trajectory, self.value("position_limit"))
+        self.buffer.check(trajectory, self.value("position_limit"))
 
     def follow(self, trajectory: JointTrajectoryChunk) -> None:
         """Follow a trajectory from the next sample on.
@@ -257,9 +258,9 @@ class ControllerNode(FlexrosNode):
         Raises:
             RejectedTrajectoryError: The trajectory is invalid; the reference is unchanged.
         """
-        self._buffer.replace(trajectory, self.value("position_limit"))
+        self.buffer.replace(trajectory, self.value("position_limit"))
         self._answer()
 
     def come_to_rest(self) -> None:
         """Bring the reference to rest with constant deceleration."""
-        self._buffer.come_to_rest(STOP_TIME)
+        self.buffer.come_to_rest(STOP_TIME)

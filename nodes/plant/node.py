@@ -54,7 +54,7 @@ class PlantNode(FlexrosNode):
         run = prepared_run(self.value("scenario"))
         self._sample_time = run.sample_time
         self.loop = PlantLoop(self, run, self._pacing, self._on_loop_end)
-        self._view = PlantView(self, run)
+        self.view = PlantView(self, run)
         self._shutdown, self._search_time = None, 0.0
         self._last_figures: dict[str, float] = {}
         PlantServices(self, self.loop, self.reset)
@@ -78,7 +78,7 @@ class PlantNode(FlexrosNode):
         self.every(LOOK_PERIOD, self._look_around)
         self.every(FASTEST_RESEND, self.loop.watch)
         self.every(period("diagnostics"), self._send_diagnostics)
-        self.every(MARKER_PERIOD, lambda: self._view.show(self.loop.plant))
+        self.every(MARKER_PERIOD, lambda: self.view.show(self.loop.plant))
 
     def stop(self) -> None:
         """Stop pacing."""

@@ -37,7 +37,7 @@ class PlantView:
         self._node = node
         text = urdf_text(run.nominal, node.value("description_joints"))
         node.announce("robot_description").publish(String(data=text))
-        self._publisher = node.announce("arm_markers")
+        self.publisher = node.announce("arm_markers")
         self._markers = ArmMarkers(run.plant) if node.value("real_time") else None
         self._frames: ArmFrames | None = None
         if node.value("frames"):
@@ -49,7 +49,7 @@ class PlantView:
     def show(self, plant: Plant) -> None:
         """Publish markers and frames of the present state, if subscribed; call once per marker period."""
         if self._calls % CHECK_EVERY == 0:
-            self._wanted = self._publisher.get_subscription_count() > 0
+            self._wanted = self.publisher.get_subscription_count() > 0
             self._frames_wanted = self._frames is not None and self._frame_publisher.get_subscription_count() > 0
         self._calls += 1
         if self._frames is not None and self._frames_wanted:
@@ -59,4 +59,4 @@ class PlantView:
         if self._markers is None:
             self._markers = ArmMarkers(plant.robot)
         magnification = self._node.value("magnification")
-        self._publisher.publish(self._markers.fill(self._node.stamp, plant.state, magnification))
+        self.publisher.publish(self._markers.fill(self._node.stamp, plant.state, magnification))

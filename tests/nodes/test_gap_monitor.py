@@ -149,7 +149,7 @@ def test_messages_that_are_none_of_this_robot_are_counted(bench: Bench) -> None:
 
 def test_without_processor_time_it_passes_over_and_says_so(bench: Bench) -> None:
     node, robot = watching(bench), Robot(bench)
-    node._budget.use(1e9)
+    node.budget.use(1e9)
     robot.bench.spin_until(lambda: robot.states.get_subscription_count() > 0)
     robot.states.publish(JointState(name=["motor_1", "motor_2"], position=[1.0, 2.0]))
     bench.spin_until(lambda: node.figures()["passed_over"] == 1)

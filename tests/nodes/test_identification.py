@@ -152,7 +152,7 @@ def test_stopped_experiment_comes_to_rest_and_its_log_says_so(
     second = run.plan.segments[1]
     loop.bring_up()
     loop.call("start")
-    loop.bench.spin_until(lambda: loop.leader._stream.progress > second.first)
+    loop.bench.spin_until(lambda: loop.leader.stream.progress > second.first)
     answer = loop.call("stop")
     assert answer.success
     assert answer.message.startswith("stopped at position ")
@@ -214,7 +214,7 @@ def test_stop_when_everything_is_sent_lets_the_plan_end(loop: Loop, tmp_path: Pa
     loop.leader.set_parameters([Parameter("lead", value=60.0)])
     loop.bring_up()
     loop.call("start")
-    loop.bench.spin_until(lambda: loop.leader._stream.sent == loop.leader._run.n_samples)
+    loop.bench.spin_until(lambda: loop.leader.stream.sent == loop.leader.run.n_samples)
     answer = loop.call("stop")
     assert answer.success
     assert answer.message.startswith("the experiment ends by itself within ")

@@ -13,6 +13,8 @@ from tests.soak import bad_transport, foreign_senders, frozen_partners, full_dis
 from tests.soak.own_mounts import mounts_are_allowed
 from tests.soak.result import Result
 
+pytestmark = [pytest.mark.ros, pytest.mark.slow]
+
 PARTS: dict[str, Callable[[Path], Result]] = {
     "orders": lambda folder: killed_nodes.killed_in_order(folder, [("feedforward", "recorder", "plant", "controller")]),
     "back": lambda folder: killed_nodes.killed_and_back(folder, ["feedforward"]),

@@ -43,7 +43,7 @@ def waking_at_clock_steps(wake: Callable[[], object]) -> Iterator[bool]:
     Yields:
         Whether the system reports clock steps.
     """
-    timer = _timer()
+    timer = clock_timer()
     if timer is None:
         yield False
         return
@@ -59,7 +59,7 @@ def waking_at_clock_steps(wake: Callable[[], object]) -> Iterator[bool]:
         os.close(timer)
 
 
-def _timer() -> int | None:
+def clock_timer() -> int | None:
     """Open a timer of the system clock; None where the system has none."""
     try:
         timer = ctypes.CDLL(None).timerfd_create(_CLOCK_REALTIME, os.O_CLOEXEC | os.O_NONBLOCK)

@@ -30,6 +30,8 @@ class ReferenceBuffer:
         sample_time: Time between two samples [s].
 
     Attributes:
+        current: Reference used last, shape (3 M,); None before the first sample.
+        pending: Trajectory to follow from the next sample on; None where there is none.
         ignored: Chunks dropped because a replacing trajectory is active.
     """
 
@@ -40,9 +42,9 @@ class ReferenceBuffer:
         self._rows: dict[int, FloatArray] = {}
         self._order: deque[int] = deque()
         self._used = -1
-        self._current: FloatArray | None = None
+        self.current: FloatArray | None = None
         self._trajectory: PointTrajectory | None = None
-        self._next: JointTrajectoryChunk | None = None
+        self.pending: JointTrajectoryChunk | None = None
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -57,7 +59,7 @@ class ReferenceBuffer:
             RunError: A point is between two sampling instants, a value is not finite, positions are missing, or the
                 buffer exceeds MOST_ROWS.
         """
-        if self._trajectory is not None or self._next is not None:
+        if self._trajectory is not None or self.pending is not None:
             self.ignored += 1
             return
         stamps = chunk.stamp_ns + chunk.time_from_start
@@ -95,7 +97,7 @@ class ReferenceBuffer:
         check_points(trajectory, self._used, position_limit)
         self._rows.clear()
         self._order.clear()
-        self._next = trajectory
+        self.pending = trajectory
 
     def check(self, trajectory: JointTrajectoryChunk, position_limit: float) -> None:
         """Raise RejectedTrajectoryError where `replace` would."""
@@ -112,9 +114,9 @@ class ReferenceBuffer:
         Args:
             time: Time in which the reference comes to rest [s].
         """
-        if self._current is not None:
+        if self.current is not None:
             n = self._n_motors
-            position, velocity, effort = rest_row(self._current, time).reshape(3, 1, n)
+            position, velocity, effort = rest_row(self.current, time).reshape(3, 1, n)
             duration = np.array([round(time * 1e9)])
             self.replace(JointTrajectoryChunk(0, ("",) * n, duration, position, velocity, None, effort))
 
@@ -127,8 +129,8 @@ class ReferenceBuffer:
             stamp: The stamp [ns].
             measured: Measured motor positions [rad or m], start of a first trajectory.
         """
-        if self._next is not None:
-            self._start_trajectory(self._next, measured)
+        if self.pending is not None:
+            self._start_trajectory(self.pending, measured)
         if self._trajectory is not None:
             row = self._trajectory.row(stamp) if stamp > self._used else None
         else:
@@ -136,14 +138,14 @@ class ReferenceBuffer:
         self._drop_until(stamp)
         if row is not None:
             self._used = stamp
-            self._current = row
+            self.current = row
         return row
 
     def _start_trajectory(self, given: JointTrajectoryChunk, measured: Sequence[float] | None) -> None:
-        self._next = None
+        self.pending = None
         now = max(self._used, START_NS)
         times = ((given.stamp_ns or now) + given.time_from_start).astype(np.int64)
-        rows, before = self._filled(given), self._current
+        rows, before = self._filled(given), self.current
         if before is None and measured is not None:
             before = np.array([*measured, *[0.0] * (2 * self._n_motors)])
         if before is not None and times[0] > now:

@@ -44,6 +44,6 @@ def test_killed_process_is_told(process: NodeProcess) -> None:
 
 def test_module_that_does_not_exist_gives_its_last_words(tmp_path: Path) -> None:
     process = NodeProcess("nothing", {}, tmp_path)
-    process._process.wait(20.0)
+    process.wait(20.0)
     assert process.death().startswith("the process of node nothing ended with exit code 1, its last output:")
     assert "No module named flexros_nodes.nothing" in process.death()

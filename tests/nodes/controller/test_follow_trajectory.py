@@ -138,7 +138,7 @@ class Robot:
         self.loop.bring_up()
         bench.spin_until(lambda: self.loop.sample == 0)
         self.controller = self.loop.node(ControllerNode)
-        self.server: Server = self.controller._follower._server
+        self.server: Server = self.controller.follower.server
         self.start = [float(value) for value in self.loop.plant.loop.plant.measure()][::-1]
 
     def run_until(self, sample: int) -> None:
@@ -182,7 +182,7 @@ def test_goal_that_leaves_its_path_is_aborted_and_the_robot_comes_to_rest(robot:
     assert handle.result is not None
     assert handle.result.error_code == -4
     assert handle.result.error_string.endswith("allowed is 0.001; the robot comes to rest")
-    reference = robot.controller._buffer._current
+    reference = robot.controller.buffer.current
     assert reference is not None
     assert reference[2:4].tolist() == [0.0, 0.0]
     assert abs(reference[1] - robot.start[0] - 0.5) > 1e-3
@@ -208,9 +208,9 @@ def test_goal_that_is_canceled_comes_to_rest(robot: Robot) -> None:
     robot.run_until(200)
     assert robot.server.cancel(handle) is CancelResponse.ACCEPT
     assert handle.state == "canceled"
-    at = robot.controller._buffer._current[1]
+    at = robot.controller.buffer.current[1]
     robot.run_until(1000)
-    end = robot.controller._buffer._current
+    end = robot.controller.buffer.current
     assert end[3] == 0.0
     assert end[1] == pytest.approx(at + 0.1 * 0.1, abs=1e-4)  # 0.1 rad/s on average half as fast for 0.2 s
     assert robot.server.cancel(handle) is CancelResponse.REJECT
@@ -295,7 +295,7 @@ def test_goal_that_cannot_be_followed_is_rejected(robot: Robot, goal: Goal) -> N
 def test_action_is_offered_where_its_type_is_installed(bench: Bench) -> None:
     node = bench.add(ControllerNode)
     node.trigger_configure()
-    assert (node._follower is None) == (installed_action() is None)
+    assert (node.follower is None) == (installed_action() is None)
 
 
 # Over a real action: goals, feedback, cancelling and results take the way through DDS.

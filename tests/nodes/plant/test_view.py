@@ -61,9 +61,9 @@ def test_nothing_is_computed_while_nobody_listens(bench: Any, monkeypatch: pytes
     asked: list[int] = []
     plant = bench.add(PlantNode)
     plant.trigger_configure()
-    view, robot = plant._view, plant.loop.plant
-    count = view._publisher.get_subscription_count
-    monkeypatch.setattr(view._publisher, "get_subscription_count", lambda: asked.append(1) or count())
+    view, robot = plant.view, plant.loop.plant
+    count = view.publisher.get_subscription_count
+    monkeypatch.setattr(view.publisher, "get_subscription_count", lambda: asked.append(1) or count())
     monkeypatch.setattr(plant_view, "ArmMarkers", None)
     for _ in range(2 * plant_view.CHECK_EVERY):
         view.show(robot)

@@ -34,9 +34,9 @@ def bad_controller(bad_message: JointStateTemplate | None, effort: tuple[float, 
     """Make a controller that answers well up to a sample and badly, or not at all, from then on."""
 
     class BadController(ControllerNode):
-        def _publish(self, command: bytes, reference: bytes) -> None:
+        def publish_reply(self, command: bytes, reference: bytes) -> None:
             if self._answered <= LAST_GOOD + 1:
-                super()._publish(command, reference)
+                super().publish_reply(command, reference)
             elif bad_message is not None:
                 self._commands.publish(bad_message.fill(stamp_of(command), effort=effort))
 
@@ -85,7 +85,7 @@ def test_controller_silent_from_the_start_is_told_after_its_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Silent(ControllerNode):
-        def _publish(self, command: bytes, reference: bytes) -> None:
+        def publish_reply(self, command: bytes, reference: bytes) -> None:
             pass
 
     monkeypatch.setitem(composed.NODE_CLASSES, "controller", Silent)
@@ -119,8 +119,8 @@ def test_controller_that_ends_is_told_to_the_plant_at_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     class Failing(ControllerNode):
-        def _publish(self, command: bytes, reference: bytes) -> None:
-            super()._publish(command, reference)
+        def publish_reply(self, command: bytes, reference: bytes) -> None:
+            super().publish_reply(command, reference)
             if self._answered > LAST_GOOD:
                 raise RunError("the controller has had enough")
 

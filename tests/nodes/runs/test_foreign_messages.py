@@ -39,10 +39,10 @@ class GarbageBeside(ControllerNode):
         self._trajectories = self.announce("joint_trajectory")
         self._beside = self.announce("joint_commands")
 
-    def _publish(self, command: bytes, reference: bytes) -> None:
+    def publish_reply(self, command: bytes, reference: bytes) -> None:
         for publisher in (self._beside, self._trajectories):
             publisher.publish(HEADER + self._random.randbytes(self._random.choice((0, 3, 16, 40, 200))))
-        super()._publish(command, reference)
+        super().publish_reply(command, reference)
 
 
 def test_garbage_changes_nothing_and_is_counted(
@@ -69,8 +69,8 @@ def test_smallest_numbers_are_torques_like_others(tmp_path: Path, monkeypatch: p
             torques = JointStateTemplate(NAMES, effort=True)
             self._smallest = lambda stamp: torques.fill(stamp, effort=[SMALLEST, -3 * SMALLEST])
 
-        def _publish(self, command: bytes, reference: bytes) -> None:
-            super()._publish(self._smallest(stamp_of(command)), reference)
+        def publish_reply(self, command: bytes, reference: bytes) -> None:
+            super().publish_reply(self._smallest(stamp_of(command)), reference)
 
     monkeypatch.setitem(composed.NODE_CLASSES, "controller", Smallest)
     scenario = load_scenario("circle_dae").with_values({"duration": 0.2})
@@ -89,8 +89,8 @@ def test_second_controller_breaks_the_run_off(tmp_path: Path, monkeypatch: pytes
             super().configure()
             self._second = self.announce("joint_commands")
 
-        def _publish(self, command: bytes, reference: bytes) -> None:
-            super()._publish(command, reference)
+        def publish_reply(self, command: bytes, reference: bytes) -> None:
+            super().publish_reply(command, reference)
             if self._answered > 100:
                 other = JointStateTemplate(NAMES, effort=True).fill(stamp_of(command), effort=[1.0, 2.0])
                 self._second.publish(other)

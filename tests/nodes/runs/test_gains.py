@@ -51,7 +51,7 @@ def test_any_node_may_change_a_gain(bench: Bench) -> None:
     node = bench.add(ControllerNode)
     node.trigger_configure()
     assert setting(bench, "motor_2.kp", double(5.0)).successful
-    assert node._controller.gains[node._controller.gain_names.index("motor_2.kp")] == 5.0
+    assert node.controller.gains[node.controller.gain_names.index("motor_2.kp")] == 5.0
 
 
 @pytest.mark.parametrize(
@@ -73,11 +73,11 @@ def test_what_is_no_gain_is_refused_and_changes_nothing(
 ) -> None:
     node = bench.add(ControllerNode)
     node.trigger_configure()
-    before = node._controller.gains
+    before = node.controller.gains
     result = setting(bench, name, value)
     assert not result.successful
     assert sentence in result.reason
-    assert node._controller.gains.tolist() == before.tolist()
+    assert node.controller.gains.tolist() == before.tolist()
     assert node.report is None
 
 

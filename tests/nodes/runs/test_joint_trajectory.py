@@ -45,7 +45,7 @@ class Sender:
             self.loop.step()
         stamp = self.loop.plant.loop.stamp
         self.loop.bench.spin_until(lambda: self.controller.stamp == stamp)
-        return self.controller._buffer._current.copy()
+        return self.controller.buffer.current.copy()
 
     def send(self, *points: tuple[float, list[float]], names: tuple[str, ...] = NAMES, sec: int = 0) -> None:
         message = JointTrajectory(joint_names=names)
@@ -72,7 +72,7 @@ def test_trajectory_leads_from_the_present_reference_and_its_end_is_held(bench: 
     now = sender.loop.plant.loop.stamp
     target = present + np.array([0.001, -0.002])
     sender.send((0.02, target[::-1].tolist()), names=("motor_2", "motor_1"))
-    bench.spin_until(lambda: sender.controller._buffer._next is not None)
+    bench.spin_until(lambda: sender.controller.buffer.pending is not None)
     used = sender.used()
     assert used[now + 10_000_000] == pytest.approx(0.5 * (present + target), abs=1e-12)
     assert used[now + 20_000_000] == pytest.approx(target, abs=1e-12)
@@ -84,7 +84,7 @@ def test_later_trajectory_replaces_the_one_before(bench: Bench, short_scenario: 
     present = sender.step_to(5)[:2]
     for step in (0.5, 0.001):
         sender.send((0.01, (present + step).tolist()))
-    bench.spin_until(lambda: sender.controller._buffer._next is not None)
+    bench.spin_until(lambda: sender.controller.buffer.pending is not None)
     bench.spin_for(0.2)
     assert sender.used()[LAST] == pytest.approx(present + 0.001, abs=1e-12)
 

@@ -37,8 +37,8 @@ def test_every_measurement_of_a_tenth_of_a_second_is_answered(bench: Bench, shor
     for node in nodes:
         node.trigger_configure()
         node.trigger_activate()
-    bench.spin_until(lambda: states.get_subscription_count() > 0 and controller._partners_found())
-    bench.spin_until(lambda: len(controller._buffer) >= SAMPLES)
+    bench.spin_until(lambda: states.get_subscription_count() > 0 and controller.find_partners())
+    bench.spin_until(lambda: len(controller.buffer) >= SAMPLES)
 
     message = JointStateTemplate(NAMES, position=True)
     for k in range(SAMPLES):  # nothing spins meanwhile

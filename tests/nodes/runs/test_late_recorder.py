@@ -51,11 +51,11 @@ def mute(unsaid: int) -> type[RecorderNode]:
     class Mute(RecorderNode):
         left = unsaid
 
-        def _publish_progress(self, name: str, stamp: int) -> None:
+        def publish_progress(self, name: str, stamp: int) -> None:
             if self.left:
                 self.left -= 1
             else:
-                super()._publish_progress(name, stamp)
+                super().publish_progress(name, stamp)
 
     return Mute
 
@@ -81,11 +81,11 @@ def test_confirmations_lost_in_the_midst_are_said_again(
     class Interrupted(RecorderNode):
         left = 30
 
-        def _publish_progress(self, name: str, stamp: int) -> None:
+        def publish_progress(self, name: str, stamp: int) -> None:
             if stamp > 1_020_000_000 and self.left:
                 self.left -= 1
             else:
-                super()._publish_progress(name, stamp)
+                super().publish_progress(name, stamp)
 
     monkeypatch.setitem(composed.NODE_CLASSES, "recorder", Interrupted)
     scenario = load_scenario("circle_dae").with_values({"duration": 0.1})

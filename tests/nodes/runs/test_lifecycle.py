@@ -74,14 +74,14 @@ def test_gains_are_parameters_that_may_change(bench: Bench) -> None:
     node.trigger_configure()
     assert node.value("motor_2.kp") == 135000.0
     assert node.set_parameters([Parameter("motor_2.kp", value=1000.0)])[0].successful
-    names = node._controller.gain_names
-    assert node._controller.gains[names.index("motor_2.kp")] == 1000.0
+    names = node.controller.gain_names
+    assert node.controller.gains[names.index("motor_2.kp")] == 1000.0
 
 
 def test_gain_given_at_the_start_replaces_that_of_the_scenario(bench: Bench) -> None:
     node = bench.add(ControllerNode, **{"motor_1.kd": 5.0})
     node.trigger_configure()
-    assert node._controller.gains[node._controller.gain_names.index("motor_1.kd")] == 5.0
+    assert node.controller.gains[node.controller.gain_names.index("motor_1.kd")] == 5.0
 
 
 def test_controller_follows_a_trajectory_of_the_user(bench: Bench) -> None:
@@ -204,12 +204,12 @@ def test_foreign_parameters_do_no_harm_before_the_configuration(bench: Bench, no
 def test_gain_is_applied_only_when_the_whole_set_is_accepted(bench: Bench) -> None:
     node = bench.add(ControllerNode)
     node.trigger_configure()
-    before = node._controller.gains
+    before = node.controller.gains
     result = node.set_parameters_atomically(
         [Parameter("motor_1.kp", value=1.0), Parameter("motor_1.kd", value=float("nan"))]
     )
     assert not result.successful
-    assert node._controller.gains.tolist() == before.tolist()
+    assert node.controller.gains.tolist() == before.tolist()
 
 
 def test_scenario_edited_between_cleanup_and_configure_is_read_anew(bench: Bench, tmp_path: Path) -> None:

@@ -39,7 +39,7 @@ def test_killed_node_breaks_the_run_off(
     tmp_path: Path, long_scenario: Path, monkeypatch: pytest.MonkeyPatch, victim: str, real_time: bool, ros_domain: int
 ) -> None:
     killed: list[int] = []
-    wait = ProcessManager._wait
+    wait = ProcessManager.wait
 
     def kill_and_wait(self: ProcessManager, condition: Callable[[], bool], timeout: float | None) -> bool:
         def check() -> bool:
@@ -51,7 +51,7 @@ def test_killed_node_breaks_the_run_off(
 
         return wait(self, check, timeout)
 
-    monkeypatch.setattr(ProcessManager, "_wait", kill_and_wait)
+    monkeypatch.setattr(ProcessManager, "wait", kill_and_wait)
     # the plant itself would wait for long: it is told
     parameters = {"plant": {"partner_timeout": 3600.0, "real_time_patience": 10.0, "brake_duration": 0.01}}
     summary = run_scenario(long_scenario, tmp_path / "log", "processes", real_time=real_time, parameters=parameters)
@@ -90,10 +90,10 @@ def test_child_that_offers_only_some_services_is_started_once_more(
         self._watchers["recorder"] = Deaf(self, self._watchers["recorder"])
 
     def await_recorder(self: ProcessManager) -> None:
-        self._await_services("recorder")
+        self.await_services("recorder")
         started.append(self.processes["recorder"].pid)
         monkeypatch.setattr(processes, "START_TIMEOUT", 30.0)
-        self._await_services("recorder")
+        self.await_services("recorder")
         ready.append(self._watchers["recorder"].service_is_ready())
 
     ready: list[bool] = []
@@ -107,14 +107,14 @@ def test_child_that_offers_only_some_services_is_started_once_more(
 
 
 def test_node_killed_while_it_starts_leaves_a_closed_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    change = ProcessManager._change
+    change = ProcessManager.change_state
 
     def kill_and_change(self: ProcessManager, name: str, transition: int, timeout: float) -> bool:
         if name == "controller":
             os.kill(self.processes[name].pid, signal.SIGKILL)
         return change(self, name, transition, timeout)
 
-    monkeypatch.setattr(ProcessManager, "_change", kill_and_change)
+    monkeypatch.setattr(ProcessManager, "change_state", kill_and_change)
     summary = run_scenario("circle_dae", tmp_path / "log", "processes")
     assert summary.exit_code == 3
     assert summary.message == "the process of node controller was killed by SIGKILL; the log holds no samples"
@@ -130,7 +130,7 @@ def test_bad_parameter_of_a_process_is_bad_input(tmp_path: Path) -> None:
 def test_log_equals_the_direct_simulation_though_messages_and_answers_of_lifecycle_services_are_lost(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, log_differences: Callable[[Log, Log], list[str]]
 ) -> None:
-    ask = ProcessManager._ask
+    ask = ProcessManager.request
     lost: list[object] = []
 
     def ask_and_lose(
@@ -142,7 +142,7 @@ def test_log_equals_the_direct_simulation_though_messages_and_answers_of_lifecyc
             return Future()
         return answer
 
-    monkeypatch.setattr(ProcessManager, "_ask", ask_and_lose)
+    monkeypatch.setattr(ProcessManager, "request", ask_and_lose)
     monkeypatch.setattr(processes, "ANSWER_TIMEOUT", 0.3)
     parameters = {"plant": LOSS, "controller": LOSS}
     summary = run_scenario("circle_dae", tmp_path / "log", "processes", parameters=parameters)
@@ -178,7 +178,7 @@ def test_segments_of_a_child_that_was_killed_and_started_once_more_are_removed(
     monkeypatch.setattr(processes, "remove_segments_without_owner", lambda: removals.append("removed"))
     manager = ProcessManager(RunPlan("circle_dae", tmp_path / "log", {}), tmp_path, Interruption())
     first = next(iter(manager.processes))
-    manager._await_services(first)
+    manager.await_services(first)
     assert not manager.processes[first].killed
     manager.close()
     assert removals == ["removed"]

@@ -31,7 +31,7 @@ def test_a_clock_that_is_set_wakes() -> None:
 
 def test_every_news_of_the_timer_wakes(monkeypatch: pytest.MonkeyPatch) -> None:
     timer, news = os.pipe()
-    monkeypatch.setattr(clock_steps, "_timer", lambda: timer)
+    monkeypatch.setattr(clock_steps, "clock_timer", lambda: timer)
     woken = threading.Semaphore(0)
     with waking_at_clock_steps(woken.release):
         for _ in range(3):
@@ -49,7 +49,7 @@ def test_nothing_stays_behind() -> None:
 
 
 def test_a_system_that_tells_nothing_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(clock_steps, "_timer", lambda: None)
+    monkeypatch.setattr(clock_steps, "clock_timer", lambda: None)
     with waking_at_clock_steps(lambda: None) as told:
         assert not told
 
@@ -63,7 +63,7 @@ def test_without_timers_there_is_none(monkeypatch: pytest.MonkeyPatch, descripto
                 return descriptor or -1
 
     monkeypatch.setattr(clock_steps.ctypes, "CDLL", lambda _: Library())
-    assert clock_steps._timer() is None
+    assert clock_steps.clock_timer() is None
 
 
 def test_a_timer_that_cannot_be_armed_is_closed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -77,6 +77,6 @@ def test_a_timer_that_cannot_be_armed_is_closed(monkeypatch: pytest.MonkeyPatch,
             return -1
 
     monkeypatch.setattr(clock_steps.ctypes, "CDLL", lambda _: Library())
-    assert clock_steps._timer() is None
+    assert clock_steps.clock_timer() is None
     with pytest.raises(OSError, match="Bad file"):
         os.close(descriptor)
