@@ -34,9 +34,11 @@ def _designed_controller(given: dict[str, Any]) -> Any:
     """Design the controller of a diagnosis experiment without one; return None otherwise, which is refused."""
     if given.get("diagnosis") is None:
         return None
-    from flexros.identify.diagnosis_experiment.controller import designed_controller
+    from flexros.effects.patching.patched_robot import load_patched
+    from flexros.identify.design.default_controller import default_controller
 
-    return designed_controller(given["robot"], given["model"].values, given["sample_time"])
+    robot = load_patched(given["robot"]).with_values(given["model"].values, "model.values").base
+    return default_controller(robot, given["sample_time"] or robot.sample_time)
 
 
 def _control_law(given: Any) -> Any:
