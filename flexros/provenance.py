@@ -21,10 +21,10 @@ def code_version() -> str:
     """Return the commit of the running checkout, or the value of FLEXROS_COMMIT; "unknown" without either."""
     command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "--short", "HEAD"]
     try:
-        found = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - our own words
+        process = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - our own words
     except FileNotFoundError:
         return os.environ.get("FLEXROS_COMMIT", "unknown")
-    return found.stdout.strip() or os.environ.get("FLEXROS_COMMIT", "unknown")
+    return process.stdout.strip() or os.environ.get("FLEXROS_COMMIT", "unknown")
 
 
 def machine() -> dict[str, object]:

@@ -80,7 +80,7 @@ def finished(client: Client, submitted: Iterable[Future]) -> Iterator[Future]:
         Each finished job, whose result is released afterwards.
 
     Raises:
-            Exception: The error of a job.
+        Exception: The error of a job.
     """
     from distributed import as_completed  # here, because it loads slowly
 

@@ -18,7 +18,7 @@ def write_whole(path: Path, text: str | bytes) -> None:
         text: Its content, text in UTF-8 or bytes.
 
     Raises:
-            OSError: It could not be written; the old file is unchanged.
+        OSError: It could not be written; the old file is unchanged.
     """
     temporary = path.with_name(f".{path.name}.part")
     try:

@@ -89,10 +89,10 @@ class ExtraMode(AbstractArmLaw):
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
         """Return the ranges; only a tool with a mass also has a rotating inertia, and a base is not very light."""
         both = location == "tool" and _load_mass(robot) > 0 and _turning(robot) is not None
-        found = {name: allowed for name, allowed in self.ranges.items() if both or name != "inertia_ratio"}
+        ranges = {name: allowed for name, allowed in self.ranges.items() if both or name != "inertia_ratio"}
         if location == "base":
-            found["ratio"] = replace(found["ratio"], low=1e-3)
-        return found
+            ranges["ratio"] = replace(ranges["ratio"], low=1e-3)
+        return ranges
 
     def force(self, arm: ArmState, values: Mapping[str, Value]) -> ca.SX:
         """Return the force on the tool, or that of the shifted deflection of the first spring."""

@@ -64,7 +64,7 @@ class KinematicError(AbstractToolError):
     def fitted(self, robot: Robot, location: str) -> Mapping[str, Range]:
         """Return the ranges without the angle of the first body, which is the orientation of the tracker's frame."""
         first = moved_bodies(robot)[0]
-        return {name: one for name, one in self.ranges.items() if name != "angle" or _number(location) != first}
+        return {name: allowed for name, allowed in self.ranges.items() if name != "angle" or _number(location) != first}
 
     def geometry(self, robot: Robot, location: str, values: Mapping[str, Value]) -> dict[str, Value]:
         """Lengthen the body."""

@@ -153,7 +153,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         bends = {self.knee or _deflection(law, at_knee, f"{self.name} at {location}")}
         if self.rounding:
             most = _torque(law, law.knots[-1]) if law.slopes[-1] == 0 else np.inf
-            corner = [at_knee * (1 + self.rounding * place) for place in CORNER]
+            corner = [at_knee * (1 + self.rounding * width) for width in CORNER]
             bends |= {_deflection(law, torque, self.name) for torque in corner if 0 < torque < most}
         knots = np.array(sorted({*law.knots, *bends}))
         torques = np.array([_torque(law, knot) for knot in (0.0, *knots)])

@@ -1,4 +1,4 @@
-"""Where the bars of a robot are, as it stands and with its deflection magnified."""
+"""Positions of the bars of a robot, with true and with magnified deflection."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class ArmBars:
     """Ends of all bars in the base frame [m], each of shape (n_bars, 2, 3).
 
     Attributes:
-        true: As the arm stands.
-        magnified: With its deflection magnified.
-        stiff: As it would stand by its motors alone, with stiff springs.
+        true: In the given state.
+        magnified: With magnified deflection.
+        stiff: At the motor positions, with stiff springs.
     """
 
     true: FloatArray
@@ -32,7 +32,7 @@ class ArmBars:
 
 
 class ArmView:
-    """Finds the bars of a robot.
+    """Computes the bars of a robot.
 
     Args:
         robot: The robot.
@@ -50,14 +50,14 @@ class ArmView:
         self._ends = ca.Function("ends", [q], [ca.densify(ca.horzcat(*ends))]).map(3)
 
     def bars(self, state: FloatArray, magnification: float) -> ArmBars:
-        """Find the bars in a state.
+        """Compute the bars in a state.
 
         Args:
             state: State x = [q_a, q_m, rates], shape (2 n_coordinates,).
-            magnification: By which the deflection is multiplied; 1 leaves the arm as it is.
+            magnification: Factor on the deflection.
 
         Returns:
-            The bars; the deflection is the difference of the arm coordinates to those that the motors alone would give.
+            The bars; the deflection is the difference of the arm coordinates to those given by the motors alone.
         """
         true = state[: len(self._chain.joints)]
         stiff = self._chain.arm_from_gears(state[list(self._chain.motor_rows)])
@@ -67,6 +67,6 @@ class ArmView:
 
 
 def _ends(robot: Robot, shape: LinkShape, q: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Give the ends of a bar in the base frame [m], SX (3, 1) each."""
+    """Return the ends of a bar in the base frame [m], SX (3, 1) each."""
     origin, rotation = body_placement(robot, shape.body, q)
     return origin + rotation @ ca.DM(shape.start), origin + rotation @ ca.DM(shape.end)

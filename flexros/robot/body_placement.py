@@ -1,4 +1,4 @@
-"""Where the bodies of a robot are in the base frame, with and without moving."""
+"""Poses of the bodies of a robot in the base frame."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ if TYPE_CHECKING:
 
 
 def body_placement(robot: Robot, body: int, q: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Place the frame of a body, its origin where the length of the body before ends.
+    """Return the frame of a body, with its origin at the end of the body before.
 
     Args:
         robot: The robot.
-        body: Number of the body (0-based).
+        body: Index of the body.
         q: Arm coordinates, SX (N, 1).
 
     Returns:
         Origin in the base frame [m], SX (3, 1), and rotation from the body to the base, SX (3, 3).
     """
     bodies = robot.spec.bodies
-    if body < robot.joints[0].body:  # it stands on the ground
+    if body < robot.joints[0].body:  # fixed to the ground
         below = (np.array(entry.length.value, dtype=float) for entry in bodies[:body])
         return ca.SX(ca.DM(sum(below, start=np.zeros(3)))), ca.SX.eye(3)
     values = {name: parameter.value for name, parameter in robot.parameters.items()}
@@ -35,7 +35,7 @@ def body_placement(robot: Robot, body: int, q: ca.SX) -> tuple[ca.SX, ca.SX]:
 
 
 class BodyPlacements:
-    """Places all bodies of a robot.
+    """Computes the poses of all bodies of a robot.
 
     Args:
         robot: The robot.
@@ -49,7 +49,7 @@ class BodyPlacements:
         self._placements = ca.Function("placements", [q], [ca.densify(ca.horzcat(*columns))])
 
     def poses(self, state: FloatArray) -> FloatArray:
-        """Find the poses in a state.
+        """Return the poses in a state.
 
         Args:
             state: State that begins with the arm coordinates [rad or m], shape (n,).

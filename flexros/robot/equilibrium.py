@@ -1,4 +1,4 @@
-"""Rest of a robot under gravity, for given arm coordinates or given motor positions."""
+"""Equilibria of a robot under gravity, for given arm coordinates or given motor positions."""
 
 from __future__ import annotations
 
@@ -14,35 +14,35 @@ if TYPE_CHECKING:
 
 
 def at_arm_position(robot: Robot, q_a: FloatArray) -> FloatArray:
-    """Hold the actuated arm coordinates; the other directions deflect and the motors wind up their springs.
+    """Compute the equilibrium for given actuated arm coordinates, with the other directions and the gears deflected.
 
     Args:
         robot: The robot.
-        q_a: Arm coordinates [rad or m], shape (N,); start values of the directions without motor.
+        q_a: Arm coordinates [rad or m], shape (N,); initial values for the directions without motor.
 
     Returns:
         State at rest, shape (2 n_coordinates,).
 
     Raises:
-        InputError: No rest was found.
+        InputError: No equilibrium was found.
     """
-    place = f"at arm coordinates {np.round(q_a, 6).tolist()}"
-    return robot.rest_with_gears_held.find(_unloaded(robot, q_a), robot.model.parameter_values, place).state
+    condition = f"at arm coordinates {np.round(q_a, 6).tolist()}"
+    return robot.rest_with_gears_held.find(_unloaded(robot, q_a), robot.model.parameter_values, condition).state
 
 
 def at_motor_position(robot: Robot, motor_position: FloatArray, near: FloatArray) -> FloatArray:
-    """Hold the motors; the arm hangs on the springs.
+    """Compute the equilibrium for given motor positions; the arm deflects on the springs.
 
     Args:
         robot: The robot.
         motor_position: Motor positions [rad or m], shape (M,).
-        near: Arm coordinates to start from, shape (N,).
+        near: Initial arm coordinates, shape (N,).
 
     Returns:
         State at rest, shape (2 n_coordinates,).
 
     Raises:
-        InputError: The motor positions are not M finite numbers, or no rest was found.
+        InputError: The motor positions are not M finite numbers, or no equilibrium was found.
     """
     if motor_position.shape != (robot.n_motors,) or not np.all(np.isfinite(motor_position)):
         raise InputError(
@@ -51,24 +51,16 @@ def at_motor_position(robot: Robot, motor_position: FloatArray, near: FloatArray
         )
     q_a = near.copy()
     q_a[list(robot.gear_rows)] = motor_position
-    place = f"at motor positions {np.round(motor_position, 6).tolist()}"
-    return robot.rest_with_motors_held.find(_unloaded(robot, q_a), robot.model.parameter_values, place).state
+    condition = f"at motor positions {np.round(motor_position, 6).tolist()}"
+    return robot.rest_with_motors_held.find(_unloaded(robot, q_a), robot.model.parameter_values, condition).state
 
 
 def holding_torque(robot: Robot, state: FloatArray) -> FloatArray:
-    """Motor torque that keeps a state at rest.
-
-    Args:
-        robot: The robot.
-        state: State at rest, shape (2 n_coordinates,).
-
-    Returns:
-        Torque [Nm or N], shape (M,).
-    """
+    """Return the motor torque [Nm or N], shape (M,), that holds a state at rest of shape (2 n_coordinates,)."""
     return robot.rest_with_motors_held.holding_torque(state[: robot.n_coordinates], robot.model.parameter_values)
 
 
 def _unloaded(robot: Robot, q_a: FloatArray) -> FloatArray:
-    """Coordinates [q_a, q_m] with the gears' springs unloaded."""
+    """Return coordinates [q_a, q_m] with unloaded gears."""
     flexible = [robot.gear_rows[number] for number in robot.flexible_motors]
     return np.concatenate([q_a, q_a[flexible]])

@@ -20,28 +20,28 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-12
 """Largest remaining error of the output, relative to 1 m + its size [m or rad]."""
 ELBOW_OUTPUT = ("x", "z")
-"""Components of an output for which a two-link elbow has a closed form."""
+"""Output components for which a two-link elbow has a closed form."""
 
 
 def solve(
     robot: Robot, target: FloatArray, near: FloatArray, output: str | None = None, configuration: int | None = None
 ) -> FloatArray:
-    """Find arm coordinates with rigid elastic directions, nearest to a given configuration (Moberg 2007, eq. 3.3).
+    """Compute arm coordinates with rigid elastic directions, nearest to a given configuration (Moberg 2007, eq. 3.3).
 
-    Closed form where the robot file names one and the output fits it, numerical otherwise.
+    It uses the closed form named in the robot file if the output allows it, and a numerical search otherwise.
 
     Args:
         robot: The robot.
         target: Value of the output [m, rad], shape (n_out,).
-        near: Arm coordinates to start from, shape (N,); choose the configuration (elbow up or down) by it.
+        near: Initial arm coordinates, shape (N,); they select the configuration (elbow up or down).
         output: Name of the output; default: the controlled one.
         configuration: Sign +1 or -1 of a closed form (elbow up or down); default: the one nearest to `near`.
 
     Returns:
-        Arm coordinates [rad or m], shape (N,); directions without motor keep the value 0.
+        Arm coordinates [rad or m], shape (N,), zero for directions without motor.
 
     Raises:
-        InputError: The target has the wrong size, is not finite or is out of reach; or there is no such configuration.
+        InputError: The target has the wrong size, is not finite or is out of reach, or the configuration is invalid.
     """
     name = output or robot.controlled
     n_out = robot.model.output_with_slope(name).size1_out(0)
@@ -54,8 +54,8 @@ def solve(
         return _closed_form(robot, robot.elbow_links, target, near, configuration)
     if configuration is not None:
         raise InputError(
-            f"configuration {configuration} was given for output '{name}' of robot {robot.name}, but it is solved "
-            "numerically, which finds the configuration nearest to a pose; give near instead"
+            f"configuration {configuration} was given for output '{name}' of robot {robot.name}, but its solution is "
+            "numerical and nearest to a pose; give near instead"
         )
     return _numerical(robot, target, near, name)
 
@@ -63,26 +63,26 @@ def solve(
 def _closed_form(
     robot: Robot, lengths: tuple[float, float], target: FloatArray, near: FloatArray, configuration: int | None
 ) -> FloatArray:
-    """Take the asked for, else the nearest of the two configurations, each in the turn nearest to a pose."""
+    """Return the given, else the nearest of the two configurations, with angles within half a turn of a pose."""
     if configuration not in (1, -1, None):
         raise InputError(
             f"configuration is {configuration}, but robot {robot.name} has the configurations 1 and -1 (elbow up or "
             "down); give one of them"
         )
     here = near[list(robot.gear_rows)]
-    found = []
+    solutions = []
     for sign in (1, -1) if configuration is None else (configuration,):
         angles = two_link_elbow(*lengths, target, sign)
-        found.append(angles + 2 * np.pi * np.round((here - angles) / (2 * np.pi)))
-    nearest = min(found, key=lambda angles: float(np.linalg.norm(angles - here)))
+        solutions.append(angles + 2 * np.pi * np.round((here - angles) / (2 * np.pi)))
+    nearest = min(solutions, key=lambda angles: float(np.linalg.norm(angles - here)))
     return robot.arm_from_gears(nearest)
 
 
 def _numerical(robot: Robot, target: FloatArray, near: FloatArray, output: str) -> FloatArray:
-    """Search by damped Newton steps from a pose."""
+    """Solve by damped Newton steps from a pose."""
     evaluate = robot.model.output_with_slope(output)
-    geared = list(robot.gear_rows)
-    q = robot.arm_from_gears(near[geared])
+    gears = list(robot.gear_rows)
+    q = robot.arm_from_gears(near[gears])
     pose = robot.spec.outputs[output].pose
     angles = [index for index, component in enumerate(pose) if component.startswith("r")]
     error = np.inf
@@ -90,13 +90,13 @@ def _numerical(robot: Robot, target: FloatArray, near: FloatArray, output: str) 
     for _ in range(200):
         value, slope = (np.asarray(part, dtype=float) for part in evaluate(q))
         residual = target - value.ravel()
-        residual[angles] = np.remainder(residual[angles] + np.pi, 2 * np.pi) - np.pi  # the short way round
+        residual[angles] = np.remainder(residual[angles] + np.pi, 2 * np.pi) - np.pi  # the shorter way round
         error = float(np.max(np.abs(residual)))
         if error <= limit:
             return q
         damping = 1e-6 * error if error > 1e-6 else 0.0
         step = _damped_step(slope, residual, damping)
-        q[geared] += step * min(1.0, 0.3 / max(float(np.max(np.abs(step))), 1e-300))
+        q[gears] += step * min(1.0, 0.3 / max(float(np.max(np.abs(step))), 1e-300))
     if error <= 1e3 * limit:
         return q
     raise InputError(
@@ -106,24 +106,21 @@ def _numerical(robot: Robot, target: FloatArray, near: FloatArray, output: str) 
 
 
 def _damped_step(slope: FloatArray, residual: FloatArray, damping: float) -> FloatArray:
-    """Levenberg-Marquardt step."""
+    """Return a Levenberg-Marquardt step."""
     normal = slope.T @ slope + damping * np.eye(slope.shape[1])
     return np.asarray(np.linalg.lstsq(normal, slope.T @ residual, rcond=None)[0], dtype=float)
 
 
 def link_lengths(specification: RobotSpecification, chain: Chain, source: str) -> tuple[float, float]:
-    """Measure the two links of a robot that declares itself a two-link elbow.
+    """Return the link lengths l_1 and l_2 [m] of a robot declared as a two-link elbow.
 
     Args:
         specification: The robot file.
         chain: Its joints.
-        source: File or name; opens the error text.
-
-    Returns:
-        Lengths l_1 and l_2 [m].
+        source: File or name; prefix of the error message.
 
     Raises:
-        InputError: The chain is no two-link elbow.
+        InputError: The chain is not a two-link elbow.
     """
     axes = [(chain.joints[arm].rotary, chain.joints[arm].axis) for arm in chain.gear_rows]
     outputs = [output.pose for output in specification.outputs.values()]
@@ -136,14 +133,14 @@ def link_lengths(specification: RobotSpecification, chain: Chain, source: str) -
         if not base.any() and not upper[:2].any() and not fore[1:].any() and upper[2] > 0 and fore[0] > 0:
             return float(upper[2]), float(fore[0])
     raise InputError(
-        f"{source}: inverse_kinematics is 'two_link_elbow', but the chain is none: that has two motors, both turning "
-        "about y, at zero angle the first link along +z and the second along +x from the base on, and an output "
+        f"{source}: inverse_kinematics is 'two_link_elbow', but the chain is not: it must have two motors, both about "
+        "y, at zero angle the first link along +z and the second along +x from the base on, and an output "
         "{pose: [x, z]}; correct the bodies, or write inverse_kinematics: numerical"
     )
 
 
 def two_link_elbow(l1: float, l2: float, point: FloatArray, configuration: int) -> FloatArray:
-    """Closed form for two links, the first along the vertical at zero angle (Moberg 2007, eq. 3.26 to 3.28).
+    """Solve two links in closed form, the first vertical at zero angle (Moberg 2007, eq. 3.26 to 3.28).
 
     Args:
         l1: Length of the first link [m].

@@ -1,4 +1,4 @@
-"""What a robot looks like: one bar for each body, from what its file says about lengths."""
+"""Shape of a robot for display: one bar per body, from the lengths in its file."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ if TYPE_CHECKING:
     from flexros.robot.specification import RobotSpecification
 
 SLENDERNESS = 0.025
-"""Radius of the bars as a share of the robot's extent, chosen."""
+"""Radius of the bars relative to the robot's extent (chosen)."""
 
 BAR = 0.3
-"""Length of the bars of a robot without any length [m], chosen; they lie along x, one above the other."""
+"""Length of the bars of a robot without lengths [m] (chosen); they are along x, one above the other."""
 
 STOREY = 0.1
-"""Height between such bars [m], chosen."""
+"""Distance between such bars [m] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class LinkShape:
-    """Bar that stands for a body, in the frame of the body.
+    """Bar that represents a body, in the frame of the body.
 
     Attributes:
-        body: Number of the body (0-based).
+        body: Index of the body.
         start: One end [m], shape (3,).
         end: The other end [m], shape (3,).
         radius: Radius [m].
@@ -39,14 +39,10 @@ class LinkShape:
 
 
 def link_shapes(specification: RobotSpecification) -> tuple[LinkShape, ...]:
-    """Give the bars of a robot.
+    """Return the bars of a robot.
 
-    Args:
-        specification: The robot file.
-
-    Returns:
-        One bar for each body that has a length, else up to its centre of mass; a body without either has none, unless
-        that is so of all bodies.
+    There is one bar per body along its length, else up to its centre of mass. A body with neither has none, unless
+    that applies to all bodies.
     """
     ends = [_far_end(specification, body) for body in range(len(specification.bodies))]
     extent = sum(float(np.linalg.norm(end)) for end in ends)

@@ -1,4 +1,4 @@
-"""The numbers of a robot as named parameters: reading, replacing, listing with unit, source and tolerance."""
+"""Named parameters of a robot: listing with unit, source and tolerance, and replacement of values."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ INERTIA_COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number of a robot model.
+    """One parameter of a robot model.
 
     Attributes:
         name: Path in the robot, e.g. "body_3.mass", "body_1.ry.stiffness", "motor_2.inertia".
         value: Value in the SI unit.
         unit: SI unit.
-        source: Where the value comes from.
+        source: Origin of the value.
         tolerance: One standard deviation, relative to the value.
-        path: Keys that lead to it in the robot file.
+        path: Its keys in the robot file.
     """
 
     name: str
@@ -40,14 +40,7 @@ class Parameter:
 
 
 def list_parameters(specification: RobotSpecification) -> dict[str, Parameter]:
-    """List all numbers of a robot that enter its equations of motion.
-
-    Args:
-        specification: The robot file.
-
-    Returns:
-        Parameters by name, in the order of the chain.
-    """
+    """Return all parameters of the equations of motion by name, in the order of the chain."""
     found: dict[str, Parameter] = {}
     for name, path, quantity, component in _quantities(specification):
         value = quantity.value if isinstance(quantity, Quantity) else quantity.value[component]
@@ -118,16 +111,13 @@ def _of_motor(
 def with_values(
     data: Mapping[str, Any], specification: RobotSpecification, values: Mapping[str, float], source: str
 ) -> dict[str, Any]:
-    """Replace numbers in the data of a robot file.
+    """Return the data of a robot file with values replaced, to be validated again.
 
     Args:
         data: Robot file as dumped by `RobotSpecification.model_dump`.
         specification: The same, validated.
         values: New values by parameter name (SI); also "sample_time" and "delay" [s].
-        source: Who asks for the change; opens the error text.
-
-    Returns:
-        New data, to be validated again.
+        source: Origin of the change; prefix of the error message.
 
     Raises:
         InputError: A name is not a parameter of the robot.

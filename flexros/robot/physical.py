@@ -1,4 +1,4 @@
-"""Checks that a robot file describes bodies that can exist."""
+"""Checks that the bodies of a robot file are physical."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 
 
 def check_physical(specification: RobotSpecification, chain: Chain, source: str) -> None:
-    """Refuse inertias that no body can have, and motors or tips without inertia.
+    """Refuse non-physical inertias, and motors or tips without inertia.
 
     A planar chain needs only the inertia about its axis, so the others may be zero (as in Moberg 2007, Table 1).
 
     Args:
         specification: The robot file.
         chain: Its joints.
-        source: File or name; opens the error text.
+        source: File or name; prefix of the error message.
 
     Raises:
-        InputError: With body and value.
+        InputError: Names body and value.
     """
     axes = {joint.axis for joint in chain.joints if joint.rotary}
     for index, body in enumerate(specification.bodies):
@@ -57,6 +57,6 @@ def _check_tensor(body: Body, place: str) -> None:
     if moments[2] > moments[0] + moments[1] + 1e-9 * scale:
         raise InputError(
             f"{place}: the principal moments of inertia {moments[0]:.6g}, {moments[1]:.6g}, {moments[2]:.6g} kg m2 "
-            "violate the triangle inequality (the largest exceeds the sum of the others), no rigid body has them; "
+            "violate the triangle inequality (the largest exceeds the sum of the others); "
             "correct inertia"
         )

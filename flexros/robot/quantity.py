@@ -10,25 +10,25 @@ from flexros.config.settings import Settings
 
 
 class Quantity(Settings):
-    """One number of a robot file.
+    """One value of a robot file.
 
     In YAML either a plain number in the SI unit of its key, or a mapping with the fields below.
     """
 
     value: float = Field(description="value in the SI unit of the key")
-    unit: str = Field("", description="unit; may be left out, must be the SI unit of the key when given")
-    source: str = Field("", description="where the value comes from; default: the file's defaults.source")
+    unit: str = Field("", description="unit; optional, must be the SI unit of the key")
+    source: str = Field("", description="origin of the value; default: the file's defaults.source")
     tolerance: float | None = Field(
         None, ge=0, description="one standard deviation, relative to the value; default: the file's defaults.tolerance"
     )
 
 
 class Vector(Settings):
-    """Three numbers of a robot file along x, y and z; in YAML a list of three or a mapping like Quantity."""
+    """Three values of a robot file along x, y and z; in YAML a list of three or a mapping like Quantity."""
 
     value: tuple[float, float, float] = Field(description="components along x, y, z in the SI unit of the key")
-    unit: str = Field("", description="unit; may be left out, must be the SI unit of the key when given")
-    source: str = Field("", description="where the value comes from")
+    unit: str = Field("", description="unit; optional, must be the SI unit of the key")
+    source: str = Field("", description="origin of the value")
     tolerance: float | None = Field(None, ge=0, description="one standard deviation, relative to the value")
 
 
@@ -60,7 +60,7 @@ UNITS = {
     "stiffness": ("Nm/rad", "N/m"),
     "damping": ("Nm s/rad", "N s/m"),
 }
-"""SI units of what belongs to one direction of motion: of a rotation, of a translation."""
+"""SI units of the quantities of one direction of motion: for a rotation, for a translation."""
 
 
 def unit_of(kind: str, rotary: bool) -> str:
@@ -69,19 +69,19 @@ def unit_of(kind: str, rotary: bool) -> str:
 
 
 def check_unit(quantity: Quantity | Vector, unit: str, key: str = "") -> None:
-    """Refuse a quantity that states another unit than the one of its key.
+    """Refuse a quantity whose unit is not that of its key.
 
     Args:
-        quantity: What the file gives.
+        quantity: The quantity in the file.
         unit: SI unit of the key.
-        key: Where the quantity stands; opens the error text.
+        key: Its key; prefix of the error message.
 
     Raises:
         ValueError: The units differ.
     """
     if quantity.unit and _canonical(quantity.unit) != _canonical(unit):
-        place = f"{key} " if key else ""
-        raise ValueError(f"{place}has unit '{quantity.unit}', but the unit here is '{unit}'; convert the value")
+        prefix = f"{key} " if key else ""
+        raise ValueError(f"{prefix}has unit '{quantity.unit}', but the unit here is '{unit}'; convert the value")
 
 
 def _canonical(unit: str) -> str:

@@ -1,4 +1,4 @@
-"""States of rest under gravity: one Newton search, for one robot and for many that differ in parameters."""
+"""Newton search for equilibria under gravity, for one robot and for many that differ in parameters."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from flexros.robot.symbolic.model import SymbolicModel
 
 TOLERANCE = 1e-9
-"""Force that may be left, relative to the largest stiffness [N or Nm per m or rad]."""
+"""Largest residual force, relative to the largest stiffness [N or Nm per m or rad]."""
 MAX_ITERATIONS = 100
 LARGEST_STEP = 0.2
 """Largest change of a coordinate in one step [rad or m] (chosen)."""
@@ -27,7 +27,7 @@ class Rest:
 
     Attributes:
         state: State x with zero speeds, shape (2 nq,).
-        torque: Motor torque that holds it [Nm or N], shape (M,).
+        torque: Holding torque of the motors [Nm or N], shape (M,).
     """
 
     state: FloatArray
@@ -35,14 +35,14 @@ class Rest:
 
 
 class RestFinder:
-    """Finds where gravity and springs balance while motors or gears are held, for any parameters of a model.
+    """Finds the equilibrium of gravity and springs with motors or gears held, for any parameters of a model.
 
-    The balance of an arm coordinate behind a rigid gear is left out: its motor carries it.
+    The balance of an arm coordinate behind a rigid gear is excluded: its motor carries the load.
 
     Args:
-        model: The symbolic model; its free parameters may differ from search to search.
-        held: What stands still: the "motors", on whose springs the arm hangs, or the arm side of the "gears", whose
-            motors wind up the springs.
+        model: The symbolic model; its free parameters are arguments of each search.
+        held: Fixed coordinates: the "motors", with the arm deflected on its springs, or the arm side of the "gears",
+            with the motors loading the springs.
     """
 
     def __init__(self, model: SymbolicModel, held: Literal["motors", "gears"] = "motors") -> None:
@@ -50,19 +50,19 @@ class RestFinder:
         self._name, self._parameter_names = model.specification.name, model.parameter_names
         self._balanced, self._motors = list(chain.spring_rows), list(chain.motor_rows)
         still = self._motors if held == "motors" else chain.gear_rows
-        self._free = [place for place in range(nq) if place not in still]
+        self._free = [row for row in range(nq) if row not in still]
         q, p = ca.SX.sym("q", nq), ca.SX.sym("p", len(model.parameter_names))
         force = model.force(q, np.zeros(nq), np.zeros(model.n_motors), np.zeros(6), p)
         slope = ca.densify(ca.jacobian(force[self._balanced], q)[:, self._free])
         self._force = ca.Function("rest", [q, p], [ca.densify(force), slope])
 
-    def find(self, start: FloatArray, parameters: FloatArray, place: str = "") -> Rest:
-        """Find the rest for a set of parameters.
+    def find(self, start: FloatArray, parameters: FloatArray, condition: str = "") -> Rest:
+        """Compute the equilibrium for a set of parameters.
 
         Args:
-            start: Coordinates q = [q_a, q_m] to start from, those held among them [rad or m], shape (nq,).
+            start: Initial coordinates q = [q_a, q_m], including the held ones [rad or m], shape (nq,).
             parameters: Values of the model's parameters (SI), shape (n_parameters,).
-            place: What the user asked for, for the error text; default: the parameters.
+            condition: Requested condition, for the error message; default: the parameters.
 
         Returns:
             State and holding torque.
@@ -82,34 +82,31 @@ class RestFinder:
             force, slope = self._evaluate(q, parameters)
             if size < 1e-13 * (1.0 + np.max(np.abs(q))):
                 break
-        self._check(force[self._balanced], slope, place or self._listing(parameters))
+        self._check(force[self._balanced], slope, condition or self._listing(parameters))
         return Rest(np.concatenate([q, np.zeros_like(q)]), self._holding(force))
 
     def holding_torque(self, q: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Motor torque that keeps coordinates at rest.
+        """Return the motor torque [Nm or N], shape (M,), that holds coordinates at rest.
 
         Args:
             q: Coordinates at rest [rad or m], shape (nq,).
             parameters: Values of the model's parameters (SI), shape (n_parameters,).
-
-        Returns:
-            Torque [Nm or N], shape (M,).
         """
         return self._holding(self._evaluate(q, parameters)[0])
 
     def _holding(self, force: FloatArray) -> FloatArray:
-        return 0.0 - force[self._motors]  # not -force, which makes -0.0 of nothing
+        return 0.0 - force[self._motors]  # not -force, which gives -0.0 for zero
 
     def _evaluate(self, q: FloatArray, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
         force, slope = self._force(q, parameters)
         return force.full().ravel(), slope.full()
 
-    def _check(self, left: FloatArray, slope: FloatArray, place: str) -> None:
-        """Refuse a search that ended without balance, also one that ended in NaN."""
+    def _check(self, left: FloatArray, slope: FloatArray, condition: str) -> None:
+        """Refuse a search that did not converge, also one that ended in NaN."""
         if left.size and not np.max(np.abs(left)) <= TOLERANCE * (1.0 + np.max(np.abs(slope))):
             raise InputError(
-                f"robot {self._name} finds no rest {place}: its springs do not balance gravity there "
-                f"(a force of {np.max(np.abs(left)):.3g} N or Nm is left); check stiffness, masses and the pose"
+                f"robot {self._name} has no equilibrium {condition}: its springs do not balance gravity "
+                f"(residual force {np.max(np.abs(left)):.3g} N or Nm); check stiffness, masses and the pose"
             )
 
     def _listing(self, parameters: FloatArray) -> str:

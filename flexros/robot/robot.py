@@ -1,4 +1,4 @@
-"""A robot as users hold it: its file, its numbers, its symbolic model, its kinematics and equilibrium."""
+"""The robot: its file, parameters, symbolic model, kinematics and equilibria."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ class Robot:
 
     Attributes:
         spec: The validated robot file.
-        source: File or name that it came from.
-        elbow_links: Lengths of the two links [m] where the robot declares the closed form of an elbow, else None.
+        source: File or name from which it was loaded.
+        elbow_links: Lengths of the two links [m] of a robot with the closed form of an elbow, else None.
     """
 
     def __init__(self, specification: RobotSpecification, source: str) -> None:
@@ -141,7 +141,7 @@ class Robot:
 
     @cached_property
     def torque_limits(self) -> FloatArray:
-        """Largest motor torque either way [Nm or N], shape (M,); infinite where there is no limit."""
+        """Largest absolute motor torque [Nm or N], shape (M,); infinite for no limit."""
         return np.array([motor.torque_limit for motor in self.motors])
 
     @cached_property
@@ -153,7 +153,7 @@ class Robot:
 
     @cached_property
     def rotor_turns(self) -> FloatArray:
-        """Rotor angle per motor coordinate: gear ratios where the file states the arm's side, else 1, shape (M,)."""
+        """Rotor angle per motor coordinate: gear ratios for files stated on the arm side, else 1, shape (M,)."""
         ratios = [motor.gear_ratio for motor in self.motors]
         return np.array(ratios) if self.spec.coordinates == "arm" else np.ones(self.n_motors)
 
@@ -164,32 +164,29 @@ class Robot:
 
     @cached_property
     def parameters(self) -> dict[str, Parameter]:
-        """All numbers of the equations of motion by name, with unit, source and tolerance."""
+        """All parameters of the equations of motion by name, with unit, source and tolerance."""
         return list_parameters(self.spec)
 
     @cached_property
     def model(self) -> SymbolicModel:
-        """Symbolic model with every number put in."""
+        """Symbolic model with all parameters at their values."""
         return SymbolicModel(self.spec, self.chain)
 
     @cached_property
     def rest_with_motors_held(self) -> RestFinder:
-        """Finder of the rest in which the motors stand still."""
+        """Finder of the equilibrium with the motors held."""
         return RestFinder(self.model, "motors")
 
     @cached_property
     def rest_with_gears_held(self) -> RestFinder:
-        """Finder of the rest in which the arm side of the gears stands still."""
+        """Finder of the equilibrium with the arm side of the gears held."""
         return RestFinder(self.model, "gears")
 
     def symbolic(self, parameters: Sequence[str] = ()) -> SymbolicModel:
-        """Build the symbolic model with some parameters left free.
+        """Build the symbolic model with some parameters free.
 
         Args:
             parameters: Names of the free parameters, e.g. ("body_3.mass",); they become the argument p.
-
-        Returns:
-            The model.
 
         Raises:
             InputError: A name is not a parameter of the robot.
@@ -197,14 +194,11 @@ class Robot:
         return SymbolicModel(self.spec, self.chain, parameters)
 
     def with_values(self, values: Mapping[str, float], source: str = "given values") -> Robot:
-        """Return a robot with some numbers replaced.
+        """Return a robot with some values replaced.
 
         Args:
             values: New values (SI) by parameter name, also "sample_time" and "delay" [s].
-            source: Who asks for the change; opens the error text.
-
-        Returns:
-            The changed robot.
+            source: Origin of the change; prefix of error messages.
 
         Raises:
             InputError: A name is unknown or the new robot is not physical.
@@ -216,19 +210,16 @@ class Robot:
 
     @cached_property
     def model_hash(self) -> str:
-        """Fingerprint of everything in the robot file, for provenance; 16 hexadecimal digits."""
+        """Fingerprint of the robot file for provenance, 16 hexadecimal digits."""
         text = json.dumps(self.spec.model_dump(mode="json"), sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def forward_kinematics(self, q_a: ArrayLike, output: str | None = None) -> FloatArray:
-        """Evaluate a controlled output.
+        """Return an output [m, rad], shape (n_out,).
 
         Args:
             q_a: Arm coordinates [rad or m], shape (N,).
             output: Name of the output; default: the controlled one.
-
-        Returns:
-            Output [m, rad], shape (n_out,).
         """
         value: FloatArray = np.asarray(self.model.output(output)(self.check_arm(q_a), self.model.parameter_values))
         return value.ravel()
@@ -245,12 +236,12 @@ class Robot:
         output: str | None = None,
         configuration: int | None = None,
     ) -> FloatArray:
-        """Find arm coordinates of the rigid chain for a value of an output; see `inverse_kinematics.solve`."""
+        """Compute arm coordinates of the rigid chain for a value of an output; see `inverse_kinematics.solve`."""
         start = self.check_arm(self.home if near is None else near)
         return inverse_kinematics.solve(self, np.asarray(target, float), start, output, configuration)
 
     def equilibrium(self, q_a: ArrayLike | None = None, *, motor_position: ArrayLike | None = None) -> FloatArray:
-        """Find the state of rest under gravity, for given actuated arm coordinates or given motor positions.
+        """Compute the equilibrium under gravity, for given actuated arm coordinates or given motor positions.
 
         Args:
             q_a: Arm coordinates [rad or m], shape (N,); the actuated ones are held, the others deflect.
@@ -260,7 +251,7 @@ class Robot:
             State x = [q_a, q_m, 0, 0], shape (2 n_coordinates,).
 
         Raises:
-            InputError: There is no rest within reach, for instance because springs are too soft for the gravity.
+            InputError: No equilibrium was found, for instance because springs are too soft for gravity.
         """
         if motor_position is not None:
             near = self.home if q_a is None else self.check_arm(q_a)
@@ -272,16 +263,10 @@ class Robot:
         return equilibrium.holding_torque(self, state)
 
     def check_arm(self, q_a: ArrayLike) -> FloatArray:
-        """Check arm coordinates.
-
-        Args:
-            q_a: Arm coordinates [rad or m], shape (N,).
-
-        Returns:
-            The same as an array.
+        """Return arm coordinates [rad or m] as an array of shape (N,).
 
         Raises:
-            InputError: Wrong number of coordinates, or a number that is not finite.
+            InputError: Wrong number of coordinates, or a value that is not finite.
         """
         array = np.atleast_1d(np.asarray(q_a, dtype=float))
         if array.shape != (self.n_arm,):
@@ -295,21 +280,18 @@ class Robot:
 
 
 def robot_names() -> tuple[str, ...]:
-    """List the robots that are shipped."""
+    """Return the names of the built-in robots."""
     return tuple(sorted(path.stem for path in LIBRARY.glob("*.yaml")))
 
 
 def load_robot(name_or_path: str | Path) -> Robot:
-    """Load a shipped robot or a robot file.
+    """Load a built-in robot or a robot file.
 
     Args:
-        name_or_path: Shipped name such as "e12", or path of a YAML file.
-
-    Returns:
-        The robot.
+        name_or_path: Built-in name such as "e12", or path of a YAML file.
 
     Raises:
-        InputError: Unknown name, unreadable or wrong file, non-physical values.
+        InputError: Unknown name, unreadable or invalid file, non-physical values.
     """
     path = LIBRARY / f"{name_or_path}.yaml"
     if str(name_or_path) not in robot_names():
@@ -324,12 +306,9 @@ def robot_from_data(data: Mapping[str, Any], source: str) -> Robot:
 
     Args:
         data: Content of the file.
-        source: Where it came from; opens error texts.
-
-    Returns:
-        The robot.
+        source: Its origin; prefix of error messages.
 
     Raises:
-        InputError: Wrong keys or non-physical values.
+        InputError: Invalid keys or non-physical values.
     """
     return Robot(validate(RobotSpecification, data, source), source)

@@ -1,4 +1,4 @@
-"""The robot file: bodies, springs, dampers, motors, tool, sensors, each number with unit, source and tolerance."""
+"""The robot file: bodies, springs, dampers, motors, tool, sensors, each value with unit, source and tolerance."""
 
 from __future__ import annotations
 
@@ -59,11 +59,11 @@ class Motor(Settings):
         default_factory=lambda: Quantity(value=1.0, unit="1"), description="motor turns per arm turn"
     )
     viscous_friction: NotNegative = Field(default_factory=lambda: _zero(""), description="[Nm s/rad, or N s/m]")
-    torque_limit: Positive | None = Field(None, description="largest torque either way [Nm, or N]; none: unlimited")
+    torque_limit: Positive | None = Field(None, description="largest absolute torque [Nm, or N]; default: unlimited")
     encoder_noise: NotNegative | None = Field(None, description="rms [rad, or m]; default: sensors.encoder_noise")
 
     def check_units(self, rotary: bool, key: str) -> None:
-        """Refuse units that do not belong to a motor that turns (rotary) or slides; see `check_unit`."""
+        """Refuse units that do not fit a rotary or prismatic motor; see `check_unit`."""
         kinds = {
             "inertia": "inertia",
             "viscous_friction": "damping",
@@ -80,7 +80,7 @@ class Direction(Settings):
     """One direction of motion of a body relative to the body before it."""
 
     spring: Spring | Literal["rigid"] = Field(
-        description="spring; 'rigid': a direction without motor is taken out, a gear with motor is stiff"
+        description="spring; 'rigid': a direction without motor is removed, a gear with motor is stiff"
     )
     damper: NotNegative = Field(default_factory=lambda: _zero(""), description="[Nm s/rad, or N s/m]")
     motor: Motor | None = None
@@ -103,7 +103,7 @@ class Direction(Settings):
 
 
 class InertiaTensor(Settings):
-    """Inertia tensor about the centre of mass [kg m2]; what is left out is zero."""
+    """Inertia tensor about the centre of mass [kg m2]; missing entries are zero."""
 
     xx: Inertia = Field(default_factory=lambda: _zero("kg m2"))
     yy: Inertia = Field(default_factory=lambda: _zero("kg m2"))
@@ -120,10 +120,10 @@ class InertiaTensor(Settings):
 
 
 class Body(Settings):
-    """Rigid body, described in its own frame, which at zero deflection is parallel to the base frame."""
+    """Rigid body, described in its own frame, which is parallel to the base frame at zero coordinates."""
 
     label: str = ""
-    parent: str = Field("", description="the body before; may be left out, the bodies stand in the order of the chain")
+    parent: str = Field("", description="the body before; optional, since the bodies are in the order of the chain")
     mass: Mass = Field(default_factory=lambda: _zero("kg"))
     center_of_mass: Position = Field(default_factory=lambda: Vector(value=(0, 0, 0)), description="[m]")
     inertia: InertiaTensor = Field(default_factory=InertiaTensor)
@@ -131,7 +131,7 @@ class Body(Settings):
     viscous_friction: RotaryFriction = Field(
         default_factory=lambda: _zero("Nm s/rad"), description="against the absolute rotation of the body [Nm s/rad]"
     )
-    directions: dict[Axis, Direction] = Field(default_factory=dict, description="in the order in which they follow")
+    directions: dict[Axis, Direction] = Field(default_factory=dict, description="in the order of the chain")
 
     @model_validator(mode="after")
     def _one_motor_and_units(self) -> Body:
@@ -186,7 +186,7 @@ class Sensors(Settings):
 
 
 class Defaults(Settings):
-    """Source and tolerance of every number that does not state its own."""
+    """Source and tolerance of all values that do not state their own."""
 
     source: str = ""
     tolerance: float = Field(0.0, ge=0, description="one standard deviation, relative")
@@ -212,10 +212,10 @@ class RobotSpecification(Settings):
     inverse_kinematics: Literal["numerical", "two_link_elbow"] = Field(
         "numerical", description="two_link_elbow: closed form of a tool position [x, z] (Moberg 2007, eq. 3.26 to 3.28)"
     )
-    controlled: str = Field(description="the output that trajectories and feedforward refer to by default")
+    controlled: str = Field(description="default output of trajectories and feedforward")
     home: tuple[float, ...] | None = Field(None, description="arm coordinates of the usual start pose; default: zeros")
     unknown_parameters: tuple[str, ...] = Field((), description="parameters that an identification estimates")
-    tags: dict[str, str] = Field(default_factory=dict, description="free text, for instance which values are chosen")
+    tags: dict[str, str] = Field(default_factory=dict, description="free text, e.g. which values are chosen")
 
     @model_validator(mode="after")
     def _consistent(self) -> RobotSpecification:
@@ -243,12 +243,12 @@ class RobotSpecification(Settings):
         return self
 
     def _check_encoder_noise(self) -> None:
-        """Refuse a common encoder noise whose unit is not that of every motor that has none of its own."""
+        """Refuse a common encoder noise whose unit does not fit every motor without one of its own."""
         for index, body in enumerate(self.bodies):
             for axis, direction in body.directions.items():
                 if direction.motor is not None and direction.motor.encoder_noise is None:
                     unit = unit_of("position", axis.startswith("r"))
-                    key = f"sensors.encoder_noise, which also holds for the motor of body_{index + 1}.{axis},"
+                    key = f"sensors.encoder_noise, which also applies to the motor of body_{index + 1}.{axis},"
                     check_unit(self.sensors.encoder_noise, unit, key)
 
     @staticmethod
@@ -259,7 +259,7 @@ class RobotSpecification(Settings):
 
 
 def arm_names(specification: RobotSpecification) -> tuple[str, ...]:
-    """List the arm coordinates in order, e.g. ("body_1.ry", "body_2.ry"); rigid directions without motor are none."""
+    """Return the arm coordinates in order, e.g. ("body_1.ry", "body_2.ry"), without rigid directions without motor."""
     return tuple(
         f"body_{index + 1}.{axis}"
         for index, body in enumerate(specification.bodies)

@@ -12,7 +12,7 @@ from flexros.robot.quantity import AnyUnit
 
 
 class PiecewiseLinear(Settings):
-    """Odd piecewise linear law: slope `slopes[i]` between `knots[i-1]` and `knots[i]`, the last one beyond."""
+    """Odd piecewise linear law with slope `slopes[i]` between `knots[i-1]` and `knots[i]`, the last one beyond."""
 
     knots: tuple[float, ...] = Field(min_length=1, description="deflections at which the slope changes, ascending, > 0")
     slopes: tuple[float, ...] = Field(description="stiffness of each segment, one more than knots")
@@ -70,14 +70,11 @@ class Spring(Settings):
         return self.stiffness is not None
 
     def force(self, deflection: ca.SX, scale: ca.SX | float) -> ca.SX:
-        """Evaluate the law.
+        """Return the transmitted torque or force [Nm or N], with the sign of the deflection.
 
         Args:
             deflection: Deflection [rad or m].
             scale: Stiffness of a linear spring [Nm/rad or N/m]; factor on the whole law of a nonlinear one.
-
-        Returns:
-            Torque or force that the spring transmits [Nm or N], of the sign of the deflection.
         """
         if self.piecewise_linear is not None:
             law = self.piecewise_linear
@@ -91,7 +88,7 @@ class Spring(Settings):
         return scale * deflection
 
     def energy(self, deflection: ca.SX, scale: ca.SX | float) -> ca.SX:
-        """Potential energy [J] of the law, the integral of `force` from zero deflection; arguments as there."""
+        """Return the potential energy [J], the integral of `force` from zero deflection; arguments as for `force`."""
         if self.piecewise_linear is not None:
             law = self.piecewise_linear
             value = law.slopes[0] * deflection**2 / 2

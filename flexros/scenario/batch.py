@@ -100,10 +100,10 @@ def batch(
         progress: Called repeatedly with the number of completed runs.
 
     Returns:
-            The results of all runs, in order; a run that diverges does not affect the others.
+        The results of all runs, in order; a run that diverges does not affect the others.
 
     Raises:
-            InputError: Unknown names, or different numbers of values.
+        InputError: Unknown names, or different numbers of values.
     """
     model = PlantModel(experiment.plant, experiment.laws, tuple(values or ()))
     sets = batch_sets(experiment, model, values or {}, gains or {}, seeds)

@@ -51,7 +51,7 @@ def unknown_names(robot: Robot, given: Sequence[str] = ()) -> tuple[str, ...]:
         given: Names; default: those listed in the robot file, else all springs and dampers above zero.
 
     Returns:
-            The names without duplicates.
+        The names without duplicates.
 
     Raises:
         InputError: A name is not a parameter of the robot, or there is none.
@@ -170,7 +170,7 @@ def design_identification(
         The experiment, with its scenario as read back from the file.
 
     Raises:
-            InputError: Invalid template, ranges or names, or the file cannot be written.
+        InputError: Invalid template, ranges or names, or the file cannot be written.
     """
     if template.identification is None:
         raise InputError(f"scenario {template.name} has no key identification; add it")

@@ -198,7 +198,7 @@ class Scenario(Settings):
             source: Origin of the values, for error messages; default: the scenario's name.
 
         Raises:
-                InputError: Unknown key or invalid value.
+            InputError: Unknown key or invalid value.
         """
         origin = source or f"scenario {self.name}"
         settings = self.settings()
@@ -230,7 +230,7 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
             are relative to its folder.
 
     Raises:
-            InputError: Unknown scenario, malformed YAML, unknown key or invalid value; names file and key.
+        InputError: Unknown scenario, malformed YAML, unknown key or invalid value; names file and key.
     """
     path = _path(name_or_path)
     settings = {"name": path.stem, **read_yaml(path)}

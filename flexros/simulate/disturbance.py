@@ -44,7 +44,7 @@ class AbstractDisturbance(Settings, ABC):
             number: Index in the scenario's list, which separates the random streams of disturbances.
 
         Returns:
-                Disturbance in the unit of its location, shape (n,).
+            Disturbance in the unit of its location, shape (n,).
         """
 
     def highest_frequency(self) -> float:

@@ -32,8 +32,8 @@ class LawsByKind:
     @cached_property
     def commands(self) -> list[tuple[PlacedLaw, AbstractCommandLaw]]:
         """Laws between command and motor, in order of `rank`."""
-        found = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractCommandLaw)]
-        return sorted(found, key=lambda pair: pair[1].rank)
+        laws = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractCommandLaw)]
+        return sorted(laws, key=lambda pair: pair[1].rank)
 
     @cached_property
     def torques(self) -> list[tuple[PlacedLaw, AbstractMotorTorque]]:
@@ -53,8 +53,8 @@ class LawsByKind:
     @cached_property
     def gears(self) -> list[tuple[PlacedLaw, AbstractGearLaw]]:
         """Laws of springs, in order of `rank`."""
-        found = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractGearLaw)]
-        return sorted(found, key=lambda pair: pair[1].rank)
+        laws = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractGearLaw)]
+        return sorted(laws, key=lambda pair: pair[1].rank)
 
     @cached_property
     def arms(self) -> list[tuple[PlacedLaw, AbstractArmLaw]]:
@@ -64,8 +64,8 @@ class LawsByKind:
     @cached_property
     def sensors(self) -> list[tuple[PlacedLaw, AbstractSensor]]:
         """Errors of encoders, in order of `rank`."""
-        found = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractSensor)]
-        return sorted(found, key=lambda pair: pair[1].rank)
+        laws = [(law, law.effect) for law in self.all if isinstance(law.effect, AbstractSensor)]
+        return sorted(laws, key=lambda pair: pair[1].rank)
 
     @cached_property
     def tool_errors(self) -> list[tuple[PlacedLaw, AbstractToolError]]:

@@ -82,7 +82,7 @@ def test_unknown_configuration_is_refused(elbow: Robot) -> None:
 
 
 def test_configuration_where_there_is_no_closed_form_is_refused(elbow: Robot) -> None:
-    with pytest.raises(InputError, match="output 'joints' of robot elbow, but it is solved numerically.*give near"):
+    with pytest.raises(InputError, match="output 'joints' of robot elbow, .*numerical.*give near"):
         elbow.inverse_kinematics([0.1, 0.2], output="joints", configuration=1)
 
 
@@ -114,7 +114,7 @@ def test_elastic_direction_and_tool_point_are_part_of_the_links() -> None:
     ],
 )
 def test_chain_that_is_no_elbow_is_refused(changes: dict[str, Any]) -> None:
-    with pytest.raises(InputError, match="my.yaml: inverse_kinematics is 'two_link_elbow', but the chain is none"):
+    with pytest.raises(InputError, match="my.yaml: inverse_kinematics is 'two_link_elbow'"):
         _edited(**changes)
 
 

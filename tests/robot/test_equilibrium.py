@@ -53,7 +53,7 @@ def test_motor_positions_that_are_none_are_refused(position: list[float]) -> Non
 def test_a_search_that_ends_in_nan_is_no_rest() -> None:
     """A weight beyond all numbers leaves infinity minus infinity."""
     robot = load_robot("elbow").with_values({"gravity.z": -1e300, "body_1.mass": 1e300})
-    with pytest.raises(InputError, match=r"finds no rest at arm coordinates .* \(a force of nan"):
+    with pytest.raises(InputError, match=r"no equilibrium at arm coordinates .* \(residual force nan"):
         robot.equilibrium()
 
 
@@ -61,5 +61,5 @@ def test_a_body_without_support_is_refused() -> None:
     data = read_yaml(LIBRARY / "elbow.yaml")
     data["bodies"][1]["directions"]["tz"] = {"spring": 0}
     data["home"] = [0, 0, 0]
-    with pytest.raises(InputError, match="finds no rest at arm coordinates"):
+    with pytest.raises(InputError, match="no equilibrium at arm coordinates"):
         robot_from_data(data, "loose").equilibrium()

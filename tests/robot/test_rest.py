@@ -43,14 +43,14 @@ def test_search_takes_no_leap_to_a_rest_far_away() -> None:
     """A shoulder far too soft: the arm falls, for a robot of its own as for one of many."""
     robot = load_robot("elbow")
     near, soft = robot.equilibrium(), {"body_1.ry.stiffness": 500.0}
-    with pytest.raises(InputError, match="finds no rest at motor positions"):
+    with pytest.raises(InputError, match="has no equilibrium at motor positions"):
         robot.with_values(soft).equilibrium(motor_position=near[2:4])
-    with pytest.raises(InputError, match=r"finds no rest with body_1\.ry\.stiffness = 500"):
+    with pytest.raises(InputError, match=r"has no equilibrium with body_1\.ry\.stiffness = 500"):
         RestFinder(robot.symbolic(tuple(soft))).find(near[:4], np.array([500.0]))
 
 
 def test_values_without_a_rest_are_told() -> None:
     robot = load_robot("elbow")
     finder = RestFinder(robot.symbolic(("body_1.ry.stiffness",)))
-    with pytest.raises(InputError, match=r"robot elbow finds no rest with body_1\.ry\.stiffness = nan"):
+    with pytest.raises(InputError, match=r"robot elbow has no equilibrium with body_1\.ry\.stiffness = nan"):
         finder.find(robot.equilibrium()[:4], np.array([np.nan]))

@@ -129,7 +129,7 @@ def test_wrong_unit_of_the_tool_noise(e12_data: dict[str, Any]) -> None:
 def test_unit_of_the_encoder_noise_is_that_of_the_motors(e12_data: dict[str, Any]) -> None:
     e12_data["sensors"]["encoder_noise"] = {"value": 1e-6, "unit": "m"}
     text = _refused(e12_data)
-    assert "sensors.encoder_noise, which also holds for the motor of body_1.ry, has unit 'm'" in text
+    assert "sensors.encoder_noise, which also applies to the motor of body_1.ry, has unit 'm'" in text
     for body in e12_data["bodies"][:2]:
         body["directions"]["ry"]["motor"]["encoder_noise"] = {"value": 2e-6, "unit": "rad"}
     assert robot_from_data(e12_data, "own").encoder_noise.tolist() == [2e-6, 2e-6]

@@ -143,10 +143,10 @@ def parse_effect(text: str, source: str) -> PlacedEffect:
         source: Origin of the text, for error messages.
 
     Returns:
-            The effect at its location; `check_location` checks the location on a robot.
+        The effect at its location; `check_location` checks the location on a robot.
 
     Raises:
-            InputError: Wrong form, unknown effect or parameter, or a value out of bounds.
+        InputError: Wrong form, unknown effect or parameter, or a value out of bounds.
     """
     head, _, tail = text.partition(":")
     name, at, location = head.partition("@")

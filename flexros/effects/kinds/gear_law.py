@@ -86,7 +86,7 @@ class AbstractGearLaw(AbstractLaw):
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
         """List the motors behind flexible gears."""
-        return tuple(robot.joint_names[number] for number in robot.flexible_motors)
+        return tuple(robot.joint_names[motor] for motor in robot.flexible_motors)
 
     @abstractmethod
     def added(self, gear: GearState, values: Mapping[str, Value]) -> GearTorques:

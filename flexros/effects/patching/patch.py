@@ -93,7 +93,7 @@ class Patch(Settings):
 
     @model_validator(mode="after")
     def _covariance_of_own_numbers(self) -> Patch:
-        own = {f"{name}.{key}" for name, one in zip(self.names, self.effects) for key in one.parameters}
+        own = {f"{name}.{key}" for name, effect in zip(self.names, self.effects) for key in effect.parameters}
         for name in () if self.covariance is None else self.covariance.names:
             if name not in own:
                 raise ValueError(
@@ -105,7 +105,7 @@ class Patch(Settings):
     @property
     def names(self) -> tuple[str, ...]:
         """Effects with locations, e.g. "coulomb_friction@motor_1"; a second one of the same kind ends in "#2"."""
-        return numbered(f"{one.effect}@{one.location}" for one in self.effects)
+        return numbered(f"{entry.effect}@{entry.location}" for entry in self.effects)
 
     def placed(self, source: str) -> tuple[PlacedEffect, ...]:
         """Return the effects at their locations, in the order of the file; locations are checked on a robot.
@@ -117,12 +117,12 @@ class Patch(Settings):
             InputError: Unknown effect or parameter, or a value out of bounds.
         """
         made = []
-        for number, (name, one) in enumerate(zip(self.names, self.effects)):
-            key = f"{source}, key effects[{number}]"
-            if one.effect not in effects():
-                raise unknown_name("effect", one.effect, effects(), key)
-            values = {parameter: entry.value for parameter, entry in one.parameters.items()}
-            made.append(PlacedEffect(validate(effects()[one.effect], values, f"{key} ({name})"), one.location))
+        for index, (name, entry) in enumerate(zip(self.names, self.effects)):
+            key = f"{source}, key effects[{index}]"
+            if entry.effect not in effects():
+                raise unknown_name("effect", entry.effect, effects(), key)
+            values = {parameter: given.value for parameter, given in entry.parameters.items()}
+            made.append(PlacedEffect(validate(effects()[entry.effect], values, f"{key} ({name})"), entry.location))
         return tuple(made)
 
     def text(self) -> str:

@@ -78,7 +78,7 @@ def load_patched(name_or_path: str | Path) -> PatchedRobot:
             effects add up.
 
     Raises:
-            InputError: Unknown robot, missing or invalid file, a circular patch, or a patch of another robot.
+        InputError: Unknown robot, missing or invalid file, a circular patch, or a patch of another robot.
     """
     return _loaded(name_or_path, ())
 

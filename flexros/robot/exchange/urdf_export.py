@@ -1,4 +1,4 @@
-"""A robot as a URDF, for whatever in ROS wants a robot_description."""
+"""Export of a robot as a URDF, for robot_description in ROS."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from flexros.robot.symbolic.chain import Joint
 
 Flexible = Literal["fixed", "continuous"]
-"""What becomes of elastic directions and gears: they are stiff, or joints of their own."""
+"""Representation of elastic directions and gears: stiff, or as joints."""
 
 FLEXIBLE: tuple[Flexible, ...] = ("fixed", "continuous")
 
@@ -28,23 +28,20 @@ BASE_LINK = "base"
 TOOL_LINK = "tool"
 
 NO_LIMIT = 1e6
-"""Written where a URDF asks for a limit that the robot file does not have [rad/s, m/s, m, Nm or N], chosen."""
+"""Value of limits that a URDF requires and the robot file does not have [rad/s, m/s, m, Nm or N] (chosen)."""
 
 
 def urdf_text(robot: Robot, flexible: Flexible = "fixed") -> str:
-    """Write a robot as a URDF.
+    """Return the URDF of a robot.
 
     Links are `base`, `body_1`, `body_2`, ... and `tool`; all frames are parallel to the base at zero. Motors are the
     joints `motor_1`, `motor_2`, ..., as in the topic joint_states. Elastic directions are joints with the names of the
-    arm coordinates. With "continuous" a flexible gear is a joint too, behind its motor: there the joint `body_1.ry` is
-    the deflection of the gear, arm angle minus motor angle. Inertias of rotors are left out: a URDF knows no gears.
+    arm coordinates. With "continuous" a flexible gear is also a joint, behind its motor: the joint `body_1.ry` is then
+    the deflection of the gear, arm angle minus motor angle. Rotor inertias are omitted: a URDF has no gears.
 
     Args:
         robot: The robot.
         flexible: "fixed": springs are rigid, only the motors move; "continuous": each spring is a joint.
-
-    Returns:
-        The URDF.
     """
     root = ElementTree.Element("robot", name=robot.name)
     ElementTree.SubElement(root, "link", name=BASE_LINK)
@@ -70,7 +67,7 @@ def urdf_text(robot: Robot, flexible: Flexible = "fixed") -> str:
 
 
 def _add_joint(root: Element, joint: Joint, flexible: Flexible, parent: str, child: str, offset: FloatArray) -> str:
-    """Add what a direction consists of: the motor's joint, and the joint of the spring; returns the new last link."""
+    """Add the joints of a direction, of motor and spring; return the new last link."""
     moves = {True: "continuous", False: "prismatic"}[joint.rotary]
     springs = moves if flexible == "continuous" else "fixed"
     if joint.motor is None:
@@ -119,7 +116,7 @@ def _joint(root: Element, name: str, kind: str, parent: str, child: str, offset:
 
 
 def _describe(link: Element, body: Body, shape: LinkShape | None) -> None:
-    """Add mass, centre of mass, inertia and the bar by which a body is seen."""
+    """Add mass, centre of mass, inertia and the displayed bar of a body."""
     inertial = ElementTree.SubElement(link, "inertial")
     ElementTree.SubElement(inertial, "origin", xyz=_numbers(body.center_of_mass.value))
     ElementTree.SubElement(inertial, "mass", value=_number(body.mass.value))

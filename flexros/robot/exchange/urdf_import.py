@@ -1,4 +1,4 @@
-"""A robot file as a skeleton from a URDF: geometry and inertia are taken over, springs are left to the user."""
+"""Skeleton of a robot file from a URDF: geometry and inertia are imported, springs are left to the user."""
 
 from __future__ import annotations
 
@@ -39,20 +39,17 @@ class _Joint:
 
 
 def skeleton_from_urdf(file: Path) -> str:
-    """Write a robot file from a URDF with one serial chain.
+    """Return the text of a robot file (YAML) from a URDF with one serial chain.
 
-    All frames of a robot file are parallel to the base at zero; the URDF's inertias are turned accordingly. Every
-    gear is declared rigid at first: the user replaces the word by a stiffness, and adds elastic directions.
+    All frames of a robot file are parallel to the base at zero; the URDF's inertias are rotated accordingly. Every
+    gear is initially rigid: the user replaces the word by a stiffness, and adds elastic directions.
 
     Args:
         file: The URDF.
 
-    Returns:
-        Text of the robot file (YAML).
-
     Raises:
-        InputError: No URDF, wrong numbers, a chain that branches or closes, or a joint axis that is not along a
-            coordinate axis at zero.
+        InputError: Not a URDF, invalid numbers, a chain that branches or closes, or a joint axis that is not along
+            a coordinate axis at zero.
     """
     root = _parse(file)
     links = {link.get("name", ""): link for link in root.findall("link")}
@@ -95,7 +92,7 @@ def _parse(file: Path) -> ElementTree.Element:
 
 
 def _read(element: ElementTree.Element | None, key: str, default: str, count: int, place: str) -> FloatArray:
-    """Read an attribute as finite numbers, shape (count,); what is left out has the default."""
+    """Read an attribute as finite numbers, shape (count,), with a default."""
     text = default if element is None else element.get(key, default)
     try:
         numbers = np.array([float(part) for part in text.split()])
@@ -141,7 +138,7 @@ def _joint(element: ElementTree.Element, links: Mapping[str, ElementTree.Element
 
 
 def _refuse_loops(joints: Sequence[_Joint], file: Path) -> None:
-    """Refuse a link with two parents and joints in a circle: what is left is a tree."""
+    """Refuse links with two parents and closed chains: the joints must form a tree."""
     above: dict[str, _Joint] = {}
     for joint in joints:
         if joint.child in above:
@@ -165,7 +162,7 @@ def _refuse_loops(joints: Sequence[_Joint], file: Path) -> None:
 
 
 def _chain(root: ElementTree.Element, links: Mapping[str, ElementTree.Element], file: Path) -> list[_Joint]:
-    """Follow the joints from the base link; a side branch without movable joints (tool frames) is left out."""
+    """Follow the joints from the base link; side branches without movable joints (tool frames) are omitted."""
     joints = [_joint(element, links, file) for element in root.findall("joint")]
     _refuse_loops(joints, file)
     children: dict[str, list[_Joint]] = {}
@@ -190,7 +187,7 @@ def _chain(root: ElementTree.Element, links: Mapping[str, ElementTree.Element], 
 
 def _movable_below(joint: _Joint, children: dict[str, list[_Joint]]) -> bool:
     waiting = [joint]
-    while waiting:  # not by recursion: a chain may be longer than Python's stack
+    while waiting:  # no recursion: a chain may exceed Python's stack
         here = waiting.pop()
         if here.kind in MOVABLE:
             return True
@@ -199,7 +196,7 @@ def _movable_below(joint: _Joint, children: dict[str, list[_Joint]]) -> bool:
 
 
 def _base_axis(joint: _Joint, rotation: FloatArray, file: Path) -> FloatArray:
-    """Axis of a joint at zero in the base frame, along a coordinate axis, shape (3,)."""
+    """Return the axis of a joint at zero in the base frame, along a coordinate axis, shape (3,)."""
     length = float(np.linalg.norm(joint.axis))
     if not length > 0:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Frequency response of the linearised robot, and its Bode picture."""
+"""Frequency response of the linearised robot, and its Bode plot."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def frequency_response(linear: LinearModel, frequency: FloatArray) -> ComplexArray:
-    """Response G(jw) = C (K + jwD - w^2 M)^-1 B from motor torques to all measurements.
+    """Compute the response G(jw) = C (K + jwD - w^2 M)^-1 B from motor torques to all measurements.
 
     Args:
         linear: The linear model.
@@ -33,14 +33,14 @@ def frequency_response(linear: LinearModel, frequency: FloatArray) -> ComplexArr
 
 
 def write_bode(linear: LinearModel, file: Path, title: str, low: float = 0.5, high: float = 200.0) -> None:
-    """Draw magnitude and phase from every motor torque to every measurement, in acceleration units.
+    """Plot magnitude and phase from every motor torque to every measurement, in acceleration units.
 
-    Positions are shown as accelerations (times -w^2), as in the thesis, so that rigid-body motion is flat.
+    Positions are plotted as accelerations (times -w^2), as in the thesis, so that rigid-body motion is flat.
 
     Args:
         linear: The linear model.
-        file: HTML file to write; opens without a network.
-        title: Title of the picture.
+        file: HTML file; it opens without a network.
+        title: Title of the plot.
         low: Lowest frequency [Hz].
         high: Highest frequency [Hz].
     """

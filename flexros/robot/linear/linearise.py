@@ -85,7 +85,7 @@ def linear_model(robot: Robot, q_a: ArrayLike | None = None, output: str | None 
         The linear model.
 
     Raises:
-        InputError: Wrong pose, unknown output, or no rest there.
+        InputError: Invalid pose, unknown output, or no equilibrium.
     """
     state = robot.equilibrium(robot.home if q_a is None else q_a)
     model, n, N = robot.model, robot.n_coordinates, robot.n_arm
@@ -128,5 +128,5 @@ def _component_names(robot: Robot, output: str | None) -> tuple[str, ...]:
 
 
 def _rotary_components(robot: Robot, output: str | None) -> tuple[bool, ...]:
-    """Whether each component of an output is an angle: pose component rx or arm coordinate body_1.rx."""
+    """Return whether each component of an output is an angle: pose component rx or arm coordinate body_1.rx."""
     return tuple(name.rsplit(".", 1)[-1].startswith("r") for name in _component_names(robot, output))

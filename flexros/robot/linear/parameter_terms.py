@@ -1,4 +1,4 @@
-"""How each unknown enters the linear model: springs, dampers and motors as rank-one terms, the rest as matrices."""
+"""Unknown parameters in the linear model: springs, dampers and motors as rank-one terms, others as matrices."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ _STIFFNESS, _DAMPING, _INERTIA = 0, 1, 2
 
 @dataclass(frozen=True, eq=False)
 class ParameterTerms:
-    """Terms of A(jw) = -w^2 M + jw D + K that the parameters stand in.
+    """Terms of the parameters in A(jw) = -w^2 M + jw D + K.
 
     A rank-one parameter adds theta_p s_p (jw)^power b_p b_p^T, with s_p = 1 except for nonlinear springs.
 
     Attributes:
         vectors: b, zero for a parameter that is not a rank-one term, shape (P, n).
         powers: 0 stiffness, 1 damping or friction, 2 motor inertia, MATRIX for all others, shape (P,).
-        springs: Laws of the parameters that scale a nonlinear spring, by place among the parameters.
+        springs: Laws of the parameters that scale a nonlinear spring, by index among the parameters.
     """
 
     vectors: FloatArray
@@ -40,32 +40,18 @@ class ParameterTerms:
     springs: dict[int, Spring]
 
     def factors(self, q: ca.SX) -> ca.SX:
-        """Write s_p as function of the coordinates: the slope of the law of a nonlinear spring, else 1.
-
-        Args:
-            q: Coordinates [q_a, q_m], SX (n, 1).
-
-        Returns:
-            Factors, SX (P, 1).
-        """
+        """Return s_p, SX (P, 1), as functions of the coordinates q: the slope of a nonlinear spring, else 1."""
         factors = ca.SX.ones(len(self.powers))
-        for place, spring in self.springs.items():
+        for index, spring in self.springs.items():
             deflection = ca.SX.sym("deflection")
             slope = ca.jacobian(spring.force(deflection, 1.0), deflection)
-            stretch = ca.dot(ca.SX(self.vectors[place]), q)
-            factors[place] = ca.substitute(slope, deflection, stretch)
+            stretch = ca.dot(ca.SX(self.vectors[index]), q)
+            factors[index] = ca.substitute(slope, deflection, stretch)
         return factors
 
 
 def parameter_terms(robot: Robot, names: Sequence[str]) -> ParameterTerms:
-    """Find the terms of some parameters.
-
-    Args:
-        robot: The robot.
-        names: Names of the parameters, length P.
-
-    Returns:
-        Their terms.
+    """Return the terms of some parameters.
 
     Raises:
         InputError: A parameter is named twice.
@@ -77,18 +63,18 @@ def parameter_terms(robot: Robot, names: Sequence[str]) -> ParameterTerms:
     powers = np.full(len(names), MATRIX)
     springs: dict[int, Spring] = {}
     known = _rank_one(robot)
-    for place, name in enumerate(names):
+    for index, name in enumerate(names):
         if name not in known:
             continue
-        vectors[place], powers[place], joint = known[name]
+        vectors[index], powers[index], joint = known[name]
         spring = joint.direction.spring
-        if powers[place] == _STIFFNESS and isinstance(spring, Spring) and not spring.linear:
-            springs[place] = spring
+        if powers[index] == _STIFFNESS and isinstance(spring, Spring) and not spring.linear:
+            springs[index] = spring
     return ParameterTerms(vectors, powers.astype(np.int64), springs)
 
 
 def _rank_one(robot: Robot) -> dict[str, tuple[FloatArray, int, Joint]]:
-    """Vector, power and joint of all parameters of the robot that are rank-one terms."""
+    """Return vector, power and joint of all parameters that are rank-one terms."""
     unit = np.eye(robot.n_coordinates)
     found: dict[str, tuple[FloatArray, int, Joint]] = {}
     for index, joint in enumerate(robot.joints):
@@ -100,6 +86,6 @@ def _rank_one(robot: Robot) -> dict[str, tuple[FloatArray, int, Joint]]:
         if joint.motor is not None and motor is not None:
             name = f"motor_{joint.motor + 1}"
             found[f"{name}.viscous_friction"] = (unit[motor], _DAMPING, joint)
-            if not robot.spec.inertial_coupling:  # else it stands in the coupling too
+            if not robot.spec.inertial_coupling:  # else it also enters the coupling
                 found[f"{name}.inertia"] = (unit[motor], _INERTIA, joint)
     return found

@@ -1,4 +1,4 @@
-"""A robot linearised at the positions of an experiment, with what its unknowns change (Paper A, section 3)."""
+"""A robot linearised at the positions of an experiment, with slopes in its unknowns (Paper A, section 3)."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ class LinearisedPositions:
 
     Springs, dampers, motor inertias and motor friction are rank-one terms: they add
     theta_p factor_p (jw)^power_p b_p b_p^T to A(jw) = -w^2 M + jw D + K. Any other parameter (mass, centre of mass,
-    inertia, length) changes the matrices by its slopes, exactly to first order at `values` (chosen: the outer loop of
-    a fit linearises again). Equilibria are those of `values`.
+    inertia, length) changes the matrices by its slopes, to first order at `values` (chosen: the outer loop of a fit
+    linearises again). Equilibria are those of `values`.
 
     Attributes:
         robot_name: Name of the robot.
         names: Names of the parameters, length P.
-        values: Their values at which the robot is linearised (SI), shape (P,).
-        motor_positions: Motor positions that are held [rad or m], shape (Q, M).
+        values: Their values at the linearisation (SI), shape (P,).
+        motor_positions: Held motor positions [rad or m], shape (Q, M).
         coordinates: Coordinates q = [q_a, q_m] at rest under gravity [rad or m], shape (Q, n).
         mass: M at `values`, shape (Q, n, n).
         damping: D, shape (Q, n, n).
         stiffness: K, gravity load included, shape (Q, n, n).
-        motor_rows: Place of each motor position among the coordinates: B and B^T pick them, shape (M,).
+        motor_rows: Row of each motor position among the coordinates, selected by B and B^T, shape (M,).
         vectors: b_p, zero for parameters that are not rank-one terms, shape (P, n).
         powers: 0 stiffness, 1 damping, 2 inertia, MATRIX (-1) for parameters with slopes, shape (P,).
         factors: Slope of the law of a nonlinear spring at its load (its parameter is a factor), else 1, shape (Q, P).
@@ -67,18 +67,11 @@ class LinearisedPositions:
 
     @property
     def sloped(self) -> IntArray:
-        """Places of the parameters that are not rank-one terms, shape (G,)."""
+        """Indices of the parameters that are not rank-one terms, shape (G,)."""
         return np.flatnonzero(self.powers == MATRIX)
 
     def matrices(self, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Mass, damping and stiffness matrices for other values of the parameters, at the same equilibria.
-
-        Args:
-            theta: Values of the parameters (SI), shape (P,).
-
-        Returns:
-            M, D and K, each of shape (Q, n, n).
-        """
+        """Return M, D and K, each of shape (Q, n, n), for other parameter values (SI), at the same equilibria."""
         change = theta - self.values
         sums = [self._rank_one_sum(power, change) for power in (2, 1, 0)]
         given = (self.mass, self.damping, self.stiffness)
@@ -92,7 +85,7 @@ class LinearisedPositions:
         return mass, damping, stiffness
 
     def _rank_one_sum(self, power: int, change: FloatArray) -> FloatArray:
-        """Sum of change_p factor_p b_p b_p^T over the parameters of one power, shape (Q, n, n)."""
+        """Return the sum of change_p factor_p b_p b_p^T over the parameters of one power, shape (Q, n, n)."""
         chosen = self.powers == power
         vectors = self.vectors[chosen]
         total: FloatArray = np.matmul(vectors.T, (self.factors * change)[:, chosen, None] * vectors)
@@ -102,11 +95,11 @@ class LinearisedPositions:
 def linearise_positions(
     robot: Robot, names: Sequence[str], motor_positions: ArrayLike, values: ArrayLike | None = None
 ) -> LinearisedPositions:
-    """Linearise a robot where its motors are held under gravity.
+    """Linearise a robot at equilibria with its motors held.
 
     Args:
         robot: The robot.
-        names: Names of the parameters that are unknown, length P.
+        names: Names of the unknown parameters, length P.
         motor_positions: Motor positions [rad or m], shape (Q, M).
         values: Values of the parameters (SI), shape (P,); default: those of the robot.
 
@@ -114,19 +107,19 @@ def linearise_positions(
         The linear models and their slopes.
 
     Raises:
-        InputError: Unknown or repeated names, values that are not finite, wrong motor positions, or no rest there.
+        InputError: Unknown or repeated names, values that are not finite, invalid motor positions, or no equilibrium.
     """
     functions = _functions(robot, tuple(names))
-    numbers = _checked_values(robot, functions, values)
+    checked = _checked_values(robot, functions, values)
     motors = _checked_positions(robot, motor_positions)
-    rests = np.array([_rest(robot, functions, position, numbers) for position in motors])
-    results = [[part.full() for part in functions.evaluate(q, numbers)] for q in rests]
+    rests = np.array([_rest(robot, functions, position, checked) for position in motors])
+    results = [[part.full() for part in functions.evaluate(q, checked)] for q in rests]
     mass, damping, stiffness, factors, *slopes = (np.array(part) for part in zip(*results, strict=True))
     mass_slopes, damping_slopes, stiffness_slopes = (_as_matrices(slope, robot.n_coordinates) for slope in slopes)
     return LinearisedPositions(
         robot_name=robot.name,
         names=functions.names,
-        values=numbers,
+        values=checked,
         motor_positions=motors,
         coordinates=rests,
         mass=mass,
@@ -144,7 +137,7 @@ def linearise_positions(
 
 @dataclass(frozen=True, eq=False)
 class _Functions:
-    """What is built once per robot and set of names."""
+    """Functions that are built once per robot and set of names."""
 
     names: tuple[str, ...]
     nominal: FloatArray
@@ -161,7 +154,7 @@ def _functions(robot: Robot, names: tuple[str, ...]) -> _Functions:
     q, v, p = ca.SX.sym("q", n), ca.SX.sym("v", n), ca.SX.sym("p", len(names))
     force = model.force(q, v, np.zeros(robot.n_motors), np.zeros(6), p)
     damping, stiffness = (ca.substitute(-ca.jacobian(force, by), v, ca.SX.zeros(n)) for by in (v, q))
-    matrices = [model.mass_matrix(q, p), damping, (stiffness + stiffness.T) / 2]  # symmetric but for rounding
+    matrices = [model.mass_matrix(q, p), damping, (stiffness + stiffness.T) / 2]  # symmetric up to round-off
     sloped = np.flatnonzero(terms.powers == MATRIX).tolist()
     slopes = [ca.jacobian(ca.vec(matrix), p)[:, sloped] for matrix in matrices]
     results = [ca.densify(result) for result in (*matrices, terms.factors(q), *slopes)]
@@ -170,35 +163,35 @@ def _functions(robot: Robot, names: tuple[str, ...]) -> _Functions:
 
 
 def _as_matrices(columns: FloatArray, n: int) -> FloatArray:
-    """Columns that hold matrices column by column, shape (Q, n n, G), as matrices, shape (Q, G, n, n)."""
+    """Reshape columns of column-major matrices, shape (Q, n n, G), to matrices, shape (Q, G, n, n)."""
     n_positions, _, n_sloped = columns.shape
     matrices: FloatArray = columns.reshape(n_positions, n, n, n_sloped).transpose(0, 3, 2, 1)
     return matrices
 
 
-def _rest(robot: Robot, functions: _Functions, motors: FloatArray, numbers: FloatArray) -> FloatArray:
-    """Coordinates at rest with the motors held; the search starts at the home pose with unloaded gears."""
+def _rest(robot: Robot, functions: _Functions, motors: FloatArray, values: FloatArray) -> FloatArray:
+    """Return the coordinates at rest with the motors held; the search starts at home with unloaded gears."""
     chain = robot.chain
     q_a = robot.home.copy()
     q_a[list(chain.gear_rows)] = motors
     flexible = [chain.gear_rows[number] for number in chain.flexible_motors]
-    pairs = ", ".join(f"{name} = {number:g}" for name, number in zip(functions.names, numbers, strict=True))
-    place = f"at motor positions {np.round(motors, 6).tolist()} with {pairs}"
-    rest = functions.finder.find(np.concatenate([q_a, q_a[flexible]]), numbers, place)
+    pairs = ", ".join(f"{name} = {value:g}" for name, value in zip(functions.names, values, strict=True))
+    condition = f"at motor positions {np.round(motors, 6).tolist()} with {pairs}"
+    rest = functions.finder.find(np.concatenate([q_a, q_a[flexible]]), values, condition)
     return rest.state[: robot.n_coordinates]
 
 
 def _checked_values(robot: Robot, functions: _Functions, values: ArrayLike | None) -> FloatArray:
-    numbers = functions.nominal if values is None else np.asarray(values, dtype=float)
-    if numbers.shape != functions.nominal.shape:
+    checked = functions.nominal if values is None else np.asarray(values, dtype=float)
+    if checked.shape != functions.nominal.shape:
         raise InputError(
-            f"{numbers.size} values were given for {len(functions.names)} unknown parameters of robot {robot.name}; "
+            f"{checked.size} values were given for {len(functions.names)} unknown parameters of robot {robot.name}; "
             "give one value for each"
         )
-    if not np.all(np.isfinite(numbers)):
-        wrong = [name for name, number in zip(functions.names, numbers, strict=True) if not np.isfinite(number)]
+    if not np.all(np.isfinite(checked)):
+        wrong = [name for name, value in zip(functions.names, checked, strict=True) if not np.isfinite(value)]
         raise InputError(f"the value of {', '.join(wrong)} is not a finite number; give one")
-    return numbers
+    return checked
 
 
 def _checked_positions(robot: Robot, motor_positions: ArrayLike) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Poles, zeros and zero dynamics of a linearised robot, and whether it is minimum phase."""
+"""Poles, zeros and zero dynamics of a linearised robot, and its minimum-phase property."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ RANK_TOLERANCE = 1e-9
 
 @dataclass(frozen=True)
 class ZeroDynamics:
-    """What remains in motion when the controlled output is held at rest.
+    """Zero dynamics: the motion that remains with the controlled output held.
 
     Attributes:
         eigenvalues: Eigenvalues [1/s], shape (n,).
         unstable: Those with positive real part.
-        solvable: False when the gear torques cannot set all components of the output independently at the pose.
+        solvable: Whether the gear torques can set all components of the output independently at the pose.
         output: Name of the output.
         pose: Arm coordinates, shape (N,).
     """
@@ -44,21 +44,18 @@ class ZeroDynamics:
 
 
 def poles(linear: LinearModel) -> ComplexArray:
-    """Poles [1/s] of the linear model, shape (2 n,), by ascending magnitude."""
+    """Return the poles [1/s] of the linear model, shape (2 n,), by ascending magnitude."""
     A, _, _, _ = linear.matrices()
     return _sorted(np.linalg.eigvals(A))
 
 
 def channel_zeros(linear: LinearModel, motor: int, measurement: int) -> ComplexArray:
-    """Zeros of one channel.
+    """Return the zeros [1/s] of one channel by ascending magnitude.
 
     Args:
         linear: The linear model.
-        motor: Number of the motor torque, from 0.
-        measurement: Number of the measurement: motor positions first, then components of the output.
-
-    Returns:
-        Zeros [1/s] by ascending magnitude.
+        motor: Index of the motor torque.
+        measurement: Index of the measurement: motor positions first, then components of the output.
     """
     A, B, C, D = linear.matrices()
     rows, columns = [measurement], [motor]
@@ -66,19 +63,19 @@ def channel_zeros(linear: LinearModel, motor: int, measurement: int) -> ComplexA
 
 
 def transmission_zeros(linear: LinearModel) -> ComplexArray:
-    """Zeros [1/s] of the square system from all motor torques to the controlled output, by ascending magnitude."""
+    """Return the zeros [1/s] of the square system from all motor torques to the controlled output, ascending."""
     A, B, C, D = linear.matrices()
     rows = slice(len(linear.encoder), None)
     return invariant_zeros(A, B, C[rows], D[rows])
 
 
 def zero_dynamics(robot: Robot, q_a: ArrayLike | None = None, output: str | None = None) -> ZeroDynamics:
-    """Internal motion of the arm with the output held, the gear torques being free (Moberg 2007, Paper B, section 3.2).
+    """Compute the internal motion of the arm with the output held by gear torques (Moberg 2007, Paper B, section 3.2).
 
-    Without inertial coupling they are the zeros from gear torques to the output of the arm alone; gear dampers add
+    Without inertial coupling they are the zeros from gear torques to the output of the arm alone. Gear dampers add
     zeros at -stiffness/damping to the transmission zeros, which are always stable. With inertial coupling the rotors'
-    accelerations act on the arm, also on its elastic directions, and cannot be taken out: the transmission zeros from
-    motor torques to the output are what remains.
+    accelerations act on the arm, including its elastic directions, and cannot be eliminated: the zero dynamics are then
+    the transmission zeros from motor torques to the output.
 
     Args:
         robot: The robot.
@@ -89,7 +86,7 @@ def zero_dynamics(robot: Robot, q_a: ArrayLike | None = None, output: str | None
         Eigenvalues and verdict.
 
     Raises:
-        InputError: Wrong pose, unknown output, or no rest there.
+        InputError: Invalid pose, unknown output, or no equilibrium.
     """
     linear = linear_model(robot, q_a, output)
     if robot.spec.inertial_coupling:
@@ -109,7 +106,7 @@ def zero_dynamics(robot: Robot, q_a: ArrayLike | None = None, output: str | None
 
 
 def _arm_alone(robot: Robot, linear: LinearModel) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """First-order form of the arm from gear torques to the output, the motors taken away."""
+    """Return the first-order form of the arm alone from gear torques to the output."""
     N = robot.n_arm
     gear_torque = np.eye(N)[:, list(robot.gear_rows)]
     inverse = np.linalg.inv(linear.mass[:N, :N])
@@ -122,7 +119,7 @@ def _arm_alone(robot: Robot, linear: LinearModel) -> tuple[FloatArray, FloatArra
 
 
 def _invertible(A: FloatArray, B: FloatArray, C: FloatArray) -> bool:
-    """Whether the transfer matrix has full rank at a point of no special meaning."""
+    """Return whether the transfer matrix has full rank at a generic point."""
     s = (0.37 + 1.3j) * float(np.sqrt(np.max(np.abs(A))))
     response = C @ np.linalg.solve(s * np.eye(len(A)) - A, B)
     singular = np.linalg.svd(response, compute_uv=False)
@@ -130,10 +127,10 @@ def _invertible(A: FloatArray, B: FloatArray, C: FloatArray) -> bool:
 
 
 def invariant_zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> ComplexArray:
-    """Invariant zeros of a linear system by orthogonal reduction (Emami-Naeini, Van Dooren 1982).
+    """Compute the invariant zeros of a linear system by orthogonal reduction (Emami-Naeini, Van Dooren 1982).
 
-    The reduction takes out what is infinite before any eigenvalue is computed, so that zeros at infinity of high order
-    (torque to tool has relative degree 3 or 4) do not turn up as large false zeros.
+    The reduction removes infinite zeros before any eigenvalue is computed, so that zeros at infinity of high order
+    (torque to tool has relative degree 3 or 4) do not appear as large false zeros.
 
     Args:
         A: Shape (n, n).
@@ -164,11 +161,11 @@ def invariant_zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) 
 def _scaled(
     A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]:
-    """Scale time, states, inputs and outputs such that all blocks are of order one, for sound rank decisions."""
+    """Scale time, states, inputs and outputs to blocks of order one, for robust rank decisions."""
     n = len(A) // 2
     speed = float(np.sqrt(np.max(np.abs(A)))) if A.size else 1.0
     weights = np.ones(len(A))
-    weights[n:] = 1.0 / speed  # rates count in units of speed
+    weights[n:] = 1.0 / speed  # rates in units of speed
     A = A * weights[:, None] / weights[None, :] / speed
     B, C = B * weights[:, None], C / weights[None, :]
     inputs = np.maximum(np.linalg.norm(B, axis=0), 1e-300)

@@ -1,4 +1,4 @@
-"""The serial chain as a list of single joints, and how arm and motor coordinates map onto it."""
+"""The serial chain as a list of single joints, and its mapping to arm and motor coordinates."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from flexros.robot.specification import Direction, Motor, RobotSpecification
 
 Coordinates = TypeVar("Coordinates", FloatArray, ca.SX)
-"""Numbers or symbols."""
+"""Numerical or symbolic coordinates."""
 
 
 @dataclass(frozen=True)
@@ -23,14 +23,14 @@ class Joint:
 
     Attributes:
         name: Arm coordinate, e.g. "body_1.ry".
-        axis: Number of the coordinate axis, 0 to 2.
+        axis: Index of the coordinate axis, 0 to 2.
         rotary: Rotation (True) or translation (False).
         body: Index of the body that it belongs to.
-        first: Whether it is the first joint of the body, where the length of the body before is passed.
+        first: Whether it is the first joint of the body, offset by the length of the body before.
         last: Whether it is the last joint of the body, which carries the mass.
         direction: Its entry in the robot file.
-        motor: Number of its motor (0-based), None when not actuated.
-        motor_coordinate: Position of the motor's own coordinate among the motor coordinates; None for a rigid gear
+        motor: Index of its motor, None when not actuated.
+        motor_coordinate: Index of the motor's own coordinate among the motor coordinates; None for a rigid gear
             (the motor moves with the arm coordinate) and when not actuated.
     """
 
@@ -87,7 +87,7 @@ class Chain:
         return tuple(own.get(motor, row) for motor, row in enumerate(self.gear_rows))
 
     def arm_from_gears(self, gears: Coordinates) -> Coordinates:
-        """Put gear coordinates (or their rates) into arm coordinates, elastic directions at zero.
+        """Embed gear coordinates (or their rates) in arm coordinates, with elastic directions at zero.
 
         Args:
             gears: Gear coordinates [rad or m], shape (..., M), or SX (M, 1).
@@ -112,14 +112,7 @@ class Chain:
 
 
 def build_chain(specification: RobotSpecification) -> Chain:
-    """List the joints of a robot.
-
-    Args:
-        specification: The robot file.
-
-    Returns:
-        The chain.
-    """
+    """Build the chain of a robot."""
     joints: list[Joint] = []
     n_motors = n_motor_coordinates = 0
     for body_index, body in enumerate(specification.bodies):

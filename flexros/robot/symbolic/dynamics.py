@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Motion:
-    """Joint frames in motion: rotations to the frame before, origins in it, angular and linear velocities."""
+    """Joint frames in motion: rotations to and origins in the frame before, angular and linear velocities."""
 
     rotations: list[ca.SX]
     origins: list[ca.SX]
@@ -49,7 +49,7 @@ def skew(a: ca.SX) -> ca.SX:
 
 
 def motion(chain: Chain, geometry: Geometry, q: ca.SX, v: ca.SX) -> Motion:
-    """Velocities of all joint frames.
+    """Compute the velocities of all joint frames.
 
     Args:
         chain: The chain.
@@ -80,13 +80,13 @@ def motion(chain: Chain, geometry: Geometry, q: ca.SX, v: ca.SX) -> Motion:
 
 
 def _momentum(mass: Mass, omega: ca.SX, velocity: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Spatial momentum of a body about the origin of its frame."""
+    """Return the spatial momentum of a body about the origin of its frame."""
     linear = mass.mass * (velocity + cross(omega, mass.center))
     return mass.inertia @ omega + cross(mass.center, linear), linear
 
 
 def _velocity_force(frame: tuple[Mass, ...], omega: ca.SX, velocity: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Force that the motion itself asks for: V x* (I V), and the friction of the bodies against the surroundings."""
+    """Return the bias force V x* (I V) and the friction of the bodies against the surroundings."""
     torque, force = ca.SX.zeros(3), ca.SX.zeros(3)
     for mass in frame:
         angular, linear = _momentum(mass, omega, velocity)
@@ -96,7 +96,7 @@ def _velocity_force(frame: tuple[Mass, ...], omega: ca.SX, velocity: ca.SX) -> t
 
 
 def _bias_acceleration(chain: Chain, index: int, moving: Motion, v: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Acceleration V x (S v) that the joint's own motion adds."""
+    """Return the velocity-product acceleration V x (S v) of a joint."""
     joint = chain.joints[index]
     rate = unit_vector(joint.axis) * v[index]
     if joint.rotary:
@@ -105,7 +105,7 @@ def _bias_acceleration(chain: Chain, index: int, moving: Motion, v: ca.SX) -> tu
 
 
 def _tool_force(geometry: Geometry, moving: Motion, wrench: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Wrench at the tool (base frame, [f; n]) as a spatial force on the last frame."""
+    """Return the wrench at the tool (base frame, [f; n]) as a spatial force on the last frame."""
     R = ca.SX.eye(3)
     for rotation in moving.rotations:
         R = R @ rotation
@@ -116,7 +116,7 @@ def _tool_force(geometry: Geometry, moving: Motion, wrench: ca.SX) -> tuple[ca.S
 def inverse_dynamics(
     chain: Chain, geometry: Geometry, gravity: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX, wrench: ca.SX | None = None
 ) -> ca.SX:
-    """Recursive Newton-Euler: M_a(q) a - c(q, v) - g(q) of Moberg (2007, Paper B, eq. 2a), minus the tool's wrench.
+    """Compute M_a(q) a - c(q, v) - g(q) (Moberg 2007, Paper B, eq. 2a) minus the tool wrench by recursive Newton-Euler.
 
     Args:
         chain: The chain.
@@ -128,7 +128,7 @@ def inverse_dynamics(
         wrench: Force and torque at the tool in the base frame [N, Nm], SX (6, 1); None for none.
 
     Returns:
-        Generalised force that the joints have to transmit [Nm or N], SX (N, 1).
+        Generalised force at the joints [Nm or N], SX (N, 1).
     """
     moving = motion(chain, geometry, q, v)
     n = len(chain.joints)
@@ -175,7 +175,7 @@ def _frame_inertia(masses: tuple[Mass, ...]) -> Inertia:
 
 
 def _to_parent(inertia: Inertia, R: ca.SX, r: ca.SX) -> Inertia:
-    """Express a spatial inertia in the frame before: rotate by R, then shift by r."""
+    """Transform a spatial inertia to the frame before: rotate by R, then shift by r."""
     A, B, C = (R @ block @ R.T for block in (inertia.A, inertia.B, inertia.C))
     x = skew(r)
     shifted = B + x @ C
@@ -183,7 +183,7 @@ def _to_parent(inertia: Inertia, R: ca.SX, r: ca.SX) -> Inertia:
 
 
 def inertia_matrix(chain: Chain, geometry: Geometry, q: ca.SX) -> ca.SX:
-    """Inertia matrix of the arm M_a(q) by composite rigid bodies.
+    """Compute the inertia matrix of the arm M_a(q) by composite rigid bodies.
 
     Args:
         chain: The chain.
@@ -214,7 +214,7 @@ def inertia_matrix(chain: Chain, geometry: Geometry, q: ca.SX) -> ca.SX:
 
 
 def _column(inertia: Inertia, chain: Chain, index: int) -> tuple[ca.SX, ca.SX]:
-    """Spatial force I S of a unit acceleration of the joint."""
+    """Return the spatial force I S of a unit acceleration of the joint."""
     joint = chain.joints[index]
     if joint.rotary:
         return inertia.A[:, joint.axis], inertia.B.T[:, joint.axis]
@@ -231,13 +231,13 @@ def forward_dynamics(
     tau: ca.SX,
     wrench: ca.SX,
 ) -> ca.SX:
-    """Accelerations of the arm by articulated bodies.
+    """Compute the accelerations of the arm by articulated bodies.
 
     Args:
         chain: The chain.
         geometry: Its geometry.
         gravity: Gravity vector [m/s2], SX (3, 1).
-        armature: Inertia added to each arm coordinate by a rigidly geared motor, N of them.
+        armature: Additional inertia of each arm coordinate by a rigidly geared motor, length N.
         q: Arm coordinates, SX (N, 1).
         v: Their rates.
         tau: Generalised force at the joints, SX (N, 1).
@@ -286,7 +286,7 @@ def _articulated_accelerations(
     drives: list[ca.SX],
     v: ca.SX,
 ) -> ca.SX:
-    """Last sweep of the articulated body recursion, from base to tool."""
+    """Compute the last sweep of the articulated body recursion, from base to tool."""
     alpha, accel = ca.SX.zeros(3), -gravity
     result = []
     for index, joint in enumerate(chain.joints):

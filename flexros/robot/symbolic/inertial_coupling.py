@@ -18,17 +18,17 @@ if TYPE_CHECKING:
 def matrix(
     specification: RobotSpecification, chain: Chain, values: Mapping[str, Value], moving: Motion, v_a: ca.SX
 ) -> ca.SX:
-    """Coupled inertia S(q_a).
+    """Compute the coupled inertia S(q_a).
 
-    The rotor of motor i turns at gear ratio times its coordinate about the joint axis fixed in the body before; with
+    The rotor of motor i rotates by gear ratio times its coordinate about the joint axis fixed in the body before; with
     its inertia J_m on the arm side this adds J_m / ratio * (axis . omega) * v_m to the kinetic energy.
 
     Args:
         specification: The robot file.
         chain: Its joints.
-        values: Number or symbol of every parameter by name.
+        values: Value or symbol of every parameter by name.
         moving: Joint frames in motion.
-        v_a: Rates of the arm coordinates that the motion was built with, SX (N, 1).
+        v_a: Rates of the arm coordinates in `moving`, SX (N, 1).
 
     Returns:
         S [kg m2], SX (N, number of motor coordinates); strictly upper triangular over the geared directions.
@@ -45,7 +45,7 @@ def matrix(
 
 
 def velocity_force(S: ca.SX, q_a: ca.SX, v_a: ca.SX, v_m: ca.SX) -> ca.SX:
-    """Velocity terms c_1, c_2 of equation 3.12 that the coupled energy v_a^T S(q_a) v_m adds, by Lagrange.
+    """Derive the velocity terms c_1, c_2 of equation 3.12 from the coupled energy v_a^T S(q_a) v_m, by Lagrange.
 
     Args:
         S: Coupled inertia, SX (N, number of motor coordinates).

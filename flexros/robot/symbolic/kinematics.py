@@ -19,7 +19,7 @@ Value = ca.SX | float
 
 @dataclass(frozen=True)
 class Mass:
-    """A rigid body as carried by a joint frame: mass [kg], centre of mass [m], inertia about it [kg m2], friction."""
+    """A rigid body fixed to a joint frame: mass [kg], centre of mass [m], inertia about it [kg m2], friction."""
 
     mass: Value
     center: ca.SX
@@ -29,11 +29,11 @@ class Mass:
 
 @dataclass(frozen=True)
 class Frame:
-    """The frame behind one joint.
+    """The frame after one joint.
 
     Attributes:
         offset: Origin of the joint in the frame before [m], SX (3, 1).
-        masses: Bodies that this frame carries.
+        masses: Bodies fixed to this frame.
     """
 
     offset: ca.SX
@@ -42,7 +42,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Geometry:
-    """Frames of a chain with their parameters put in.
+    """Frames of a chain with values of their parameters.
 
     Attributes:
         frames: One frame per joint.
@@ -54,15 +54,12 @@ class Geometry:
 
 
 def build_geometry(specification: RobotSpecification, chain: Chain, value: Callable[[str], Value]) -> Geometry:
-    """Place bodies and lengths on the joint frames; a body without free direction rides on the joint before it.
+    """Assign bodies and lengths to the joint frames; a body without free direction is fixed to the joint before it.
 
     Args:
         specification: The robot file.
         chain: Its joints.
-        value: Gives number or symbol of a named parameter.
-
-    Returns:
-        The geometry.
+        value: Maps a parameter name to its number or symbol.
     """
     joint_of_body = {joint.body: index for index, joint in enumerate(chain.joints)}
     offsets: list[ca.SX] = []
@@ -105,7 +102,7 @@ def joint_rotation(chain: Chain, index: int, angle: ca.SX) -> ca.SX:
 
     Args:
         chain: The chain.
-        index: Number of the joint.
+        index: Index of the joint.
         angle: Arm coordinate of the joint [rad or m].
 
     Returns:
@@ -138,7 +135,7 @@ def unit_vector(axis: int) -> ca.SX:
 
 
 def forward(chain: Chain, geometry: Geometry, q: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Forward kinematics of the chain (Moberg 2007, eq. 3.1).
+    """Compute the forward kinematics of the chain (Moberg 2007, eq. 3.1).
 
     Args:
         chain: The chain.
@@ -156,7 +153,7 @@ def forward(chain: Chain, geometry: Geometry, q: ca.SX) -> tuple[ca.SX, ca.SX]:
 
 
 def _quaternion(chain: Chain, q: ca.SX) -> ca.SX:
-    """Orientation as a quaternion [x, y, z, w] that is continuous in q: the product of the joints' half turns."""
+    """Return the orientation as a quaternion [x, y, z, w], continuous in q as a product over the joints."""
     x, y, z, w = ca.SX(0), ca.SX(0), ca.SX(0), ca.SX(1)
     for index, joint in enumerate(chain.joints):
         if not joint.rotary:
@@ -172,7 +169,7 @@ def _quaternion(chain: Chain, q: ca.SX) -> ca.SX:
 
 
 def tool_pose(specification: RobotSpecification, chain: Chain, geometry: Geometry, q: ca.SX) -> ca.SX:
-    """Tool pose for messages and logs.
+    """Compute the tool pose for messages and logs.
 
     Args:
         specification: The robot file.
@@ -197,13 +194,13 @@ def tool_pose(specification: RobotSpecification, chain: Chain, geometry: Geometr
 def output_value(
     specification: RobotSpecification, chain: Chain, geometry: Geometry, output: Output, q: ca.SX
 ) -> ca.SX:
-    """Controlled output Z = Gamma(q_a) (Moberg 2007, eq. 3.19).
+    """Compute the controlled output Z = Gamma(q_a) (Moberg 2007, eq. 3.19).
 
     Args:
         specification: The robot file.
         chain: Its chain.
         geometry: Its geometry.
-        output: Which components; rx, ry, rz are roll, pitch and yaw about the fixed axes.
+        output: Its components; rx, ry, rz are roll, pitch and yaw about the fixed axes.
         q: Arm coordinates, SX (N, 1).
 
     Returns:

@@ -30,7 +30,7 @@ class SymbolicModel:
     Inputs are the motor torques u, shape (M,), and a wrench w at the tool in the base frame, [fx fy fz tx ty tz].
 
     Attributes:
-        parameter_names: Names of the parameters that are free, in the order of the argument p.
+        parameter_names: Names of the free parameters, in the order of the argument p.
         parameter_values: Their nominal values (SI), shape (n_p,).
         n_arm: Number of arm coordinates, N.
         n_motors: Number of motors, M.
@@ -69,7 +69,7 @@ class SymbolicModel:
         return self._v[: self.n_arm]
 
     def _function(self, name: str, inputs: list[ca.SX], outputs: list[ca.SX], names: list[str]) -> ca.Function:
-        """Make a function with dense arguments and common subexpressions shared."""
+        """Build a function with dense outputs and common subexpression elimination."""
         dense = [ca.densify(ca.SX(output)) for output in outputs]
         return ca.Function(name, inputs, dense, names, [f"out{i}" for i in range(len(dense))], {"cse": True})
 
@@ -103,10 +103,10 @@ class SymbolicModel:
 
     @cached_property
     def _force(self) -> ca.SX:
-        need = dynamics.inverse_dynamics(
+        torque = dynamics.inverse_dynamics(
             self.chain, self._geometry, self._gravity, self._qa, self._va, ca.SX.zeros(self.n_arm), self._w
         )
-        arm = self._transmission.arm + self._transmission.drive @ self._u - need
+        arm = self._transmission.arm + self._transmission.drive @ self._u - torque
         motor = self._transmission.motor + self._flexible_torque
         force = ca.vertcat(arm, motor)
         if self.specification.inertial_coupling and self.chain.flexible_motors:
@@ -122,7 +122,7 @@ class SymbolicModel:
         return self._accelerated_by(ca.SX.zeros(self.n_coordinates))
 
     def _accelerated_by(self, added: ca.SX) -> ca.SX:
-        """Accelerations under forces that are added on the coordinates."""
+        """Return the accelerations under additional forces on the coordinates."""
         if self.specification.inertial_coupling:
             return inertial_coupling.solve_symmetric(self._mass_matrix, self._force + added)
         tau = self._transmission.arm + self._transmission.drive @ self._u + added[: self.n_arm]
@@ -144,7 +144,7 @@ class SymbolicModel:
 
     @cached_property
     def forced_acceleration(self) -> ca.Function:
-        """Accelerations of q from (q, v, u, w, f, p), with forces f that are added on all coordinates."""
+        """Accelerations of q from (q, v, u, w, f, p), with additional forces f on all coordinates."""
         f = ca.SX.sym("f", self.n_coordinates)
         arguments = [self._q, self._v, self._u, self._w, f, self._p]
         return self._function(
@@ -180,15 +180,15 @@ class SymbolicModel:
 
     @cached_property
     def arm_inverse_dynamics(self) -> ca.Function:
-        """Torque M_a a - c - g that springs and dampers have to give, from (q_a, v_a, a_a, p)."""
+        """Inverse-dynamics torque M_a a - c - g of the arm from (q_a, v_a, a_a, p)."""
         a = ca.SX.sym("a_a", self.n_arm)
-        need = dynamics.inverse_dynamics(self.chain, self._geometry, self._gravity, self._qa, self._va, a)
+        torque = dynamics.inverse_dynamics(self.chain, self._geometry, self._gravity, self._qa, self._va, a)
         qa, va = ca.SX.sym("q_a", self.n_arm), ca.SX.sym("v_a", self.n_arm)
-        need = ca.substitute(need, ca.vertcat(self._qa, self._va), ca.vertcat(qa, va))
-        return self._function("arm_inverse_dynamics", [qa, va, a, self._p], [need], ["q_a", "v_a", "a_a", "p"])
+        torque = ca.substitute(torque, ca.vertcat(self._qa, self._va), ca.vertcat(qa, va))
+        return self._function("arm_inverse_dynamics", [qa, va, a, self._p], [torque], ["q_a", "v_a", "a_a", "p"])
 
     def _split(self, name: str, value: ca.SX) -> ca.Function:
-        """Make a function of (q_a, v_a, q_m, v_m, p) with the motor coordinates apart."""
+        """Build a function of (q_a, v_a, q_m, v_m, p) with separate motor coordinates."""
         m = self.n_coordinates - self.n_arm
         qa, va = ca.SX.sym("q_a", self.n_arm), ca.SX.sym("v_a", self.n_arm)
         qm, vm = ca.SX.sym("q_m", m), ca.SX.sym("v_m", m)
@@ -201,8 +201,8 @@ class SymbolicModel:
     def arm_force(self) -> ca.Function:
         """Right-hand side c + g + tau_a of the arm's equation (Paper B, eq. 2a) from (q_a, v_a, q_m, v_m, p)."""
         zero = ca.SX.zeros(self.n_arm)
-        need = dynamics.inverse_dynamics(self.chain, self._geometry, self._gravity, self._qa, self._va, zero)
-        return self._split("arm_force", self._transmission.arm - need)
+        torque = dynamics.inverse_dynamics(self.chain, self._geometry, self._gravity, self._qa, self._va, zero)
+        return self._split("arm_force", self._transmission.arm - torque)
 
     @cached_property
     def transmission_force(self) -> ca.Function:
@@ -232,13 +232,7 @@ class SymbolicModel:
         return self._function("tool_pose", [qa, self._p], [pose], ["q_a", "p"])
 
     def output(self, name: str | None = None) -> ca.Function:
-        """Controlled output from (q_a, p).
-
-        Args:
-            name: Name of an output of the robot file; default: the controlled one.
-
-        Returns:
-            CasADi function with one result, shape (n_out, 1).
+        """Return the function (q_a, p) -> an output of the robot file, default the controlled one, shape (n_out, 1).
 
         Raises:
             InputError: The robot has no such output.

@@ -1,4 +1,4 @@
-"""What acts between arm and motors: springs, dampers, gears, motor friction."""
+"""Transmissions between arm and motors: springs, dampers, gears, motor friction."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def build_transmission(chain: Chain, values: Mapping[str, Value], q: ca.SX, v: c
 
     Args:
         chain: The chain.
-        values: Number or symbol of every parameter by name.
+        values: Value or symbol of every parameter by name.
         q: Coordinates [q_a, q_m], SX (n_coordinates, 1).
         v: Their rates.
 

@@ -126,12 +126,12 @@ def test_values_without_a_rest_end_the_fit_at_the_last_step(
     problem = graybox_problem(e12, exact_e12, e12_names)
 
     def no_rest(*_: object) -> None:
-        raise InputError("robot e12 finds no rest")
+        raise InputError("robot e12 has no equilibrium")
 
     monkeypatch.setattr(type(problem), "model_at", no_rest)
     result = fit(problem, problem.scale.nominal * 1.2)
     assert not result.converged
-    assert result.message == "the robot could not be linearised again: robot e12 finds no rest"
+    assert result.message == "the robot could not be linearised again: robot e12 has no equilibrium"
     np.testing.assert_allclose(result.values, problem.scale.nominal, rtol=1e-5)
 
 
