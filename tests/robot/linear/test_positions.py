@@ -173,5 +173,7 @@ def test_springs_too_soft_for_gravity_are_told() -> None:
     body = {"label": "load", "mass": 10.0, "directions": {"tz": {"spring": 1e4, "damper": 10.0}}}
     data = {**data, "gravity": [0, 0, -9.81], "bodies": [data["bodies"][0], body]}
     lift = robot_from_data(data, "test")
-    with pytest.raises(InputError, match=r"no equilibrium at motor positions \[0.0\] with body_2.tz.stiffness = 0: its spr"):
+    with pytest.raises(
+        InputError, match=r"no equilibrium at motor positions \[0.0\] with body_2.tz.stiffness = 0: its spr"
+    ):
         linearise_positions(lift, ["body_2.tz.stiffness"], [[0.0]], [0.0])
