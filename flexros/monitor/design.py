@@ -16,9 +16,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import solve_discrete_are
 
-from flexros.prediction.observer import stationary_covariance
+from flexros.prediction.observer import ARM_SHARE, kalman_gain, stationary_covariance, torque_noise
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -27,12 +26,10 @@ if TYPE_CHECKING:
 LEVELS = tuple(10 ** (-5 + half / 2) for half in range(7))
 """White torque that the gain of the twin may allow for, as large as moves a motor by so many standard deviations of its
 encoder within a sample of 0.5 ms (chosen)."""
-SLIGHT, ARM_SHARE = 1e-3, 0.3
-"""White torque on motors that the filter allows for beside the missing one; its share on arm coordinates (chosen)."""
+SLIGHT = 1e-3
+"""Level of the white torque of the filter in addition to the disturbance torque, as `LEVELS` (chosen)."""
 BANDWIDTH = 10.0
 """Up to where the missing torque is told [Hz] (chosen)."""
-REFERENCE_STEP = 5e-4
-"""Sample time for which levels are stated; at others the torque has the same power density [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,8 +194,8 @@ def _motorwise(pose: LinearPose, noise: FloatArray, sample_time: float, level: f
     n = len(pose.mass)
     gain = np.zeros((2 * n, len(noise)))
     step, seen = np.array([[1.0, sample_time], [0.0, 1.0]]), np.array([[1.0, 0.0]])
-    pushed = level * np.sqrt(REFERENCE_STEP / sample_time) * sample_time / REFERENCE_STEP**2
-    one = _kalman(step, seen, np.diag([0.0, pushed**2]), np.ones(1))[:, 0]
+    pushed = float(torque_noise(1.0, level, sample_time)) * sample_time
+    one = kalman_gain(step, seen, np.diag([0.0, pushed**2]), np.eye(1))[:, 0]
     for motor, row in enumerate(pose.readout[:, :n]):
         direction = row / (row @ row)
         gain[:n, motor], gain[n:, motor] = one[0] * direction, one[1] * direction
@@ -216,21 +213,15 @@ def _torque_filter(pose: LinearPose, noise: FloatArray, sample_time: float, gain
     share = np.full(n, ARM_SHARE)
     for motor, row in enumerate(pose.readout[:, :n]):
         share[int(np.argmax(np.abs(row)))] = noise[motor] / unit
-    white = SLIGHT * np.sqrt(REFERENCE_STEP / sample_time) / REFERENCE_STEP**2 * np.diag(pose.mass) * share
+    white = torque_noise(np.diag(pose.mass), SLIGHT * share, sample_time)
     pushed = pose.push[n:] * white
     Q = np.zeros((s + M, s + M))
     Q[n:s, n:s] = pushed @ pushed.T
     Q[s:, s:] = np.diag(walk**2)
     both = np.block([[F, push], [np.zeros((M, s)), np.eye(M)]])
     seen = np.hstack([pose.readout, np.zeros((M, M))])
-    L = _kalman(both, seen, Q, noise)
+    L = kalman_gain(both, seen, Q, np.diag((noise / unit) ** 2))
     keep = np.eye(s + M) - L @ seen
     known = np.vstack([F @ gain, np.zeros((M, M))])
     C = np.vstack([-seen, keep[s:]])
     return LinearFilter(both @ keep, both @ L - known, C, np.vstack([np.eye(M), L[s:]]))
-
-
-def _kalman(F: FloatArray, C: FloatArray, Q: FloatArray, noise: FloatArray) -> FloatArray:
-    R = np.diag((noise / float(np.mean(noise))) ** 2)
-    P = solve_discrete_are(F.T, C.T, Q, R)
-    return np.asarray(P @ C.T @ np.linalg.inv(C @ P @ C.T + R))

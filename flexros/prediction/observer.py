@@ -1,4 +1,7 @@
-"""Gain of the predictor: a stationary Kalman filter around the robot at rest in a pose."""
+"""Observer design: stationary Kalman filters for white torque on every mass and white noise of the encoders.
+
+Diagnosis, monitor and the identification of one axis share the torque noise, the gain and the noise propagation.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +20,14 @@ if TYPE_CHECKING:
 ARM_SHARE = 0.3
 """Assumed torque noise on arm coordinates, relative to that on motors [1] (chosen)."""
 DOUBLINGS = 40
-"""Most doublings of the time over which noise is added up: 2^40 samples (chosen)."""
+"""Most doublings of the time over which noise is summed: 2^40 samples (chosen)."""
 REFERENCE_STEP = 5e-4
-"""Sample time for which the level of the torque noise is stated [s] (chosen)."""
+"""Sample time for which the level of the torque noise is stated [s] (chosen); at others it has the same power density."""
 
 
 @dataclass(frozen=True)
 class ObserverGain:
-    """Gain of the predictor and what it does to noise.
+    """Gain of an observer, and its propagation of noise.
 
     Attributes:
         gain: K, shape (2 n, M) for the state [q, v] of n coordinates.
@@ -35,7 +38,7 @@ class ObserverGain:
         error: Covariance of the corrected states without gap, shape (2 n, 2 n).
         readout: Matrix from states to motor positions, shape (M, 2 n).
         noise: Standard deviation of the measurement noise [rad or m], shape (M,).
-        settling: Samples until an error of the start has decayed to a thousandth.
+        settling: Samples until an initial error has decayed to a thousandth.
     """
 
     gain: FloatArray
@@ -49,7 +52,7 @@ class ObserverGain:
     settling: int
 
     def early(self, samples: int) -> FloatArray:
-        """Return the standard deviation of the prediction errors behind a start that is known, without gap.
+        """Return the standard deviation of the prediction errors after a known initial state, without gap.
 
         Args:
             samples: Number of samples n.
@@ -66,10 +69,10 @@ class ObserverGain:
         return np.sqrt(variances)
 
     def ahead(self, samples: int) -> FloatArray:
-        """Return the standard deviation of the error of a prediction without gap, noise of the sample included.
+        """Return the standard deviation of the prediction error several samples ahead, noise included, without gap.
 
         Args:
-            samples: How far ahead it is made [samples].
+            samples: Prediction horizon [samples].
 
         Returns:
             Standard deviations [rad or m], shape (M,).
@@ -99,10 +102,10 @@ def observer_gain(
     Args:
         robot: The robot.
         sample_time: Time T between two samples [s].
-        level: Level of the torque noise [1]; the smaller, the finer the effects that show.
+        level: Level of the torque noise [1]; a smaller one makes weaker effects visible.
         noise: Standard deviation of the encoder noise [rad or m], shape (M,).
         q_a: Arm coordinates of the pose [rad or m], shape (N,); default: home.
-        tolerated: White torque noise at the motors that counts as no gap [Nm or N], shape (M,); it replaces that of the
+        tolerated: White torque noise at the motors within tolerance [Nm or N], shape (M,). It replaces that of the
             level where it is larger, and is part of the spread. None for an exact model.
 
     Returns:
@@ -111,16 +114,17 @@ def observer_gain(
     model = linear_model(robot, q_a)
     A, _, measurement, _ = model.matrices()
     F, C = expm(A * sample_time), measurement[: robot.n_motors]
-    # all in units of the mean encoder noise, so that the equations stay within range
+    # in units of the mean encoder noise, which keeps the Riccati equation well scaled
     unit = float(np.mean(noise))
     R = np.diag((np.asarray(noise, dtype=float) / unit) ** 2)
     allowed = np.zeros(len(model.mass))
     if tolerated is not None:
         allowed[list(robot.motor_rows)] = tolerated / unit
     level_of = level * _noise_of_kind(robot, noise) / unit
-    torque = np.maximum(_torque_noise(model.mass, robot.n_arm, sample_time, level_of), allowed)
+    share = np.where(np.arange(len(model.mass)) < robot.n_arm, ARM_SHARE, 1.0)
+    torque = np.maximum(torque_noise(np.diag(model.mass), level_of, sample_time, sample_time) * share, allowed)
     G, taken = (_onto_states(model.mass, sample_time, size) for size in (torque, allowed))
-    K = _kalman_gain(F, C, G, R)
+    K = kalman_gain(F, C, G @ G.T, R)
     keep = np.eye(len(F)) - K @ C
     transition = F @ keep
     predicted = stationary_covariance(transition, F @ K @ R @ K.T @ F.T + taken @ taken.T)
@@ -139,7 +143,7 @@ def observer_gain(
 
 
 def _noise_of_kind(robot: Robot, noise: FloatArray) -> FloatArray:
-    """Return the mean noise of encoders that turn, or slide, as each coordinate does [rad or m], shape (n,)."""
+    """Return for each coordinate the mean noise of the rotary or prismatic encoders [rad or m], shape (n,)."""
     turns = np.zeros(robot.n_coordinates, dtype=bool)
     turns[: robot.n_arm] = [joint.rotary for joint in robot.joints]
     of_motors = np.array([motor.rotary for motor in robot.motors])
@@ -149,40 +153,63 @@ def _noise_of_kind(robot: Robot, noise: FloatArray) -> FloatArray:
     return np.array([means.get(kind, other) for kind in turns.tolist()])
 
 
-def _torque_noise(mass: FloatArray, n_arm: int, sample_time: float, level: FloatArray) -> FloatArray:
-    """Return the assumed torque noise on every coordinate, in units of the encoder noise, shape (n,)."""
-    share = np.where(np.arange(len(mass)) < n_arm, ARM_SHARE, 1.0)
-    torque: FloatArray = level * np.diag(mass) / sample_time**2 * share * np.sqrt(REFERENCE_STEP / sample_time)
-    return torque
+def torque_noise(
+    mass: FloatArray | float, level: FloatArray | float, sample_time: float, step: float = REFERENCE_STEP
+) -> FloatArray:
+    """Return the white torque sqrt(h / T) level J / step^2 that moves a mass by `level` within a step; h = 0.5 ms.
+
+    Args:
+        mass: Masses or inertias J [kg or kg m2], shape (n,) or a number.
+        level: Motion within a step [rad or m, or in units of the encoder noise], shape (n,) or a number.
+        sample_time: Time T between two samples [s], over which the torque is held.
+        step: Time of that motion [s].
+
+    Returns:
+        Standard deviations of the torque of a sample [Nm or N, or per unit of the level], shape (n,).
+    """
+    return np.asarray(level * mass / step**2 * np.sqrt(REFERENCE_STEP / sample_time), dtype=float)
 
 
 def _onto_states(mass: FloatArray, sample_time: float, torque: FloatArray) -> FloatArray:
-    """Return the matrix by which torque noise of a sample, shape (n,), moves the states, shape (2 n, n)."""
+    """Return the matrix from the torque noise of a sample, shape (n,), to the states, shape (2 n, n)."""
     inverse = np.linalg.inv(mass) * sample_time
     return np.vstack([np.zeros(mass.shape), inverse * torque])
 
 
-def _kalman_gain(F: FloatArray, C: FloatArray, G: FloatArray, R: FloatArray) -> FloatArray:
-    """Solve for the stationary gain that corrects the state x of x <- F x + G w, y = C x + v, v of covariance R."""
-    P = solve_discrete_are(F.T, C.T, G @ G.T, R)
+def kalman_gain(F: FloatArray, C: FloatArray, Q: FloatArray, R: FloatArray) -> FloatArray:
+    """Compute the stationary gain K that corrects the predicted state, x <- x + K (y - C x).
+
+    Args:
+        F: Transition matrix of a sample, shape (s, s).
+        C: Matrix from states to outputs, shape (m, s).
+        Q: Covariance of the noise added to the state per sample, shape (s, s).
+        R: Covariance of the output noise, shape (m, m).
+
+    Returns:
+        Gain, shape (s, m).
+
+    Raises:
+        numpy.linalg.LinAlgError: The Riccati equation has no stabilising solution.
+    """
+    P = solve_discrete_are(F.T, C.T, Q, R)
     gain: FloatArray = P @ C.T @ np.linalg.inv(C @ P @ C.T + R)
     return gain
 
 
 def _settling(transition: FloatArray) -> int:
-    """Return the samples until the slowest motion has decayed to a thousandth."""
+    """Return the samples until the slowest mode has decayed to a thousandth."""
     slowest = float(np.abs(np.linalg.eigvals(transition)).max())
     return int(np.ceil(np.log(1e-3) / np.log(min(slowest, 1 - 1e-6))))
 
 
 def stationary_covariance(transition: FloatArray, added: FloatArray) -> FloatArray:
-    """Sum up noise in a stable system: S = F S F' + Q, by doubling of the time (Smith 1968).
+    """Solve S = F S F' + Q for the covariance of a stable system driven by noise, by doubling (Smith 1968).
 
-    It stays accurate where positions and speeds differ by many orders of magnitude.
+    The method stays accurate where positions and speeds differ by many orders of magnitude.
 
     Args:
         transition: Matrix F, shape (n, n).
-        added: Covariance Q that every sample adds, shape (n, n).
+        added: Covariance Q added per sample, shape (n, n).
     """
     covariance, power = added, transition
     for _ in range(DOUBLINGS):

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
-from scipy.linalg import solve_discrete_are
 
 from flexros.identify.axis.recursion import Recursion
+from flexros.prediction.observer import kalman_gain
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -56,15 +56,14 @@ class Predictor:
         A, B = self._linear(theta, speed)
         C = np.zeros((1, len(A)))
         C[0, self.structure.output_index] = 1.0
-        # the torque is scaled to 1 and the noise to 1 / ratio, so that the equation stays within range
+        # a torque of 1 and a noise of 1 / ratio, over the largest entry, keep the Riccati equation well scaled
         Q, R = B @ B.T, np.array([[noise_ratio**-2]])
         scale = float(np.max(np.abs(Q)))
-        S = solve_discrete_are(A.T, C.T, Q / scale, R / scale)
-        gain: FloatArray = (A @ S @ C.T / (C @ S @ C.T + R / scale)).ravel()
+        gain: FloatArray = (A @ kalman_gain(A, C, Q / scale, R / scale)).ravel()
         return gain
 
     def memory(self, theta: FloatArray, gain: FloatArray, speed: float) -> int:
-        """Return after how many samples a wrong start is forgotten to a thousandth."""
+        """Return the number of samples after which an initial error has decayed to a thousandth."""
         A, _ = self._linear(theta, speed)
         A[:, self.structure.output_index] -= gain
         radius = float(np.max(np.abs(np.linalg.eigvals(A))))
