@@ -18,11 +18,11 @@ from flexros.monitor.gap_monitor import GapMonitor
 from flexros.monitor.joint_messages import JointMessages
 from flexros.monitor.load_budget import LoadBudget
 from flexros.monitor.statement import (
+    is_suspended,
     motor_sentence,
     motor_values,
     robot_sentence,
     robot_values,
-    stands_still,
     torque_units,
 )
 from flexros_nodes.shell.executable import run_node
@@ -123,7 +123,7 @@ class GapMonitorNode(FlexrosNode):
         input_problems = self._input_problems()
         if input_problems:
             text = f"{text}; {input_problems}"
-        if input_problems or stands_still(reading):
+        if input_problems or is_suspended(reading):
             level = max(level, DiagnosticStatus.WARN)
         name = self.get_fully_qualified_name()
         statuses = [self._status(name, level, text, {**robot_values(reading), **self.figures()})]

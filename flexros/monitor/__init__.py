@@ -1,1 +1,1 @@
-"""Gap monitor: the nominal robot beside a running one, how far both are apart, where, and when that is an alarm."""
+"""Gap monitor: an observer model of a running robot, the deviations of the robot, their locations and alarms."""

@@ -1,4 +1,4 @@
-"""Alarms: mean squares over several lengths against their thresholds, with a memory of some seconds."""
+"""Alarms: mean squares over several lengths against their thresholds, held for some seconds."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexros.monitor.thresholds import Thresholds
 
 HOLD = 10.0
-"""Time for which an alarm stays after the last mean square beyond its threshold [s] (chosen): the longest length."""
+"""Time for which an alarm is held after the last mean square beyond its threshold [s] (chosen): the longest length."""
 
 
 class Level(IntEnum):
@@ -32,9 +32,9 @@ class MotorAlarm:
     """State of a motor.
 
     Attributes:
-        level: Whether there is an alarm or a warning.
-        since: Stamp from which on it has been so [ns]; -1 where there is none.
-        share: How far a mean square has come from that of noise to its alarm threshold, the largest: 1 at an alarm [1].
+        level: Alarm, warning or none.
+        since: Stamp of its beginning [ns]; -1 where there is none.
+        share: Largest mean square on the scale from noise, 0, to its alarm threshold, 1 [1].
     """
 
     level: Level
@@ -43,14 +43,14 @@ class MotorAlarm:
 
 
 class Alarms:
-    """Judges windows one after the other.
+    """Evaluates windows one after the other.
 
     Args:
         thresholds: Thresholds.
 
     Attributes:
-        raised: Times that the robot as a whole went into alarm.
-        warned: Times that it went into warning or alarm.
+        raised: Number of alarms of the robot as a whole.
+        warned: Number of its warnings and alarms.
     """
 
     def __init__(self, thresholds: Thresholds) -> None:
@@ -63,21 +63,21 @@ class Alarms:
         self._last = np.full((3, motors), -1, dtype=np.int64)
         self.raised = self.warned = 0
 
-    def begin_anew(self) -> None:
-        """Forget sums that a restart has cut; alarms stay for their time."""
+    def restart(self) -> None:
+        """Discard sums that a restart has interrupted; alarms are held."""
         self._sums[:] = 0.0
         self._windows = 0
 
     def forget(self) -> None:
-        """Forget alarms, because the clock has begun anew."""
+        """Discard alarms, because the clock was reset."""
         self._last[:] = -1
 
     def take(self, stamp: int, values: FloatArray) -> None:
-        """Judge a window.
+        """Evaluate a window.
 
         Args:
             stamp: Its stamp [ns].
-            values: Mean squares over those of noise, sudden parts then missing torques [1], shape (2 M,).
+            values: Mean squares of innovations, then of disturbance torques, over those of noise [1], shape (2 M,).
         """
         before = self.levels(stamp)
         self._windows += 1
@@ -95,8 +95,8 @@ class Alarms:
         self.raised += int(after.max() == Level.ALARM > before.max())
         self.warned += int(after.max() >= Level.WARNING > before.max())
 
-    def lost(self, stamp: int) -> None:
-        """Note that the twin has lost the robot, which is an alarm of all motors."""
+    def diverged(self, stamp: int) -> None:
+        """Raise an alarm of all motors because the observer diverged."""
         before = self.levels(stamp)
         for level in (Level.WARNING, Level.ALARM):
             self._note(level, np.ones(self._shares.shape[1], dtype=bool), stamp, stamp)
@@ -104,12 +104,12 @@ class Alarms:
         self.warned += int(before.max() < Level.WARNING)
 
     def levels(self, stamp: int) -> FloatArray:
-        """Give the level of every motor, shape (M,)."""
+        """Return the level of every motor, shape (M,)."""
         held = (self._last >= 0) & (stamp - self._last <= HOLD * 1e9)
         return np.where(held[Level.ALARM], int(Level.ALARM), np.where(held[Level.WARNING], int(Level.WARNING), 0))
 
     def states(self, stamp: int) -> tuple[MotorAlarm, ...]:
-        """Give the state of every motor."""
+        """Return the state of every motor."""
         motors = self._begun.shape[1]
         shares = self._shares.max(axis=0)
         return tuple(
@@ -122,7 +122,7 @@ class Alarms:
         )
 
     def _note(self, level: Level, beyond: FloatArray, begun: int, stamp: int) -> None:
-        """Note which motors are beyond a threshold, in a signal of theirs."""
+        """Record the motors with a signal beyond a threshold."""
         motors = beyond.reshape(2, -1).any(axis=0)
         new = motors & ((self._last[level] < 0) | (stamp - self._last[level] > HOLD * 1e9))
         self._begun[level] = np.where(new, begun, self._begun[level])

@@ -1,9 +1,9 @@
-"""What a robot misses as it is accepted: tails of its mean squares, read off a log, and their file.
+"""Accepted deviations of a robot: tails of its mean squares, estimated from a log, and their file.
 
-No robot is exactly as its model, and the more it does the more the model misses. The mean squares of a log of normal
-work are taken as what is accepted: as noise plus shares of the mean squares of torques, speeds and accelerations.
-Over that sum their logarithm is taken to fall off exponentially above its 80 % quantile, which tells levels for rarer
-chances than the log shows (Pickands 1975). The fall is taken as slow as so few values permit.
+No robot equals its model, and deviations grow with the motion. The mean squares of a log of normal operation define the
+accepted level: noise plus shares of the mean squares of torques, speeds and accelerations. The logarithm of the ratio
+to this level is modelled with an exponential tail above its 80 % quantile, which extrapolates to smaller probabilities
+than the log contains (Pickands 1975). The decay is the slowest that so few values permit.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 QUANTILE = 0.8
-"""Share of the values below which the tail begins (chosen)."""
+"""Quantile at which the tail begins (chosen)."""
 FEWEST = 5.0
-"""Fewest values that do not overlap from which a tail is told; below, that length raises no alarm (chosen)."""
+"""Fewest values without overlap for a tail; a length with fewer raises no alarm (chosen)."""
 SURELY, LEAST_FALL = 2.0, 0.2
-"""Standard deviations of the fall that are added to it; its least value, as other motions miss other torques: with
-0.1 a further log of a robot as accepted raised an alarm (development seeds)."""
+"""Standard deviations added to the decay, and its least value (chosen): other motions have other disturbances, and with
+0.1 a further log of an accepted robot raised an alarm (tuned on development seeds)."""
 
 
 class Tail(Settings):
@@ -44,28 +44,30 @@ class Tail(Settings):
     share: float = Field(gt=0.0, le=1.0, description="share of the values beyond the beginning [1]")
 
     def level(self, chance: float) -> float:
-        """Give the mean square that is exceeded with a probability."""
+        """Return the mean square that is exceeded with a probability."""
         return float(np.exp(min(self.begins + self.fall * max(np.log(self.share / chance), 0.0), 600.0)))
 
 
 class Calibration(Settings):
     """Tails of all signals and lengths."""
 
-    schema_version: int = Field(1, ge=1, le=1, description="version of this form [1]")
+    schema_version: int = Field(1, ge=1, le=1, description="version of this format [1]")
     model: str = Field(description="fingerprint of the model")
     robot: str = Field(description="name of its robot")
-    log: str = Field(description="log that it was read off")
-    time: float = Field(gt=0.0, description="time of the log that was watched [s]")
-    accepted: dict[str, float] = Field(description="rms of missing torque over that of noise by joint, median [1]")
+    log: str = Field(description="log that it was estimated from")
+    time: float = Field(gt=0.0, description="time of the log that was monitored [s]")
+    accepted: dict[str, float] = Field(
+        description="rms of the disturbance torque over that of noise by joint, median [1]"
+    )
     growth: dict[str, list[float]] = Field(
-        description="by signal: what a unit of the mean squares of torques, speeds and accelerations adds [1/SI]"
+        description="by signal: increase per unit of the mean squares of torques, speeds and accelerations [1/SI]"
     )
     tails: dict[str, list[Tail | None]] = Field(
         description="by signal: tails for the lengths; null where the log was too short"
     )
 
     def expected(self, motion: FloatArray) -> FloatArray:
-        """Give the mean squares that are accepted while the robot does so much.
+        """Return the accepted mean squares for a motion.
 
         Args:
             motion: Mean squares of torques, speeds and accelerations [SI], shape (..., 3 M).
@@ -76,13 +78,13 @@ class Calibration(Settings):
         return np.asarray(1.0 + motion @ np.array(list(self.growth.values())).T)
 
     def levels(self, chances: FloatArray) -> FloatArray:
-        """Give the mean squares, over those that are expected, of given probabilities.
+        """Return the mean squares, over the accepted ones, of given probabilities.
 
         Args:
             chances: Probability for each length, shape (3,).
 
         Returns:
-            Levels, infinite where nothing is known, shape (3, signals).
+            Levels, infinite where the log was too short, shape (3, signals).
         """
         columns = [
             [np.inf if tail is None else tail.level(chance) for tail, chance in zip(tails, chances.tolist())]
@@ -94,11 +96,11 @@ class Calibration(Settings):
 def calibrate(
     values: FloatArray, motion: FloatArray, names: tuple[str, ...], *, model: str, robot: str, log: str
 ) -> Calibration:
-    """Read the tails off a log.
+    """Estimate the tails from a log.
 
     Args:
-        values: Mean squares of all windows, sudden parts then missing torques, shape (windows, 2 M).
-        motion: What the robot did in them, shape (windows, 3 M).
+        values: Mean squares of innovations, then of disturbance torques, by window [1], shape (windows, 2 M).
+        motion: Mean squares of torques, speeds and accelerations by window [SI], shape (windows, 3 M).
         names: Names of the motors, length M.
         model: Fingerprint of the model.
         robot: Name of its robot.
@@ -110,8 +112,8 @@ def calibrate(
     needed = FEWEST * LENGTHS[1]
     if len(values) < needed:
         raise InputError(
-            f"{log}: {len(values) * WINDOW:.1f} s of it could be watched, needed are {needed * WINDOW:g} s to set "
-            f"thresholds; record a log of normal work, best some minutes"
+            f"{log}: {len(values) * WINDOW:.1f} s of it could be monitored, at least {needed * WINDOW:g} s are needed "
+            "to set thresholds; record normal operation for some minutes"
         )
     M = len(names)
     signals = [f"{name}.sudden" for name in names] + [f"{name}.torque" for name in names]
@@ -126,7 +128,7 @@ def calibrate(
 
 
 def _growth(column: FloatArray, motion: FloatArray) -> FloatArray:
-    """Fit mean squares by shares of what the robot does, none below zero, with errors relative to their size."""
+    """Fit mean squares by non-negative shares of those of the motion, with errors relative to their size."""
     unit = np.maximum(motion.max(axis=0), 1e-300)
     weight = 1 / (1 + column)
     shares = nnls((motion / unit) * weight[:, None], np.maximum(column - 1, 0.0) * weight)[0]
@@ -134,7 +136,7 @@ def _growth(column: FloatArray, motion: FloatArray) -> FloatArray:
 
 
 def _tail(column: FloatArray, length: int) -> Tail | None:
-    """Take the tail of means over a length, which overlap."""
+    """Estimate the tail of overlapping means over a length."""
     apart = len(column) / length
     if apart < FEWEST:
         return None
@@ -161,7 +163,7 @@ def read_calibration(path: Path, model: str, names: tuple[str, ...]) -> Calibrat
 
     Args:
         path: The file.
-        model: Fingerprint of the model that is watched.
+        model: Fingerprint of the monitored model.
         names: Names of its motors.
 
     Raises:

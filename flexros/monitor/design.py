@@ -1,13 +1,13 @@
-"""Design of the monitor at a pose: gain of the twin, filter that tells the missing torque, floors of both.
+"""Design of the monitor at a pose: gain of the observer model, filter of the disturbance torque, noise floors of both.
 
-The twin x^ is the nominal model, corrected by e = y - C x^ at every sample. Its error x~ follows, whatever the gain K,
+The observer model x^ is the nominal model, corrected by e = y - C x^ at every sample. For any gain K, its error x~ is
 
     x~_k+1 = F x~_k + B d_k - F K e_k,    e_k = C x~_k + v_k,
 
-with the torque d that the model misses and the noise v of the encoders. e is known, so that x~ and d can be estimated
-from it by a second, linear Kalman filter, in which d walks at random. Its own prediction errors, the *sudden* part of
-e, and d are what the monitor watches. Twin and filter together are one linear system driven by v, from which their
-floors follow (Anderson and Moore 1979, chapters 4 and 5).
+with the disturbance torque d and the noise v of the encoders. A second, linear Kalman filter, in which d is a random
+walk, estimates x~ and d from e. The monitor evaluates d and the innovations of this filter. Observer model and filter
+together are one linear system driven by v, from which their noise floors follow (Anderson and Moore 1979, chapters 4
+and 5).
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from flexros.monitor.pose_model import LinearPose
 
 LEVELS = tuple(10 ** (-5 + half / 2) for half in range(7))
-"""White torque that the gain of the twin may allow for, as large as moves a motor by so many standard deviations of its
-encoder within a sample of 0.5 ms (chosen)."""
+"""Levels of the white torque for the gain of the observer model: motion of a motor within 0.5 ms over the noise of its
+encoder (chosen)."""
 SLIGHT = 1e-3
 """Level of the white torque of the filter in addition to the disturbance torque, as `LEVELS` (chosen)."""
 BANDWIDTH = 10.0
-"""Up to where the missing torque is told [Hz] (chosen)."""
+"""Bandwidth of the disturbance torque [Hz] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +49,10 @@ class LinearFilter:
     D: FloatArray
 
     def lifted(self, samples: int) -> LinearFilter:
-        """Give the filter that takes several samples at once.
+        """Return the filter for several samples at once.
 
         Args:
-            samples: How many samples N are taken at once; inputs and outputs then have one sample after the other.
+            samples: Number of samples N; inputs and outputs are stacked sample after sample.
         """
         powers = [np.eye(len(self.A))]
         for _ in range(samples):
@@ -67,15 +67,15 @@ class LinearFilter:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """What the monitor needs at a pose of a robot.
+    """Observer gain, filter and noise floors at a pose of a robot.
 
     Attributes:
         pose: The linear model there.
-        gain: Gain K of the twin, shape (2 n, M).
-        filter: From errors of the twin to their sudden part and the missing torques, 2 M outputs; its state is that of
-            the error x~ and d.
-        spread: Standard deviation of the sudden part by noise alone [rad or m], shape (M,).
-        torque_spread: The same of the missing torque [Nm or N], shape (M,).
+        gain: Gain K of the observer model, shape (2 n, M).
+        filter: From prediction errors of the observer model to innovations and disturbance torques, 2 M outputs; its
+            state is that of the error x~ and d.
+        spread: Standard deviation of the innovations by noise alone [rad or m], shape (M,).
+        torque_spread: The same of the disturbance torque [Nm or N], shape (M,).
         settling: Time constant of the filter [samples].
     """
 
@@ -94,7 +94,7 @@ def design(pose: LinearPose, noise: FloatArray, sample_time: float, gain: FloatA
         pose: Linear model there.
         noise: Standard deviation of the encoders [rad or m], shape (M,).
         sample_time: Time between two samples [s].
-        gain: Gain of the twin, from `twin_gain`, shape (2 n, M).
+        gain: Gain of the observer model, from `motorwise_gain`, shape (2 n, M).
 
     Returns:
         The design.
@@ -106,27 +106,27 @@ def design(pose: LinearPose, noise: FloatArray, sample_time: float, gain: FloatA
     return Design(pose, gain, found, spread[:M], spread[M:], -1 / np.log(min(radius, 1 - 1e-6)))
 
 
-def floors_elsewhere(found: Design, pose: LinearPose, noise: FloatArray) -> FloatArray:
-    """Compute how noise shows in a robot that is not linear as the design takes it.
+def floor_ratios(found: Design, pose: LinearPose, noise: FloatArray) -> FloatArray:
+    """Compute the noise floors of a robot whose linear model differs from that of the design.
 
     Args:
         found: The design.
-        pose: The robot as it is.
+        pose: Linear model of the robot.
         noise: Standard deviation of the encoders [rad or m], shape (M,).
 
     Returns:
-        Variances of sudden parts, then of missing torques, over those of the design [1], shape (2 M,).
+        Variances of innovations, then of disturbance torques, over those of the design [1], shape (2 M,).
     """
     system = driven_by_noise(pose, found.gain, found.filter)
     return np.asarray(_variances(system, noise) / np.concatenate([found.spread, found.torque_spread]) ** 2)
 
 
-def twin_gain(pose: LinearPose, noise: FloatArray, sample_time: float) -> FloatArray:
-    """Give the gain of the twin: each motor follows its own encoder, as a mass that white torque pushes.
+def motorwise_gain(pose: LinearPose, noise: FloatArray, sample_time: float) -> FloatArray:
+    """Compute the gain of the observer model: each motor follows its own encoder, as a mass driven by white torque.
 
-    The arm is not corrected. It follows the motors through its springs and dampers, so that the twin is stable in every
-    pose; a filter for the whole robot in one pose is not in others. Of several levels that one is taken whose slowest
-    error decays fastest: a motor that is held too tightly lets its arm ring.
+    The arm is not corrected. It follows the motors through its springs and dampers, so that the observer is stable in
+    every pose, unlike a filter for the whole robot in one pose. Of several levels the one whose slowest error decays
+    fastest is used: a motor with too large a gain leaves its arm undamped.
 
     Args:
         pose: Linear model in any pose.
@@ -144,12 +144,12 @@ def twin_gain(pose: LinearPose, noise: FloatArray, sample_time: float) -> FloatA
 
 
 def driven_by_noise(pose: LinearPose, gain: FloatArray, found: LinearFilter) -> LinearFilter:
-    """Give the system from the noise of the encoders to the outputs of the filter.
+    """Return the system from the noise of the encoders to the outputs of the filter.
 
     Args:
         pose: Linear model.
-        gain: Gain of the twin.
-        found: Filter of the missing torque.
+        gain: Gain of the observer model.
+        found: Filter of the disturbance torque.
     """
     F, C, s = pose.transition, pose.readout, len(found.A)
     keep = F @ (np.eye(len(F)) - gain @ C)
@@ -162,12 +162,12 @@ def autocovariances(found: Design, pose: LinearPose, noise: FloatArray, lags: in
 
     Args:
         found: The design.
-        pose: The robot as it is.
+        pose: Linear model of the robot.
         noise: Standard deviation of the encoders [rad or m], shape (M,).
         lags: Number of lags, zero included.
 
     Returns:
-        Those of the sudden parts of all motors, then of their missing torques, shape (lags, 2 M).
+        Those of the innovations of all motors, then of their disturbance torques, shape (lags, 2 M).
     """
     system = driven_by_noise(pose, found.gain, found.filter)
     power = np.diag((noise / float(np.mean(noise))) ** 2)
@@ -182,7 +182,7 @@ def autocovariances(found: Design, pose: LinearPose, noise: FloatArray, lags: in
 
 
 def _variances(system: LinearFilter, noise: FloatArray) -> FloatArray:
-    """Give the variances of the outputs of a system that the noise of the encoders drives."""
+    """Return the variances of the outputs of a system driven by the noise of the encoders."""
     unit = float(np.mean(noise))
     power = np.diag((noise / unit) ** 2)
     P = stationary_covariance(system.A, system.B @ power @ system.B.T)
@@ -190,20 +190,20 @@ def _variances(system: LinearFilter, noise: FloatArray) -> FloatArray:
 
 
 def _motorwise(pose: LinearPose, noise: FloatArray, sample_time: float, level: float) -> FloatArray:
-    """Give the gain of every motor as a mass of its own, for a level of white torque."""
+    """Return the gain of every motor as a mass of its own, for a level of white torque."""
     n = len(pose.mass)
     gain = np.zeros((2 * n, len(noise)))
     step, seen = np.array([[1.0, sample_time], [0.0, 1.0]]), np.array([[1.0, 0.0]])
     pushed = float(torque_noise(1.0, level, sample_time)) * sample_time
-    one = kalman_gain(step, seen, np.diag([0.0, pushed**2]), np.eye(1))[:, 0]
+    single = kalman_gain(step, seen, np.diag([0.0, pushed**2]), np.eye(1))[:, 0]
     for motor, row in enumerate(pose.readout[:, :n]):
         direction = row / (row @ row)
-        gain[:n, motor], gain[n:, motor] = one[0] * direction, one[1] * direction
+        gain[:n, motor], gain[n:, motor] = single[0] * direction, single[1] * direction
     return gain
 
 
 def _torque_filter(pose: LinearPose, noise: FloatArray, sample_time: float, gain: FloatArray) -> LinearFilter:
-    """Solve for the filter of twin errors and missing torques, all in units of the mean encoder noise."""
+    """Design the filter of observer errors and disturbance torques, in units of the mean encoder noise."""
     F, M, s = pose.transition, len(noise), len(pose.transition)
     n, unit = s // 2, float(np.mean(noise))
     push = pose.push @ pose.motor

@@ -1,9 +1,9 @@
-"""Where a missing torque acts: at a motor, within a gear, behind it on the arm, or at the tool.
+"""Location of a disturbance torque: at a motor, within a gear, on the arm behind it, or at the tool.
 
-A torque that acts elsewhere reaches the encoders through another part of the robot. The spectrum of the sudden part of
-the errors is compared with what each place would make of a torque of unknown size, white, walking at random or smoother
-(Whittle 1953: independent frequencies, each with the noise of the encoders as floor). The place with the greatest
-likelihood is told, and every other one that comes close.
+The part of the robot between torque and encoders depends on the location. The spectrum of the innovations is compared
+with the response of each location to a torque of unknown size that is white, a random walk or smoother (Whittle 1953:
+independent frequencies, each with the noise of the encoders as floor). The location with the greatest likelihood is
+reported, and every other one close to it.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ if TYPE_CHECKING:
 Kind = Literal["motor", "gear", "arm", "tool"]
 
 HIGHEST = 250.0
-"""Highest frequency that is looked at [Hz] (chosen)."""
+"""Highest frequency that is used [Hz] (chosen)."""
 LOWEST_BIN = 3
-"""First line of the spectrum that is looked at; those below hold what began before (chosen)."""
+"""First line of the spectrum that is used; lower ones contain transients from before (chosen)."""
 SMOOTHNESS = (0, 1, 2)
-"""How often a torque is the sum of white noise [1] (chosen)."""
+"""Number of integrations of white noise that make up a torque [1] (chosen)."""
 SIZES = 10.0 ** np.arange(-8.0, 13.0)
-"""Variances of a torque that are tried, over that at which it equals the noise at the median line [1] (chosen)."""
+"""Variances of a torque that are tried, over the one that equals the noise at the median line [1] (chosen)."""
 CLOSE, SURELY, CLOSE_SHARE = 3.0, 2.0, 0.02
-"""A place is left out when it is behind the likeliest one by this log-likelihood, and by either so many standard
-deviations of the difference as it scatters from line to line (Vuong 1989) or this share of the whole (chosen)."""
+"""A location is excluded if its log-likelihood is below the greatest one by the first value, and by the second one in
+standard deviations of the difference over the lines (Vuong 1989) or by the third one as a share (chosen)."""
 FREEDOM = 0.02
-"""Share of its gain by which a place with several components must be ahead: a force in two directions can imitate two
-motors (development seeds)."""
+"""Share of its gain by which a location with several components must lead: a force in two directions can imitate two
+motors (tuned on development seeds)."""
 
 
 @dataclass(frozen=True, eq=False)
 class DisturbanceLocation:
-    """A place where a torque may act.
+    """A location of a disturbance torque.
 
     Attributes:
         kind: At the motor, between motor and arm, on the arm behind the gear, or at the tool.
@@ -54,106 +54,110 @@ class DisturbanceLocation:
 
     @property
     def words(self) -> str:
-        """The place in words."""
-        told = {"motor": "at {}", "gear": "in the gear of {}", "arm": "on the arm side of {}", "tool": "at the tool"}
-        return told[self.kind].format(self.joint)
+        """Name of the location."""
+        names = {"motor": "at {}", "gear": "in the gear of {}", "arm": "on the arm side of {}", "tool": "at the tool"}
+        return names[self.kind].format(self.joint)
 
 
 @dataclass(frozen=True, eq=False)
-class Suspicion:
-    """How likely it is that the missing torque acts at a place.
+class LocationGain:
+    """Evidence that the disturbance torque acts at a location.
 
     Attributes:
-        place: The place.
-        gain: Gain in log-likelihood over no torque, less the price of several components [nats].
-        lines: What every line of the spectrum adds to it [nats], shape (lines,).
+        location: The location.
+        gain: Gain in log-likelihood over no torque, less the penalty of several components [nats].
+        lines: Contribution of every line of the spectrum [nats], shape (lines,).
     """
 
-    place: DisturbanceLocation
+    location: DisturbanceLocation
     gain: float
     lines: FloatArray
 
 
-def places_of(robot: Robot, found: Design) -> tuple[DisturbanceLocation, ...]:
-    """List the places of a robot.
+def locations_of(robot: Robot, design: Design) -> tuple[DisturbanceLocation, ...]:
+    """List the locations of disturbance torques of a robot.
 
     Args:
         robot: The robot.
-        found: Design at its pose.
+        design: Design at its pose.
     """
-    pose, n = found.pose, len(found.pose.mass)
-    places: list[DisturbanceLocation] = []
+    pose, n = design.pose, len(design.pose.mass)
+    locations: list[DisturbanceLocation] = []
     for motor, name in enumerate(robot.joint_names):
-        places.append(DisturbanceLocation("motor", name, pose.motor[:, [motor]]))
+        locations.append(DisturbanceLocation("motor", name, pose.motor[:, [motor]]))
         coordinate = robot.motor_rows[motor]
         arm = robot.gear_rows[motor]
         spring = pose.stiffness[:, [coordinate]]
         if coordinate != arm and spring[coordinate, 0] > 0:
-            places.append(DisturbanceLocation("gear", name, spring / spring[coordinate, 0]))
-            places.append(DisturbanceLocation("arm", name, np.eye(n)[:, [arm]]))
+            locations.append(DisturbanceLocation("gear", name, spring / spring[coordinate, 0]))
+            locations.append(DisturbanceLocation("arm", name, np.eye(n)[:, [arm]]))
     seen = np.flatnonzero(np.abs(pose.tool).max(axis=0) > 1e-9)
     if len(seen):
-        places.append(DisturbanceLocation("tool", "tool", pose.tool[:, seen]))
-    return tuple(places)
+        locations.append(DisturbanceLocation("tool", "tool", pose.tool[:, seen]))
+    return tuple(locations)
 
 
-def suspicions(
-    sudden: FloatArray, found: Design, places: Sequence[DisturbanceLocation], noise: FloatArray, sample_time: float
-) -> tuple[Suspicion, ...]:
-    """Compare places.
+def ranked_locations(
+    innovations: FloatArray,
+    design: Design,
+    locations: Sequence[DisturbanceLocation],
+    noise: FloatArray,
+    sample_time: float,
+) -> tuple[LocationGain, ...]:
+    """Rank locations by their likelihood.
 
     Args:
-        sudden: Sudden part of the errors, the last seconds of it [rad or m], shape (samples, M).
-        found: The design that made it.
-        places: Places to be compared.
+        innovations: Innovations of the last seconds [rad or m], shape (samples, M).
+        design: Design that produced them.
+        locations: Locations to compare.
         noise: Standard deviation of the encoders [rad or m], shape (M,).
         sample_time: Time between two samples [s].
 
     Returns:
-        The places, the likeliest first.
+        The locations, the most likely first.
     """
-    samples = len(sudden)
+    samples = len(innovations)
     last = min(int(HIGHEST * samples * sample_time), samples // 2)
     lines = np.arange(LOWEST_BIN, max(last, LOWEST_BIN + 1))
     taper = np.hanning(samples)
-    spectrum = np.fft.rfft(sudden * (taper / np.linalg.norm(taper))[:, None], axis=0)[lines]
+    spectrum = np.fft.rfft(innovations * (taper / np.linalg.norm(taper))[:, None], axis=0)[lines]
     z = np.exp(2j * np.pi * lines / samples)
-    white, response = _whitened(spectrum, found, places, noise, z)
-    ends = np.cumsum([place.force.shape[1] for place in places])
+    white, response = _whitened(spectrum, design, locations, noise, z)
+    ends = np.cumsum([location.force.shape[1] for location in locations])
     parts = np.split(response, ends[:-1], axis=2)
     gains = [_gain(white, part, z) for part in parts]
-    ranked = [_priced(place, lines) for place, lines in zip(places, gains)]
-    return tuple(sorted(ranked, key=lambda one: -one.gain))
+    ranked = [_with_penalty(location, lines) for location, lines in zip(locations, gains)]
+    return tuple(sorted(ranked, key=lambda entry: -entry.gain))
 
 
-def close(found: Sequence[Suspicion]) -> tuple[Suspicion, ...]:
-    """Keep the likeliest place and those that come close."""
+def close(ranked: Sequence[LocationGain]) -> tuple[LocationGain, ...]:
+    """Keep the most likely location and those close to it."""
 
-    def comes_close(other: Suspicion) -> bool:
-        apart = found[0].lines - other.lines
+    def is_close(other: LocationGain) -> bool:
+        apart = ranked[0].lines - other.lines
         scatter = SURELY * float(np.linalg.norm(apart - apart.mean()))
-        return float(apart.sum()) < max(CLOSE, min(scatter, CLOSE_SHARE * found[0].gain))
+        return float(apart.sum()) < max(CLOSE, min(scatter, CLOSE_SHARE * ranked[0].gain))
 
-    return tuple(one for one in found if comes_close(one))
+    return tuple(other for other in ranked if is_close(other))
 
 
-def _priced(place: DisturbanceLocation, lines: FloatArray) -> Suspicion:
-    kept = lines * (1 - FREEDOM) if place.force.shape[1] > 1 else lines
-    return Suspicion(place, float(kept.sum()), kept)
+def _with_penalty(location: DisturbanceLocation, lines: FloatArray) -> LocationGain:
+    kept = lines * (1 - FREEDOM) if location.force.shape[1] > 1 else lines
+    return LocationGain(location, float(kept.sum()), kept)
 
 
 def _whitened(
-    spectrum: ComplexArray, found: Design, places: Sequence[DisturbanceLocation], noise: FloatArray, z: ComplexArray
+    spectrum: ComplexArray, design: Design, locations: Sequence[DisturbanceLocation], noise: FloatArray, z: ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Bring spectrum, shape (lines, M), and responses to the places, shape (lines, M, columns), to white noise."""
-    one, M, s = found.filter, len(noise), len(found.gain)
-    seen = -one.C[:M]
-    forces = np.hstack([place.force for place in places])
-    pushed = np.zeros((len(one.A), forces.shape[1]))
-    pushed[:s] = found.pose.push @ forces
-    fed = one.B.copy()
-    fed[:s] += found.pose.transition @ found.gain
-    inner = z[:, None, None] * np.eye(len(one.A)) - one.A
+    """Whiten the spectrum, shape (lines, M), and the responses to the locations, shape (lines, M, columns)."""
+    filter_, M, s = design.filter, len(noise), len(design.gain)
+    seen = -filter_.C[:M]
+    forces = np.hstack([location.force for location in locations])
+    pushed = np.zeros((len(filter_.A), forces.shape[1]))
+    pushed[:s] = design.pose.push @ forces
+    fed = filter_.B.copy()
+    fed[:s] += design.pose.transition @ design.gain
+    inner = z[:, None, None] * np.eye(len(filter_.A)) - filter_.A
     through = np.linalg.solve(inner, np.hstack([fed, pushed]).astype(complex))
     out = seen @ through
     whitening = np.linalg.inv((np.eye(M) - out[:, :, :M]) * noise)
@@ -162,7 +166,7 @@ def _whitened(
 
 
 def _gain(white: ComplexArray, response: ComplexArray, z: ComplexArray) -> FloatArray:
-    """Give the greatest gain in log-likelihood of a torque whose components have one variance, line by line."""
+    """Return by line the greatest gain in log-likelihood of a torque whose components share one variance."""
     norm = np.sqrt(np.mean(np.abs(response) ** 2, axis=(0, 1)))
     response = response / np.where(norm > 0, norm, 1.0)
     seen = np.einsum("lij,li->lj", response.conj(), white)

@@ -1,4 +1,4 @@
-"""The gap monitor: takes states and commands of a robot as they come, tells how far its model is from it, and where."""
+"""The gap monitor: detects and locates deviations of a running robot from its model, from states and commands."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.monitor.alarms import Alarms, Level, MotorAlarm
-from flexros.monitor.disturbance_location import Suspicion, close, places_of, suspicions
+from flexros.monitor.disturbance_location import LocationGain, close, locations_of, ranked_locations
 from flexros.monitor.sample_stream import SampleStream
 from flexros.monitor.thresholds import FALSE_ALARMS, thresholds
 from flexros.monitor.watch import Watch
@@ -24,57 +24,57 @@ if TYPE_CHECKING:
     from flexros.monitor.design import Design
     from flexros.monitor.design_book import DesignBook
     from flexros.monitor.topic_queue import Counts
-    from flexros.monitor.watch import Missed
+    from flexros.monitor.watch import WindowResult
     from flexros.robot import Robot
 
 RECENT = 10
-"""Windows over which the running gap is taken: a second (chosen)."""
+"""Windows over which the current gap is averaged: a second (chosen)."""
 LOOKED_AT = 20
-"""Windows whose errors are kept for the place of the gap: two seconds (chosen)."""
+"""Windows whose innovations are kept to locate the gap: two seconds (chosen)."""
 FEWEST = 3
-"""Windows from which a place is told (chosen)."""
+"""Fewest windows that locate a gap (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class MotorReading:
-    """What the monitor tells of a motor, over the last second.
+    """Figures of a motor over the last second.
 
     Attributes:
         name: Name of the motor.
         alarm: Its state.
         gap: Larger of the two below [1].
-        sudden: Sudden part of the prediction errors, rms over that of noise [1].
-        slow: Missing torque, rms over that of noise [1].
-        torque: Missing torque, mean and rms [Nm or N].
-        torque_floor: Rms of the missing torque that noise alone shows [Nm or N].
+        innovation: Rms of the innovations over that of noise [1].
+        disturbance: Rms of the disturbance torque over that of noise [1].
+        torque: Disturbance torque, mean and rms [Nm or N].
+        torque_floor: Rms of the disturbance torque estimated from noise alone [Nm or N].
     """
 
     name: str
     alarm: MotorAlarm
     gap: float
-    sudden: float
-    slow: float
+    innovation: float
+    disturbance: float
     torque: tuple[float, float]
     torque_floor: float
 
 
 @dataclass(frozen=True, eq=False)
 class MonitorReading:
-    """What the monitor tells of a robot.
+    """Figures of a robot.
 
     Attributes:
-        stamp: Stamp up to which it has watched [ns]; -1 before the first window.
+        stamp: Stamp of the last window [ns]; -1 before the first one.
         motors: Its motors.
-        settling: Whether the twin is still finding the robot, so that nothing is watched.
-        suspected: Places of the gap, the likeliest first; empty where there is none.
-        seen: Share of the time that was watched [1].
+        settling: Whether the observer is still converging, so that nothing is monitored.
+        locations: Likely locations of the gap, the most likely first; empty where there is none.
+        seen: Share of the time that was monitored [1].
         unpaired: Time of the newest states for which there are no commands [s].
     """
 
     stamp: int
     motors: tuple[MotorReading, ...]
     settling: bool
-    suspected: tuple[Suspicion, ...]
+    locations: tuple[LocationGain, ...]
     seen: float
     unpaired: float
 
@@ -85,16 +85,16 @@ class MonitorReading:
 
 
 class GapMonitor:
-    """Watches a robot beside its nominal twin; pure, a function of the messages alone.
+    """Monitors a robot with an observer model; a function of the messages alone.
 
     Args:
-        model: The nominal model, robot and laws of effects that are known.
+        model: The nominal model: robot and laws of known effects.
         false_alarms: Rate of false alarms of the whole monitor [1/h].
-        calibration: What the robot misses as it is accepted; None for a robot that is as its model.
+        calibration: Accepted deviations of the robot; None for an exact model.
 
     Attributes:
-        windows: Windows that were watched.
-        settled: Windows in which the twin was finding the robot.
+        windows: Windows that were monitored.
+        settled: Windows in which the observer was converging.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class GapMonitor:
         self.stream = SampleStream(model.robot.sample_time, model.robot.n_motors)
         self._watch: Watch | None = None
         self._alarms: Alarms | None = None
-        self._missed: deque[Missed] = deque(maxlen=LOOKED_AT)
+        self._results: deque[WindowResult] = deque(maxlen=LOOKED_AT)
         self._stamp = -1
         self.windows = self.settled = 0
 
@@ -115,7 +115,7 @@ class GapMonitor:
 
     @property
     def counts(self) -> Counts:
-        """What happened to the messages."""
+        """Counts of messages and windows."""
         return self.stream.counts
 
     @property
@@ -123,73 +123,73 @@ class GapMonitor:
         """Designs for the poses of the robot, once the sample time is known.
 
         Raises:
-            InputError: It is not known as yet.
+            InputError: It is not known yet.
         """
         if self._watch is None:
-            raise InputError("the monitor has no design before it knows the sample time; give it messages first")
+            raise InputError("the monitor has no design before the sample time is known; add messages first")
         return self._watch.book
 
     @property
     def alarms(self) -> int:
-        """Times that there was an alarm."""
+        """Number of alarms."""
         return 0 if self._alarms is None else self._alarms.raised
 
     @property
     def warnings(self) -> int:
-        """Times that there was a warning or an alarm."""
+        """Number of warnings and alarms."""
         return 0 if self._alarms is None else self._alarms.warned
 
     @property
     def runaways(self) -> int:
-        """Times that the twin lost the robot."""
+        """Number of times that the observer diverged."""
         return 0 if self._watch is None else self._watch.runaways
 
     def add_states(self, stamp: IntArray, position: FloatArray) -> None:
-        """Take measurements: stamps [ns], shape (n,), and motor positions [rad or m], shape (n, M)."""
+        """Add measurements: stamps [ns], shape (n,), and motor positions [rad or m], shape (n, M)."""
         self.stream.add_states(stamp, position)
 
     def add_commands(self, stamp: IntArray, torque: FloatArray) -> None:
-        """Take commands: stamps [ns], shape (n,), and torques [Nm or N], shape (n, M)."""
+        """Add commands: stamps [ns], shape (n,), and torques [Nm or N], shape (n, M)."""
         self.stream.add_commands(stamp, torque)
 
-    def advance(self) -> list[Missed]:
-        """Watch what is complete.
+    def advance(self) -> list[WindowResult]:
+        """Evaluate the complete windows.
 
         Returns:
-            What the twin missed in each window that could be watched.
+            Results of the windows that could be evaluated.
 
         Raises:
-            InputError: The rate of the states is none that can be watched.
+            InputError: The rate of the states is outside the limits.
         """
-        return [missed for missed in self.each() if missed is not None]
+        return [result for result in self.each() if result is not None]
 
-    def each(self) -> Iterator[Missed | None]:
-        """Watch what is complete, and give what the twin missed window by window; None where it found the robot.
+    def each(self) -> Iterator[WindowResult | None]:
+        """Evaluate the complete windows one by one; yield None while the observer converges.
 
         Raises:
-            InputError: The rate of the states is none that can be watched.
+            InputError: The rate of the states is outside the limits.
         """
         for window in self.stream.windows():
             watch, alarms = self._made()
             runaways = watch.runaways
             if window.stamp < self._stamp:
                 alarms.forget()
-            missed = watch.take(window)
+            result = watch.take(window)
             self._stamp = window.stamp
             if watch.runaways > runaways:
-                alarms.lost(window.stamp)
-            if missed is None:
+                alarms.diverged(window.stamp)
+            if result is None:
                 self.settled += 1
-                self._missed.clear()
-                alarms.begin_anew()
+                self._results.clear()
+                alarms.restart()
             else:
                 self.windows += 1
-                self._missed.append(missed)
-                values = np.concatenate([missed.sudden, missed.slow])
+                self._results.append(result)
+                values = np.concatenate([result.innovation, result.disturbance])
                 if self._calibration is not None:
-                    values = values / self._calibration.expected(missed.motion)
+                    values = values / self._calibration.expected(result.motion)
                 alarms.take(window.stamp, values)
-            yield missed
+            yield result
 
     @property
     def level(self) -> Level:
@@ -197,18 +197,18 @@ class GapMonitor:
         return Level.OK if self._alarms is None else Level(int(self._alarms.levels(self._stamp).max()))
 
     def reading(self) -> MonitorReading:
-        """Tell what was found."""
+        """Return the current figures."""
         if self._watch is None or self._alarms is None:
             return MonitorReading(-1, (), True, (), 0.0, self.stream.unpaired)
         states = self._alarms.states(self._stamp)
         passed = self.windows + self.settled + self.counts.lost_windows
-        suspected = self._suspected() if any(state.level for state in states) else ()
+        locations = self._locations() if any(state.level for state in states) else ()
         motors = self._motors(states)
         seen = self.windows / max(passed, 1)
-        return MonitorReading(self._stamp, motors, self._watch.settling, suspected, seen, self.stream.unpaired)
+        return MonitorReading(self._stamp, motors, self._watch.settling, locations, seen, self.stream.unpaired)
 
     def _made(self) -> tuple[Watch, Alarms]:
-        """Make twin and thresholds once the sample time is known, and anew where it has changed."""
+        """Create observer and thresholds once the sample time is known, and again where it has changed."""
         stream = self.stream
         if self._watch is None or self._alarms is None or self._watch.sample_time != stream.sample_time:
             self._watch = watch = Watch(self._model, stream.sample_time, stream.samples)
@@ -218,49 +218,49 @@ class GapMonitor:
         return self._watch, self._alarms
 
     def _motors(self, states: tuple[MotorAlarm, ...]) -> tuple[MotorReading, ...]:
-        recent = list(self._missed)[-RECENT:]
+        recent = list(self._results)[-RECENT:]
         assert self._watch is not None
         names, M = self._model.robot.joint_names, len(states)
-        sudden, slow = (
-            np.sqrt(np.mean([getattr(one, name) for one in recent], axis=0)) if recent else np.full(M, np.nan)
-            for name in ("sudden", "slow")
+        innovation, disturbance = (
+            np.sqrt(np.mean([getattr(result, name) for result in recent], axis=0)) if recent else np.full(M, np.nan)
+            for name in ("innovation", "disturbance")
         )
         torque = np.full((2, M), np.nan)
         if recent:
-            torque[0] = np.mean([one.torque[0] for one in recent], axis=0)
-            torque[1] = np.sqrt(np.mean([one.torque[1] ** 2 for one in recent], axis=0))
+            torque[0] = np.mean([result.torque[0] for result in recent], axis=0)
+            torque[1] = np.sqrt(np.mean([result.torque[1] ** 2 for result in recent], axis=0))
         floors = self._watch.here.design.torque_spread
         return tuple(
             MotorReading(
                 name=names[motor],
                 alarm=states[motor],
-                gap=float(max(sudden[motor], slow[motor])),
-                sudden=float(sudden[motor]),
-                slow=float(slow[motor]),
+                gap=float(max(innovation[motor], disturbance[motor])),
+                innovation=float(innovation[motor]),
+                disturbance=float(disturbance[motor]),
                 torque=(float(torque[0, motor]), float(torque[1, motor])),
                 torque_floor=float(floors[motor]),
             )
             for motor in range(M)
         )
 
-    def _suspected(self) -> tuple[Suspicion, ...]:
-        """Say where the gap of the last seconds lies; nothing where too little of it is known."""
+    def _locations(self) -> tuple[LocationGain, ...]:
+        """Locate the gap of the last seconds; empty where too few windows are available."""
         assert self._watch is not None
-        stretch = _longest_stretch(list(self._missed))
+        stretch = _longest_stretch(list(self._results))
         if len(stretch) < FEWEST:
             return ()
-        found: Design = stretch[-1].design
-        errors = np.concatenate([one.sudden_part for one in stretch])
+        design: Design = stretch[-1].design
+        innovations = np.concatenate([result.innovations for result in stretch])
         robot, book = self._model.robot, self._watch.book
-        ranked = suspicions(errors, found, places_of(robot, found), book.noise, self.stream.sample_time)
+        ranked = ranked_locations(innovations, design, locations_of(robot, design), book.noise, self.stream.sample_time)
         return close(ranked)
 
 
-def _longest_stretch(missed: list[Missed]) -> list[Missed]:
-    """Give the longest run of windows with one design, the last one of several."""
-    best: list[Missed] = []
-    run: list[Missed] = []
-    for one in missed:
-        run = [*run, one] if run and run[-1].design is one.design else [one]
+def _longest_stretch(results: list[WindowResult]) -> list[WindowResult]:
+    """Return the longest run of windows with one design, the last one of several."""
+    best: list[WindowResult] = []
+    run: list[WindowResult] = []
+    for result in results:
+        run = [*run, result] if run and run[-1].design is result.design else [result]
         best = run if len(run) >= len(best) else best
     return best

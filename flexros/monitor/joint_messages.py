@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class JointMessages:
-    """Reads messages of one topic; the layout of the last sender is remembered.
+    """Decodes messages of one topic; the layout of the last sender is kept.
 
     Args:
         robot: The robot whose motors are wanted.
@@ -28,8 +28,8 @@ class JointMessages:
         field: "position" or "effort".
 
     Attributes:
-        unusable: Messages that could not be used.
-        problem: Why the last one of them could not be used; empty where all could.
+        unusable: Number of messages that could not be used.
+        problem: Reason for the last of them; empty where all could be used.
     """
 
     def __init__(self, robot: Robot, topic: str, field: str) -> None:
@@ -41,21 +41,21 @@ class JointMessages:
         self.problem = ""
 
     def take(self, messages: Sequence[bytes]) -> tuple[IntArray, FloatArray]:
-        """Read messages.
+        """Decode messages.
 
         Args:
-            messages: Serialised messages, in the order in which they came.
+            messages: Serialised messages in the order of arrival.
 
         Returns:
             Stamps [ns], shape (n,), and values of the field in the order of the motors, shape (n, M).
         """
-        found = self._at_once(messages) or [one for message in messages for one in self._one(message)]
+        found = self._at_once(messages) or [decoded for message in messages for decoded in self._one(message)]
         if not found:
             return np.zeros(0, dtype=np.int64), np.zeros((0, self._robot.n_motors))
         return np.concatenate([stamp for stamp, _ in found]), np.concatenate([values for _, values in found])
 
     def _at_once(self, messages: Sequence[bytes]) -> list[tuple[IntArray, FloatArray]]:
-        """Read messages that all have the known layout; nothing where one has not."""
+        """Decode messages of the known layout; empty where one has another."""
         if self._layout is None or not messages or len(set(map(len, messages))) > 1:
             return []
         table = np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
@@ -65,7 +65,7 @@ class JointMessages:
         return [(layout.stamps(table), layout.numbers(table, self._span)[:, self._columns])]
 
     def _one(self, message: bytes) -> list[tuple[IntArray, FloatArray]]:
-        """Read a message of any layout; nothing where it cannot be used."""
+        """Decode a message of any layout; empty where it cannot be used."""
         if found := self._at_once([message]):
             return found
         try:

@@ -1,13 +1,13 @@
-"""A bound on the load of an observer: it works for a while, and passes over what it has no time for."""
+"""Bound on the processor load of the monitor: messages beyond its time budget are skipped."""
 
 from __future__ import annotations
 
 REST = 10.0
-"""Time over which the load is spread [s] (chosen): what is watched hangs together for as long."""
+"""Time over which the load is averaged [s] (chosen): monitored stretches are contiguous for as long."""
 
 
 class LoadBudget:
-    """Processor time that may be used, saved up while nothing is done.
+    """Budget of processor time, which accumulates while idle.
 
     Args:
         share: Share of one processor that may be used [1].
@@ -20,10 +20,10 @@ class LoadBudget:
         self._open = True
 
     def allows(self, now: float) -> bool:
-        """Tell whether there is time left; once there was none, not before half of it has been saved up again.
+        """Return whether time is left; once exhausted, half of the budget must accumulate first.
 
         Args:
-            now: Time of a clock that runs evenly [s].
+            now: Time of a monotonic clock [s].
         """
         if self._last is not None:
             self._saved = min(self._saved + self._share * (now - self._last), self._share * REST)
@@ -32,5 +32,5 @@ class LoadBudget:
         return self._open
 
     def use(self, time: float) -> None:
-        """Take off processor time that was used [s]."""
+        """Subtract processor time that was used [s]."""
         self._saved -= time

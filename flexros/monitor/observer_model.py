@@ -1,4 +1,4 @@
-"""The nominal twin: the model of the robot with the torques of the robot, tied to its encoders, window by window."""
+"""The observer model: the nominal model, driven by the torques of the robot and corrected by its encoders."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ if TYPE_CHECKING:
     from flexros.monitor.sample_stream import Window
 
 LONGEST_STEP = 5e-4
-"""Longest integration step [s]; lower rates take several steps per sample."""
+"""Longest integration step [s]; lower rates need several steps per sample."""
 LOOK = 0.02
-"""Time at the start from which the speed of the motors is read [s] (chosen)."""
+"""Initial time from which the speed of the motors is estimated [s] (chosen)."""
 MOVING = 5.0
-"""Speed over its standard deviation from which a start counts as in motion [1] (chosen)."""
+"""Speed over its standard deviation above which the robot starts in motion [1] (chosen)."""
 RUN_AWAY = 1e3
-"""Prediction error from which the twin has lost the robot [rad or m] (chosen)."""
+"""Prediction error beyond which the observer has diverged [rad or m] (chosen)."""
 
 
 class ObserverModel:
-    """The model that runs beside the robot.
+    """Observer model of a running robot.
 
     Args:
         model: The nominal model, robot and laws of effects.
@@ -34,7 +34,7 @@ class ObserverModel:
 
     Attributes:
         robot: The robot of the model.
-        starts_in_motion: Whether the robot moved when the twin began.
+        starts_in_motion: Whether the robot moved at the initial state.
     """
 
     def __init__(self, model: RobotWithEffects, sample_time: float) -> None:
@@ -51,7 +51,7 @@ class ObserverModel:
         self.starts_in_motion = False
 
     def begin(self, window: Window) -> None:
-        """Put the twin where the robot is: at rest, or as a stiff robot moves.
+        """Set the initial state: at rest, or moving as a stiff robot.
 
         Args:
             window: First window.
@@ -76,12 +76,12 @@ class ObserverModel:
         """Predict a window.
 
         Args:
-            window: The window, which follows on the one before.
-            gain: Gain of the twin, shape (2 n, M).
+            window: The window, which follows the one before.
+            gain: Gain of the observer, shape (2 n, M).
 
         Returns:
-            Prediction errors [rad or m], zero where nothing was measured, shape (samples, M); None where the twin has
-            lost the robot.
+            Prediction errors [rad or m], zero where nothing was measured, shape (samples, M); None where the observer
+            has diverged.
         """
         length = self._loop.line_length
         found = self._loop.run(
@@ -99,9 +99,9 @@ class ObserverModel:
         return errors if np.all(np.abs(errors) < RUN_AWAY) else None
 
     def correct(self, shift: FloatArray) -> None:
-        """Move the state.
+        """Correct the state.
 
         Args:
-            shift: What is added to positions and speeds of the robot, shape (2 n,).
+            shift: Correction of positions and speeds of the robot, shape (2 n,).
         """
         self._state = self._state + self._plant.corrections(shift[:, None])

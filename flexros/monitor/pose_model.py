@@ -1,4 +1,4 @@
-"""Linear model of a robot at rest, for any position of its motors."""
+"""Linear model of a robot at equilibrium, for any position of its motors."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 SAME = 1e-9
-"""Relative difference up to which two linear models count as the same [1] (chosen)."""
+"""Relative difference up to which two linear models count as equal [1] (chosen)."""
 TRIED = 0.3
-"""Angle, or length over metre, by which a motor is moved to see whether the linear model changes (chosen)."""
+"""Displacement of a motor that tests whether the linear model changes [rad or m] (chosen)."""
 LOADS = (0.01, 0.03, 0.1, 0.3, 1.0)
-"""Torques in a gear, over the torque limit, at which its stiffness is looked at (chosen)."""
+"""Torques in a gear, over the torque limit, at which its stiffness is evaluated (chosen)."""
 FARTHEST_BACK = 3
-"""Times that a pose without rest is halved on the way to the home pose before home itself is taken (chosen)."""
+"""Halvings of the way to the home pose in search of an equilibrium, before home itself is used (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class LinearPose:
-    """Motion x = [q, q'] from one sample to the next about a rest: x <- F x + B f, motor positions C x.
+    """Motion x = [q, q'] from one sample to the next about an equilibrium: x <- F x + B f, motor positions C x.
 
     Attributes:
         transition: F, shape (2 n, 2 n) for n coordinates.
@@ -92,24 +92,24 @@ class PoseModel:
         return LinearPose(both[: 2 * n, : 2 * n], both[: 2 * n, 2 * n :], readout, mass, stiffness, motor, tool[:, :3])
 
     def loaded(self) -> list[LinearPose]:
-        """Linearise the robot in its home pose with loaded gears, where that changes their stiffness."""
+        """Linearise the robot in its home pose with loaded gears, where load changes their stiffness."""
         found: list[LinearPose] = []
         limits = self.robot.torque_limits
-        for motor, place in enumerate(self.robot.motor_rows):
+        for motor, row in enumerate(self.robot.motor_rows):
             state = self._rest_at_home.copy()
-            stiffness = self._linear(state).stiffness[place, place]
-            if not np.isfinite(limits[motor]) or not stiffness > 0 or place == self.robot.gear_rows[motor]:
+            stiffness = self._linear(state).stiffness[row, row]
+            if not np.isfinite(limits[motor]) or not stiffness > 0 or row == self.robot.gear_rows[motor]:
                 continue
             for torque in np.outer((1.0, -1.0), LOADS).ravel() * limits[motor]:
-                state[place] = self._rest_at_home[place] + torque / stiffness
-                one = self._linear(state)
-                known = [stiffness, *(other.stiffness[place, place] for other in found)]
-                if all(abs(one.stiffness[place, place] / value - 1) > SAME for value in known):
-                    found.append(one)
+                state[row] = self._rest_at_home[row] + torque / stiffness
+                pose = self._linear(state)
+                known = [stiffness, *(other.stiffness[row, row] for other in found)]
+                if all(abs(pose.stiffness[row, row] / value - 1) > SAME for value in known):
+                    found.append(pose)
         return found
 
     def matters(self) -> tuple[bool, ...]:
-        """Tell for each motor whether the linear model changes with its position, length M."""
+        """Return for each motor whether the linear model changes with its position, length M."""
         at_home, found = self.at(self.home), []
         for motor in range(self.robot.n_motors):
             moved = self.home.copy()
@@ -120,7 +120,7 @@ class PoseModel:
         return tuple(found)
 
     def _rest(self, motor_position: FloatArray) -> FloatArray:
-        """Find the rest with the motors held; nearer to home where the springs do not balance gravity."""
+        """Find the equilibrium with the motors held; nearer to home where the springs do not balance gravity."""
         for halved in range(FARTHEST_BACK + 1):
             try:
                 return self.robot.equilibrium(motor_position=self.home + (motor_position - self.home) / 2**halved)

@@ -1,7 +1,7 @@
-"""How rarely noise alone makes a mean square large: tail of weighted sums of squares of normal variables.
+"""Tail probability of the mean square of noise: a weighted sum of squares of normal variables.
 
-P(sum_i w_i z_i^2 > x) by the saddlepoint formula of Lugannani and Rice (1980), which stays within a few per cent far
-out in the tail, where no simulation reaches (Kuonen 1999).
+P(sum_i w_i z_i^2 > x) by the saddlepoint formula of Lugannani and Rice (1980), which is accurate to a few per cent far
+out in the tail, beyond the reach of simulation (Kuonen 1999).
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 EXACT = 256
-"""Number of samples up to which the covariance matrix itself is taken apart (chosen)."""
+"""Most samples for an eigenvalue decomposition of the covariance matrix (chosen)."""
 FEWER = 2048
-"""Number of weights by which longer windows are described (chosen)."""
+"""Number of weights of longer windows (chosen)."""
 
 
 def weights_of_mean_square(autocovariance: FloatArray, samples: int) -> tuple[FloatArray, float]:
@@ -30,7 +30,7 @@ def weights_of_mean_square(autocovariance: FloatArray, samples: int) -> tuple[Fl
         samples: Samples n of the window.
 
     Returns:
-        Weights, shape (k,), and how often each of them counts; the sum over all is one.
+        Weights, shape (k,), and the multiplicity of each; the sum over all is one.
     """
     r = np.zeros(max(samples, 2))
     known = min(len(autocovariance), samples)
@@ -40,8 +40,8 @@ def weights_of_mean_square(autocovariance: FloatArray, samples: int) -> tuple[Fl
         return weights / weights.sum(), 1.0
     # long windows: the eigenvalues are the spectrum
     spectrum = np.fft.rfft(np.concatenate([r[: samples // 2], r[1 : samples // 2][::-1]])).real
-    place = (np.arange(min(FEWER, samples)) + 0.5) / min(FEWER, samples) * (len(spectrum) - 1)
-    weights = np.clip(np.interp(place, np.arange(len(spectrum)), spectrum), 0.0, None)
+    line = (np.arange(min(FEWER, samples)) + 0.5) / min(FEWER, samples) * (len(spectrum) - 1)
+    weights = np.clip(np.interp(line, np.arange(len(spectrum)), spectrum), 0.0, None)
     times = samples / len(weights)
     return weights / (weights.sum() * times), times
 
@@ -51,7 +51,7 @@ def log_tail(weights: FloatArray, times: float, level: float) -> float:
 
     Args:
         weights: Weights w, shape (k,).
-        times: How often each of them counts.
+        times: Multiplicity of each weight.
         level: The level [1].
 
     Returns:
@@ -76,7 +76,7 @@ def threshold(weights: FloatArray, times: float, probability: float) -> float:
 
     Args:
         weights: Weights, shape (k,).
-        times: How often each of them counts.
+        times: Multiplicity of each weight.
         probability: The probability, below a tenth.
 
     Returns:

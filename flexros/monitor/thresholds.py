@@ -1,4 +1,4 @@
-"""Thresholds of the alarms for a rate of false ones: from noise alone, and from a log of what is accepted."""
+"""Thresholds for a rate of false alarms: from noise alone, and from a log of accepted operation."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.monitor.design import autocovariances, floors_elsewhere
+from flexros.monitor.design import autocovariances, floor_ratios
 from flexros.monitor.sample_stream import WINDOW
 from flexros.monitor.tail import threshold, weights_of_mean_square
 
@@ -18,25 +18,25 @@ if TYPE_CHECKING:
     from flexros.monitor.pose_model import LinearPose
 
 LENGTHS = (1, 10, 100)
-"""Over how many windows a mean square is taken before it is judged (chosen): 0.1, 1 and 10 s."""
+"""Windows over which mean squares are evaluated (chosen): 0.1, 1 and 10 s."""
 FALSE_ALARMS = 1e-3
 """Default rate of false alarms of the whole monitor [1/h]: one in 1000 h."""
 WARNINGS = 100.0
 """False warnings for each false alarm [1] (chosen)."""
 LAGS = 4096
-"""Lags of the autocovariances that are computed (chosen)."""
+"""Lags of the autocovariances (chosen)."""
 MOST_LIKELY = 0.01
-"""Largest probability of a false alarm of one mean square, whatever rate is asked for [1] (chosen)."""
+"""Largest probability of a false alarm of one mean square, for any rate [1] (chosen)."""
 HOUR = 3600.0
 """Seconds of an hour."""
 
 
 @dataclass(frozen=True, eq=False)
 class Thresholds:
-    """Mean squares over those of noise from which there is a warning and an alarm.
+    """Mean squares over those of noise that raise a warning and an alarm.
 
     Attributes:
-        warning: Of the sudden parts of all motors, then of their missing torques, for each length, shape (3, 2 M).
+        warning: Of innovations of all motors, then of their disturbance torques, for each length, shape (3, 2 M).
         alarm: The same for alarms, shape (3, 2 M).
     """
 
@@ -51,29 +51,30 @@ def thresholds(
     false_alarms: float = FALSE_ALARMS,
     calibration: Calibration | None = None,
 ) -> Thresholds:
-    """Set the thresholds.
+    """Compute the thresholds.
 
-    All signals and lengths have the same share of the rate, so that the whole monitor keeps it whichever of them raise
-    the alarm.
+    All signals and lengths have the same share of the rate, so that the whole monitor keeps it.
 
     Args:
         book: Designs for the poses of the robot.
         samples: Samples of a window.
         false_alarms: Rate of false alarms of the whole monitor [1/h].
-        calibration: What the robot misses as it is accepted; None for a robot that is as its model.
+        calibration: Accepted deviations of the robot; None for an exact model.
 
     Returns:
-        The thresholds; those of noise, or those of the calibration where they are larger.
+        The larger thresholds of noise and calibration.
     """
     found = [_by_noise(book, samples, rate) for rate in (WARNINGS * false_alarms, false_alarms)]
     if calibration is not None:
         rates = (WARNINGS * false_alarms, false_alarms)
-        found = [np.maximum(one, calibration.levels(chances_of(one.shape[1], rate))) for one, rate in zip(found, rates)]
+        found = [
+            np.maximum(level, calibration.levels(chances_of(level.shape[1], rate))) for level, rate in zip(found, rates)
+        ]
     return Thresholds(*found)
 
 
 def chances_of(signals: int, rate: float) -> FloatArray:
-    """Give the probability of a false alarm that one mean square of each length may have, shape (3,).
+    """Return the allowed probability of a false alarm of one mean square of each length, shape (3,).
 
     Args:
         signals: Number of signals.
@@ -83,14 +84,14 @@ def chances_of(signals: int, rate: float) -> FloatArray:
 
 
 def _by_noise(book: DesignBook, samples: int, rate: float) -> FloatArray:
-    """Set the thresholds of noise, the largest of all situations of the gears."""
+    """Return the thresholds of noise, the largest of all loads of the gears."""
     found = [_in_situation(book, pose, samples, rate) for pose in book.situations()]
     return np.asarray(np.max(found, axis=0))
 
 
 def _in_situation(book: DesignBook, pose: LinearPose, samples: int, rate: float) -> FloatArray:
     home = book.at(book.home).design
-    covariance, floors = autocovariances(home, pose, book.noise, LAGS), floors_elsewhere(home, pose, book.noise)
+    covariance, floors = autocovariances(home, pose, book.noise, LAGS), floor_ratios(home, pose, book.noise)
     M = len(book.noise)
     chances = chances_of(2 * M, rate)
     found = np.empty((len(LENGTHS), 2 * M))

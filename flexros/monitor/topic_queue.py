@@ -1,4 +1,4 @@
-"""Messages of one topic that wait for those of another, by their stamps."""
+"""Queue of the messages of one topic, ordered by stamp."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
 
 JUMP = 1_000_000_000
-"""Stamps that go back by more than this begin anew; less is a message that came late [ns] (chosen)."""
+"""Backward jump of the stamps that counts as a reset; a smaller one is a late message [ns] (chosen)."""
 
 
 @dataclass
 class Counts:
-    """What happened to the messages.
+    """Counts of messages and windows.
 
     Attributes:
-        states: States taken.
-        commands: Commands taken.
-        late: Messages that were stamped no later than one before them: repeated, or out of order.
+        states: States received.
+        commands: Commands received.
+        late: Messages stamped no later than one before them: repeated, or out of order.
         unusable: Messages with a value that is not finite.
         missing: States that are missing.
-        lost_windows: Windows that could not be put together.
-        restarts: Times that the stream began anew.
+        lost_windows: Windows with missing samples or commands.
+        restarts: Number of starts of the stream.
     """
 
     states: int = 0
@@ -39,13 +39,13 @@ class Counts:
 
 @dataclass
 class TopicQueue:
-    """Messages of a topic that wait, stamps increasing.
+    """Waiting messages of a topic, stamps increasing.
 
     Attributes:
         stamp: Stamps [ns], shape (n,).
         values: Values, shape (n, M).
-        last: Latest stamp that was taken [ns].
-        epoch: Times that the stamps have jumped back.
+        last: Latest stamp received [ns].
+        epoch: Number of resets of the stamps.
     """
 
     stamp: IntArray
@@ -55,11 +55,11 @@ class TopicQueue:
 
     @classmethod
     def empty(cls, motors: int) -> TopicQueue:
-        """Make a queue for values of so many motors."""
+        """Return an empty queue for a number of motors."""
         return cls(np.zeros(0, dtype=np.int64), np.zeros((0, motors)))
 
     def add(self, stamp: IntArray, values: FloatArray, counts: Counts) -> None:
-        """Take messages; begin anew where stamps jump back."""
+        """Add messages; discard the older ones where stamps jump back."""
         while len(stamp):
             before = np.maximum.accumulate(np.concatenate([[self.last], stamp]))[:-1]
             back = np.flatnonzero(stamp < before - JUMP)

@@ -1,4 +1,4 @@
-"""Watching a robot window by window: what the twin misses, once it has found the robot."""
+"""Observer model and disturbance filter, window by window."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from flexros.errors import InputError
 from flexros.monitor.design_book import DesignBook
 from flexros.monitor.observer_model import ObserverModel
+from flexros.record.missing_samples import bridged
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray
@@ -19,42 +20,42 @@ if TYPE_CHECKING:
     from flexros.monitor.sample_stream import Window
 
 CORRECTIONS = 5
-"""Times that the twin is moved to where its filter sees the robot, after a start in motion (chosen)."""
+"""Corrections of the observer state by its filter after a start in motion (chosen)."""
 BETWEEN = 2.0
-"""Time between them in time constants of the filter: an error falls to a seventh each time (chosen)."""
+"""Time between them, in time constants of the filter: each reduces an error to a seventh (chosen)."""
 AT_REST = 3.0
-"""Time that a start at rest takes, in time constants of the filter (chosen)."""
+"""Time to converge after a start at rest, in time constants of the filter (chosen)."""
 PARTS = 4
-"""Parts of a window from whose mean positions speeds and accelerations are taken (chosen)."""
+"""Parts of a window whose mean positions give speeds and accelerations (chosen)."""
 STAYS = 1.0
-"""Shortest time with one design [s]: making one takes some 40 ms for six axes (chosen)."""
+"""Shortest time with one design [s]; computing one takes about 40 ms for six axes (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Missed:
-    """What the twin missed in a window.
+class WindowResult:
+    """Result of a window.
 
     Attributes:
         stamp: Stamp of the first sample [ns].
-        sudden: Mean square of the sudden part of its errors, over that of noise [1], shape (M,).
-        slow: Mean square of the missing torques, over that of noise [1], shape (M,).
-        torque: Missing torque, mean and rms [Nm or N], shape (2, M).
+        innovation: Mean square of the innovations over that of noise [1], shape (M,).
+        disturbance: Mean square of the disturbance torques over that of noise [1], shape (M,).
+        torque: Disturbance torque, mean and rms [Nm or N], shape (2, M).
         motion: Mean squares of torques, speeds and accelerations of the motors [SI], shape (3 M,).
-        sudden_part: Sudden part of the prediction errors [rad or m], shape (samples, M).
-        design: Design that made it.
+        innovations: Innovations of the filter [rad or m], shape (samples, M).
+        design: Design in use.
     """
 
     stamp: int
-    sudden: FloatArray
-    slow: FloatArray
+    innovation: FloatArray
+    disturbance: FloatArray
     torque: FloatArray
     motion: FloatArray
-    sudden_part: FloatArray
+    innovations: FloatArray
     design: Design
 
 
 class Watch:
-    """Runs the twin and its filter.
+    """Runs the observer model and its filter.
 
     Args:
         model: The nominal model.
@@ -64,13 +65,13 @@ class Watch:
     Attributes:
         sample_time: Time between two samples [s].
         book: Designs for poses.
-        settling: Whether the twin is still finding the robot.
-        runaways: Times that it lost the robot.
+        settling: Whether the observer is still converging.
+        runaways: Number of times that it diverged.
     """
 
     def __init__(self, model: RobotWithEffects, sample_time: float, samples: int) -> None:
         self.book = DesignBook(model, sample_time, samples)
-        self._twin = ObserverModel(model, sample_time)
+        self._observer = ObserverModel(model, sample_time)
         self.sample_time, self._samples = sample_time, samples
         self._stay = max(round(STAYS / (sample_time * samples)), 1)
         self._cell = self.book.home
@@ -84,42 +85,41 @@ class Watch:
         """The design in use."""
         return self._here
 
-    def take(self, window: Window) -> Missed | None:
-        """Take the next window.
+    def take(self, window: Window) -> WindowResult | None:
+        """Evaluate the next window.
 
         Args:
             window: The window.
 
         Returns:
-            What the twin missed; None while it is finding the robot.
+            The result; None while the observer converges.
         """
         try:
-            if window.anew or not self._running:
+            if window.restarted or not self._running:
                 self._begin(window)
             self._follow_pose(window.position[0])
-            errors = self._twin.run(window, self.book.gain)
-        except (InputError, np.linalg.LinAlgError):  # no rest, or no filter, where the robot is said to be
+            errors = self._observer.run(window, self.book.gain)
+        except (InputError, np.linalg.LinAlgError):  # no equilibrium, or no filter, at these positions
             errors = None
         if errors is None:
             self.runaways += 1
             self._running, self.settling = False, True
             return None
         if not window.measured.all():
-            rows, there = np.arange(len(errors)), np.flatnonzero(window.measured)
-            errors = np.stack([np.interp(rows, there, column) for column in errors[there].T], axis=1)
-        sudden, torque = self._filtered(errors)
+            errors = bridged(errors, window.measured)
+        innovations, torque = self._filtered(errors)
         if self.settling:
             self._settle()
             return None
-        return self._missed(window, sudden, torque)
+        return self._result(window, innovations, torque)
 
     def _begin(self, window: Window) -> None:
-        self._twin.begin(window)
+        self._observer.begin(window)
         self._cell = self.book.cell(window.position[0])
         self._here = self.book.at(self._cell)
         self._since_design = 0
         self._state = np.zeros(len(self._here.lifted.A))
-        self._corrections = CORRECTIONS if self._twin.starts_in_motion else 0
+        self._corrections = CORRECTIONS if self._observer.starts_in_motion else 0
         self._wait = self._windows(BETWEEN if self._corrections else AT_REST)
         self._running = self.settling = True
 
@@ -127,7 +127,7 @@ class Watch:
         return int(np.ceil(time_constants * self._here.design.settling / self._samples))
 
     def _follow_pose(self, position: FloatArray) -> None:
-        """Take the design of another cell now and then."""
+        """Change to the design of another cell, not too often."""
         self._since_design += 1
         if self._since_design >= self._stay or self.settling:
             cell = self.book.cell(position)
@@ -135,7 +135,7 @@ class Watch:
                 self._cell, self._here, self._since_design = cell, self.book.at(cell), 0
 
     def _filtered(self, errors: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Lead errors through the filter: sudden parts, shape (samples, M), and missing torques, (blocks, M)."""
+        """Filter errors: innovations, shape (samples, M), and disturbance torques, shape (blocks, M)."""
         lifted, M = self._here.lifted, errors.shape[1]
         outputs = np.empty((self._samples // self.book.block, self.book.block, 2 * M))
         for number, block in enumerate(errors.reshape(-1, self.book.block * M)):
@@ -144,7 +144,7 @@ class Watch:
         return outputs[:, :, :M].reshape(-1, M), outputs[:, -1, M:]
 
     def _settle(self) -> None:
-        """Move the twin to where its filter sees the robot, when the filter has had its time."""
+        """Correct the observer state by its filter, after the time that the filter needs."""
         self._wait -= 1
         if self._wait > 0:
             return
@@ -152,27 +152,27 @@ class Watch:
             self.settling = False
             return
         robot = len(self.book.gain)
-        self._twin.correct(self._state[:robot])
+        self._observer.correct(self._state[:robot])
         self._state[:robot] = 0.0
         self._corrections -= 1
         self._wait = self._windows(BETWEEN)
 
     def _motion(self, window: Window) -> FloatArray:
-        """Tell how much the robot does: mean squares of torques, speeds and accelerations, shape (3 M,)."""
+        """Return the mean squares of torques, speeds and accelerations, shape (3 M,)."""
         parts = np.array_split(window.position, PARTS)
         step = self.sample_time * self._samples / PARTS
         position = np.array([part.mean(axis=0) for part in parts])
         rates = [np.diff(position, order, axis=0) / step**order for order in (1, 2)]
-        return np.concatenate([np.mean(one**2, axis=0) for one in (window.torque, *rates)])
+        return np.concatenate([np.mean(signal**2, axis=0) for signal in (window.torque, *rates)])
 
-    def _missed(self, window: Window, sudden: FloatArray, torque: FloatArray) -> Missed:
-        found = self._here.design
-        return Missed(
+    def _result(self, window: Window, innovations: FloatArray, torque: FloatArray) -> WindowResult:
+        design = self._here.design
+        return WindowResult(
             stamp=window.stamp,
-            sudden=np.mean(sudden[window.measured] ** 2, axis=0) / found.spread**2,
-            slow=np.mean(torque**2, axis=0) / found.torque_spread**2,
+            innovation=np.mean(innovations[window.measured] ** 2, axis=0) / design.spread**2,
+            disturbance=np.mean(torque**2, axis=0) / design.torque_spread**2,
             torque=np.stack([torque.mean(axis=0), np.sqrt(np.mean(torque**2, axis=0))]),
             motion=self._motion(window),
-            sudden_part=sudden,
-            design=found,
+            innovations=innovations,
+            design=design,
         )

@@ -1,4 +1,4 @@
-"""The monitor over a log: the same figures as beside the robot, at once."""
+"""The monitor applied to a log, with the same figures as on the running robot."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.logs.time_series import Log
     from flexros.monitor.gap_monitor import MonitorReading
-    from flexros.monitor.watch import Missed
+    from flexros.monitor.watch import WindowResult
 
 CHUNK = 2000
-"""Messages that are given to the monitor at once (chosen); the figures do not depend on it."""
+"""Messages passed to the monitor at once (chosen); the figures do not depend on it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Episode:
-    """An alarm, from its beginning.
+    """An alarm.
 
     Attributes:
-        stamp: Stamp up to which the monitor had watched when it told [ns].
-        since: Stamp from which on the gap shows [ns].
-        sentence: What it said, at the end of the episode or of the log, when most is known.
-        joint: Joint that it named, "tool" for the tool; empty where it named none.
-        kind: Kind of the place; empty where it named none.
+        stamp: Stamp of the last window when the alarm was raised [ns].
+        since: Stamp of the beginning of the gap [ns].
+        sentence: Statement at the end of the episode or of the log.
+        joint: Joint of the location, "tool" for the tool; empty where it is undetermined.
+        kind: Kind of the location; empty where it is undetermined.
     """
 
     stamp: int
@@ -46,49 +46,49 @@ class Episode:
 
 @dataclass(frozen=True, eq=False)
 class WatchedLog:
-    """What the monitor found in a log.
+    """Result of the monitor over a log.
 
     Attributes:
-        missed: What the twin missed, window by window.
+        results: Results of the windows.
         reading: Reading at the end.
-        episodes: Its alarms.
-        warnings: What was noticed, a sentence each.
+        episodes: Alarms.
+        warnings: What is doubtful, one sentence each.
     """
 
-    missed: tuple[Missed, ...]
+    results: tuple[WindowResult, ...]
     reading: MonitorReading
     episodes: tuple[Episode, ...]
     warnings: tuple[str, ...]
 
     @property
     def values(self) -> FloatArray:
-        """Mean squares of all windows over those of noise, sudden parts then missing torques, shape (windows, 2 M)."""
-        return np.array([np.concatenate([one.sudden, one.slow]) for one in self.missed])
+        """Mean squares of innovations, then of disturbance torques, over those of noise [1], shape (windows, 2 M)."""
+        return np.array([np.concatenate([result.innovation, result.disturbance]) for result in self.results])
 
     @property
     def motion(self) -> FloatArray:
-        """What the robot did in them: mean squares of torques, speeds and accelerations [SI], shape (windows, 3 M)."""
-        return np.array([one.motion for one in self.missed])
+        """Mean squares of torques, speeds and accelerations [SI], shape (windows, 3 M)."""
+        return np.array([result.motion for result in self.results])
 
 
 def watch_log(
     log: Log, monitor: GapMonitor, *, name: str, progress: Callable[[int, int], None] | None = None
 ) -> WatchedLog:
-    """Lead a log through a monitor.
+    """Apply a monitor to a log.
 
     Args:
         log: The log.
-        monitor: The monitor, fresh.
+        monitor: A new monitor.
         name: Name of the log, for messages.
-        progress: Called with the number of states done and of all, now and then.
+        progress: Called with the number of states processed and their total.
 
     Raises:
-        InputError: The log lacks positions or commands, or nothing of it could be watched.
+        InputError: The log lacks positions or commands, or no window could be evaluated.
     """
     states, commands = log.joint_states, log.joint_commands
     if states.position is None or commands is None or commands.effort is None:
         lacking = "positions in joint_states" if states.position is None else "torques in joint_commands"
-        raise InputError(f"{name} has no {lacking}, without which the model cannot run beside the robot; record them")
+        raise InputError(f"{name} has no {lacking}, without which the observer model cannot run; record them")
     warnings: list[str] = []
     robot = monitor.robot
     motors, owner = robot.joint_names, f"robot {robot.name}"
@@ -97,7 +97,7 @@ def watch_log(
     position = states.position[:, columns]
     columns = motor_columns(commands.names, motors, f"{name}: joint_commands", warnings, owner=owner, states=ordered)
     effort = commands.effort[:, columns]
-    missed: list[Missed] = []
+    results: list[WindowResult] = []
     episodes: list[Episode] = []
     done = 0
     for first in range(0, len(states.stamp), CHUNK):
@@ -108,34 +108,34 @@ def watch_log(
             last = int(np.searchsorted(commands.stamp, states.stamp[rows.stop - 1], side="right"))
         monitor.add_commands(commands.stamp[done:last], effort[done:last])
         done = last
-        for one in monitor.each():
-            if one is not None:
-                missed.append(one)
+        for result in monitor.each():
+            if result is not None:
+                results.append(result)
             if monitor.level is Level.ALARM and (monitor.alarms > len(episodes) or not monitor.windows % RECENT):
                 _note(episodes, monitor)
         if progress is not None:
             progress(min(rows.stop, len(states.stamp)), len(states.stamp))
-    if not missed and not episodes:
+    if not results and not episodes:
         raise InputError(f"{name}: {_why_nothing(monitor)}")
-    return WatchedLog(tuple(missed), monitor.reading(), tuple(episodes), tuple(dict.fromkeys(warnings)))
+    return WatchedLog(tuple(results), monitor.reading(), tuple(episodes), tuple(dict.fromkeys(warnings)))
 
 
 def _why_nothing(monitor: GapMonitor) -> str:
     counts = monitor.counts
     return (
-        f"nothing could be watched: {counts.states} states and {counts.commands} commands make "
-        f"{monitor.settled} windows of 0.1 s in which the model was still finding the robot, and {counts.lost_windows} "
-        "that lack samples; give a log of ten seconds or more"
+        f"no window could be evaluated: {counts.states} states and {counts.commands} commands make {monitor.settled} "
+        f"windows of 0.1 s in which the observer was still converging, and {counts.lost_windows} with missing samples; "
+        "give a log of ten seconds or more"
     )
 
 
 def _note(episodes: list[Episode], monitor: GapMonitor) -> None:
-    """Begin an episode with every alarm, and bring the last one up to date."""
+    """Add an episode for a new alarm, and update the last one."""
     reading = monitor.reading()
-    first = reading.suspected[0].place if reading.suspected else None
+    location = reading.locations[0].location if reading.locations else None
     if monitor.alarms > len(episodes):
         since = min(motor.alarm.since for motor in reading.motors if motor.alarm.level is Level.ALARM)
         episodes.append(Episode(reading.stamp, since, robot_sentence(reading), "", ""))
-    if first is not None:
+    if location is not None:
         begun = episodes[-1]
-        episodes[-1] = Episode(begun.stamp, begun.since, robot_sentence(reading), first.joint, first.kind)
+        episodes[-1] = Episode(begun.stamp, begun.since, robot_sentence(reading), location.joint, location.kind)

@@ -22,7 +22,7 @@ ARM_SHARE = 0.3
 DOUBLINGS = 40
 """Most doublings of the time over which noise is summed: 2^40 samples (chosen)."""
 REFERENCE_STEP = 5e-4
-"""Sample time for which the level of the torque noise is stated [s] (chosen); at others it has the same power density."""
+"""Sample time for which the level of torque noise is stated [s] (chosen); at others it has the same power density."""
 
 
 @dataclass(frozen=True)

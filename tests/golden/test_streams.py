@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.golden.streams import FILE, identification_reference, monitor_statuses
+from tests.golden.streams import FILE, MESSAGES, identification_reference, monitor_messages, monitor_statuses
 
 GOLDEN = json.loads(FILE.read_text(encoding="utf-8"))
 
@@ -25,8 +25,12 @@ def test_reference_of_an_identification(tmp_path: Path) -> None:
 
 def test_statuses_of_a_gap_monitor() -> None:
     found, golden = monitor_statuses(), GOLDEN["monitor_statuses"]
-    assert [one["says"] for one in found] == [one["says"] for one in golden]
-    for one, other in zip(found, golden, strict=True):
-        assert one.keys() == other.keys()
-        for key, value in other.items():
-            assert one[key] == (value if isinstance(value, str) else pytest.approx(value, rel=1e-4, abs=1e-9)), key
+    assert len(found) == len(golden)
+    for status, expected in zip(found, golden, strict=True):
+        assert status.keys() == expected.keys()
+        for key, value in expected.items():
+            assert status[key] == (value if isinstance(value, str) else pytest.approx(value, rel=1e-4, abs=1e-9)), key
+
+
+def test_messages_of_a_gap_monitor() -> None:
+    assert monitor_messages() == MESSAGES.read_text(encoding="utf-8").splitlines()

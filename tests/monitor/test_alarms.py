@@ -61,15 +61,15 @@ def test_an_alarm_stays_for_ten_seconds_and_the_next_one_is_a_new_one() -> None:
     assert one.raised == 2
 
 
-def test_sums_begin_anew_after_a_restart() -> None:
+def test_sums_are_reset_by_a_restart() -> None:
     one = alarms()
     feed(one, 0, 9 * [[1.9, 1.0, 1.0, 1.0]])
-    one.begin_anew()
+    one.restart()
     feed(one, 30, 9 * [[1.9, 1.0, 1.0, 1.0]])
     assert one.warned == 0
 
 
-def test_a_clock_that_begins_anew_ends_alarms() -> None:
+def test_a_clock_that_is_reset_ends_alarms() -> None:
     one = alarms()
     feed(one, 500, [[9.0, 1.0, 1.0, 1.0]])
     one.forget()
@@ -79,7 +79,7 @@ def test_a_clock_that_begins_anew_ends_alarms() -> None:
 
 def test_a_robot_that_is_lost_is_an_alarm_of_all_motors() -> None:
     one = alarms()
-    one.lost(7 * WINDOW)
-    one.lost(8 * WINDOW)
+    one.diverged(7 * WINDOW)
+    one.diverged(8 * WINDOW)
     assert one.levels(8 * WINDOW).tolist() == [Level.ALARM, Level.ALARM]
     assert one.raised == 1

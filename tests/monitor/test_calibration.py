@@ -42,7 +42,7 @@ def test_a_signal_that_is_constant_has_the_least_tail() -> None:
 
 
 def test_a_log_that_is_too_short_is_refused() -> None:
-    with pytest.raises(InputError, match=r"^log: 4.9 s of it could be watched, needed are 5 s to set thresholds"):
+    with pytest.raises(InputError, match=r"^log: 4.9 s of it could be monitored, at least 5 s are needed"):
         of(np.ones((49, 2)))
 
 

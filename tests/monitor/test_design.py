@@ -1,4 +1,4 @@
-"""The design: floors against simulated noise, lifted filters, stable twins."""
+"""The design: floors against simulated noise, lifted filters, stable observers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.effects.patching.patched_robot import load_model
-from flexros.monitor.design import LinearFilter, autocovariances, driven_by_noise, floors_elsewhere
+from flexros.monitor.design import LinearFilter, autocovariances, driven_by_noise, floor_ratios
 from flexros.monitor.design_book import DesignBook
 from flexros.monitor.pose_model import PoseModel
 
@@ -57,7 +57,7 @@ def test_autocovariances_are_those_of_simulated_noise() -> None:
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_the_twin_is_stable_in_every_pose(name: str) -> None:
+def test_the_observer_is_stable_in_every_pose(name: str) -> None:
     book, poses = book_of(name), PoseModel(load_model(name).robot, load_model(name).robot.sample_time)
     rng = np.random.default_rng(5)
     for _ in range(5):
@@ -67,7 +67,7 @@ def test_the_twin_is_stable_in_every_pose(name: str) -> None:
 
 
 def test_a_constant_torque_at_a_motor_is_told() -> None:
-    """The mean of the missing torque is right, for a robot under gravity with elastic arms."""
+    """The mean of the disturbance torque is right, for a robot under gravity with elastic arms."""
     book = book_of("elbow")
     design = book.at(book.home).design
     pose = design.pose
@@ -85,14 +85,14 @@ def test_floors_hardly_change_within_a_cell() -> None:
     robot = load_model("six_axis").robot
     poses = PoseModel(robot, robot.sample_time)
     edge = poses.at(poses.home + 0.2)
-    ratio = floors_elsewhere(book.at(book.home).design, edge, book.noise)
+    ratio = floor_ratios(book.at(book.home).design, edge, book.noise)
     np.testing.assert_allclose(ratio, 1.0, atol=0.05)
 
 
 def test_gears_that_stiffen_are_other_situations() -> None:
     book = book_of("four_mass")
     home = book.at(book.home).design
-    ratios = [floors_elsewhere(home, pose, book.noise)[1] for pose in book.situations()]
+    ratios = [floor_ratios(home, pose, book.noise)[1] for pose in book.situations()]
     assert ratios[0] == pytest.approx(1.0)
     assert max(ratios) > 1.5
     assert len(book_of("four_mass_linear").situations()) == 1

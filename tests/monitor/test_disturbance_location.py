@@ -10,7 +10,7 @@ import pytest
 
 from flexros.effects.patching.patched_robot import load_model
 from flexros.logs.time_series import Log
-from flexros.monitor.disturbance_location import DisturbanceLocation, Suspicion, close, places_of
+from flexros.monitor.disturbance_location import DisturbanceLocation, LocationGain, close, locations_of
 from flexros.monitor.gap_monitor import GapMonitor
 from flexros.monitor.watch import Watch
 from flexros.monitor.watch_log import watch_log
@@ -42,7 +42,7 @@ def test_effects_are_told_at_their_place(
 
 def test_places_of_an_elastic_robot() -> None:
     model = load_model("elbow")
-    places = places_of(model.robot, Watch(model, 5e-4, 200).book.at((0, 0)).design)
+    places = locations_of(model.robot, Watch(model, 5e-4, 200).book.at((0, 0)).design)
     assert [(place.kind, place.joint) for place in places] == [
         *((kind, joint) for joint in ("motor_1", "motor_2") for kind in ("motor", "gear", "arm")),
         ("tool", "tool"),
@@ -53,13 +53,13 @@ def test_places_of_an_elastic_robot() -> None:
 
 def test_a_rigid_drive_has_its_motor_and_its_tool_alone() -> None:
     model = load_model("emps")
-    places = places_of(model.robot, Watch(model, 1e-3, 100).book.at((0,)).design)
+    places = locations_of(model.robot, Watch(model, 1e-3, 100).book.at((0,)).design)
     assert {place.kind for place in places} <= {"motor", "tool"}
 
 
 def test_places_that_come_close_are_kept() -> None:
-    def suspicion(joint: str, lines: np.ndarray) -> Suspicion:
-        return Suspicion(DisturbanceLocation("motor", joint, np.ones((1, 1))), float(lines.sum()), lines)
+    def suspicion(joint: str, lines: np.ndarray) -> LocationGain:
+        return LocationGain(DisturbanceLocation("motor", joint, np.ones((1, 1))), float(lines.sum()), lines)
 
     first = suspicion("motor_1", np.full(100, 10.0))
     scattered = np.where(np.arange(100) % 2, 14.9, 5.0)
@@ -68,4 +68,4 @@ def test_places_that_come_close_are_kept() -> None:
         suspicion("motor_3", scattered),
         suspicion("motor_4", 0.5 * scattered),
     ]
-    assert [one.place.joint for one in close([first, *others])] == ["motor_1", "motor_3"]
+    assert [one.location.joint for one in close([first, *others])] == ["motor_1", "motor_3"]

@@ -14,14 +14,14 @@ from flexros.logs.time_series import JointSeries, Log
 from flexros.monitor.alarms import Level
 from flexros.monitor.gap_monitor import GapMonitor
 from flexros.monitor.statement import motor_sentence, robot_sentence
-from flexros.monitor.watch import Missed
+from flexros.monitor.watch import WindowResult
 from flexros.monitor.watch_log import watch_log
 
 MakeLog = Callable[..., Log]
 MakeMonitor = Callable[[str], GapMonitor]
 
 
-def feed(monitor: GapMonitor, log: Log, chunk: int) -> list[Missed]:
+def feed(monitor: GapMonitor, log: Log, chunk: int) -> list[WindowResult]:
     states, commands = log.joint_states, log.joint_commands
     assert states.position is not None
     assert commands is not None
@@ -49,7 +49,7 @@ def test_it_is_silent_on_a_robot_that_is_as_its_model(robot: str, make_log: Make
     assert (monitor.alarms, monitor.warnings, monitor.runaways) == (0, 0, 0)
     reading = monitor.reading()
     assert reading.level is Level.OK
-    assert robot_sentence(reading) == "no gap beyond what is accepted"
+    assert robot_sentence(reading) == "no model mismatch beyond the accepted level"
     assert all(motor.gap == pytest.approx(1.0, abs=0.7) for motor in reading.motors)
 
 
@@ -70,7 +70,7 @@ def test_it_alarms_and_names_the_joint(
     assert found.episodes
     assert found.episodes[-1].joint == joint
     assert found.reading.level is Level.ALARM
-    assert f"alarm since {found.episodes[-1].since * 1e-9:.1f} s: robot and model differ" in found.episodes[-1].sentence
+    assert f"alarm since {found.episodes[-1].since * 1e-9:.1f} s: model mismatch" in found.episodes[-1].sentence
 
 
 def test_it_says_the_same_however_messages_come(make_log: MakeLog, make_monitor: MakeMonitor) -> None:
@@ -79,7 +79,9 @@ def test_it_says_the_same_however_messages_come(make_log: MakeLog, make_monitor:
     assert len(whole) == len(cut) > 50
     for a, b in zip(whole, cut):
         assert a.stamp == b.stamp
-        np.testing.assert_array_equal(np.concatenate([a.sudden, a.slow]), np.concatenate([b.sudden, b.slow]))
+        np.testing.assert_array_equal(
+            np.concatenate([a.innovation, a.disturbance]), np.concatenate([b.innovation, b.disturbance])
+        )
         np.testing.assert_array_equal(a.torque, b.torque)
 
 
@@ -129,9 +131,9 @@ def test_a_model_with_effects_is_watched_with_them(make_log: MakeLog) -> None:
     assert watch_log(log, GapMonitor(load_model("elbow")), name="log").episodes[-1].joint == "motor_2"
 
 
-def test_before_anything_came_it_says_what_it_waits_for(make_monitor: MakeMonitor) -> None:
+def test_before_the_first_message_it_names_the_topics_it_waits_for(make_monitor: MakeMonitor) -> None:
     reading = make_monitor("elbow").reading()
-    assert robot_sentence(reading) == "waits for joint_states and joint_commands"
+    assert robot_sentence(reading) == "waiting for joint_states and joint_commands"
     assert reading.level is Level.OK
 
 
@@ -140,22 +142,22 @@ def test_sentences_name_size_and_unit(make_log: MakeLog, make_monitor: MakeMonit
     text = motor_sentence(found.reading.motors[1], "Nm")
     assert text.startswith("alarm since ")
     assert " Nm rms, " in text
-    assert text.endswith(" times that of noise")
+    assert text.endswith(" times its noise floor")
     assert "motor_2" in robot_sentence(found.reading)
 
 
-def test_logs_that_cannot_be_watched_are_refused(make_log: MakeLog, make_monitor: MakeMonitor) -> None:
+def test_logs_that_cannot_be_monitored_are_rejected(make_log: MakeLog, make_monitor: MakeMonitor) -> None:
     log = make_log("elbow")
     with pytest.raises(InputError, match="^log has no torques in joint_commands, without which the model cannot run"):
         watch_log(Log(joint_states=log.joint_states), make_monitor("elbow"), name="log")
     keep = np.zeros(len(log.joint_states.stamp), dtype=bool)
     keep[:500] = True
-    with pytest.raises(InputError, match="^log: nothing could be watched: 500 states .* give a log of ten seconds"):
+    with pytest.raises(InputError, match="^log: no window could be evaluated: 500 states"):
         watch_log(changed(log, keep), make_monitor("elbow"), name="log")
 
 
-def test_states_without_commands_are_told_of(make_log: MakeLog, make_monitor: MakeMonitor) -> None:
-    """Where commands have another clock since a while, the last verdict must not stand alone."""
+def test_states_without_commands_are_reported(make_log: MakeLog, make_monitor: MakeMonitor) -> None:
+    """The last verdict is not repeated alone when the commands change to another clock."""
     log, monitor = make_log("elbow"), make_monitor("elbow")
     states, commands = log.joint_states, log.joint_commands
     assert states.position is not None
@@ -169,6 +171,6 @@ def test_states_without_commands_are_told_of(make_log: MakeLog, make_monitor: Ma
     reading = monitor.reading()
     assert reading.stamp > 0
     assert reading.unpaired == pytest.approx((len(states.stamp) - half) * 5e-4, abs=0.2)
-    said = robot_sentence(reading)
-    assert said.startswith("no gap beyond what is accepted; nothing is watched: for the last ")
-    assert said.endswith(" s of joint_states there are no commands")
+    sentence = robot_sentence(reading)
+    assert "; monitoring suspended: no joint_commands for the last " in sentence
+    assert sentence.endswith(" s of joint_states")

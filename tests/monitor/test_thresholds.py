@@ -25,7 +25,7 @@ def test_rarer_alarms_and_shorter_windows_have_higher_thresholds(book: DesignBoo
 
 
 def test_false_alarms_come_at_the_rate_that_was_asked_for(book: DesignBook) -> None:
-    """Noise led through twin and filter as linear systems, at a rate that can be counted."""
+    """Noise through observer model and filter as linear systems, at a rate that can be counted."""
     from flexros.monitor.design import driven_by_noise
 
     rate = 3000.0

@@ -98,8 +98,8 @@ def test_it_tells_what_the_log_tells_in_every_bit(bench: Bench, tmp_path: Path, 
     assert robot_sentence(found) == robot_sentence(expected)
     assert (node.monitor.alarms > 0) is bool(effect)
     assert vars(node.monitor.counts) == vars(monitor.counts)
-    for one, other in zip(found.suspected, expected.suspected, strict=True):
-        assert one.place.words == other.place.words
+    for one, other in zip(found.locations, expected.locations, strict=True):
+        assert one.location.words == other.location.words
         np.testing.assert_array_equal(one.lines, other.lines)
 
 
