@@ -148,7 +148,7 @@ def test_sentences_name_size_and_unit(make_log: MakeLog, make_monitor: MakeMonit
 
 def test_logs_that_cannot_be_monitored_are_rejected(make_log: MakeLog, make_monitor: MakeMonitor) -> None:
     log = make_log("elbow")
-    with pytest.raises(InputError, match="^log has no torques in joint_commands, without which the model cannot run"):
+    with pytest.raises(InputError, match="^log has no torques in joint_commands, without which the observer"):
         watch_log(Log(joint_states=log.joint_states), make_monitor("elbow"), name="log")
     keep = np.zeros(len(log.joint_states.stamp), dtype=bool)
     keep[:500] = True
