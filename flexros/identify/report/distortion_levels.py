@@ -30,7 +30,7 @@ _LEVELS: tuple[tuple[str, str, str, str, str], ...] = (
 """Attribute, its frequencies, its name, colour and how it is drawn."""
 
 _CLEAR = 2.0
-"""Distortions above this many times the noise stand out of it (chosen)."""
+"""Distortions above this many times the noise are significant (chosen)."""
 
 
 def distortion_blocks(responses: Sequence[FrequencyResponse]) -> tuple[Block, ...]:
@@ -42,38 +42,38 @@ def distortion_blocks(responses: Sequence[FrequencyResponse]) -> tuple[Block, ..
     Returns:
         Sentence, picture and table; nothing where the responses have no levels.
     """
-    told = [(place, r.distortion) for place, r in enumerate(responses) if r.distortion is not None]
-    if not told:
+    measured = [(index, r.distortion) for index, r in enumerate(responses) if r.distortion is not None]
+    if not measured:
         return ()
     names = responses[0].output_names
-    return (Paragraph(_sentence(told, names)), _picture(responses, told), _table(told, names))
+    return (Paragraph(_sentence(measured, names)), _picture(responses, measured), _table(measured, names))
 
 
-def relative_level(told: list[tuple[int, Distortion]], level: str, motor: int) -> float:
+def relative_level(measured: list[tuple[int, Distortion]], level: str, motor: int) -> float:
     """Compute the median of a level over the output's own, over lines and positions.
 
     Args:
-        told: Levels by position.
+        measured: Levels by position.
         level: Attribute of `Distortion`.
         motor: Number of the motor, 0-based.
 
     Returns:
-        The share [1]; NaN where nothing tells it.
+        The share [1]; NaN where it is not known.
     """
     shares = []
-    for _, levels in told:
+    for _, levels in measured:
         frequency = getattr(levels, {"odd": "odd_frequency", "even": "even_frequency"}.get(level, "frequency"))
         if len(frequency):
-            beside = np.interp(frequency, levels.frequency, levels.output[:, motor])
-            shares.append(getattr(levels, level)[:, motor] / beside)
+            output = np.interp(frequency, levels.frequency, levels.output[:, motor])
+            shares.append(getattr(levels, level)[:, motor] / output)
     values = np.concatenate(shares) if shares else np.array([])
     values = values[np.isfinite(values)]
     return float(np.median(values)) if values.size else float("nan")
 
 
-def _sentence(told: list[tuple[int, Distortion]], names: tuple[str, ...]) -> str:
+def _sentence(measured: list[tuple[int, Distortion]], names: tuple[str, ...]) -> str:
     noise, odd, even = (
-        np.array([relative_level(told, kind, motor) for motor in range(len(names))])
+        np.array([relative_level(measured, kind, motor) for motor in range(len(names))])
         for kind in ("noise", "odd", "even")
     )
     text = (
@@ -81,38 +81,38 @@ def _sentence(told: list[tuple[int, Distortion]], names: tuple[str, ...]) -> str
         "without noise would not show. "
     )
     if not np.any(np.isfinite([odd, even])):
-        return f"{text}The excitation left no detection lines out, so odd and even distortions are not told apart."
+        return f"{text}The excitation left no detection lines out, so odd and even distortions cannot be separated."
     ratio = np.nan_to_num(np.stack([odd, even]) / np.where(noise > 0, noise, np.inf))
     kind, motor = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     size = percent(float((odd, even)[kind][motor]), 2)
-    found = f"{('odd', 'even')[kind]} ones at {names[motor]}, {size} % of the output in the median"
+    largest = f"{('odd', 'even')[kind]} ones at {names[motor]}, {size} % of the output in the median"
     if ratio[kind, motor] > _CLEAR:
         return (
-            f"{text}Nonlinear distortions stand out of the noise, most of all {found}, with noise of "
+            f"{text}Nonlinear distortions exceed the noise, most of all {largest}, with noise of "
             f"{percent(float(noise[motor]), 2)} %."
         )
-    return f"{text}Nonlinear distortions hardly stand out of the noise; the largest are {found}."
+    return f"{text}Nonlinear distortions hardly exceed the noise; the largest are {largest}."
 
 
-def _picture(responses: Sequence[FrequencyResponse], told: list[tuple[int, Distortion]]) -> Picture:
-    first = responses[0]
-    motors = len(first.output_names)
+def _picture(responses: Sequence[FrequencyResponse], measured: list[tuple[int, Distortion]]) -> Picture:
+    response = responses[0]
+    motors = len(response.output_names)
     columns = min(motors, 3)
     rows = -(-motors // columns)
-    figure = panels(rows, columns, first.output_names, 230 if motors > 1 else 340, gap=44)
+    figure = panels(rows, columns, response.output_names, 230 if motors > 1 else 340, gap=44)
     for motor in range(motors):
         for level in _LEVELS:
-            trace = _trace(told[0][1], level, motor)
+            trace = _trace(measured[0][1], level, motor)
             figure.add_trace(trace, row=motor // columns + 1, col=motor % columns + 1)
     figure.update_yaxes(type="log", exponentformat="power", dtick=2)
-    figure.update_yaxes(title_text=f"amplitude [{first.output_units[0]}]", col=1)
+    figure.update_yaxes(title_text=f"amplitude [{response.output_units[0]}]", col=1)
     figure.update_xaxes(title_text="frequency [Hz]", row=rows)
-    if len(told) > 1:
+    if len(measured) > 1:
         buttons = []
-        for place, levels in told:
+        for index, levels in measured:
             traces = [_trace(levels, level, motor) for motor in range(motors) for level in _LEVELS]
             args = [{"x": [list(trace.x) for trace in traces], "y": [list(trace.y) for trace in traces]}]
-            name = position_name(place, responses[place].gears)
+            name = position_name(index, responses[index].gears)
             buttons.append({"label": name, "method": "restyle", "args": args})
         figure.update_layout(updatemenus=[menu(buttons)])
     return Picture(figure, "Levels of the output of each motor; the menu chooses the position.")
@@ -135,13 +135,13 @@ def _trace(levels: Distortion, level: tuple[str, str, str, str, str], motor: int
     )
 
 
-def _table(told: list[tuple[int, Distortion]], names: tuple[str, ...]) -> TextTable:
+def _table(measured: list[tuple[int, Distortion]], names: tuple[str, ...]) -> TextTable:
     kinds = [(attribute, name) for attribute, _, name, _, _ in _LEVELS if attribute != "output"]
     rows = tuple(
         (
             name,
             *(
-                percent(level, 2) if np.isfinite(level := relative_level(told, kind, motor)) else "-"
+                percent(level, 2) if np.isfinite(level := relative_level(measured, kind, motor)) else "-"
                 for kind, _ in kinds
             ),
         )

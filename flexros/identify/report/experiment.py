@@ -59,7 +59,7 @@ def _gain(design: ExperimentDesign) -> str:
 
 
 def _picture(design: ExperimentDesign) -> Picture:
-    """Draw the predicted deviation of each parameter beside that of random positions."""
+    """Draw the predicted deviation of each parameter and that of random positions."""
     gain = design.gain
     figure = stacked(["Smallest possible standard deviation of each parameter"], height=300)
     kinds = (("chosen positions", gain.deviation, run_colour(0)), ("random positions", gain.random_deviation, INK))
@@ -101,12 +101,12 @@ def _positions(result: IdentificationResult) -> TextTable:
     names = responses[0].output_names
     rows = tuple(
         (
-            str(place + 1),
+            str(index + 1),
             *(number(float(value) + 0.0, 4) for value in response.gears),
             str(response.n_blocks),
             str(response.n_periods),
         )
-        for place, response in enumerate(responses)
+        for index, response in enumerate(responses)
     )
     units = responses[0].coordinate_units
     header = ("Position", *(f"{name} [{unit}]" for name, unit in zip(names, units, strict=True)), "blocks", "periods")

@@ -28,9 +28,9 @@ def write_identification(result: IdentificationResult, folder: Path, origin: str
     the robot: it may be used for feedforward.
 
     Args:
-        result: What was identified.
-        folder: Where; made if it is not there.
-        origin: What the source of the identified values says beside the estimator, e.g. the name of the experiment.
+        result: The identification.
+        folder: The folder; made where it is missing.
+        origin: Part of the source of the identified values in addition to the estimator, e.g. the experiment.
 
     Raises:
         InputError: They cannot be written there, or the identified robot is not physical.

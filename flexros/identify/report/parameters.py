@@ -31,8 +31,8 @@ _NARROW, _FEW_DECADES = 0.35, 1.6
 _MARKS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0)
 """Marks of an axis between `_NARROW` and `_FEW_DECADES` decades (chosen)."""
 _BIAS = (
-    "The robot does something that the model lacks, and parameters shift to make up for it, dampers most of all. "
-    "The intervals hold random errors, not such shifts: values may be wrong by more than they tell. Signs of it: "
+    "The robot shows effects that the model lacks; the estimates are biased by them, dampers most of all. The "
+    "intervals cover random errors, not this bias: errors may exceed them. Signs of it: "
 )
 
 
@@ -47,8 +47,8 @@ class ParameterSection(AbstractSection["IdentificationResult"]):
         if np.all(result.nominal > 0):
             blocks.append(_picture(result))
         blocks += [_table(result), Paragraph(covariance_text(result), "note")]
-        if told := kept_text(result):
-            blocks.append(Paragraph(told, "warning"))
+        if kept := kept_text(result):
+            blocks.append(Paragraph(kept, "warning"))
         if result.bias_signs:
             blocks.append(Paragraph(f"{_BIAS}{'; '.join(result.bias_signs)}.", "warning"))
         return tuple(blocks)
@@ -73,7 +73,7 @@ def _picture(result: IdentificationResult) -> Picture:
 
 def _ticks(result: IdentificationResult, members: list[int]) -> dict[str, Any]:
     """Choose marks that are read at a glance for the range that is drawn."""
-    entries = [result.identifiability.parameters[place] for place in members]
+    entries = [result.identifiability.parameters[index] for index in members]
     ends = np.array([(*entry.interval, entry.value, result.truth.get(entry.name, entry.value)) for entry in entries])
     drawn = np.clip(ends / result.nominal[members][:, None], 1 / _FAR, _FAR)
     decades = np.log10(np.max(drawn) / np.min(drawn))
@@ -93,16 +93,16 @@ def _widen(figure: go.Figure, columns: int) -> None:
 
 def _draw(figure: go.Figure, result: IdentificationResult, members: list[int], column: int) -> None:
     for kind, colour in VERDICT_COLOURS.items():
-        chosen = [place for place in members if result.identifiability.parameters[place].verdict == kind]
+        chosen = [index for index in members if result.identifiability.parameters[index].verdict == kind]
         if column == 1 or chosen:
             figure.add_trace(_dots(result, chosen, kind, colour, column == 1), row=1, col=column)
-    true = [place for place in members if result.fit.names[place] in result.truth]
+    true = [index for index in members if result.fit.names[index] in result.truth]
     if true:
-        ratio = [result.truth[result.fit.names[place]] / result.nominal[place] for place in true]
+        ratio = [result.truth[result.fit.names[index]] / result.nominal[index] for index in true]
         figure.add_trace(
             go.Scatter(
                 x=ratio,
-                y=[_label(result.fit.names[place]) for place in true],
+                y=[_label(result.fit.names[index]) for index in true],
                 mode="markers",
                 name="true value",
                 legendgroup="true value",
@@ -116,7 +116,7 @@ def _draw(figure: go.Figure, result: IdentificationResult, members: list[int], c
 
 
 def _dots(result: IdentificationResult, chosen: list[int], kind: str, colour: str, legend: bool) -> go.Scatter:
-    entries = [result.identifiability.parameters[place] for place in chosen]
+    entries = [result.identifiability.parameters[index] for index in chosen]
     nominal = result.nominal[chosen]
     ratio = np.array([entry.value for entry in entries]) / nominal
     low, high = (
@@ -147,9 +147,9 @@ def _dots(result: IdentificationResult, chosen: list[int], kind: str, colour: st
 def _groups(result: IdentificationResult) -> list[tuple[str, list[int]]]:
     """Split the parameters into springs and the others."""
     names = result.fit.names
-    springs = [place for place, name in enumerate(names) if name.endswith(".stiffness")]
-    others = [place for place, name in enumerate(names) if not name.endswith(".stiffness")]
-    dampers = all(names[place].endswith(".damping") for place in others)
+    springs = [index for index, name in enumerate(names) if name.endswith(".stiffness")]
+    others = [index for index, name in enumerate(names) if not name.endswith(".stiffness")]
+    dampers = all(names[index].endswith(".damping") for index in others)
     groups = [("Springs", springs), ("Dampers" if dampers else "Other parameters", others)]
     return [(title, members) for title, members in groups if members]
 
@@ -162,8 +162,8 @@ def _table(result: IdentificationResult) -> TextTable:
     known = bool(result.truth)
     header = ("Parameter", "Unit", "nominal", "identified", "95 % interval", "std [%]", "verdict")
     rows = []
-    for place, entry in enumerate(result.identifiability.parameters):
-        row = parameter_row(entry, float(result.nominal[place]), result.truth.get(entry.name))
+    for index, entry in enumerate(result.identifiability.parameters):
+        row = parameter_row(entry, float(result.nominal[index]), result.truth.get(entry.name))
         rows.append(row if known else row[:-1])
     caption = "Nominal and identified values; standard deviations relative to the value."
     return TextTable((*header, "true") if known else header, tuple(rows), caption, left=2)
@@ -173,7 +173,7 @@ def parameter_row(entry: ParameterVerdict, nominal: float, true: float | None = 
     """Write a parameter as the texts of a row: name, unit, nominal, identified, interval, deviation, verdict, truth.
 
     Args:
-        entry: What the responses say of it.
+        entry: Value, interval and verdict.
         nominal: Its value before (SI).
         true: Its true value (SI), where it is known.
 

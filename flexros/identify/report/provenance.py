@@ -1,4 +1,4 @@
-"""Section: where the data came from, and all warnings."""
+"""Section: origin of the data, and all warnings."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class ProvenanceSection(AbstractSection["IdentificationResult"]):
         blocks: list[Block] = [Paragraph(text, "warning") for text in result.warnings]
         rows = tuple(_flat(result.provenance))
         if rows:
-            blocks.append(TextTable(("Entry", "Value"), rows, "Where the result came from.", left=2))
+            blocks.append(TextTable(("Entry", "Value"), rows, "Origin of the result.", left=2))
         else:
-            blocks.append(Paragraph("Nothing is known of where the responses came from.", "warning"))
+            blocks.append(Paragraph("The origin of the responses is not known.", "warning"))
         return tuple(blocks)
 
 

@@ -1,4 +1,4 @@
-"""Which further experiment would determine what is not determined yet."""
+"""Further experiments that would determine what is not determined yet."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ class Remedy:
         what: The combination, in words.
         gears: Gear coordinates of the position [rad or m], shape (M,).
         position: Number of the position among those measured already, 0-based; None where it was not.
-        frequency: Frequency at which it tells most [Hz].
+        frequency: Most informative frequency [Hz].
         now: Standard deviation of the combination now [1].
-        optimal: What optimal weights would get from the same responses [1] (Moberg 2007, Paper A, eq. 6 and 8).
+        optimal: Its value with optimal weights of the same responses [1] (Moberg 2007, Paper A, eq. 6 and 8).
         gain: Factor by which the smallest possible standard deviation falls with the further experiment, at most 1.
     """
 
@@ -63,8 +63,8 @@ class _Candidates:
 def remedies(result: IdentificationResult) -> tuple[Remedy, ...]:
     """Find experiments for all combinations that are not determined, and for weak parameters.
 
-    Candidates are those of the design, else the measured positions. What the design promises is scaled to what the
-    measured responses gave, so that their errors beyond encoder noise count as well.
+    Candidates are those of the design, else the measured positions. The information of the design is scaled to that of
+    the measured responses, so that their errors beyond encoder noise count as well.
 
     Args:
         result: The identification.
@@ -81,7 +81,7 @@ def remedies(result: IdentificationResult) -> tuple[Remedy, ...]:
     total = given + np.eye(len(given)) / PRIOR_DEVIATION**2
     weighted = result.problem.with_choice(result.fit.estimator, "optimal").reweighted(result.fit.values)
     optimal = parameter_covariance(weighted, result.fit, correct=False).matrix
-    found = []
+    best_experiments = []
     for what, direction in wanted:
         best = next_experiment(total, candidates.information, direction)
         position = candidates.positions[best.candidate]
@@ -89,19 +89,19 @@ def remedies(result: IdentificationResult) -> tuple[Remedy, ...]:
             frequency, lines = _designed_lines(result, best.candidate)
         else:
             frequency, lines = result.problem.frequency, by_line[position]
-        place = most_telling_frequency(lines, total + candidates.information[best.candidate], direction)
-        found.append(
+        line = most_telling_frequency(lines, total + candidates.information[best.candidate], direction)
+        best_experiments.append(
             Remedy(
                 what=what,
                 gears=candidates.gears[best.candidate],
                 position=position,
-                frequency=float(frequency[place]),
+                frequency=float(frequency[line]),
                 now=float(np.sqrt(direction @ result.covariance.matrix @ direction)),
                 optimal=float(np.sqrt(direction @ optimal @ direction)),
                 gain=best.after / best.before,
             )
         )
-    return tuple(found)
+    return tuple(best_experiments)
 
 
 def measured_information(result: IdentificationResult) -> FloatArray:
@@ -134,9 +134,9 @@ def _wanted(result: IdentificationResult) -> list[tuple[str, FloatArray]]:
         for name, exponent in each.exponents:
             direction[names.index(name)] = exponent
         wanted.append((" and ".join(name for name, _ in each.exponents), direction / np.linalg.norm(direction)))
-    told = {what for what, _ in wanted}
+    listed = {what for what, _ in wanted}
     for entry in result.identifiability.parameters:
-        if entry.verdict != "determined" and not any(entry.name in what.split(" and ") for what in told):
+        if entry.verdict != "determined" and not any(entry.name in what.split(" and ") for what in listed):
             wanted.append((entry.name, np.eye(len(names))[names.index(entry.name)]))
     return wanted
 
@@ -150,7 +150,7 @@ def _ratio(given: FloatArray, promised: FloatArray) -> float:
 
 
 def _candidates(result: IdentificationResult, measured: FloatArray) -> _Candidates:
-    """Take the candidates of the design, or the measured positions where there is none for these parameters."""
+    """Return the candidates of the design, or the measured positions where there is no design for these parameters."""
     gears = np.array([each.gears for each in result.problem.responses])
     design = result.design
     if design is None or not has_candidates(result):
@@ -162,7 +162,7 @@ def _candidates(result: IdentificationResult, measured: FloatArray) -> _Candidat
 
 
 def has_candidates(result: IdentificationResult) -> bool:
-    """Tell whether there is a design for the fitted parameters, from which further positions can be chosen."""
+    """Whether there is a design for the fitted parameters, from which further positions can be chosen."""
     return result.design is not None and result.design.names == result.fit.names
 
 

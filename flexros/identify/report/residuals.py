@@ -20,20 +20,20 @@ _WORST = 8
 
 
 class ResidualSection(AbstractSection["IdentificationResult"]):
-    """Shares of the cost by position and element, and the places of the largest misfits."""
+    """Shares of the cost by position and element, and the elements with the largest misfits."""
 
     title: ClassVar[str] = "What is left unexplained"
 
     def blocks(self, result: IdentificationResult) -> tuple[Block, ...]:
         """Return the picture and the table."""
-        told = advice(result)
-        return (Paragraph(_sentence(result)), *([Paragraph(told)] if told else []), _picture(result), _table(result))
+        hint = advice(result)
+        return (Paragraph(_sentence(result)), *([Paragraph(hint)] if hint else []), _picture(result), _table(result))
 
 
 def _sentence(result: IdentificationResult) -> str:
     chi = result.residuals.chi_square
     if not np.isfinite(chi):
-        return "The responses have no covariance, so the misfit is told by its share of the cost alone."
+        return "The responses have no covariance, so only its share of the cost is known of the misfit."
     reduced = result.covariance.reduced_cost
     text = (
         f"Squared misfit over the variance of the responses: {number(reduced, 3)} with the weights of the fit, "
@@ -42,13 +42,13 @@ def _sentence(result: IdentificationResult) -> str:
     limits = result.limits
     few = f", and up to {number(limits.cost, 2)} and {number(limits.chi_square, 2)} comes by chance"
     if reduced < limits.cost and chi < limits.chi_square:
-        return f"{text}{few}, so nothing systematic is told by it."
+        return f"{text}{few}, so it is no sign of a systematic error."
     if result.settled:
         text += (
             f"{few}. What exceeds it is not noise: nonlinear effects, or flexibilities that the model does not have."
         )
     else:
-        text += f"{few}. The fit ended on a bound or did not converge, so this tells nothing about the robot."
+        text += f"{few}. The fit ended on a bound or did not converge, so this is no evidence about the robot."
     return f"{text} The intervals were widened for it." if reduced > 1 else text
 
 
@@ -64,7 +64,7 @@ def _picture(result: IdentificationResult) -> Picture:
         go.Heatmap(
             z=100 * shares,
             zmin=0,
-            x=[str(place + 1) for place in range(len(responses))],
+            x=[str(index + 1) for index in range(len(responses))],
             y=elements,
             colorscale=[[0, "#ffffff"], [1, "#0072b2"]],
             colorbar={"title": {"text": "%"}, "thickness": 12},

@@ -1,4 +1,4 @@
-"""Picture of measured frequency responses with their uncertainty, and of models beside them."""
+"""Picture of measured frequency responses with their uncertainty, and of model responses."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LOWEST = 0.03
 
 @dataclass(frozen=True, eq=False)
 class ModelCurve:
-    """Responses of a model, to be drawn beside the measured ones.
+    """Responses of a model, drawn with the measured ones.
 
     Attributes:
         kind: A word for it, shown at the cursor.
@@ -43,17 +43,17 @@ class ModelCurve:
     responses: Sequence[ComplexArray]
 
 
-def position_name(place: int, gears: FloatArray) -> str:
+def position_name(index: int, gears: FloatArray) -> str:
     """Name a position by its number, from 1, and its gear coordinates.
 
     Args:
-        place: Number, from 0.
+        index: Number, from 0.
         gears: Gear coordinates [rad or m], shape (M,).
 
     Returns:
         E.g. "position 3 (0.2, -0.41)".
     """
-    return f"position {place + 1} ({', '.join(f'{value:.2f}' for value in np.asarray(gears) + 0.0)})"
+    return f"position {index + 1} ({', '.join(f'{value:.2f}' for value in np.asarray(gears) + 0.0)})"
 
 
 def response_picture(responses: Sequence[FrequencyResponse], models: Sequence[ModelCurve] = ()) -> go.Figure:
@@ -61,7 +61,7 @@ def response_picture(responses: Sequence[FrequencyResponse], models: Sequence[Mo
 
     Args:
         responses: Measured responses of the positions, at least one, of the same inputs and outputs.
-        models: Models beside them.
+        models: Models to compare with.
 
     Returns:
         The picture.
@@ -71,7 +71,7 @@ def response_picture(responses: Sequence[FrequencyResponse], models: Sequence[Mo
     titles = [f"{inp} → {out}" for out in first.output_names for inp in first.input_names]
     figure = panels(n_y, n_u, titles, _height(n_y))
     drawn = [
-        _curves(response, [model.responses[place] for model in models]) for place, response in enumerate(responses)
+        _curves(response, [model.responses[index] for model in models]) for index, response in enumerate(responses)
     ]
     per_panel = len(drawn[0]) // (n_y * n_u)
     for panel, (row, column) in enumerate(np.ndindex(n_y, n_u)):
@@ -111,7 +111,7 @@ def _curves(response: FrequencyResponse, models: list[ComplexArray]) -> list[lis
 
 
 def _unbroken(phase: FloatArray) -> FloatArray:
-    """Leave out the points after jumps from one end of the circle to the other, so that no line crosses the panel."""
+    """Mask the points after jumps from one end of the circle to the other, so that no line crosses the panel."""
     jumps = np.concatenate([[False], np.abs(np.diff(phase)) > 180.0])
     return np.where(jumps, np.nan, phase)
 
@@ -166,7 +166,7 @@ def _add_menus(
 ) -> None:
     """Add the menus; of the traces of a panel band and magnitudes come first, then phases."""
     n_y, n_u = responses[0].response.shape[1:]
-    axes = [f"yaxis{place + 1 if place else ''}" for place in range(n_y * n_u)]
+    axes = [f"yaxis{index + 1 if index else ''}" for index in range(n_y * n_u)]
     titled = f"{axes[(n_y - 1) // 2 * n_u]}.title.text"
     size: dict[str, Any] = {titled: _magnitude(responses[0])}
     phase: dict[str, Any] = {titled: "[°]"}
@@ -177,7 +177,10 @@ def _add_menus(
     sized = [*[True] * (1 + n_curves), *[False] * n_curves]
     views = [
         {"label": name, "method": "update", "args": [{"visible": visible * len(axes)}, layout]}
-        for name, visible, layout in (("magnitude", sized, size), ("phase [°]", [not one for one in sized], phase))
+        for name, visible, layout in (
+            ("magnitude", sized, size),
+            ("phase [°]", [not size_shown for size_shown in sized], phase),
+        )
     ]
     menus = [menu(views)]
     if len(drawn) > 1:
@@ -193,11 +196,11 @@ def _positions(
     n_y, n_u = responses[0].response.shape[1:]
     modelled = [digits(model.frequency, 5) for model in models]
     buttons = []
-    for place, response in enumerate(responses):
-        changed: dict[str, Any] = {"y": drawn[place]}
+    for index, response in enumerate(responses):
+        changed: dict[str, Any] = {"y": drawn[index]}
         if not alike:
-            there = response.frequency.tolist()
-            changed["x"] = [there + there[::-1], *[there, *modelled] * 2] * (n_y * n_u)
-        label = position_name(place, response.gears)
+            frequency = response.frequency.tolist()
+            changed["x"] = [frequency + frequency[::-1], *[frequency, *modelled] * 2] * (n_y * n_u)
+        label = position_name(index, response.gears)
         buttons.append({"label": label, "method": "restyle", "args": [changed]})
     return buttons

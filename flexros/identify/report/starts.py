@@ -26,9 +26,9 @@ class StartSection(AbstractSection["IdentificationResult"]):
         costs = result.start_costs
         if len(result.searched) < 2 or not len(costs):
             return ()
-        first = result.searched[0]
+        fit = result.searched[0]
         text = (
-            f"{result.same_minimum} of {len(result.searched)} fits ({first.estimator}, {first.weights} weights) ended "
+            f"{result.same_minimum} of {len(result.searched)} fits ({fit.estimator}, {fit.weights} weights) ended "
             "in the best minimum"
         )
         if result.same_minimum < len(costs):
@@ -37,7 +37,7 @@ class StartSection(AbstractSection["IdentificationResult"]):
         if failed:
             text += f"; {failed} failed, because the model cannot be evaluated at their starts"
         text += (
-            ". No minimum was found twice, so a better one may exist: give more starts."
+            ". No minimum was found twice, so a better one may exist: use more initial values."
             if result.same_minimum == 1
             else "."
         )

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from flexros.identify.result import IdentificationResult
 
 _MANY_WARNINGS = 4
-"""More warnings than this are told in the section on provenance only (chosen)."""
+"""More warnings than this are listed in the section on provenance only (chosen)."""
 
 
 class SummarySection(AbstractSection["IdentificationResult"]):
@@ -28,7 +28,7 @@ class SummarySection(AbstractSection["IdentificationResult"]):
         warnings = [Paragraph(text, "warning") for text in result.warnings[:_MANY_WARNINGS]]
         more = len(result.warnings) - _MANY_WARNINGS
         if more > 0:
-            warnings.append(Paragraph(f"{more} more warnings stand at the end.", "warning"))
+            warnings.append(Paragraph(f"{more} more warnings are listed at the end.", "warning"))
         return (Paragraph(verdict(result).replace(" %", "\u00a0%"), "lead"), Tiles(_tiles(result)), *warnings)
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from flexros.identify.result import IdentificationResult
 
 _HELPS = 0.7
-"""An experiment that leaves more of the standard deviation than this share is told to help little (chosen)."""
+"""An experiment that leaves more of the standard deviation than this share is reported to help little (chosen)."""
 
 
 class UndeterminedSection(AbstractSection["IdentificationResult"]):
@@ -30,7 +30,7 @@ class UndeterminedSection(AbstractSection["IdentificationResult"]):
         if not found:
             open_ones = directions or result.identifiability.names("weak")
             text = (
-                "Which experiment would help cannot be told, because the responses have no covariance."
+                "The experiment that would help is not known, because the responses have no covariance."
                 if open_ones
                 else _all_determined(result)
             )
@@ -51,14 +51,14 @@ def _all_determined(result: IdentificationResult) -> str:
 
 
 def _directions(directions: tuple[Direction, ...]) -> tuple[Paragraph, ...]:
-    """Tell single parameters in one sentence, and each combination in one of its own."""
+    """List single parameters in one sentence, and each combination in one of its own."""
     single = [each.exponents[0][0] for each in directions if not each.determined]
-    told = [Paragraph(each.sentence) for each in directions if each.determined]
+    sentences = [Paragraph(each.sentence) for each in directions if each.determined]
     if len(single) > 1:
-        told.insert(0, Paragraph(f"The responses hardly depend on {', '.join(single[:-1])} and {single[-1]}."))
+        sentences.insert(0, Paragraph(f"The responses hardly depend on {', '.join(single[:-1])} and {single[-1]}."))
     elif single:
-        told.insert(0, Paragraph(next(each.sentence for each in directions if not each.determined)))
-    return tuple(told)
+        sentences.insert(0, Paragraph(next(each.sentence for each in directions if not each.determined)))
+    return tuple(sentences)
 
 
 def _table(found: tuple[Remedy, ...], result: IdentificationResult) -> TextTable:
@@ -76,7 +76,7 @@ def _table(found: tuple[Remedy, ...], result: IdentificationResult) -> TextTable
     if result.design is not None and has_candidates(result):
         where = f"{len(result.design.candidates.gears)} candidate positions"
     unit = "rad" if all(unit == "rad" for unit in result.problem.responses[0].coordinate_units) else "rad or m"
-    header = ("Parameters", f"position, gears [{unit}]", "tells most at [Hz]", "std now [%]", "std then [%]")
+    header = ("Parameters", f"position, gears [{unit}]", "most informative at [Hz]", "std now [%]", "std then [%]")
     caption = (
         f"The single further experiment that helps most, out of {where}, with as many blocks as the others. Standard "
         "deviations of the logarithm of the combination, of this fit and predicted."
@@ -92,14 +92,18 @@ def _place(remedy: Remedy) -> str:
 
 
 def _better_weights(found: tuple[Remedy, ...]) -> tuple[Paragraph, ...]:
-    told = [
+    better = [
         f"{each.what} ({percent(each.optimal, 2)} instead of {percent(each.now, 2)} %)"
         for each in found
         if each.optimal < _HELPS * each.now
     ]
-    if not told:
+    if not better:
         return ()
-    return (Paragraph(f"Optimal weights would get more out of the same responses: {', '.join(told)}."),)
+    return (
+        Paragraph(
+            f"Optimal weights would reduce the standard deviations with the same responses: {', '.join(better)}."
+        ),
+    )
 
 
 def _hopeless(found: tuple[Remedy, ...]) -> tuple[Paragraph, ...]:

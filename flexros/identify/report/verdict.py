@@ -1,4 +1,4 @@
-"""What an identification found, in a few sentences."""
+"""The verdict of an identification in a few sentences."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ if TYPE_CHECKING:
 
 _AS_GOOD = 0.9
 _PART_OF_ALL, _MOST_OF_IT, _ITS_PART = 0.1, 0.8, 0.2
-"""Inertias of motors are suspect where high frequencies have this part of the cost at least, motors' responses to their
-own torque this part of it, and one motor this part of that (chosen)."""
+"""Inertias of motors are doubtful where high frequencies have at least this part of the cost, responses of motors to
+their own torque this part of it, and one motor this part of that (chosen)."""
 _SURE = 2
 """Starts that must end in the same minimum for a large misfit to be the model's (chosen)."""
 _SEVERAL = ("values", "their fitted values", "ones")
 
 
 def verdict(result: IdentificationResult) -> str:
-    """Say in a few sentences what was determined and how well the model explains the responses."""
+    """Return a few sentences: what was determined, and how well the model explains the responses."""
     if result.much_missed:
         return f"{_explained(result)}{_shifted(result)} {_judged(result)}."
     return f"{_judged(result)}. {_explained(result)}{_shifted(result)}"
@@ -36,7 +36,7 @@ def _judged(result: IdentificationResult) -> str:
     open_ones = result.identifiability.names("not_determined")
     text = f"{determined} of {counted(len(names), 'parameter')} of {result.problem.robot.name} {_are(determined)}"
     if result.much_missed:
-        text += " told within 10 % by the noise alone, which is not what limits them here"
+        text += " determined within 10 % as far as noise goes, which is not what limits them here"
     else:
         text += f" determined within 10 %{' as far as noise goes' if result.bias_signs else ''}"
     if weak:
@@ -52,7 +52,7 @@ def _are(count: int) -> str:
 
 
 def _explained(result: IdentificationResult) -> str:
-    """Say how well the model explains what was measured."""
+    """Return how well the model explains the responses."""
     count = len(result.problem.responses)
     its, them = ("its", "it") if count == 1 else ("their", "them")
     where = "the response" if count == 1 else f"the responses in {count} positions"
@@ -71,10 +71,10 @@ def _explained(result: IdentificationResult) -> str:
 
 
 def _shifted(result: IdentificationResult) -> str:
-    """Say what the intervals do not cover, where there are signs of it."""
+    """Return what the intervals do not cover, where there are signs of it."""
     if not result.settled:
         how = "ended on a bound of the search" if result.fit.converged else "did not converge"
-        return f" The fit {how}, so the misfit tells nothing about the robot."
+        return f" The fit {how}, so the misfit is no evidence about the robot."
     if not result.bias_signs:
         return ""
     if result.much_missed and len(result.start_costs) > 0 and result.same_minimum < _SURE:
@@ -116,7 +116,7 @@ def advice(result: IdentificationResult) -> str:
 
 
 def covariance_text(result: IdentificationResult) -> str:
-    """Say what the covariance rests on; a model-form error only where chance does not explain the cost."""
+    """Return what the covariance rests on; a model-form error only where chance does not explain the cost."""
     text, reduced = result.covariance.explanation, result.covariance.reduced_cost
     if not result.settled:
         return text.replace(FORM_ERROR, "because the fit leaves more than the errors of the responses explain")
@@ -124,13 +124,13 @@ def covariance_text(result: IdentificationResult) -> str:
 
 
 def kept_text(result: IdentificationResult) -> str:
-    """Say in a sentence what the file of the identified robot keeps; empty where it keeps nothing."""
+    """Return in a sentence what the file of the identified robot keeps; empty where it keeps nothing."""
     kept = result.kept_nominal
     if not kept:
         return ""
     values, fitted, ones = ("value", "its fitted value", "one") if len(kept) == 1 else _SEVERAL
     return (
         f"The identified robot keeps the nominal {values} of {', '.join(kept)}: not determined, or on a bound of the "
-        f"search. The others were fitted beside {fitted}; to fit them beside the nominal {ones}, name only them as "
-        "unknown parameters."
+        f"search. The others were fitted together with {fitted}; to fit them with the nominal {ones}, give only them "
+        "as unknown parameters."
     )

@@ -1,4 +1,4 @@
-"""How the report names verdicts and numbers."""
+"""Texts of verdicts and numbers in the report."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ VERDICT_WORDS = {"determined": "determined", "weak": "weak", "not_determined": "
 """Verdicts as they are read."""
 
 VERDICT_COLOURS = {"determined": "#0072b2", "weak": "#e69f00", "not_determined": "#d55e00"}
-"""Colours of verdicts, to be told apart also by the colour-blind."""
+"""Colours of verdicts, distinguishable also by the colour-blind."""
 
 _FAR = 1000.0
 _MANIFOLD = 10.0
 _EVEN = 0.1
-"""Ends whose distances from the value differ by at most this share are told as one (chosen)."""
+"""Ends whose distances from the value differ by at most this share are written as one (chosen)."""
 
 
 def counted(count: int, what: str) -> str:
@@ -59,7 +59,7 @@ def rounded_text(value: float, low: float, high: float) -> str:
 
 
 def true_text(true: float, low: float, high: float) -> str:
-    """Write a true value beside an identified one: whole numbers as such, others as `rounded_text`.
+    """Write a true value next to an identified one: whole numbers as such, others as `rounded_text`.
 
     Args:
         true: The true value (SI).
@@ -73,7 +73,7 @@ def true_text(true: float, low: float, high: float) -> str:
 
 
 def interval_text(low: float, value: float, high: float) -> str:
-    """Write an interval; an end that is farther than a factor of 1000 from the value says nothing and is left out.
+    """Write an interval; an end that is farther than a factor of 1000 from the value is unknown and omitted.
 
     Args:
         low: Lower end (SI).
@@ -83,11 +83,11 @@ def interval_text(low: float, value: float, high: float) -> str:
     Returns:
         E.g. "2.1 to 2.4", "above 2.1", "unknown".
     """
-    first, last = known_ends(low, value, high)
-    if first is None:
-        return "unknown" if last is None else f"below {rounded_text(last, low, high)}"
-    if last is None:
-        return f"above {rounded_text(first, low, high)}"
+    lower, upper = known_ends(low, value, high)
+    if lower is None:
+        return "unknown" if upper is None else f"below {rounded_text(upper, low, high)}"
+    if upper is None:
+        return f"above {rounded_text(lower, low, high)}"
     return f"{rounded_text(low, low, high)} to {rounded_text(high, low, high)}"
 
 
@@ -100,12 +100,12 @@ def known_ends(low: float, value: float, high: float) -> tuple[float | None, flo
         high: Upper end (SI).
 
     Returns:
-        Lower and upper end, None where it says nothing; both for a value that is not positive.
+        Lower and upper end, None where it is unknown; both for a value that is not positive.
     """
     if value <= 0:
         return low, high
     above = not high < value * _FAR
-    if low <= 0:  # a parameter that may be negative: its lower end says nothing if the upper one does not
+    if low <= 0:  # a parameter that may be negative: its lower end is unknown if the upper one is
         return (None, None) if above else (low, high)
     return None if not low * _FAR > value else low, None if above else high
 
@@ -121,9 +121,9 @@ def reach_text(low: float, value: float, high: float) -> str:
     Returns:
         E.g. "±0.82 %", "-26 +35 %", "factor 12", "above 2.1"; the interval itself where the value is not positive.
     """
-    told = interval_text(low, value, high)
-    if value <= 0 or told.startswith(("unknown", "above", "below")):
-        return told
+    text = interval_text(low, value, high)
+    if value <= 0 or text.startswith(("unknown", "above", "below")):
+        return text
     down, up = 100 * (1 - low / value), 100 * (high / value - 1)
     if abs(up - down) <= _EVEN * up:
         return f"±{number(0.5 * (up + down), 2)} %"

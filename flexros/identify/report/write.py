@@ -40,7 +40,7 @@ def write_identification_report(result: IdentificationResult, file: Path, *, tit
     """Write the report of an identification.
 
     Args:
-        result: What was identified.
+        result: The identification.
         file: The HTML file; one that exists is replaced once the new one is complete.
         title: Heading; None for the name of the robot.
 
@@ -54,7 +54,7 @@ def identification_report(result: IdentificationResult, *, title: str | None = N
     """Make the report of an identification.
 
     Args:
-        result: What was identified.
+        result: The identification.
         title: Heading; None for the name of the robot.
 
     Returns:

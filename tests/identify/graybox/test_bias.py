@@ -60,10 +60,10 @@ def test_fit_on_a_bound_is_no_evidence_about_the_robot(clear: IdentificationResu
     assert "because of a model-form error" in covariance_text(missed)
     bound = replace(missed, fit=replace(clear.fit, at_bound=np.arange(6) == 2))
     assert bound.bias_signs == ()
-    assert "The fit ended on a bound of the search, so the misfit tells nothing about the robot." in verdict(bound)
+    assert "The fit ended on a bound of the search, so the misfit is no evidence about the robot." in verdict(bound)
     assert "model misses" not in covariance_text(bound)
     broken_off = replace(missed, fit=replace(clear.fit, converged=False))
-    assert "The fit did not converge, so the misfit tells nothing about the robot." in verdict(broken_off)
+    assert "The fit did not converge, so the misfit is no evidence about the robot." in verdict(broken_off)
 
 
 def test_cost_is_no_sign_where_errors_are_not_known(clear: IdentificationResult) -> None:

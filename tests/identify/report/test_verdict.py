@@ -30,7 +30,7 @@ def test_large_misfit_comes_first(clear: IdentificationResult) -> None:
     text = verdict(missed(clear, 400.0))
     assert text.startswith("The identified model misses the responses in 3 positions by 20 times their uncertainty")
     assert text.endswith(
-        "6 of 6 parameters of e12 are told within 10 % by the noise alone, which is not what limits them here."
+        "6 of 6 parameters of e12 are determined within 10 % as far as noise goes, which is not what limits them here."
     )
     assert verdict(missed(clear, 4.0)).startswith("6 of 6 parameters of e12 are determined within 10 % as far as noise")
 

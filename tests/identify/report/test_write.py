@@ -123,7 +123,7 @@ def test_distortions_are_named_with_their_size(distorted: IdentificationResult, 
     assert "odd ones at motor_2, 5 % of the output in the median, with noise of 0.10 %" in text
     assert "as far as noise goes. With the weights of the fit the identified model explains" in text
     assert "Signs of it: odd detection lines of motor_2 carry 50 times their noise." in text
-    assert "values may be wrong by more than they tell" in text
+    assert "errors may exceed them" in text
 
 
 def test_gain_of_the_positions_is_told(html: str, clear: IdentificationResult) -> None:
@@ -159,11 +159,11 @@ def test_report_into_a_folder_that_is_not_there_is_refused(clear: Identification
 def test_shifts_by_what_the_model_lacks_are_warned_of_and_only_then(
     html: str, clear: IdentificationResult, tmp_path: Path
 ) -> None:
-    for warning in ("values may be wrong by more than they tell", "model lacks", "as far as", "What exceeds it"):
+    for warning in ("errors may exceed them", "model lacks", "as far as", "What exceeds it"):
         assert warning not in words(html)
     missing = replace(clear, covariance=replace(clear.covariance, reduced_cost=12.0))
     text = words(page(missing, tmp_path))
-    assert "values may be wrong by more than they tell" in text
+    assert "errors may exceed them" in text
     assert "within 10 % as far as noise goes. The identified model misses the responses in 3 positions by 3.5" in text
     assert "identify with slow_motion" in text
     assert "What exceeds it is not noise" in text

@@ -95,7 +95,7 @@ def sensitivity_page(study: Study, used: Mapping[str, str]) -> str:
         "# Sensitivity of the diagnosis to its settings",
         "",
         "Written by `flexros campaign sensitivity`. Each numeric setting of the diagnosis is multiplied by "
-        f"{times}, one at a time, on {len(study.cases)} fixed cases of the blind check. The cases are short and drawn "
+        f"{times}, one at a time. Fixed cases of the blind check: {len(study.cases)}. The cases are short and drawn "
         "from development seeds: they show which settings matter, not how good the diagnosis is.",
         "",
         *sensitivity_summary(study),
