@@ -1,4 +1,4 @@
-"""Files of a diagnosis, in a folder that is there as a whole or not at all."""
+"""Files of a diagnosis, written as a whole folder or not at all."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from flexros.gap.result import DiagnosisResult
 
 DIAGNOSIS, PATCH, REPORT = "diagnosis.json", "patch.yaml", "report.html"
-"""Names of the files in the folder of a diagnosis; the patch is there only where something was found."""
+"""Names of the files of a diagnosis; the patch is written only where an effect was found."""
 _KINDS = {DIAGNOSIS: "diagnosis", PATCH: "patch", REPORT: "report"}
 
 
@@ -25,7 +25,7 @@ def check_folder(folder: Path) -> None:
     """Refuse a folder that a diagnosis must not replace.
 
     Args:
-        folder: Where the files shall lie; one that is empty or holds an earlier diagnosis may be replaced.
+        folder: Folder of the files; one that is empty or holds an earlier diagnosis may be replaced.
 
     Raises:
         InputError: It is a file, holds anything else, or its parent cannot be made or written to.
@@ -51,12 +51,12 @@ def check_folder(folder: Path) -> None:
 
 
 def write_diagnosis(result: DiagnosisResult, model: str | Path, folder: Path) -> tuple[str, ...]:
-    """Write diagnosis.json, report.html and, where something was found, patch.yaml.
+    """Write diagnosis.json, report.html and, where an effect was found, patch.yaml.
 
-    They are made in a folder beside, which then takes the place of one that is there.
+    They are written into a temporary folder, which then replaces an existing one.
 
     Args:
-        result: What was found.
+        result: The diagnosis.
         model: The model that was diagnosed, as the user named it.
         folder: The folder.
 
@@ -75,8 +75,8 @@ def write_diagnosis(result: DiagnosisResult, model: str | Path, folder: Path) ->
     }
     part, old = (folder.absolute().with_name(f".{folder.name}.{kind}") for kind in ("part", "old"))
     try:
-        for left in (part, old):  # of a diagnosis that was broken off
-            shutil.rmtree(left, ignore_errors=True)
+        for rest in (part, old):  # of an aborted diagnosis
+            shutil.rmtree(rest, ignore_errors=True)
         part.mkdir()
         for name, text in texts.items():
             write_result(part / name, text, _KINDS[name])
@@ -86,8 +86,8 @@ def write_diagnosis(result: DiagnosisResult, model: str | Path, folder: Path) ->
     except OSError as error:
         raise _cannot_write(folder, error) from error
     finally:
-        for left in (part, old):
-            shutil.rmtree(left, ignore_errors=True)
+        for rest in (part, old):
+            shutil.rmtree(rest, ignore_errors=True)
     return tuple(texts)
 
 

@@ -1,4 +1,4 @@
-"""Section: how far apart robot and model are, before and after the repair, on data that was not fitted."""
+"""Section: the gap between robot and model before and after the repair, on data that was not fitted."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ BEFORE, AFTER, RIVAL, FLOOR = "#d55e00", "#0072b2", "#e69f00", "#a9b4bf"
 
 
 class HowFarSection(AbstractSection["DiagnosisResult"]):
-    """Bars of the gap numbers, gap by signal, and what the models miss over time."""
+    """Bars of the gap, the gap by signal, and the prediction errors over time."""
 
     title: ClassVar[str] = "How far apart, before and after"
 
@@ -31,14 +31,13 @@ class HowFarSection(AbstractSection["DiagnosisResult"]):
         blocks: list[Block] = [Paragraph(_sentence(gap)), Picture(_bars(gap), _caption(gap))]
         if result.signals:
             blocks.append(_table(result.signals))
-        picture = innovation_picture(result)
-        return (*blocks, *([picture] if picture is not None else []))
+        return (*blocks, innovation_picture(result))
 
 
 def _sentence(gap: GapNumbers) -> str:
-    text = f"The gap number is {gap.metric}; 'floor' is what it would be without any gap."
+    text = f"The gap is the {gap.metric}; 'floor' is its value without any gap."
     if gap.after is not None and (gap.closed_fraction is None or not shows(gap)):
-        return f"{text} The gap before is within its own sampling error of the floor, so no share of it is told."
+        return f"{text} The gap before is within its sampling error of the floor, so no closed share is stated."
     if gap.closed_fraction is None:
         return text
     within = interval_words(gap.interval).replace("(", "(95 % interval ")
@@ -55,13 +54,13 @@ def _bars(gap: GapNumbers) -> go.Figure:
 
     from flexros.report.theme import stacked
 
-    told = [
+    bars = [
         ("nominal model", gap.before, BEFORE),
         ("best rival", gap.best_rival, RIVAL),
         ("repaired model", gap.after, AFTER),
         ("floor", gap.noise_floor, FLOOR),
     ]
-    shown = [(name, value, colour) for name, value, colour in told if value is not None]
+    shown = [(name, value, colour) for name, value, colour in bars if value is not None]
     figure = stacked([""], height=34 * len(shown) + 30)
     figure.add_trace(
         go.Bar(
@@ -118,14 +117,14 @@ def _label(name: str, value: float) -> str:
 def _table(signals: tuple[SignalGap, ...]) -> TextTable:
     rows = tuple(
         (
-            one.signal,
-            one.unit,
-            number(one.before, 3),
-            number(one.after, 3),
-            number(one.rival, 3),
-            number(one.floor, 3),
+            signal.signal,
+            signal.unit,
+            number(signal.before, 3),
+            number(signal.after, 3),
+            number(signal.rival, 3),
+            number(signal.floor, 3),
         )
-        for one in signals
+        for signal in signals
     )
     header = ("Signal", "unit", "nominal model", "repaired model", "best rival", "floor")
     return TextTable(header, rows, "The gap in each signal, root mean square on held-out data.", left=2)

@@ -1,4 +1,4 @@
-"""What the models miss of the motor positions, over time and over frequency."""
+"""Prediction errors of the motor positions over time and over frequency."""
 
 from __future__ import annotations
 
@@ -20,52 +20,52 @@ if TYPE_CHECKING:
 _COLOURS = {"before": "#d55e00", "after": "#0072b2"}
 _NAMES = {"before": "nominal model", "after": "repaired model"}
 _MOST_MOTORS = 3
-"""Motors that are drawn, those with the largest gap (chosen)."""
+"""Number of motors drawn, those with the largest gap (chosen)."""
 _SEGMENT = 4096
-"""Longest piece of the spectra [samples] (chosen)."""
+"""Longest segment of the spectra [samples] (chosen)."""
 _FARTHEST = 1e6
-"""Errors of a prediction that diverged are drawn at this many standard deviations (chosen)."""
+"""Standard deviations at which errors of diverged predictions are drawn (chosen)."""
 _BAND = 1.96
-"""Normal numbers lie within this many standard deviations in 95 % of all cases."""
+"""Standard deviations that 95 % of normally distributed errors are within."""
 
 
-def innovation_picture(result: DiagnosisResult) -> Picture | None:
+def innovation_picture(result: DiagnosisResult) -> Picture:
     """Draw the prediction errors of the nominal and the repaired model, over time and as spectra.
 
     Args:
-        result: What was found.
+        result: The diagnosis.
 
     Returns:
-        The picture, a row of two panels per motor, in standard deviations of a model without gap; None for no log.
+        The picture, a row of two panels per motor, in standard deviations of a model without a gap.
     """
-    record, before = _told(result, result.before)
+    record, before = _predicted(result, result.before)
     models = {"before": before}
     if result.after is not None:
-        models["after"] = _told(result, result.after)[1]
+        models["after"] = _predicted(result, result.after)[1]
     sizes = np.mean(np.square(_settled(before, record)), axis=0)
     motors = np.sort(np.argsort(-sizes)[:_MOST_MOTORS])
     figure = _empty(result, motors)
     for row, motor in enumerate(motors.tolist(), start=1):
         for key, prediction in models.items():
             _draw(figure, row, key, _settled(prediction, record)[:, motor], record, legend=row == 1)
-    seen = "the held-out log" if result.holdout is not None else "the fitted log"
+    log = "the held-out log" if result.holdout is not None else "the fitted log"
     return Picture(
         figure,
-        f"What the models miss of the motor position in the next sample, in {seen}: over time, in standard deviations "
-        f"of a model without gap (95 % would lie within ±{_BAND:.0f}), and as a spectrum, over that of white "
-        "noise of the same deviation.",
+        f"Errors of the motor position predicted one sample ahead, in {log}: over time, in standard deviations of a "
+        f"model without a gap (95 % would be within ±{_BAND:.0f}), and as a spectrum, over that of white noise of the "
+        "same standard deviation.",
     )
 
 
-def _told(result: DiagnosisResult, model: Explanation) -> tuple[Record, PredictedLog]:
-    """Return held-out data where there are any, else the fitted ones."""
+def _predicted(result: DiagnosisResult, model: Explanation) -> tuple[Record, PredictedLog]:
+    """Return held-out data where there are any, otherwise the fitted ones."""
     if result.holdout is not None and model.holdout is not None and result.before.holdout is not None:
         return result.holdout, model.holdout
     return result.record, model.fit
 
 
 def _settled(prediction: PredictedLog, record: Record) -> FloatArray:
-    """Return the errors in standard deviations, zero where they do not count, shape (n, M)."""
+    """Return the errors in standard deviations, zero where they are not used, shape (n, M)."""
     relative: FloatArray = np.clip(np.nan_to_num(prediction.innovations / prediction.sd), -_FARTHEST, _FARTHEST)
     relative[: prediction.first] = 0.0
     relative[~record.valid] = 0.0

@@ -1,4 +1,4 @@
-"""Section: what could not be told, and the experiment that tells it."""
+"""Section: limits of the log, and the next experiment."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ if TYPE_CHECKING:
     from flexros.gap.schema import NextExperiment
 
 _MOVED = 1.0
-"""Standard deviations of its tolerance from which a moved parameter is told (chosen)."""
+"""Standard deviations of its tolerance from which a changed parameter is listed (chosen)."""
 
 _NOTHING_TO_RUN = {
     "no_gap": "No further experiment is needed: there is no gap to be explained.",
-    "explained": "No further experiment is needed to tell the cause from its rivals.",
-    "ambiguous": "No experiment of the catalogue tells the rivals apart: measure the tool or the torque too.",
-    "unknown_effect": "No experiment is proposed for a cause that is not among the known effects: the map of where the "
-    "gap shows says which joint and which motion to look at.",
+    "explained": "No further experiment is needed to separate the cause from its rivals.",
+    "ambiguous": "No experiment of the catalogue separates the rivals: measure the tool or the torque as well.",
+    "unknown_effect": "No experiment is proposed for a cause that is not among the known effects: the maps of the gap "
+    "show which joint and which motion to examine.",
 }
 
 
 class OpenQuestionsSection(AbstractSection["DiagnosisResult"]):
-    """Limits of this log, the next experiment, and what was put down to the tolerance of the model."""
+    """Limits of this log, the next experiment, and changes within the tolerance of the model."""
 
-    title: ClassVar[str] = "What this log cannot tell, and what to run next"
+    title: ClassVar[str] = "Limits of this log, and the next experiment"
 
     def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
         """Return the limits, the experiment and the tolerances that were used."""
@@ -43,12 +43,12 @@ class OpenQuestionsSection(AbstractSection["DiagnosisResult"]):
 
 
 def _following(experiment: NextExperiment) -> tuple[Block, ...]:
-    rivals = listed([named(place) for place in experiment.separates], "from")
-    told = f", which tells {rivals}" if rivals else ""
+    rivals = listed([named(location) for location in experiment.separates], "from")
+    purpose = f", which separates {rivals}" if rivals else ""
     gain = number(experiment.expected_gain, 3)
     text = (
-        f"Run '{experiment.name}' next{told}: {experiment.description.rstrip('.')}. Simulated with both explanations, "
-        f"it separates the two closest by {gain} nats (3 nats mean odds of 20 to 1)."
+        f"Run '{experiment.name}' next{purpose}: {experiment.description.rstrip('.')}. Simulated with both "
+        f"explanations, it separates the two closest by {gain} nats (3 nats are odds of 20 to 1)."
     )
     command = (Listing(experiment.command, "Command of the experiment."),) if experiment.command else ()
     return (Paragraph(text), *command)
@@ -60,7 +60,7 @@ def _tolerance(tolerance: Mapping[str, float]) -> tuple[Block, ...]:
         return ()
     rows = tuple((name, f"{size:+.1f}") for name, size in sorted(moved.items(), key=lambda entry: -abs(entry[1])))
     caption = (
-        "Numbers of the nominal model that were moved within its tolerance, in standard deviations of it: they are "
-        "not told as effects."
+        "Parameters of the nominal model that were changed within its tolerance, in standard deviations of it: they "
+        "are not reported as effects."
     )
-    return (TextTable(("Number", "moved by"), rows, caption),)
+    return (TextTable(("Parameter", "changed by"), rows, caption),)

@@ -14,40 +14,36 @@ _USELESS = 0.1
 
 
 class PatchSection(AbstractSection["DiagnosisResult"]):
-    """The text of patch.yaml, and what to do with it."""
+    """The text of patch.yaml and the commands that use it."""
 
     title: ClassVar[str] = "The patch"
 
     def __init__(self, text: str) -> None:
-        """Keep the text.
-
-        Args:
-            text: The patch as YAML; empty where nothing was found.
-        """
+        """Take the patch as YAML, empty where no effect was found."""
         self._text = text
 
     def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
         """Return the patch with its commands."""
         if not self._text:
             return ()
-        told = (
-            "The effects with their fitted numbers on top of the nominal robot. The file patch.yaml is accepted "
-            "wherever a robot is: to simulate, to plan the feedforward anew, to diagnose again."
+        text = (
+            "The effects with their fitted parameters on top of the nominal robot. The file patch.yaml is accepted "
+            "wherever a robot is: for simulation, feedforward or another diagnosis."
         )
         if result.diagnosis.verdict == "unknown_effect":
-            told += " It repairs only a part of the gap, as its cause is not among the known effects."
+            text += " It repairs only a part of the gap, whose cause is not among the known effects."
         if result.diagnosis.verdict == "ambiguous":
-            told += " It holds the most probable explanation; a rival that predicts equally well serves as long as the "
-            told += "robot moves as in this log."
+            text += (
+                " It holds the most probable explanation, which predicts motions like those of this log as well as its "
+            )
+            text += "rivals."
         closed = result.diagnosis.gap.closed_fraction
         if closed is not None and closed < _USELESS:
-            told = (
-                "The effects with their fitted numbers. They do not shrink the gap on held-out data: do not use them."
-            )
+            text = "The effects with their fitted parameters. Do not use them: they do not reduce the held-out gap."
         commands = "flexros gap BAG --model patch.yaml      # a new log against the repaired model\n"
         commands += "flexros run SCENARIO --model patch.yaml  # simulate, with a feedforward that knows the effects\n"
         return (
-            Paragraph(told),
-            Listing(self._text, "patch.yaml, beside this report."),
-            Listing(commands, "What to do with it."),
+            Paragraph(text),
+            Listing(self._text, "patch.yaml, in the folder of this report."),
+            Listing(commands, "Commands that use it."),
         )

@@ -1,4 +1,4 @@
-"""Section: all effects that competed, by probability, together with 'nothing'."""
+"""Section: all candidate effects by probability, together with 'nothing'."""
 
 from __future__ import annotations
 
@@ -20,21 +20,22 @@ NOTHING = "nothing"
 _MOST_BARS, _MOST_ROWS = 10, 15
 """Effects in the picture and in the table (chosen)."""
 _CAUSE, _RIVAL, _REST, _NONE = "#0072b2", "#e69f00", "#a9b4bf", "#009e73"
-"""Colours of causes, of effects in a group that cannot be told apart, of the others, and of 'nothing'."""
+"""Colours of causes, of effects in an ambiguity group, of the others, and of 'nothing'."""
 
 
 class RankingSection(AbstractSection["DiagnosisResult"]):
-    """Bars of probabilities, groups that cannot be told apart, table of the evidence."""
+    """Bars of probabilities, ambiguity groups, table of the evidence."""
 
     title: ClassVar[str] = "Which effect"
 
     def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
         """Return sentence, bars, groups and table."""
         if not result.ranking:
-            return (Paragraph("No effect competed, as nothing exceeds noise and tolerance."),)
+            return (Paragraph("No effects were compared: nothing exceeds noise and tolerance."),)
         groups = [
             Paragraph(
-                f"This log cannot tell {first_few([named(place) for place in group], 'from', 6)} apart.", "warning"
+                f"This log cannot distinguish {first_few([named(location) for location in group], 'from', 6)}.",
+                "warning",
             )
             for group in result.diagnosis.ambiguity_groups
         ]
@@ -44,28 +45,28 @@ class RankingSection(AbstractSection["DiagnosisResult"]):
 def _sentence(result: DiagnosisResult) -> str:
     count = len(result.ranking)
     unknown = (
-        " Here none of them explains the gap, so that none is probable: the cause is something else, or more than this."
+        " Here none of them explains the gap, so none is probable: the cause is another effect, or several together."
     )
     return (
-        f"{count} effect{'s' * (count > 1)} at their places, and 'nothing', were fitted to the log and compared by "
-        "what they gain beyond what their number of parameters gains by chance. A probability says how likely it is "
-        "that this effect is part of the truth; where several causes act together, several are high."
+        f"{count} effect{'s' * (count > 1)} at their locations, and 'nothing', were fitted to the log and compared by "
+        "their gain beyond what their number of parameters gains by chance. The probability is that of the effect "
+        "being part of the truth; where several causes act together, several are high."
         f"{unknown if result.diagnosis.verdict == 'unknown_effect' else ''}"
     )
 
 
 def _picture(result: DiagnosisResult) -> Picture:
     ranked = result.ranking[:_MOST_BARS]
-    names = [*(capital(named(one)) for one in ranked), capital(NOTHING)]
-    values = [*(one.probability for one in ranked), result.null_probability]
-    colours = [*(_colour(one, result.diagnosis) for one in ranked), _NONE]
+    names = [*(capital(named(candidate)) for candidate in ranked), capital(NOTHING)]
+    values = [*(candidate.probability for candidate in ranked), result.null_probability]
+    colours = [*(_colour(candidate, result.diagnosis) for candidate in ranked), _NONE]
     figure = _bars(names, values, colours)
     more = len(result.ranking) - len(ranked)
     rest = f" {more} less probable ones are left out." if more > 0 else ""
     return Picture(
         figure,
-        "Probability of each effect. Blue: told as a cause. Orange: in a group that this log cannot tell apart. "
-        f"Green: that there is no effect at all.{rest}",
+        "Probability of each effect. Blue: reported as a cause. Orange: in a group that this log cannot distinguish. "
+        f"Green: no effect at all.{rest}",
     )
 
 
@@ -93,41 +94,47 @@ def _bars(names: Sequence[str], values: Sequence[float], colours: Sequence[str])
     return figure
 
 
-def _colour(one: RankedCandidate, diagnosis: Diagnosis) -> str:
-    if any(_same(one, place) for group in diagnosis.ambiguity_groups for place in group):
+def _colour(candidate: RankedCandidate, diagnosis: Diagnosis) -> str:
+    if any(_same(candidate, location) for group in diagnosis.ambiguity_groups for location in group):
         return _RIVAL
-    told = diagnosis.verdict in ("explained", "ambiguous") and any(_same(one, cause) for cause in diagnosis.causes)
-    return _CAUSE if told and one.probability >= 0.5 else _REST
+    reported = diagnosis.verdict in ("explained", "ambiguous") and any(
+        _same(candidate, cause) for cause in diagnosis.causes
+    )
+    return _CAUSE if reported and candidate.probability >= 0.5 else _REST
 
 
-def _same(one: RankedCandidate, place: EffectLocation) -> bool:
-    return (one.effect, one.location) == (place.effect, place.location)
+def _same(candidate: RankedCandidate, location: EffectLocation) -> bool:
+    return (candidate.effect, candidate.location) == (location.effect, location.location)
 
 
 def _table(ranking: Sequence[RankedCandidate]) -> TextTable:
-    unseen = any(one.holdout_gain is not None for one in ranking)
+    unseen = any(candidate.holdout_gain is not None for candidate in ranking)
     rows = tuple(
         (
-            capital(named(one))
-            + (f" (with {listed([named(place) for place in one.together_with])})" if one.together_with else ""),
-            parameters_words(one.parameters),
-            _short(one.probability),
-            number(one.gain, 4),
-            number(one.penalty, 3),
-            *([number(one.holdout_gain, 4)] if unseen else []),
-            "-" if one.remainder is None else _short(one.remainder),
+            capital(named(candidate))
+            + (
+                f" (with {listed([named(location) for location in candidate.together_with])})"
+                if candidate.together_with
+                else ""
+            ),
+            parameters_words(candidate.parameters),
+            _short(candidate.probability),
+            number(candidate.gain, 4),
+            number(candidate.penalty, 3),
+            *([number(candidate.holdout_gain, 4)] if unseen else []),
+            "-" if candidate.remainder is None else _short(candidate.remainder),
         )
-        for one in ranking[:_MOST_ROWS]
+        for candidate in ranking[:_MOST_ROWS]
     )
-    header = ("Effect", "fitted", "probability", "gain", "penalty", *(["gain, unseen"] if unseen else []), "leaves")
-    told = "gain, unseen: the same, of the first few, in the data that they have not seen; " if unseen else ""
+    header = ("Effect", "fitted", "probability", "gain", "penalty", *(["gain, held out"] if unseen else []), "leaves")
+    held_out = "gain, held out: the same in held-out data, for the first few; " if unseen else ""
     caption = (
-        "Gain: twice the gain in log-likelihood over the nominal model in the log that was fitted; penalty: what its "
-        f"parameters cost; {told}leaves: share of the excess over noise that remains in the fitted log."
+        "Gain: twice the gain in log-likelihood over the nominal model in the fitted log; penalty: cost of its "
+        f"parameters; {held_out}leaves: share of the excess over noise that remains in the fitted log."
     )
     return TextTable(header, rows, caption, left=2)
 
 
 def _short(share: float) -> str:
-    """Write a share in little room."""
+    """Write a share briefly."""
     return share_words(share).replace("under ", "<").replace("over ", ">").replace(" %", "\u00a0%")

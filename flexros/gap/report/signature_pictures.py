@@ -26,12 +26,12 @@ _ACROSS = 32
 """Characters of an ordinate's title that fit beside a picture."""
 
 
-def signature_pictures(one: RankedCandidate, result: DiagnosisResult) -> tuple[Picture, ...]:
-    """Draw what an effect leaves in the log.
+def signature_pictures(candidate: RankedCandidate, result: DiagnosisResult) -> tuple[Picture, ...]:
+    """Draw the signature of an effect in the log.
 
     Args:
-        one: The effect.
-        result: What was found.
+        candidate: The effect.
+        result: The diagnosis.
 
     Returns:
         Its pictures, the clearest first; none where the log cannot show it.
@@ -39,7 +39,7 @@ def signature_pictures(one: RankedCandidate, result: DiagnosisResult) -> tuple[P
     evidence = result.signature_data
     if evidence is None:
         return ()
-    pictures = (kind().picture(evidence, one.location) for kind in pictures_for(one.effect))
+    pictures = (kind().picture(evidence, candidate.location) for kind in pictures_for(candidate.effect))
     drawn = [signature for signature in pictures if signature is not None and signature.series]
     return tuple(Picture(_figure(signature), f"{signature.title}. {signature.reading}") for signature in drawn[:MOST])
 
@@ -51,8 +51,8 @@ def _figure(signature: Signature) -> go.Figure:
     clouds = {name: curve for name, curve in signature.series.items() if curve.style == "points"}
     lines = {name: curve for name, curve in signature.series.items() if curve.style != "points"}
     for colours, curves in ((_POINTS if lines else _COLOURS, clouds), (_COLOURS, lines)):
-        for place, (name, curve) in enumerate(curves.items()):
-            figure.add_trace(_trace(name, curve, colours[place % len(colours)], 3 if lines else 6))
+        for index, (name, curve) in enumerate(curves.items()):
+            figure.add_trace(_trace(name, curve, colours[index % len(colours)], 3 if lines else 6))
     figure.update_xaxes(title_text=signature.x_label, type="log" if signature.log_x else "linear")
     title = "<br>".join(textwrap.wrap(signature.y_label, _ACROSS))
     figure.update_yaxes(title_text=title, title_standoff=12, type="log" if signature.log_y else "linear")

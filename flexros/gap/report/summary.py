@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
-from flexros.gap.report.verdict import told_causes, verdict_sentence
+from flexros.gap.report.verdict import reported_causes, verdict_sentence
 from flexros.gap.report.words import capital, closed_words, named, p_value_words, share_words, shows, where_words
 from flexros.report.base import AbstractSection, Block, Paragraph, Tiles
 from flexros.report.number_text import number
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from flexros.gap.schema import Diagnosis
 
 _MANY_WARNINGS = 3
-"""More warnings than this are told in the section on provenance only (chosen)."""
+"""Warnings shown here; further ones are listed in the section on provenance (chosen)."""
 
 
 class SummarySection(AbstractSection["DiagnosisResult"]):
@@ -24,9 +24,9 @@ class SummarySection(AbstractSection["DiagnosisResult"]):
 
     def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
         """Return the verdict and the main figures."""
-        told = result.diagnosis.warnings
-        warnings = [Paragraph(text, "warning") for text in told[:_MANY_WARNINGS]]
-        more = len(told) - _MANY_WARNINGS
+        texts = result.diagnosis.warnings
+        warnings = [Paragraph(text, "warning") for text in texts[:_MANY_WARNINGS]]
+        more = len(texts) - _MANY_WARNINGS
         if more > 0:
             warnings.append(Paragraph(f"{more} more warning{'s' * (more > 1)} at the end.", "warning"))
         lead = verdict_sentence(result.diagnosis).replace(" %", "\u00a0%")
@@ -41,31 +41,31 @@ def _tiles(result: DiagnosisResult) -> list[tuple[str, str, str, str]]:
     if gap.closed_fraction is None or gap.after is None or not shows(gap):
         tiles.append(("Gap", number(gap.before, 3), unit, floor))
     else:
-        shrunk = f"{number(gap.before, 3)} before, {number(gap.after, 3)} after, {floor}"
-        tiles.append(("Gap closed, held-out data", closed_words(gap.closed_fraction).removesuffix(" %"), "%", shrunk))
-    felt = next((signal for signal in result.signals if "closed loop" in signal.signal), None)
-    if felt is not None:
-        tiles.append(_felt_tile(felt))
+        sizes = f"{number(gap.before, 3)} before, {number(gap.after, 3)} after, {floor}"
+        tiles.append(("Gap closed, held-out data", closed_words(gap.closed_fraction).removesuffix(" %"), "%", sizes))
+    closed_loop = next((signal for signal in result.signals if "closed loop" in signal.signal), None)
+    if closed_loop is not None:
+        tiles.append(_closed_loop_tile(closed_loop))
     if diagnosis.where:
         first = diagnosis.where[0]
-        told = where_words(first, result.record.sample_time).partition(", ")[2]
-        below = f"{capital(told)}, {p_value_words(first.p_value)}" if told else p_value_words(first.p_value)
+        detail = where_words(first, result.record.sample_time).partition(", ")[2]
+        below = f"{capital(detail)}, {p_value_words(first.p_value)}" if detail else p_value_words(first.p_value)
         tiles.append(("Where it shows most", first.joint, "", below.replace("p = ", "p\u00a0=\u00a0")))
     return tiles
 
 
 def _cause_tile(diagnosis: Diagnosis) -> tuple[str, str, str, str]:
     """Return the probability of the first cause, or the verdict where there is none."""
-    causes = told_causes(diagnosis)
+    causes = reported_causes(diagnosis)
     if diagnosis.verdict == "no_gap" or not causes:
         return "Verdict", diagnosis.verdict.replace("_", " "), "", "within noise and tolerance"
     if diagnosis.verdict == "unknown_effect":
-        return "Verdict", "unknown effect", "", f"best of the known: {named(causes[0])}"
+        return "Verdict", "unknown effect", "", f"best known effect: {named(causes[0])}"
     more = f" and {len(causes) - 1} more" if len(causes) > 1 else ""
     probability = share_words(causes[0].probability).removesuffix(" %")
     return "Probability of the first cause", probability, "%", f"{capital(named(causes[0]))}{more}"
 
 
-def _felt_tile(felt: SignalGap) -> tuple[str, str, str, str]:
-    after = "" if felt.after is None else f"{number(felt.after, 2)} {felt.unit} after repair"
-    return capital(felt.signal), number(felt.before, 2), felt.unit, after
+def _closed_loop_tile(signal: SignalGap) -> tuple[str, str, str, str]:
+    after = "" if signal.after is None else f"{number(signal.after, 2)} {signal.unit} after repair"
+    return capital(signal.signal), number(signal.before, 2), signal.unit, after

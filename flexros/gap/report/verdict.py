@@ -1,4 +1,4 @@
-"""What a diagnosis found, in a sentence or two."""
+"""The verdict of a diagnosis in a sentence or two."""
 
 from __future__ import annotations
 
@@ -24,17 +24,13 @@ if TYPE_CHECKING:
     from flexros.gap.schema import Cause, Diagnosis, EffectLocation, GapNumbers
 
 _PART = 0.5
-"""A cause of at least this probability is told as part of the truth (chosen)."""
+"""Probability from which a cause is reported as part of the truth (chosen)."""
 _SURE = 0.995
-"""Probability above which none is given in the sentence (chosen)."""
+"""Probability from which it is not stated in the sentence (chosen)."""
 
 
 def verdict_sentence(diagnosis: Diagnosis) -> str:
-    """Say in a sentence or two what was found, with numbers.
-
-    Args:
-        diagnosis: The answer.
-    """
+    """Return the verdict in a sentence or two, with figures."""
     words = {
         "no_gap": _no_gap,
         "explained": _explained,
@@ -44,12 +40,8 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     return words[diagnosis.verdict](diagnosis)
 
 
-def told_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
-    """List the causes that a verdict names as part of the truth: all that are more probable than not, or the first.
-
-    Args:
-        diagnosis: The answer.
-    """
+def reported_causes(diagnosis: Diagnosis) -> tuple[Cause, ...]:
+    """List the causes that a verdict names: all that are more probable than not, otherwise the first."""
     likely = tuple(cause for cause in diagnosis.causes if cause.probability >= _PART)
     return likely or diagnosis.causes[:1]
 
@@ -62,30 +54,31 @@ def _no_gap(diagnosis: Diagnosis) -> str:
     )
     if not diagnosis.where:
         return f"{text}."
-    first = min(diagnosis.where, key=lambda place: place.p_value)
-    place = where_words(first).partition(":")[0]
-    return f"{text}; the most suspicious place, {place}, has {p_value_words(first.p_value)}."
+    first = min(diagnosis.where, key=lambda location: location.p_value)
+    location = where_words(first).partition(":")[0]
+    return f"{text}; the most suspicious location, {location}, has {p_value_words(first.p_value)}."
 
 
 def _explained(diagnosis: Diagnosis) -> str:
-    causes = told_causes(diagnosis)
+    causes = reported_causes(diagnosis)
     if not causes:
         return f"There is a gap. {_where(diagnosis)}"
     sure = min(cause.probability for cause in causes)
     each, more = ("", "") if len(causes) == 1 else ("each ", " or more")
     how = "" if sure >= _SURE else f", {each}with a probability of {share_words(sure)}{more}"
-    told = listed([cause_words(cause) for cause in causes])
-    return f"The gap comes from {told}{how}. {_closed(diagnosis.gap)}".strip()
+    names = listed([cause_words(cause) for cause in causes])
+    return f"The gap comes from {names}{how}. {_closed(diagnosis.gap)}".strip()
 
 
 def _ambiguous(diagnosis: Diagnosis) -> str:
     probability = {(cause.effect, cause.location): cause.probability for cause in diagnosis.causes}
-    rivals = sorted(_rivals(diagnosis), key=lambda place: -probability.get((place.effect, place.location), 0.0))
-    told = [f"{named(place)} ({share_words(probability.get((place.effect, place.location), 0.0))})" for place in rivals]
+    chances = {rival: probability.get((rival.effect, rival.location), 0.0) for rival in _rivals(diagnosis)}
+    rivals = sorted(chances, key=lambda rival: -chances[rival])
+    names = [f"{named(rival)} ({share_words(chances[rival])})" for rival in rivals]
     sure = [cause for cause in diagnosis.causes if cause.probability >= _SURE and not _in(cause, rivals)]
-    beside = f"; beside it there is {listed([cause_words(cause) for cause in sure])}" if sure else ""
+    addition = f"; in addition there is {listed([cause_words(cause) for cause in sure])}" if sure else ""
     return (
-        f"There is a gap, and this log cannot tell {first_few(told, 'from')} apart{beside}. "
+        f"There is a gap, and this log cannot distinguish {first_few(names, 'from')}{addition}. "
         f"{_closed(diagnosis.gap)} {_next(diagnosis)}"
     ).strip()
 
@@ -94,17 +87,17 @@ def _unknown(diagnosis: Diagnosis) -> str:
     text = "There is a gap that no known effect explains"
     if diagnosis.causes and diagnosis.gap.closed_fraction is not None:
         left = max(1 - diagnosis.gap.closed_fraction, 0.0)
-        text += f": the best, {cause_words(diagnosis.causes[0])}, leaves {share_words(left)} of it on held-out data"
+        text += f": the best one, {cause_words(diagnosis.causes[0])}, leaves {share_words(left)} of it on held-out data"
     return f"{text}. {_where(diagnosis)}".strip()
 
 
 def _rivals(diagnosis: Diagnosis) -> tuple[EffectLocation, ...]:
-    """Return the first group of effects that the log cannot tell apart, else the first two causes."""
+    """Return the first ambiguity group, otherwise the first two causes."""
     return diagnosis.ambiguity_groups[0] if diagnosis.ambiguity_groups else diagnosis.causes[:2]
 
 
-def _in(cause: Cause, places: Sequence[EffectLocation]) -> bool:
-    return any((cause.effect, cause.location) == (place.effect, place.location) for place in places)
+def _in(cause: Cause, rivals: Sequence[EffectLocation]) -> bool:
+    return any((cause.effect, cause.location) == (rival.effect, rival.location) for rival in rivals)
 
 
 def _closed(gap: GapNumbers) -> str:
@@ -131,8 +124,8 @@ def _where(diagnosis: Diagnosis) -> str:
     if not diagnosis.where:
         return ""
     first = diagnosis.where[0]
-    return f"It shows most in {where_words(first)} ({p_value_words(first.p_value)})."
+    return f"It is largest in {where_words(first)} ({p_value_words(first.p_value)})."
 
 
 def _next(diagnosis: Diagnosis) -> str:
-    return "" if diagnosis.next_experiment is None else f"To tell them, run {diagnosis.next_experiment.name} next."
+    return "" if diagnosis.next_experiment is None else f"To separate them, run {diagnosis.next_experiment.name} next."

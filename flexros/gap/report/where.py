@@ -1,4 +1,4 @@
-"""Section: where the gap shows, found without any hypothesis."""
+"""Section: locations of the gap, computed without any hypothesis."""
 
 from __future__ import annotations
 
@@ -21,58 +21,58 @@ if TYPE_CHECKING:
     from flexros.gap.schema import Excess
 
 SIGNIFICANT = 0.05
-"""p-value below which a place counts as one of the gap."""
+"""p-value below which a location is significant."""
 _MOST_ROWS = 8
 """Rows of the table (chosen)."""
 _SCALE = [[0, "#ffffff"], [0.15, "#cfe2f0"], [1, "#0072b2"]]
 
 
 class WhereSection(AbstractSection["DiagnosisResult"]):
-    """Heat maps of the excess by joint and band, and by joint and regime; the places as a table."""
+    """Heat maps of the excess by joint and band, and by joint and regime; a table of the locations."""
 
     title: ClassVar[str] = "Where it shows"
 
     def blocks(self, result: DiagnosisResult) -> tuple[Block, ...]:
         """Return sentence, maps and table."""
-        looked = result.excess or result.diagnosis.where
-        if not looked:
+        mapped = result.excess or result.diagnosis.where
+        if not mapped:
             return ()
-        bands = [place for place in looked if place.regime == "all"]
-        regimes = [place for place in looked if place.regime != "all"]
+        bands = [location for location in mapped if location.regime == "all"]
+        regimes = [location for location in mapped if location.regime != "all"]
         maps: list[Block] = []
         if len(bands) > 1:
-            ordered = sorted(bands, key=lambda place: place.band_hz)
-            figure = _map(ordered, [_ends(place) for place in ordered], "frequency band [Hz]")
+            ordered = sorted(bands, key=lambda location: location.band_hz)
+            figure = _map(ordered, [_ends(location) for location in ordered], "frequency band [Hz]")
             maps.append(Picture(figure, _caption("frequency band")))
         if len(regimes) > 1:
             figure = _map(
-                regimes, [_wrapped(place.regime.replace("_", " "), 13) for place in regimes], "part of the motion"
+                regimes, [_wrapped(location.regime.replace("_", " "), 13) for location in regimes], "part of the motion"
             )
             maps.append(Picture(figure, _caption("part of the motion")))
-        return (Paragraph(_sentence(looked)), *maps, _table(looked, 0.5 / result.record.sample_time))
+        return (Paragraph(_sentence(mapped)), *maps, _table(mapped, 0.5 / result.record.sample_time))
 
 
-def _sentence(looked: Sequence[Excess]) -> str:
-    found = [place for place in looked if place.p_value < SIGNIFICANT]
+def _sentence(mapped: Sequence[Excess]) -> str:
+    significant = [location for location in mapped if location.p_value < SIGNIFICANT]
     text = (
-        "Before any effect is assumed, the part of the prediction error that exceeds noise is split by joint, "
-        f"frequency band and part of the motion. Of {len(looked)} places {len(found)} exceed what chance allows at "
-        f"{100 * SIGNIFICANT:.0f} %; the p-values already account for so many looks."
+        "Without any assumption on the effect, the power of the prediction errors above noise is divided by joint, "
+        f"frequency band and part of the motion. Of {len(mapped)} locations {len(significant)} are significant at "
+        f"{100 * SIGNIFICANT:.0f} %; the p-values account for the number of locations tested."
     )
-    return text if found else f"{text} Nothing here is a gap."
+    return text if significant else f"{text} There is no sign of a gap."
 
 
 def _caption(label: str) -> str:
     return (
-        f"Share of the excess by joint and {label}. A dot marks what chance does not explain (p < {SIGNIFICANT:g} over "
-        "all places looked at)."
+        f"Share of the excess by joint and {label}. A dot marks significant locations (p < {SIGNIFICANT:g} over all "
+        "locations tested)."
     )
 
 
-def _ends(place: Excess) -> str:
-    """Write the ends of a band in little room."""
-    low, high = (number(end, 2 if end < 100 else 3) for end in place.band_hz)
-    return f"<{high}" if place.band_hz[0] <= 0 else f"{low}-{high}"
+def _ends(location: Excess) -> str:
+    """Write the ends of a band briefly."""
+    low, high = (number(end, 2 if end < 100 else 3) for end in location.band_hz)
+    return f"<{high}" if location.band_hz[0] <= 0 else f"{low}-{high}"
 
 
 def _wrapped(text: str, width: int) -> str:
@@ -80,18 +80,18 @@ def _wrapped(text: str, width: int) -> str:
     return "<br>".join(textwrap.wrap(text, width))
 
 
-def _map(places: Sequence[Excess], labels: Sequence[str], title: str) -> go.Figure:
+def _map(locations: Sequence[Excess], labels: Sequence[str], title: str) -> go.Figure:
     import plotly.graph_objects as go
 
     from flexros.report.grid import digits
     from flexros.report.theme import stacked
 
-    rows = list(dict.fromkeys(_wrapped(_row(place), 22) for place in places))
+    rows = list(dict.fromkeys(_wrapped(_row(location), 22) for location in locations))
     columns = list(dict.fromkeys(labels))
     share, p_value = np.full((2, len(rows), len(columns)), np.nan)
-    for place, label in zip(places, labels, strict=True):
-        cell = rows.index(_wrapped(_row(place), 22)), columns.index(label)
-        share[cell], p_value[cell] = 100 * place.share, place.p_value
+    for location, label in zip(locations, labels, strict=True):
+        cell = rows.index(_wrapped(_row(location), 22)), columns.index(label)
+        share[cell], p_value[cell] = 100 * location.share, location.p_value
     figure = stacked([""])
     figure.add_trace(
         go.Heatmap(
@@ -135,21 +135,21 @@ def _write_cells(
                 )
 
 
-def _row(place: Excess) -> str:
-    return place.joint if place.joint == "tool" else f"{place.joint} {place.signal}"
+def _row(location: Excess) -> str:
+    return location.joint if location.joint == "tool" else f"{location.joint} {location.signal}"
 
 
-def _table(looked: Sequence[Excess], highest: float) -> TextTable:
-    ordered = sorted(looked, key=lambda place: (place.p_value >= SIGNIFICANT, -place.share))
+def _table(mapped: Sequence[Excess], highest: float) -> TextTable:
+    ordered = sorted(mapped, key=lambda location: (location.p_value >= SIGNIFICANT, -location.share))
     rows = tuple(
         (
-            _row(place),
-            band_words(place.band_hz, highest),
-            place.regime.replace("_", " "),
-            share_words(place.share),
-            p_value_words(place.p_value).removeprefix("p ").removeprefix("= "),
+            _row(location),
+            band_words(location.band_hz, highest),
+            location.regime.replace("_", " "),
+            share_words(location.share),
+            p_value_words(location.p_value).removeprefix("p ").removeprefix("= "),
         )
-        for place in ordered[:_MOST_ROWS]
+        for location in ordered[:_MOST_ROWS]
     )
     header = ("Signal", "band", "part of the motion", "share of the excess", "p-value")
-    return TextTable(header, rows, "The largest places, those that chance does not explain first.", left=3)
+    return TextTable(header, rows, "The largest locations, significant ones first.", left=3)

@@ -1,11 +1,12 @@
-"""How effects, places and fitted numbers are named in sentences."""
+"""Names of effects, locations, parameters and figures in sentences."""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING
 
-from flexros.gap.where.words import sentence
+from flexros.gap.where.base import views
+from flexros.gap.where.regimes import REGIMES
 from flexros.report.number_text import number
 
 if TYPE_CHECKING:
@@ -17,17 +18,17 @@ if TYPE_CHECKING:
 _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck"}
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"))
 _SCALED = ("rad", "m", "s", "Nm", "N")
-"""Units that take a prefix where the number is small."""
+"""Units that take a prefix where the value is small."""
 _SMALL = 0.1
-"""Numbers below this share of their unit take the next smaller prefix (chosen)."""
+"""Values below this share of their unit take the next smaller prefix (chosen)."""
 _MOST_PLACES, _LARGE = 6, 1e6
-"""Numbers with more decimals, or as large as this, are written with an exponent (chosen)."""
+"""Values with more decimals, or as large as this, are written with an exponent (chosen)."""
 _CLEAR = 2.0
-"""A number beside the first is told in a sentence where it is this many standard deviations from zero (chosen)."""
+"""Standard deviations from zero from which parameters other than the first are stated in a sentence (chosen)."""
 UNKNOWN_RATE = 1e-12
-"""Sample time [s] that stands for one that is not known: no band then reaches the highest frequency."""
+"""Sample time [s] that means not known: no band then reaches the Nyquist frequency."""
 _NEARLY_ALL, _ALL = 0.95, 0.9995
-"""Closed shares between these are told with a decimal (chosen)."""
+"""Closed shares between these are stated with a decimal (chosen)."""
 
 
 def effect_words(effect: str) -> str:
@@ -39,8 +40,8 @@ def effect_words(effect: str) -> str:
     return " ".join(_PROPER.get(word, word) for word in effect.split("_"))
 
 
-def place_words(location: str) -> str:
-    """Write a place as words, e.g. "at motor_1", "in spring body_1.rz", "at the tool", "at all motors".
+def location_words(location: str) -> str:
+    """Write a location as words, e.g. "at motor_1", "in spring body_1.rz", "at the tool", "at all motors".
 
     Args:
         location: Joint, spring, body, "tool", "base" or "all".
@@ -52,13 +53,9 @@ def place_words(location: str) -> str:
     return f"in spring {location}" if "." in location else f"at {location}"
 
 
-def named(place: EffectLocation | RankedCandidate) -> str:
-    """Write an effect with its place, e.g. "Coulomb friction at motor_1".
-
-    Args:
-        place: Effect and place.
-    """
-    return f"{effect_words(place.effect)} {place_words(place.location)}"
+def named(effect: EffectLocation | RankedCandidate) -> str:
+    """Write an effect with its location, e.g. "Coulomb friction at motor_1"."""
+    return f"{effect_words(effect.effect)} {location_words(effect.location)}"
 
 
 def capital(text: str) -> str:
@@ -79,7 +76,7 @@ def listed(texts: Sequence[str], last: str = "and") -> str:
 
 
 def first_few(texts: Sequence[str], last: str = "and", most: int = 3) -> str:
-    """Join texts as `listed` does, and count those behind the first few: "a, b, c and 2 others".
+    """Join texts as `listed` does, and count those after the first few: "a, b, c and 2 others".
 
     Args:
         texts: The texts.
@@ -91,11 +88,11 @@ def first_few(texts: Sequence[str], last: str = "and", most: int = 3) -> str:
 
 
 def parameter_words(name: str, parameter: CauseParameter) -> str:
-    """Write a fitted number with its standard deviation and without its name, e.g. "0.21 Nm (±0.01)", "+5.2 % (±0.3)".
+    """Write the value of a parameter with its standard deviation, e.g. "0.21 Nm (±0.01)", "+5.2 % (±0.3)".
 
     Args:
         name: Name of the parameter; one called "relative" is written in per cent.
-        parameter: The number.
+        parameter: The fitted parameter.
     """
     value, std, unit = parameter.value, parameter.std, parameter.unit
     if unit == "1" and name == "relative":
@@ -109,40 +106,31 @@ def parameter_words(name: str, parameter: CauseParameter) -> str:
 
 
 def parameters_words(parameters: Mapping[str, CauseParameter]) -> str:
-    """Write fitted numbers: a single one alone, several with their names.
-
-    Args:
-        parameters: The numbers by name.
+    """Write parameters: a single one without its name, several with their names.
 
     Returns:
         E.g. "0.21 Nm (±0.01)" or "amplitude 0.2 Nm (±0.01), order 6.001 (±0.002)"; empty for none.
     """
     if len(parameters) == 1:
-        return "".join(parameter_words(name, one) for name, one in parameters.items())
-    return ", ".join(f"{name.replace('_', ' ')} {parameter_words(name, one)}" for name, one in parameters.items())
+        return "".join(parameter_words(name, parameter) for name, parameter in parameters.items())
+    return ", ".join(
+        f"{name.replace('_', ' ')} {parameter_words(name, parameter)}" for name, parameter in parameters.items()
+    )
 
 
 def cause_words(cause: Cause | RankedCandidate) -> str:
-    """Write an effect with place and fitted numbers, e.g. "Coulomb friction at motor_1, 0.213 Nm (±0.011)".
-
-    Args:
-        cause: The effect as fitted; numbers beside the first are left out where they are not different from zero.
-    """
-    numbers = clear_words(cause.parameters)
-    return f"{named(cause)}{', ' if numbers else ''}{numbers}"
+    """Write an effect with location and clear parameters, e.g. "Coulomb friction at motor_1, 0.213 Nm (±0.011)"."""
+    parameters = clear_words(cause.parameters)
+    return f"{named(cause)}{', ' if parameters else ''}{parameters}"
 
 
 def clear_words(parameters: Mapping[str, CauseParameter]) -> str:
-    """Write the first of the fitted numbers, and those beside it that are different from zero.
-
-    Args:
-        parameters: The numbers by name.
-    """
+    """Write the first parameter, and further ones that are clearly different from zero."""
     return parameters_words(
         {
-            name: one
-            for place, (name, one) in enumerate(parameters.items())
-            if place == 0 or abs(one.value) > _CLEAR * one.std
+            name: parameter
+            for index, (name, parameter) in enumerate(parameters.items())
+            if index == 0 or abs(parameter.value) > _CLEAR * parameter.std
         }
     )
 
@@ -152,7 +140,7 @@ def band_words(band: tuple[float, float], highest: float = 1e9) -> str:
 
     Args:
         band: Its ends [Hz].
-        highest: Highest frequency of the log [Hz], above which there is no limit to be told.
+        highest: Nyquist frequency of the log [Hz], which is not stated as a limit.
     """
     low, high = band
     if low <= 0:
@@ -160,14 +148,23 @@ def band_words(band: tuple[float, float], highest: float = 1e9) -> str:
     return f"above {number(low, 3)} Hz" if high >= 0.999 * highest else f"{number(low, 3)} to {number(high, 3)} Hz"
 
 
-def where_words(place: Excess, sample_time: float = UNKNOWN_RATE) -> str:
-    """Write a place of the gap with its share, e.g. "motor_1, below 20 Hz, at reversals: 63 % of the excess".
+def where_words(location: Excess, sample_time: float = UNKNOWN_RATE) -> str:
+    """Describe a location, e.g. "motor_2, below 4 Hz, at reversals: 63 % of the excess".
 
     Args:
-        place: Where the gap shows.
-        sample_time: Time between two samples of the log [s]; default: not known.
+        location: The location.
+        sample_time: Sample time of the log [s], default: not known; a band up to the Nyquist frequency is written
+            "above ... Hz".
     """
-    return sentence(place, sample_time)
+    low, high = location.band_hz
+    top = high >= 0.99 * 0.5 / sample_time
+    band = "" if low <= 0 and top else f"below {high:.3g} Hz" if low <= 0 else f"{low:.3g} to {high:.3g} Hz"
+    if top and low > 0:
+        band = f"above {low:.3g} Hz"
+    regime = REGIMES[location.regime].phrase if location.regime in REGIMES else f"at {location.regime}"
+    words = {signal: text for view in views() for signal, text in view.words.items()}
+    where = ", ".join(part for part in (location.joint, band, regime) if part)
+    return f"{where}: {100 * location.share:.0f} % of the {words.get(location.signal, 'excess')}"
 
 
 def share_words(share: float) -> str:
@@ -187,23 +184,19 @@ def closed_words(share: float) -> str:
     """Write a share of the gap that is closed, with a decimal where it is nearly all, e.g. "83 %", "99.7 %".
 
     Args:
-        share: The share [1]; below zero where the repair makes it worse; what chance puts above 1 is written as 1.
+        share: The share [1]; below zero where the repair makes it worse; values above 1, by chance, are written as 1.
     """
     share = min(share, 1.0)
     return f"{100 * share:.1f} %" if _NEARLY_ALL <= share < _ALL else f"{round(100 * share)} %"
 
 
 def shows(gap: GapNumbers) -> bool:
-    """Tell whether a gap is large enough to show in the gap number; a share of it says something only then.
-
-    Args:
-        gap: The gap numbers.
-    """
+    """Whether a gap exceeds its floor, so that a closed share is meaningful."""
     return gap.before > gap.noise_floor
 
 
 def interval_words(interval: tuple[float, float] | None) -> str:
-    """Write the interval of a closed share in brackets, with a blank before; empty where its ends read the same.
+    """Write the interval of a closed share in brackets, with a leading blank; empty where its ends read the same.
 
     Args:
         interval: Its ends [1]; None for none.

@@ -27,7 +27,7 @@ def sections(patch: str = "") -> tuple[AbstractSection[DiagnosisResult], ...]:
     """List the sections in order of appearance.
 
     Args:
-        patch: Text of patch.yaml; empty where nothing was found.
+        patch: Text of patch.yaml; empty where no effect was found.
     """
     return (
         SummarySection(),
@@ -42,15 +42,12 @@ def sections(patch: str = "") -> tuple[AbstractSection[DiagnosisResult], ...]:
 
 
 def diagnosis_report(result: DiagnosisResult, *, patch: str = "", title: str | None = None) -> str:
-    """Make the report of a diagnosis.
+    """Return the report of a diagnosis as an HTML page.
 
     Args:
-        result: What was found.
-        patch: Text of patch.yaml; empty where nothing was found.
+        result: The diagnosis.
+        patch: Text of patch.yaml; empty where no effect was found.
         title: Heading; None for robot and log.
-
-    Returns:
-        The HTML page.
     """
     chapters = [Chapter(section.title, section.blocks(result)) for section in sections(patch)]
     return page_html(title or f"Diagnosis of {result.robot.name}", _subtitle(result), chapters, packed=True)
@@ -60,9 +57,9 @@ def write_diagnosis_report(result: DiagnosisResult, file: Path, *, patch: str = 
     """Write the report of a diagnosis.
 
     Args:
-        result: What was found.
+        result: The diagnosis.
         file: The HTML file; one that exists is replaced once the new one is complete.
-        patch: Text of patch.yaml; empty where nothing was found.
+        patch: Text of patch.yaml; empty where no effect was found.
         title: Heading; None for robot and log.
 
     Raises:
@@ -73,10 +70,10 @@ def write_diagnosis_report(result: DiagnosisResult, file: Path, *, patch: str = 
 
 def _subtitle(result: DiagnosisResult) -> str:
     record = result.record
-    seen = f"log {record.name}, {number(record.duration, 3)} s at {number(1 / record.sample_time, 4)} Hz"
+    fitted = f"log {record.name}, {number(record.duration, 3)} s at {number(1 / record.sample_time, 4)} Hz"
     held = ""
     if result.holdout is not None:
         rest = f"the last {number(result.holdout.duration, 3)} s of it"
         held = f", checked on {rest if result.holdout.name == result.record.name else result.holdout.name}"
     motors = record.position.shape[1]
-    return f"{seen}, {motors} motor{'s' * (motors > 1)}{held}"
+    return f"{fitted}, {motors} motor{'s' * (motors > 1)}{held}"

@@ -25,21 +25,21 @@ def test_ranking_ends_with_nothing(diagnosed: Diagnosed) -> None:
     assert lines[-1].split() == ["Nothing", "0", "%", "0", "100", "%"]
 
 
-def test_gap_is_told_in_a_line(diagnosed: Diagnosed) -> None:
+def test_gap_is_one_line(diagnosed: Diagnosed) -> None:
     assert gap_line(diagnosed("explained").diagnosis.gap).endswith(
         ": 38.20 before, 1.120 after, floor 1, best rival 2.900, 99.7 % closed (98.7 % to 99.9 %)"
     )
     assert gap_line(diagnosed("no_gap").diagnosis.gap).endswith(": 1.030 before, floor 1")
 
 
-def test_the_first_three_places_are_told(diagnosed: Diagnosed) -> None:
+def test_the_first_three_locations_are_listed(diagnosed: Diagnosed) -> None:
     lines = where_lines(diagnosed("explained"))
     assert lines[0] == "motor_1, below 2 Hz: 61 % of the excess, p < 0.001"
     assert len(lines) == 3
 
 
-def test_groups_and_next_experiment_are_told(diagnosed: Diagnosed) -> None:
+def test_groups_and_next_experiment_are_listed(diagnosed: Diagnosed) -> None:
     diagnosis = diagnosed("ambiguous").diagnosis
-    assert group_lines(diagnosis) == ("Not told apart: hysteresis at motor_1 and backlash at motor_1",)
+    assert group_lines(diagnosis) == ("Not distinguishable: hysteresis at motor_1 and backlash at motor_1",)
     assert next_lines(diagnosis)[1] == "  flexros run bias_steps --model four_mass_linear --out bags/bias_steps"
     assert next_lines(diagnosed("explained").diagnosis) == ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from flexros.gap.report.terminal import gap_line
-from flexros.gap.report.verdict import told_causes, verdict_sentence
+from flexros.gap.report.verdict import reported_causes, verdict_sentence
 from flexros.gap.result import DiagnosisResult
 from flexros.gap.schema import EffectLocation
 
@@ -26,48 +26,45 @@ def test_no_gap_names_the_floor(diagnosed: Diagnosed) -> None:
     assert "1.03 against a floor of 1" in text
 
 
-def test_rivals_are_both_named_with_the_experiment_that_tells_them(diagnosed: Diagnosed) -> None:
+def test_rivals_are_both_named_with_the_experiment_that_separates_them(diagnosed: Diagnosed) -> None:
     text = verdict_sentence(diagnosed("ambiguous").diagnosis)
-    assert "cannot tell hysteresis at motor_1 (56 %) from backlash at motor_1 (43 %) apart" in text
-    assert text.endswith("To tell them, run bias_steps next.")
+    assert "cannot distinguish hysteresis at motor_1 (56 %) from backlash at motor_1 (43 %)" in text
+    assert text.endswith("run bias_steps next.")
 
 
-def test_an_unknown_effect_is_told_with_what_is_left_and_where(diagnosed: Diagnosed) -> None:
+def test_an_unknown_effect_is_reported_with_remainder_and_location(diagnosed: Diagnosed) -> None:
     text = verdict_sentence(diagnosed("unknown_effect").diagnosis)
     assert "no known effect explains" in text
     assert "leaves 42 % of it on held-out data" in text
-    assert "It shows most in motor_1, below 2 Hz: 61 % of the excess (p < 0.001)." in text
+    assert "It is largest in motor_1, below 2 Hz: 61 % of the excess (p < 0.001)." in text
 
 
-def test_both_causes_of_a_pair_are_told(diagnosed: Diagnosed) -> None:
+def test_both_causes_of_a_pair_are_reported(diagnosed: Diagnosed) -> None:
     diagnosis = diagnosed("explained").diagnosis
     first, second, *rest = diagnosis.causes
     pair = diagnosis.model_copy(update={"causes": (first, second.model_copy(update={"probability": 0.9}), *rest)})
-    assert [cause.effect for cause in told_causes(pair)] == ["coulomb_friction", "hysteresis"]
+    assert [cause.effect for cause in reported_causes(pair)] == ["coulomb_friction", "hysteresis"]
     text = verdict_sentence(pair)
     assert "Coulomb friction at motor_1, 0.213 Nm (±0.011) and hysteresis at motor_1" in text
     assert "each with a probability of 90 % or more" in text
 
 
-def test_a_repair_that_makes_it_worse_is_told_so(diagnosed: Diagnosed) -> None:
+def test_a_repair_that_makes_it_worse_is_reported(diagnosed: Diagnosed) -> None:
     diagnosis = diagnosed("explained").diagnosis
     gap = diagnosis.gap.model_copy(update={"after": 50.0, "closed_fraction": -0.3})
     text = verdict_sentence(diagnosis.model_copy(update={"gap": gap}))
     assert text.endswith("the repaired model does not close the gap: 38.2 before, 50 after, 1 without any gap.")
 
 
-def test_of_many_rivals_the_most_probable_are_told(diagnosed: Diagnosed) -> None:
+def test_of_many_rivals_the_most_probable_are_reported(diagnosed: Diagnosed) -> None:
     diagnosis = diagnosed("ambiguous").diagnosis
     others = tuple(EffectLocation(effect=name, location="motor_1") for name in ("torque_bias", "actuator_lag", "delay"))
     many = diagnosis.model_copy(update={"ambiguity_groups": ((*others, *diagnosis.ambiguity_groups[0]),)})
     text = verdict_sentence(many)
-    assert (
-        "cannot tell hysteresis at motor_1 (56 %), backlash at motor_1 (43 %), torque bias at motor_1 (0 %) from 2"
-        in text
-    )
+    assert "hysteresis at motor_1 (56 %), backlash at motor_1 (43 %), torque bias at motor_1 (0 %) from 2" in text
 
 
-def test_no_share_is_told_of_a_gap_below_the_floor(diagnosed: Diagnosed) -> None:
+def test_no_share_is_stated_of_a_gap_below_the_floor(diagnosed: Diagnosed) -> None:
     diagnosis = diagnosed("explained").diagnosis
     gap = diagnosis.gap.model_copy(update={"before": 0.8, "after": 0.7, "closed_fraction": 1.0})
     text = verdict_sentence(diagnosis.model_copy(update={"gap": gap}))
@@ -77,7 +74,7 @@ def test_no_share_is_told_of_a_gap_below_the_floor(diagnosed: Diagnosed) -> None
     assert gap_line(gap).endswith("0.8000 before, 0.7000 after, floor 1, best rival 2.900")
 
 
-def test_no_share_is_told_of_a_gap_within_its_sampling_error(diagnosed: Diagnosed) -> None:
+def test_no_share_is_stated_of_a_gap_within_its_sampling_error(diagnosed: Diagnosed) -> None:
     diagnosis = diagnosed("explained").diagnosis
     gap = diagnosis.gap.model_copy(update={"before": 1.04, "after": 1.01, "closed_fraction": None, "interval": None})
     text = verdict_sentence(diagnosis.model_copy(update={"gap": gap}))

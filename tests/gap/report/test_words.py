@@ -1,4 +1,4 @@
-"""Words for effects, places and numbers."""
+"""Words for effects, locations and parameters."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from flexros.gap.report.words import (
     effect_words,
     first_few,
     listed,
+    location_words,
     p_value_words,
     parameter_words,
-    place_words,
     share_words,
     where_words,
 )
@@ -29,11 +29,11 @@ def test_effects_are_named_in_words() -> None:
     assert effect_words("torque_gain_error") == "torque gain error"
 
 
-def test_places_are_named_in_words() -> None:
-    assert place_words("motor_1") == "at motor_1"
-    assert place_words("body_1.rz") == "in spring body_1.rz"
-    assert place_words("tool") == "at the tool"
-    assert place_words("all") == "at all motors"
+def test_locations_are_named_in_words() -> None:
+    assert location_words("motor_1") == "at motor_1"
+    assert location_words("body_1.rz") == "in spring body_1.rz"
+    assert location_words("tool") == "at the tool"
+    assert location_words("all") == "at all motors"
 
 
 @pytest.mark.parametrize(
@@ -96,3 +96,32 @@ def test_long_lists_are_counted() -> None:
     assert first_few(["a", "b", "c"], "from") == "a, b from c"
     assert first_few(["a", "b", "c", "d"], "from") == "a, b, c from 1 other"
     assert first_few(["a", "b", "c", "d", "e"], "or") == "a, b, c or 2 others"
+
+
+@pytest.mark.parametrize(
+    ("band", "regime", "words"),
+    [
+        ((0.0, 4.0), "reversal", "motor_2, below 4 Hz, at reversals: 63 % of the excess"),
+        ((0.0, 1000.0), "all", "motor_2: 63 % of the excess"),
+        ((125.0, 1000.0), "high torque", "motor_2, above 125 Hz, under high torque: 63 % of the excess"),
+        ((4.0, 8.0), "motor angle order 6.00", "motor_2, 4 to 8 Hz, at motor angle order 6.00: 63 % of the excess"),
+    ],
+)
+def test_location_of_the_excess(band: tuple[float, float], regime: str, words: str) -> None:
+    location = Excess(signal="position", joint="motor_2", band_hz=band, regime=regime, share=0.63, p_value=0.01)
+    assert where_words(location, 5e-4) == words
+
+
+def test_innovations_are_called_sudden_changes() -> None:
+    location = Excess(
+        signal="sudden position change", joint="motor_1", band_hz=(0, 1000), regime="reversal", share=0.5, p_value=0.01
+    )
+    assert where_words(location, 5e-4) == "motor_1, at reversals: 50 % of the sudden changes"
+
+
+def test_lines_of_a_multisine_are_named() -> None:
+    location = Excess(
+        signal="odd detection lines", joint="motor_1", band_hz=(1, 30), regime="multisine 2", share=0.5, p_value=0.01
+    )
+    words = "motor_1, 1 to 30 Hz, at multisine 2: 50 % of the excess of the multisines, at odd detection lines"
+    assert where_words(location, 5e-4) == words

@@ -19,7 +19,7 @@ from flexros.gap.result import DiagnosisResult
 
 Diagnosed = Callable[[str], DiagnosisResult]
 PATCH = "robot: four_mass_linear\neffects:\n  - effect: coulomb_friction <at> motor_1\n"
-ALWAYS = ("Where it shows", "Which effect", "How far apart, before and after", "What this log cannot tell")
+ALWAYS = ("Where it shows", "Which effect", "How far apart, before and after", "Limits of this log")
 VERDICTS = {
     "no_gap": (ALWAYS, ("The evidence", "The patch")),
     "explained": ((*ALWAYS, "The evidence", "The patch"), ()),
@@ -79,8 +79,8 @@ def test_bars_of_probability_hold_nothing_too(diagnosed: Diagnosed) -> None:
     assert bars["x"][-1] == pytest.approx(99.4)
 
 
-def test_probabilities_of_an_unknown_cause_are_told_as_those_of_the_known(diagnosed: Diagnosed) -> None:
-    told = "Here none of them explains the gap, so that none is probable"
+def test_probabilities_of_an_unknown_cause_are_stated_as_those_of_the_known(diagnosed: Diagnosed) -> None:
+    told = "Here none of them explains the gap, so none is probable"
     assert told in page(diagnosed("unknown_effect"))
     assert told not in page(diagnosed("explained"))
 
@@ -108,7 +108,7 @@ def test_next_experiment_has_its_command(diagnosed: Diagnosed) -> None:
     assert "41 nats" in html
 
 
-def test_what_moved_within_tolerance_is_told(diagnosed: Diagnosed) -> None:
+def test_what_moved_within_tolerance_is_listed(diagnosed: Diagnosed) -> None:
     html = page(diagnosed("explained"))
     assert "+1.7" in html
     assert "body_2.rz.stiffness" not in html
@@ -117,7 +117,7 @@ def test_what_moved_within_tolerance_is_told(diagnosed: Diagnosed) -> None:
 def test_a_result_with_little_is_rendered_all_the_same(changed: Callable[..., DiagnosisResult]) -> None:
     bare = changed("no_gap", ranking=(), excess=(), signals=(), holdout=None, tolerance={}, limits=(), timings={})
     html = page(replace(bare, before=replace(bare.before, holdout=None)))
-    assert "No effect competed" in html
+    assert "No effects were compared" in html
     assert "Where it shows</h2>" not in html
 
 
