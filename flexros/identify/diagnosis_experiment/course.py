@@ -25,7 +25,7 @@ FIRST_REST = 1.2
 """Rest at the beginning [s] (chosen)."""
 LAST_REST = 0.5
 """Rest at the end [s] (chosen)."""
-WAY_BACK = 1.0
+RETURN_TIME = 1.0
 """Time reserved for the return to the initial pose [s] (chosen)."""
 SHORTEST_PART = 0.3
 """Shortest time of a part [s] (chosen)."""
@@ -91,7 +91,7 @@ def diagnosis_course(
     vibrations = Vibrations(robot, arm, law, sample_time, scales)
     sequence = Sequence(specification, vibrations, random, arm[list(robot.gear_rows)])
     order = [specification.parts[index] for index in random.permutation(len(specification.parts))]
-    unit = specification.length - FIRST_REST - LAST_REST - WAY_BACK
+    unit = specification.length - FIRST_REST - LAST_REST - RETURN_TIME
     unit /= sum(WEIGHTS[name] for name in order)
     sequence.stay(FIRST_REST)
     parts = [Part("standstill", 0.0, sequence.time)]

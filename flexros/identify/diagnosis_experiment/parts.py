@@ -53,9 +53,9 @@ def creep(sequence: Sequence, time: float) -> None:
     for speed, leg in zip(speeds, legs, strict=True):
         law = _steady(leg)
         room = RAMP_SHARE * scales.acceleration / np.max(np.abs(law.evaluate(law.knots, 2)[2]))
-        way = np.minimum(scales.creep * min(1.0, speed * leg / legs[0]), room)
-        way = way * sequence.random.choice([-1.0, 1.0], len(way))
-        for goal in (centre + way, centre):
+        stroke = np.minimum(scales.creep * min(1.0, speed * leg / legs[0]), room)
+        stroke = stroke * sequence.random.choice([-1.0, 1.0], len(stroke))
+        for goal in (centre + stroke, centre):
             sequence.move(goal, law)
 
 

@@ -38,8 +38,8 @@ class DiagnosisSpecification(Settings):
         default=tuple(WEIGHTS),
         min_length=1,
         max_length=100,
-        description="parts, each as often as it is listed: creep both ways, presliding (small slow reversals), "
-        "multisine, biased (multisine on a slow swing), moves (fast), steps",
+        description="parts, each as often as it is listed: creep in both directions, presliding (small slow "
+        "reversals), multisine, biased (multisine on a slow swing), moves (fast), steps",
     )
     poses: int = Field(default=3, ge=1, le=12, description="poses of the parts in turn, including the initial one [1]")
     dwell: float = Field(default=0.3, ge=0.05, le=60.0, description="rest after a fast move [s]")
@@ -63,7 +63,8 @@ class DiagnosisSpecification(Settings):
     creep_speeds: tuple[float, ...] = Field(
         default=(1.0, 3.0, 0.05),
         min_length=1,
-        description="speeds of the creep there and back, relative to the creep way over 0.3 of the part's time [1]",
+        description="speeds of the creep in both directions, relative to the creep stroke over 0.3 of the part's "
+        "time [1]",
     )
     creep: PositivePerMotor | None = Field(
         default=None,

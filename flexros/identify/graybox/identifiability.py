@@ -20,7 +20,7 @@ DETERMINED = 0.10
 """Largest standard deviation of a determined parameter, relative (chosen)."""
 
 UNKNOWN = float(np.log(2.0)) / NORMAL_95
-"""Standard deviation of a logarithm whose 95 % interval reaches a factor of 2 either way, 0.354."""
+"""Standard deviation of a logarithm whose 95 % interval reaches a factor of 2 in both directions, 0.354."""
 
 MEMBER = 0.2
 """Smallest component of a direction, relative to the largest, of a parameter that is named (chosen)."""

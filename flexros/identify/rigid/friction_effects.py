@@ -68,7 +68,9 @@ def friction_outside_file(fit: RigidFit) -> FrictionOutsideFile:
 def _coulomb_effect(motor: str, values: Mapping[str, float]) -> str:
     """Effect of a motor; empty where its Coulomb friction was not identified or is not positive."""
     level, offset = values.get(f"{motor}.coulomb_friction", 0.0), values.get(f"{motor}.torque_offset", 0.0)
-    forward, backward = (values.get(f"{motor}.coulomb_friction_{way}", 0.0) for way in ("forward", "backward"))
+    forward, backward = (
+        values.get(f"{motor}.coulomb_friction_{direction}", 0.0) for direction in ("forward", "backward")
+    )
     if forward or backward:
         level, offset = (forward + backward) / 2, (forward - backward) / 2
     if level <= 0:

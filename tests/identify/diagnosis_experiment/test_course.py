@@ -70,8 +70,8 @@ def test_two_seconds_and_more_are_spent_at_rest() -> None:
 def test_creep_turns_the_rotor_more_than_twice_both_ways() -> None:
     made = course("four_mass")
     begin, end = next((part.begin, part.end) for part in made.parts if part.name == "creep")
-    way = made.trajectory.evaluate(np.arange(begin, end, 1e-3), 0)[0, :, 0]
-    assert np.ptp(way) > 4 * np.pi
+    motor_angle = made.trajectory.evaluate(np.arange(begin, end, 1e-3), 0)[0, :, 0]
+    assert np.ptp(motor_angle) > 4 * np.pi
 
 
 @pytest.mark.parametrize(
