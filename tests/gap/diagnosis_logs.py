@@ -60,7 +60,7 @@ def search_of(*effects: str, among: tuple[str, ...] = (), tolerance: Tolerance |
 
 @cache
 def candidates_of(*effects: str) -> dict[str, Candidate]:
-    """List what may be the cause of such a log, by effect@place."""
+    """List the candidates of such a log by effect@location."""
     return {candidate.name: candidate for candidate in list_candidates(ROBOT, search_of(*effects).scales)}
 
 
@@ -72,8 +72,8 @@ def predictor_of(
     return Predictor(model, placed, tolerance or Tolerance(), ROBOT.sample_time)
 
 
-def numbers(candidate: Candidate, **values: float) -> list[float]:
-    """Encode values of the free parameters of a candidate."""
+def encoded(candidate: Candidate, **values: float) -> list[float]:
+    """Convert values of the free parameters of a candidate to the units of the fit."""
     free: dict[str, FreeParameter] = {one.name: one for one in candidate.free}
     assert set(free) == set(values)
     return [one.encode(values[name]) for name, one in free.items()]

@@ -95,7 +95,7 @@ def test_the_patch_of_a_diagnosis_is_the_effect(single: DiagnosisResult) -> None
     assert single.after.effects == single.patch
 
 
-def test_what_the_model_knows_already_is_not_told_again(single: DiagnosisResult) -> None:
+def test_what_the_model_knows_already_is_not_reported_again(single: DiagnosisResult) -> None:
     record, holdout = (record_of(FRICTION, length=LONG, seed=seed) for seed in (1, 2))
     repaired = place_effects(ROBOT, single.patch)
     assert diagnose(record, repaired, holdout=holdout, settings=FEW).diagnosis.verdict == "no_gap"
@@ -103,9 +103,9 @@ def test_what_the_model_knows_already_is_not_told_again(single: DiagnosisResult)
 
 def test_two_effects_are_found_together(pair: DiagnosisResult) -> None:
     assert set(causes(pair)) == {"coulomb_friction@motor_1", "stiffness_error@body_2.rz"}
-    numbers = {one.effect: one.parameters for one in pair.diagnosis.causes}
-    assert numbers["coulomb_friction"]["level"].value == pytest.approx(0.05, rel=0.02)
-    assert numbers["stiffness_error"]["relative"].value == pytest.approx(-0.05, rel=0.05)
+    parameters = {one.effect: one.parameters for one in pair.diagnosis.causes}
+    assert parameters["coulomb_friction"]["level"].value == pytest.approx(0.05, rel=0.02)
+    assert parameters["stiffness_error"]["relative"].value == pytest.approx(-0.05, rel=0.05)
     assert pair.diagnosis.verdict == "explained"
     assert len(pair.covariance_of) == 2
 
@@ -126,9 +126,9 @@ def test_probabilities_of_the_ranking_are_shares(single: DiagnosisResult, pair: 
 def test_covariance_belongs_to_the_numbers_in_their_units(pair: DiagnosisResult) -> None:
     assert pair.covariance is not None
     stated = {
-        f"{one.effect}@{one.location}.{name}": number.std
+        f"{one.effect}@{one.location}.{name}": parameter.std
         for one in pair.diagnosis.causes
-        for name, number in one.parameters.items()
+        for name, parameter in one.parameters.items()
     }
     assert dict(zip(pair.covariance_of, np.sqrt(np.diag(pair.covariance)), strict=True)) == pytest.approx(stated)
 

@@ -38,16 +38,16 @@ def test_a_log_from_which_the_prediction_runs_away_is_refused() -> None:
 
 
 def test_such_a_log_is_refused_as_holdout_before_the_search() -> None:
-    told: list[str] = []
+    calls: list[str] = []
     with pytest.raises(InputError, match="whether the control loop was stable"):
         diagnose(
             swinging_up(0.1),
             ELBOW,
             holdout=swinging_up(3500.0),
             settings=DiagnosisSettings(where=None),
-            progress=lambda stage, share: told.append(stage),
+            progress=lambda stage, share: calls.append(stage),
         )
-    assert set(told) == {"nominal model"}
+    assert set(calls) == {"nominal model"}
 
 
 def test_derivatives_stay_finite_where_a_prediction_runs_away() -> None:

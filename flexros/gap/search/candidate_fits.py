@@ -40,7 +40,7 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What the fits of candidates to one log have in common.
+    """The common ground of all fits of candidates to one log.
 
     Attributes:
         null: The fitted nominal model, with log and weights.
@@ -178,12 +178,12 @@ class Search:
 
     def _finished(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         """Carry the best fits to their end, those after the first one as long as they may still come near it."""
-        number = self.settings.search.finished
+        finished = self.settings.search.finished
         ranked = sorted(fits, key=lambda fit: fit.chi2)
         best = [self._continued(fit, np.inf) for fit in ranked[:1]]
         rival = min((fit.chi2 for fit in best), default=np.inf)
-        best += self._parallel("best effects", lambda fit: self._continued(fit, rival), ranked[1:number])
-        return sorted([*best, *ranked[number:]], key=lambda fit: fit.chi2)
+        best += self._parallel("best effects", lambda fit: self._continued(fit, rival), ranked[1:finished])
+        return sorted([*best, *ranked[finished:]], key=lambda fit: fit.chi2)
 
     def _continued(self, fit: CandidateFit, rival: float) -> CandidateFit:
         """Carry a fit to its end, from the best order of a rotor near its own."""
@@ -263,7 +263,7 @@ class Search:
 def prepare_search(
     null: NullFit, settings: DiagnosisSettings | None = None, progress: Callable[[str, float], None] | None = None
 ) -> Search:
-    """Compute what the fits of candidates to one log have in common.
+    """Prepare the fits of candidates to one log.
 
     Args:
         null: The fitted nominal model.

@@ -83,13 +83,13 @@ class OrderSearch:
         self._stiffenings: dict[int, FloatArray | float] = {}
         self._eigenvalues, self._modes = np.linalg.eig(expm(A * data.record.sample_time) @ correct)
 
-    def search(self, motor: int, entry: Entry, number: int = 2) -> tuple[HarmonicFit, ...]:
+    def search(self, motor: int, entry: Entry, most: int = 2) -> tuple[HarmonicFit, ...]:
         """Find the best orders.
 
         Args:
             motor: Index of the motor.
             entry: Where the disturbance enters.
-            number: How many.
+            most: Largest number of harmonics returned.
 
         Returns:
             Harmonics by gain, the largest first.
@@ -108,7 +108,7 @@ class OrderSearch:
         tried = self._settings.tried_orders
         chosen = {int(peaks[index]) for order in ranked for index in order[:tried]}
         fits = [self.fit(motor, entry, float(orders[index])) for index in sorted(chosen)]
-        return tuple(sorted(fits, key=lambda fit: -fit.gain)[:number])
+        return tuple(sorted(fits, key=lambda fit: -fit.gain)[:most])
 
     def fit(self, motor: int, entry: Entry, order: float) -> HarmonicFit:
         """Fit the harmonic of one order.
@@ -145,10 +145,10 @@ class OrderSearch:
     def _stiffening(self, motor: int) -> FloatArray | float:
         """Return the local stiffness of a gear along the motion over that of the linear model, shape (n,)."""
         if motor not in self._stiffenings:
-            index, place = self.robot.gear_rows[motor], self.robot.motor_rows[motor]
-            linear = -float(self._linear.stiffness[index, place])
-            hard = index == place or not linear > 0
-            self._stiffenings[motor] = 1.0 if hard else _local_stiffness(self.robot, index, self._states) / linear
+            gear, row = self.robot.gear_rows[motor], self.robot.motor_rows[motor]
+            linear = -float(self._linear.stiffness[gear, row])
+            hard = gear == row or not linear > 0
+            self._stiffenings[motor] = 1.0 if hard else _local_stiffness(self.robot, gear, self._states) / linear
         return self._stiffenings[motor]
 
     def _source(self, motor: int, entry: Entry) -> tuple[FloatArray, FloatArray]:
@@ -159,8 +159,8 @@ class OrderSearch:
         if entry == "encoder":
             through[motor] = 1.0
             return -self._step(T) @ self.data.gain.gain[:, motor], through
-        place = self.robot.motor_rows[motor]
-        force = -model.stiffness[:, place] if entry == "gear" else model.input[:, motor]
+        row = self.robot.motor_rows[motor]
+        force = -model.stiffness[:, row] if entry == "gear" else model.input[:, motor]
         column = np.concatenate([np.zeros(n), np.linalg.solve(model.mass, force)])
         half = self._step(T / 2)
         return half @ column * T, through

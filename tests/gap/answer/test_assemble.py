@@ -20,7 +20,7 @@ from flexros.gap.search.forward_selection import Explanations
 from flexros.gap.search.model_probability import ModelComparison
 from flexros.gap.settings import DiagnosisSettings, RankingSettings
 from flexros.record.quantization import Quantization
-from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, numbers, predictor_of
+from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, encoded, predictor_of
 
 TRUTH = "coulomb_friction@motor_1:level=0.05"
 COULOMB, STIFFNESS = "coulomb_friction@motor_1", "stiffness_error@body_2.rz"
@@ -31,7 +31,7 @@ VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}}
 
 def fitted(level: float, *names: str) -> CandidateFit:
     hypothesis = [candidates_of()[name] for name in names]
-    theta = np.array([number for one in hypothesis for number in numbers(one, **VALUES[one.name])])
+    theta = np.array([value for one in hypothesis for value in encoded(one, **VALUES[one.name])])
     return CandidateFit(predictor_of(*hypothesis), theta, level * data_of(TRUTH).n_values, 1e4 * np.eye(len(theta)))
 
 
@@ -88,7 +88,7 @@ def test_the_first_of_the_ranking_have_their_gain_in_the_held_out_log(result: Di
     assert [one.holdout_gain for one in ranking] == [right, None]
 
 
-def test_before_after_and_rival_are_told_apart(result: DiagnosisResult) -> None:
+def test_before_after_and_rival_are_separate_models(result: DiagnosisResult) -> None:
     assert result.before.effects == ()
     assert result.after is not None
     assert result.rival is not None
@@ -128,7 +128,7 @@ def test_of_equally_sure_causes_the_one_that_is_missed_most_is_first() -> None:
     assert [one.effect for one in causes] == ["coulomb_friction", "stiffness_error"]
 
 
-def test_rounding_is_a_sure_cause_beside_others() -> None:
+def test_rounding_is_a_certain_cause_in_addition_to_others() -> None:
     found = answered(fitted(1.0, COULOMB), probabilities=(0.9,), rounded=True).diagnosis
     assert [one.effect for one in found.causes] == ["encoder_quantization", "coulomb_friction"]
     assert found.causes[0].probability == 1.0

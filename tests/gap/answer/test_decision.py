@@ -25,7 +25,7 @@ from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.search.forward_selection import Explanations
 from flexros.gap.search.model_probability import compare
 from flexros.record.quantization import Quantization
-from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, numbers, predictor_of
+from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of
 
 TRUTH = "coulomb_friction@motor_1:level=0.05"
 COULOMB, STIFFNESS, INERTIA = (
@@ -37,7 +37,7 @@ VALUES = {COULOMB: {"level": 0.05}, STIFFNESS: {"relative": 0.03}, INERTIA: {"re
 def fitted(level: float, *names: str) -> CandidateFit:
     """A fit that leaves a mean squared weighted error in the fitted log."""
     hypothesis = [candidates_of()[name] for name in names]
-    theta = [number for one in hypothesis for number in numbers(one, **VALUES[one.name])]
+    theta = [value for one in hypothesis for value in encoded(one, **VALUES[one.name])]
     return CandidateFit(predictor_of(*hypothesis), np.array(theta), level * data_of(TRUTH).n_values)
 
 
@@ -81,7 +81,7 @@ def test_an_explanation_that_leaves_more_than_a_tenth_is_none() -> None:
 
 
 def test_with_an_exact_model_an_explanation_leaves_no_more_than_model_form_errors() -> None:
-    wrong = replace(fitted(50.0, COULOMB), theta=np.array(numbers(candidates_of()[COULOMB], level=0.04)))
+    wrong = replace(fitted(50.0, COULOMB), theta=np.array(encoded(candidates_of()[COULOMB], level=0.04)))
     found = findings(wrong, [], [1.0], TRUTH, null=1000.0)
     assert 0.02 < max(found.explanations.remainder, held_out_remainder(found)) < 0.1
     assert verdict_of(found) == "unknown_effect"
@@ -89,7 +89,7 @@ def test_with_an_exact_model_an_explanation_leaves_no_more_than_model_form_error
 
 def test_an_explanation_that_does_not_hold_on_other_data_is_none() -> None:
     """Parameters that fit one log only: here they are wrong, as the fit is made by hand."""
-    wrong = replace(fitted(1.0, COULOMB), theta=np.array(numbers(candidates_of()[COULOMB], level=0.1)))
+    wrong = replace(fitted(1.0, COULOMB), theta=np.array(encoded(candidates_of()[COULOMB], level=0.1)))
     found = findings(wrong, [], [1.0], TRUTH)
     assert found.explanations.remainder == 0.0
     assert held_out_remainder(found) > 0.1

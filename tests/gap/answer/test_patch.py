@@ -28,7 +28,7 @@ def cause(effect: str, location: str, **parameters: CauseParameter) -> Cause:
 
 
 TOO_ALIKE = 0.01 * np.array([[1.0, 1.0 + 1e-5], [1.0 + 1e-5, 1.0]])
-"""Two numbers of which rounding left a correlation above 1."""
+"""Two parameters of which rounding left a correlation above 1."""
 
 
 def result(causes: tuple[Cause, ...], texts: tuple[str, ...], **numbers: float) -> DiagnosisResult:

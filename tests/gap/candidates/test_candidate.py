@@ -1,4 +1,4 @@
-"""Numbers that are fitted keep within the ranges of their effects."""
+"""Fitted parameters keep within the ranges of their effects."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ def test_effects_allow_the_bounds_of_their_ranges(name: str, parameter: str) -> 
     effect = effects()[name]
     others = {"knee": 1e-3} if name == "nonlinear_stiffness" else {}
     free = free_parameter(parameter, effect.ranges[parameter], 1.0)
-    for number in (*free.bounds, *map(free.encode, free.starts)):
-        value = float(free.decode(np.array(number)))
+    for encoded in (*free.bounds, *map(free.encode, free.starts)):
+        value = float(free.decode(np.array(encoded)))
         assert getattr(effect(**{**others, parameter: value}), parameter) == value
 
 
@@ -100,8 +100,10 @@ def test_all_and_the_only_motor_are_one_place() -> None:
     assert set(distinct_locations(effect, load_robot("elbow"))) == {"all", "motor_1", "motor_2"}
 
 
-def test_hypotheses_are_named_by_effects_and_places() -> None:
-    pair = tuple(Candidate(effects()[name], place, ()) for name, place in (("backlash", "motor_1"), ("delay", "all")))
+def test_hypotheses_are_named_by_effects_and_locations() -> None:
+    pair = tuple(
+        Candidate(effects()[name], location, ()) for name, location in (("backlash", "motor_1"), ("delay", "all"))
+    )
     assert name_of(pair) == "backlash@motor_1 + delay@all"
     assert name_of(()) == "nothing"
 

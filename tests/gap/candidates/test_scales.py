@@ -36,11 +36,11 @@ def test_relative_numbers_have_the_yardstick_one() -> None:
 
 def test_sizes_are_taken_from_states_and_torques() -> None:
     robot = load_robot("elbow")
-    n, places = robot.n_coordinates, list(robot.motor_rows)
+    n, rows = robot.n_coordinates, list(robot.motor_rows)
     time = np.linspace(0, 1, 1001)
     states = np.zeros((1001, 2 * n))
-    states[:, places[1]] = 0.5 * np.cos(2 * np.pi * time)
-    states[:, n + places[1]] = 3.0 * np.sin(2 * np.pi * time)
+    states[:, rows[1]] = 0.5 * np.cos(2 * np.pi * time)
+    states[:, n + rows[1]] = 3.0 * np.sin(2 * np.pi * time)
     torque = np.column_stack([np.full(1001, -7.0), np.zeros(1001)])
     sizes = scales_of(robot, states, torque)
     first, second = robot.joint_names

@@ -15,17 +15,17 @@ from flexros.gap.fit.least_squares import CandidateFit, chi2_of, fit, initial_va
 from flexros.gap.settings import FitSettings
 from flexros.random_streams import generator
 from flexros.robot import load_robot
-from tests.gap.diagnosis_logs import candidates_of, data_of, numbers, predictor_of
+from tests.gap.diagnosis_logs import candidates_of, data_of, encoded, predictor_of
 
 LEVEL = 0.03
 
 
 @pytest.fixture(name="fitted", scope="module")
 def fitted_fixture() -> CandidateFit:
-    """Coulomb friction by its logarithm, known to 10 %, and a stiffness to 0.02, beside a tolerated number."""
+    """Coulomb friction by its logarithm, known to 10 %, and a stiffness to 0.02, and a tolerated parameter."""
     pair = [candidates_of()[name] for name in ("coulomb_friction@motor_1", "stiffness_error@body_2.rz")]
     predictor = predictor_of(*pair, tolerance=Tolerance(("body_1.rz.stiffness",), (0.02,)))
-    theta = np.array([*numbers(pair[0], level=0.05), *numbers(pair[1], relative=-0.1), 0.5])
+    theta = np.array([*encoded(pair[0], level=0.05), *encoded(pair[1], relative=-0.1), 0.5])
     scale = np.array([0.1, 0.02 / pair[1].free[0].high, 0.8])
     correlation = np.array([[1.0, 0.5, 0.2], [0.5, 1.0, 0.1], [0.2, 0.1, 1.0]])
     return CandidateFit(predictor, theta, 1.0, np.linalg.inv(correlation * np.outer(scale, scale)))

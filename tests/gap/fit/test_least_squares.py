@@ -1,4 +1,4 @@
-"""Fits: known numbers come back with honest deviations, from bad starts, within their bounds."""
+"""Fits: known parameters come back with honest deviations, from bad starts, within their bounds."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from flexros.gap.candidates.tolerance import Tolerance
 from flexros.gap.fit.least_squares import FIT, CandidateFit, best_of, chi2_of, fit, initial_values, linearise
 from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
-from tests.gap.diagnosis_logs import candidates_of, data_of, numbers, predictor_of
+from tests.gap.diagnosis_logs import candidates_of, data_of, encoded, predictor_of
 
 N = 12000
 TRUTHS = {
@@ -42,7 +42,7 @@ def deviations(found: CandidateFit) -> FloatArray:
 @pytest.mark.parametrize(("name", "values"), TRUTHS.items())
 def test_known_numbers_come_back(name: str, values: dict[str, float]) -> None:
     candidate = candidates_of()[name]
-    predictor, truth = predictor_of(candidate), np.array(numbers(candidate, **values))
+    predictor, truth = predictor_of(candidate), np.array(encoded(candidate, **values))
     data = made(predictor, truth, 0)
     starts = initial_values(predictor)
     start = starts[:, np.argmin(chi2_of(predictor, data, starts))]
@@ -68,12 +68,12 @@ def test_deviations_cover_the_truth_at_least_as_often_as_they_say() -> None:
     candidate = candidates_of()["coulomb_friction@motor_1"]
     pair = (candidate, candidates_of()["stiffness_error@body_2.rz"])
     predictor = predictor_of(*pair)
-    truth = np.array([*numbers(pair[0], level=0.05), *numbers(pair[1], relative=0.04)])
+    truth = np.array([*encoded(pair[0], level=0.05), *encoded(pair[1], relative=0.04)])
     errors = []
     for seed in range(20):
         found = fit(predictor, made(predictor, truth, seed), truth + 0.1)
         errors.append((found.theta - truth) / deviations(found))
-    # 40 numbers, at least about 38 within two standard deviations; those of friction are on the safe side
+    # 40 parameters, at least about 38 within two standard deviations; those of friction are on the safe side
     assert np.sum(np.abs(errors) < 2) >= 33
     assert 0.3 < np.sqrt(np.mean(np.square(errors))) < 1.5
 
@@ -81,7 +81,7 @@ def test_deviations_cover_the_truth_at_least_as_often_as_they_say() -> None:
 @pytest.mark.parametrize("factor", [0.02, 20.0])
 def test_a_bad_start_ends_at_the_same_minimum(factor: float) -> None:
     candidate = candidates_of()["coulomb_friction@motor_1"]
-    predictor, truth = predictor_of(candidate), np.array(numbers(candidate, level=0.05))
+    predictor, truth = predictor_of(candidate), np.array(encoded(candidate, level=0.05))
     data = made(predictor, truth, 0)
     near, far = fit(predictor, data, truth + 0.1), fit(predictor, data, truth + np.log(factor), 20)
     assert far.converged
@@ -90,7 +90,7 @@ def test_a_bad_start_ends_at_the_same_minimum(factor: float) -> None:
 
 def test_a_fit_without_iterations_left_says_so() -> None:
     candidate = candidates_of()["coulomb_friction@motor_1"]
-    predictor, truth = predictor_of(candidate), np.array(numbers(candidate, level=0.05))
+    predictor, truth = predictor_of(candidate), np.array(encoded(candidate, level=0.05))
     found = fit(predictor, made(predictor, truth, 0), truth + np.log(20.0), 1)
     assert (found.converged, found.iterations) == (False, 1)
 
@@ -99,13 +99,13 @@ def test_numbers_stay_within_their_bounds() -> None:
     """A stiffness beyond what the effect allows ends at the bound."""
     candidate = candidates_of()["stiffness_error@body_2.rz"]
     narrow = replace(candidate, free=(replace(candidate.free[0], high=0.01, negative=None),))
-    data = made(predictor_of(candidate), np.array(numbers(candidate, relative=0.04)), 0)
+    data = made(predictor_of(candidate), np.array(encoded(candidate, relative=0.04)), 0)
     found = fit(predictor_of(narrow), data, np.array([-1.0]))
     assert found.theta[0] == 1.0
 
 
 class TwoAlike:
-    """Errors that two numbers change in the same way, the second by far less and then otherwise: predictor and log."""
+    """Predictor and log of errors that two parameters change alike, the second by far less and then otherwise."""
 
     n_effect, bounds, tolerance = 2, (np.full(2, -1.0), np.full(2, 1.0)), Tolerance()
 
@@ -148,7 +148,7 @@ def test_steps_follow_a_curved_valley(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_what_is_tolerated_takes_up_a_deviation_at_its_price() -> None:
     candidate = candidates_of()["stiffness_error@body_2.rz"]
-    data = made(predictor_of(candidate), np.array(numbers(candidate, relative=0.04)), 0)
+    data = made(predictor_of(candidate), np.array(encoded(candidate, relative=0.04)), 0)
     tolerant = predictor_of(tolerance=Tolerance(("body_2.rz.stiffness",), (0.02,)))
     found = fit(tolerant, data, np.zeros(1))
     assert found.theta[0] == pytest.approx(2.0, abs=0.05)
@@ -158,7 +158,7 @@ def test_what_is_tolerated_takes_up_a_deviation_at_its_price() -> None:
 
 def test_slopes_are_derivatives_of_the_weighted_errors() -> None:
     candidate = candidates_of()["viscous_friction@motor_1"]
-    predictor, theta = predictor_of(candidate), np.array(numbers(candidate, coefficient=3e-3, asymmetry=0.3))
+    predictor, theta = predictor_of(candidate), np.array(encoded(candidate, coefficient=3e-3, asymmetry=0.3))
     line = linearise(predictor, data_of(), theta)
     step = 1e-4 * np.eye(2)
     for k in range(2):

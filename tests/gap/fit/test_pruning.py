@@ -34,8 +34,8 @@ def test_an_asymmetry_that_is_not_there_is_left_out() -> None:
     assert names(pruned) == ["coefficient"]
     assert placed_effects(pruned)[0].effect.model_dump()["asymmetry"] == 0.0
     assert 0 <= pruned.chi2 - rich.chi2 < np.log(search.data.n_values) * rich.chi2 / search.data.n_values
-    numbers = parameters_of(pruned)[0]
-    assert abs(numbers["coefficient"].value - 3e-3) < 5 * numbers["coefficient"].std
+    parameters = parameters_of(pruned)[0]
+    assert abs(parameters["coefficient"].value - 3e-3) < 5 * parameters["coefficient"].std
 
 
 def test_an_asymmetry_that_is_there_stays() -> None:
@@ -45,7 +45,7 @@ def test_an_asymmetry_that_is_there_stays() -> None:
 
 @pytest.mark.parametrize("candidate", ["torque_bias@motor_1", "coulomb_friction@motor_1"])
 def test_an_effect_keeps_what_it_is_there_by(candidate: str) -> None:
-    """Neither is in the log: the numbers are as good as zero, but without them nothing would be left of the effect."""
+    """Neither is in the log: the parameters are nearly zero, but without them the effect would vanish."""
     _, none = fitted(VISCOUS, candidate)
     assert without_least_parameter(none) is None
 
@@ -59,7 +59,7 @@ def test_the_chosen_explanation_has_no_spare_numbers() -> None:
 
 
 def test_information_is_what_the_other_numbers_leave() -> None:
-    """A number that the others imitate has none, though its own derivatives are large."""
+    """A parameter that the others imitate has none, though its own derivatives are large."""
     slopes = np.random.default_rng(0).normal(size=(50, 3))
     slopes[:, 2] = slopes[:, 0] - 2 * slopes[:, 1]
     information = slopes.T @ slopes

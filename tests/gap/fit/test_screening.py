@@ -7,7 +7,7 @@ import pytest
 
 from flexros.gap.fit.least_squares import fit, initial_values, linearise
 from flexros.gap.fit.screening import predicted_gains
-from tests.gap.diagnosis_logs import candidates_of, numbers, predictor_of, search_of
+from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, search_of
 
 TRUTH = ("coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=0.005")
 
@@ -15,7 +15,7 @@ TRUTH = ("coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relat
 def test_the_missing_effect_gains_as_predicted_and_one_that_is_there_nothing() -> None:
     search = search_of(*TRUTH)
     friction, stiffness = (candidates_of(*TRUTH)[one.partition(":")[0]] for one in TRUTH)
-    first = fit(predictor_of(friction), search.data, np.array(numbers(friction, level=0.05)))
+    first = fit(predictor_of(friction), search.data, np.array(encoded(friction, level=0.05)))
     line = linearise(first.predictor, search.data, first.theta)
 
     def predicted(name: str) -> tuple[float, float]:

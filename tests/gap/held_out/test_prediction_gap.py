@@ -20,7 +20,7 @@ from flexros.gap.held_out.prediction_gap import (
 from flexros.gap.residuals.fit_data import FitData
 from flexros.record.quantization import Quantization
 from flexros.robot import load_robot
-from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, numbers, predictor_of
+from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of
 
 FRICTION = "coulomb_friction@motor_1:level=0.05"
 SPACING = 50  # samples
@@ -31,7 +31,7 @@ def ahead(effects: tuple[str, ...] = (), level: float | None = None, seed: int =
     """Errors of a log with effects, under the nominal model or with Coulomb friction."""
     hypothesis = () if level is None else (candidates_of()["coulomb_friction@motor_1"],)
     predictor = predictor_of(*hypothesis)
-    theta = np.array([] if level is None else numbers(hypothesis[0], level=level))
+    theta = np.array([] if level is None else encoded(hypothesis[0], level=level))
     return errors_ahead(CandidateFit(predictor, theta, 0.0), data_of(*effects, seed=seed))
 
 

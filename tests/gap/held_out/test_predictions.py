@@ -9,14 +9,14 @@ from flexros.gap.fit.estimates import placed_effects
 from flexros.gap.fit.least_squares import CandidateFit
 from flexros.gap.held_out.predictions import prediction_of, signature_evidence, tool_errors
 from flexros.gap.result import Explanation
-from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, numbers, predictor_of
+from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of
 
 SOFT = "stiffness_error@body_2.rz:relative=-0.05"
 
 
 def explanation(relative: float | None) -> Explanation:
     hypothesis = () if relative is None else (candidates_of()["stiffness_error@body_2.rz"],)
-    theta = np.array([] if relative is None else numbers(hypothesis[0], relative=relative))
+    theta = np.array([] if relative is None else encoded(hypothesis[0], relative=relative))
     one = CandidateFit(predictor_of(*hypothesis), theta, 0.0)
     return Explanation("test", prediction_of(one, data_of(SOFT)), None, placed_effects(one))
 

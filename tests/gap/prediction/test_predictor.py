@@ -14,7 +14,7 @@ from flexros.gap.prediction.predictor import LANES, Predictor
 from flexros.prediction.observer import observer_gain
 from flexros.robot import load_robot
 from flexros.simulate.plant_model import PlantModel
-from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, numbers, predictor_of, record_of
+from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of, record_of
 
 N = 4000
 
@@ -51,7 +51,7 @@ def test_a_candidate_with_its_numbers_predicts_as_the_same_effect_that_is_known(
     text = effect + ":" + ",".join(f"{name}={value!r}" for name, value in values.items())
     known = place_effects(ROBOT, [parse_effect(text, "test")])
     expected = innovations(predictor_of(model=RobotWithEffects(known.robot, known.laws)), [])
-    found = innovations(predictor_of(candidate), numbers(candidate, **values))
+    found = innovations(predictor_of(candidate), encoded(candidate, **values))
     assert np.std(expected - innovations(predictor_of(), [])) > 1e-6
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
@@ -59,7 +59,7 @@ def test_a_candidate_with_its_numbers_predicts_as_the_same_effect_that_is_known(
 def test_effects_add_up() -> None:
     names = {"coulomb_friction@motor_1": {"level": 0.05}, "stiffness_error@body_2.rz": {"relative": -0.1}}
     pair = [candidates_of()[name] for name in names]
-    theta = [number for one, values in zip(pair, names.values(), strict=True) for number in numbers(one, **values)]
+    theta = [number for one, values in zip(pair, names.values(), strict=True) for number in encoded(one, **values)]
     known = place_effects(
         ROBOT,
         [parse_effect(f"{name}:{key}={value}", "test") for name, one in names.items() for key, value in one.items()],
@@ -87,7 +87,7 @@ def test_the_smaller_an_effect_the_nearer_it_is_to_nothing(effect: str, size: st
     typical = {one.name: one.starts[0] for one in candidate.free}
 
     def away(value: float) -> float:
-        found = innovations(predictor_of(candidate), numbers(candidate, **{**typical, size: value}))
+        found = innovations(predictor_of(candidate), encoded(candidate, **{**typical, size: value}))
         return float(np.abs(found - nothing).max())
 
     lowest = next(one.low for one in candidate.free if one.name == size)
@@ -97,9 +97,9 @@ def test_the_smaller_an_effect_the_nearer_it_is_to_nothing(effect: str, size: st
 def test_what_saturates_is_cut_off_before_a_delay_by_part_of_a_sample() -> None:
     saturation, delay = (candidates_of()[name] for name in ("torque_saturation@motor_1", "delay@all"))
     torque = record_of().part(0, N).torque
-    late = numbers(delay, time=2.4 * ROBOT.sample_time)
+    late = encoded(delay, time=2.4 * ROBOT.sample_time)
     limit = 0.5 * float(np.abs(torque).max())
-    theta = [*numbers(saturation, limit=limit), *late]
+    theta = [*encoded(saturation, limit=limit), *late]
     expected = innovations(predictor_of(delay), late, torque=np.clip(torque, -limit, limit))
     np.testing.assert_allclose(innovations(predictor_of(saturation, delay), theta), expected, atol=1e-15)
     assert np.abs(expected - innovations(predictor_of(delay), late)).max() > 1e-3
@@ -109,7 +109,7 @@ def test_a_delay_of_whole_samples_shifts_the_torque() -> None:
     candidate = candidates_of()["delay@all"]
     torque = record_of().part(0, N).torque
     late = np.vstack([np.repeat(torque[:1], 3, axis=0), torque[:-3]])
-    found = innovations(predictor_of(candidate), numbers(candidate, time=3 * ROBOT.sample_time))
+    found = innovations(predictor_of(candidate), encoded(candidate, time=3 * ROBOT.sample_time))
     np.testing.assert_allclose(found, innovations(predictor_of(), [], torque=late), atol=1e-9)
 
 
@@ -168,7 +168,7 @@ def test_sets_of_numbers_are_predicted_side_by_side() -> None:
 def test_slopes_are_the_derivatives_of_the_values() -> None:
     pair = [candidates_of()[name] for name in ("viscous_friction@motor_1", "stiffness_error@body_2.rz")]
     predictor = predictor_of(*pair)
-    theta = np.array([*numbers(pair[0], coefficient=2e-3, asymmetry=0.3), *numbers(pair[1], relative=0.1)])
+    theta = np.array([*encoded(pair[0], coefficient=2e-3, asymmetry=0.3), *encoded(pair[1], relative=0.1)])
 
     def flat(at: FloatArray) -> FloatArray:
         return np.array([value for one in predictor.values(at) for value in one.values()])
@@ -190,7 +190,7 @@ def test_bounds_are_those_of_the_candidate_and_wide_for_what_is_tolerated() -> N
 def test_a_prediction_ahead_is_the_motion_without_corrections() -> None:
     candidate = candidates_of()["coulomb_friction@motor_1"]
     predictor, data, record = predictor_of(candidate), data_of(), record_of().part(0, N)
-    theta = np.array(numbers(candidate, level=0.05))
+    theta = np.array(encoded(candidate, level=0.05))
     blind = replace(data.gain, gain=np.zeros_like(data.gain.gain))
     alone = predictor.predict(theta[:, None], record, blind, data.initial_state, record_states=True)
     assert alone.states is not None

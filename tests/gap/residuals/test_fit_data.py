@@ -12,7 +12,7 @@ from flexros.effects import RobotWithEffects
 from flexros.gap.residuals.fit_data import FitData, fit_data
 from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record, ToolRecord
-from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, numbers, predictor_of, record_of
+from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of, record_of
 
 NOTHING = np.zeros((0, 1))
 
@@ -81,7 +81,7 @@ def test_a_tool_that_was_hardly_seen_is_left_out_with_a_warning() -> None:
 def test_sets_have_residuals_of_their_own() -> None:
     friction = candidates_of()["coulomb_friction@motor_1"]
     predictor, data = predictor_of(friction), data_of()
-    thetas = np.array([numbers(friction, level=level) for level in (0.01, 0.1)]).T
+    thetas = np.array([encoded(friction, level=level) for level in (0.01, 0.1)]).T
     together = data.residuals(predictor, thetas)
     for k in range(2):
         np.testing.assert_allclose(together[:, k], data.residuals(predictor, thetas[:, k : k + 1])[:, 0])

@@ -84,11 +84,11 @@ def test_the_nominal_model_takes_up_what_is_tolerated() -> None:
 
 
 def test_progress_of_each_stage_ends_with_all_of_it() -> None:
-    told: dict[str, list[float]] = {}
-    search = replace(search_of(), progress=lambda stage, share: told.setdefault(stage, []).append(share))
+    calls: dict[str, list[float]] = {}
+    search = replace(search_of(), progress=lambda stage, share: calls.setdefault(stage, []).append(share))
     search.singles([candidates_of()[name] for name in SOME])
-    assert all(shares == sorted(shares) and shares[-1] == 1.0 for shares in told.values())
-    assert len(told["single effects"]) == len(SOME)
+    assert all(shares == sorted(shares) and shares[-1] == 1.0 for shares in calls.values())
+    assert len(calls["single effects"]) == len(SOME)
 
 
 def test_of_one_set_of_effects_the_best_fit_is_kept() -> None:

@@ -40,7 +40,7 @@ def test_ripples_are_constant_or_in_proportion_to_the_torque(of_ripple: list[Can
 
 
 def test_the_best_order_of_one_effect_is_tried_with_the_others(of_ripple: list[Candidate]) -> None:
-    """Linear theory ranks the orders of a nonlinear robot otherwise for every place where a wave may enter."""
+    """Linear theory ranks the orders of a nonlinear robot otherwise for every entry where a harmonic may enter."""
     orders = [next(free.starts for free in one.free if free.name == "order") for one in of_ripple]
     assert all(orders[0][0] in others for others in orders)
     assert {len(others) for others in orders} == {LANES}

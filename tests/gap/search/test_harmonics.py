@@ -59,7 +59,7 @@ def test_a_wave_of_the_right_order_is_fitted_with_amplitude_and_phase() -> None:
 
 
 def test_waves_come_by_gain() -> None:
-    gains = [one.gain for one in order_search().search(0, "torque", number=3)]
+    gains = [one.gain for one in order_search().search(0, "torque", most=3)]
     assert gains == sorted(gains, reverse=True)
 
 
