@@ -99,7 +99,7 @@ class ModuleBuilder:
         """Compile everything.
 
         Args:
-            level: Effort of the code generator, 0 to 3.
+            level: Optimisation level of the code generator, 0 to 3.
         """
         return _compiled(self.text(), level)
 
@@ -112,13 +112,13 @@ class ModuleBuilder:
         if not _SYMBOL.fullmatch(symbol):
             raise InputError(f"'{symbol}' cannot name a compiled function: use letters, digits, underscores and dots")
         if symbol in self._texts:
-            raise InputError(f"the module has a function '{symbol}' already: give the second one another name")
+            raise InputError(f"the module already has a function '{symbol}': choose another name")
         return symbol
 
 
 @lru_cache(maxsize=64)
 def _compiled(text: str, level: int) -> MachineCode:
-    """Compile a module once; many logs of one robot need the same ones."""
+    """Compile a module once; many logs of one robot use the same modules."""
     return MachineCode(text, level)
 
 

@@ -1,7 +1,7 @@
-"""Order of evaluation: gathers sines, exponentials and hyperbolic tangents that can be evaluated side by side.
+"""Order of evaluation: groups sines, exponentials and hyperbolic tangents that can be evaluated together.
 
-All angles of a robot are known at the start, so their sines and cosines fill the lanes of one vector evaluation even
-when the function itself works on single numbers. Lanes never change results, so neither does the grouping.
+All joint angles of a robot are inputs, so their sines and cosines fill the lanes of one vector evaluation even if the
+function itself works on single numbers. Neither lanes nor grouping change the results.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ LEAVES = (ca.OP_CONST, ca.OP_INPUT)
 
 @dataclass(frozen=True)
 class RoutineGroup:
-    """Evaluations of one routine whose arguments are independent of each other.
+    """Evaluations of one routine with mutually independent arguments.
 
     Attributes:
         routine: Name of the routine, see `elementary.py`.
@@ -36,14 +36,14 @@ Step: TypeAlias = "int | RoutineGroup"
 
 
 def schedule(graph: SxGraph, group_size: int) -> list[Step]:
-    """Order the nodes so that every group of routine evaluations comes once all its arguments are known.
+    """Order the nodes such that all arguments of a group of routine evaluations precede it.
 
     Args:
         graph: The function.
-        group_size: Largest number of evaluations side by side.
+        group_size: Largest number of evaluations in a group.
 
     Returns:
-        Node numbers and groups; constants, inputs and nodes that are answered by a group do not appear.
+        Node numbers and groups, without constants, inputs and nodes evaluated by a group.
     """
     groups = _groups(graph, group_size)
     placed = bytearray(len(graph.operations))
@@ -82,7 +82,7 @@ def operands(graph: SxGraph, node: int) -> tuple[int, ...]:
 
 
 def _groups(graph: SxGraph, group_size: int) -> dict[tuple[str, int], RoutineGroup]:
-    """Gather arguments by routine and by the number of routines that must be evaluated before."""
+    """Group arguments by routine and by the number of routines that must be evaluated before."""
     depth = [0] * len(graph.operations)
     waiting: dict[tuple[str, int], dict[int, None]] = {}
     for node, operation in enumerate(graph.operations):

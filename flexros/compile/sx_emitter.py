@@ -1,7 +1,7 @@
 """Writes an SX graph as LLVM code.
 
-Functions of many thousand instructions are cut into parts: register allocation grows faster than linearly, and values
-that cross a cut are rare. The parts hand such values on in memory.
+Functions of many thousand instructions are split into parts: the time of register allocation grows faster than
+linearly, and few values are needed in several parts. Those are passed in memory.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from flexros.compile.sx_graph import SxGraph
 
 PART_LENGTH = 1500  # instructions per part
-GROUP_SIZE = 8  # numbers evaluated side by side by one routine call
+GROUP_SIZE = 8  # numbers evaluated together by one routine call
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class _FunctionEmitter:
         self._keep(step)
 
     def _keep(self, node: int) -> None:
-        """Store a new value where outputs or later parts want it."""
+        """Store a new value to the outputs, and to memory if later parts use it."""
         if self.last_part.get(node, self.part) > self.part:
             self.slots[node] = self.slot_count
             self.slot_count += 1
@@ -150,7 +150,7 @@ class _FunctionEmitter:
         self._store_outputs(node)
 
     def _number(self, node: int) -> str:
-        """Return the name of a node's value, reading it from memory when this part does not have it yet."""
+        """Return the name of a node's value; load it from memory if this part does not have it yet."""
         operation = self.graph.operations[node]
         if operation == ca.OP_CONST:
             return float_literal(self.graph.constants[node], self.lanes)
@@ -178,7 +178,7 @@ class _FunctionEmitter:
         return self.block.value(f"{name} {mask} {self._truth(a)}, {self._truth(b)}")
 
     def _routine(self, group: RoutineGroup) -> None:
-        """Call a routine once for the group and take the results apart."""
+        """Call a routine once for the group and assign its results to their nodes."""
         count = len(group.arguments)
         width = self.lanes if self.lanes > 1 else next(n for n in LANE_COUNTS if n >= count)
         self.routines.add((group.routine, width))
@@ -189,6 +189,7 @@ class _FunctionEmitter:
         members: dict[int | None, str] = {None: value}
         if group.routine == SINCOS:
             members = {k: self.block.value(f"extractvalue {result} {value}, {k}") for k in (0, 1)}
+        # one call answers all operations on the same arguments, e.g. both sine and cosine
         for position, node in enumerate(group.arguments):
             for operation, (routine, member) in ROUTINES.items():
                 target = self.results.get((operation, node)) if routine == group.routine else None
@@ -203,6 +204,7 @@ class _FunctionEmitter:
     def _packed(self, arguments: tuple[int, ...], width: int) -> str:
         if width == self.lanes:
             return self._number(arguments[0])
+        # unused lanes repeat the last argument, so that they cannot take the slow branch of a routine alone
         filled = arguments + arguments[-1:] * (width - len(arguments))
         packed, number = "undef", value_type(width)
         for position, node in enumerate(filled):

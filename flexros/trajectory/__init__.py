@@ -1,4 +1,4 @@
-"""Desired motion: path geometry, time laws, and whether a robot can follow them."""
+"""Desired motion: path geometry, time laws, limits and reachability."""
 
 from flexros.trajectory.arc import Arc, circle
 from flexros.trajectory.bang_bang_snap import SnapProfile, bang_bang_snap, snap_profile

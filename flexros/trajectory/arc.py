@@ -22,7 +22,7 @@ PLANES = {"xy": (0, 1), "yz": (1, 2), "xz": (0, 2)}
 class Arc(AbstractPath):
     """Arc of a circle, P(s) = centre + radius (cos(a0 + d s) u + sin(a0 + d s) v), d = +1 or -1.
 
-    The parameter is the angle travelled [rad]. Make it with `circle`, `Arc.about` or `Arc.through`.
+    The parameter is the angle travelled [rad]. Use `circle`, `Arc.about` or `Arc.through` to create it.
 
     Args:
         centre: Centre [m], shape (2,) or (3,).
@@ -56,7 +56,7 @@ class Arc(AbstractPath):
 
     @classmethod
     def about(cls, centre: FloatArray, start: FloatArray, angle: float, normal: FloatArray | None = None) -> Arc:
-        """Make the arc that begins at a point and turns about a centre.
+        """Return the arc that starts at a point and turns about a centre.
 
         Args:
             centre: Centre [m], shape (2,) or (3,).
@@ -84,18 +84,18 @@ class Arc(AbstractPath):
 
     @classmethod
     def through(cls, start: FloatArray, via: FloatArray, end: FloatArray) -> Arc:
-        """Make the arc from a point through a second to a third.
+        """Return the arc through three points.
 
         Args:
             start: First point [m], shape (2,) or (3,).
-            via: Point on the way [m].
+            via: Intermediate point [m].
             end: Last point [m].
 
         Returns:
             The arc, with an angle below a full turn.
 
         Raises:
-            InputError: The points are collinear (or two are the same), so that no circle goes through them.
+            InputError: The points are collinear (or two are the same), so that no circle passes through them.
         """
         first = point(start, "start of the arc")
         if first.size not in (2, 3):
@@ -106,8 +106,8 @@ class Arc(AbstractPath):
         det = aa * bb - ab * ab
         if det <= 1e-16 * max(float(aa), float(bb), 1e-300) ** 2:
             raise InputError(
-                f"the three points {text(first)}, {text(first + a)} and {text(first + b)} of the arc lie on one "
-                "straight line, allowed are points of a circle; move the via point or use a line"
+                f"the three points {text(first)}, {text(first + a)} and {text(first + b)} of the arc are "
+                "collinear, allowed are points of a circle; move the via point or use a line"
             )
         spoke_to_centre = (bb * (aa - ab) * a + aa * (bb - ab) * b) / (2.0 * det)
         radius = float(np.linalg.norm(spoke_to_centre))
@@ -157,7 +157,7 @@ class Arc(AbstractPath):
 
 
 def circle(start: FloatArray, radius: float, start_angle: float = 0.0, turns: float = 1.0, plane: str = "xy") -> Arc:
-    """Make the circle of a given radius on which a start point has a given angle.
+    """Return the circle of a given radius on which the first point has a given angle.
 
     Args:
         start: First point [m], shape (2,) or (3,).
@@ -165,7 +165,7 @@ def circle(start: FloatArray, radius: float, start_angle: float = 0.0, turns: fl
         start_angle: Angle of the start on the circle [rad], from the first towards the second coordinate of the plane;
             0 puts the centre at start - (radius, 0).
         turns: Number of turns, positive from the first towards the second coordinate, fractions allowed.
-        plane: "xy", "yz" or "xz", for circles in space; a plane point has only one.
+        plane: "xy", "yz" or "xz", for circles in space; ignored for two coordinates.
 
     Returns:
         The circle, beginning exactly at the start.
@@ -179,14 +179,14 @@ def circle(start: FloatArray, radius: float, start_angle: float = 0.0, turns: fl
     if plane not in PLANES:
         raise InputError(f"the plane of the circle is '{plane}', allowed are {', '.join(PLANES)}; choose one of them")
     u, v = np.zeros(first.size), np.zeros(first.size)
-    one, two = PLANES[plane] if first.size == 3 else (0, 1)
-    u[one] = v[two] = 1.0
+    cosine, sine = PLANES[plane] if first.size == 3 else (0, 1)
+    u[cosine] = v[sine] = 1.0
     spoke = positive(radius, "radius", "m") * (np.cos(start_angle) * u + np.sin(start_angle) * v)
     return Arc(first - spoke, float(radius), u, v, float(start_angle), 2.0 * np.pi * float(turns))
 
 
 def _sine_axis(u: FloatArray, normal: FloatArray | None) -> FloatArray:
-    """Return the unit vector at right angles to u (and to the normal, in space) towards which angles count."""
+    """Return the unit vector in the direction of increasing angle: perpendicular to u and, in space, to the normal."""
     if u.size == 2:
         return np.array([-u[1], u[0]])
     if u.size != 3:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 PATTERN = (1, 0, -1, 0, -1, 0, 1)
-"""Sign of the snap while speeding up, in phases of lengths snap, jerk, snap, acceleration, snap, jerk, snap time."""
+"""Sign of the snap during acceleration, in phases of lengths snap, jerk, snap, acceleration, snap, jerk, snap time."""
 
 
 @dataclass(frozen=True)
@@ -44,16 +44,16 @@ class SnapProfile:
 
 
 def snap_profile(distance: float, limits: Limits) -> SnapProfile:
-    """Find the fastest symmetric profile of a distance within limits.
+    """Compute the fastest symmetric profile of a distance within limits.
 
     With x = snap time, y = x + jerk time, z = x + y + acceleration time and w = x + y + z + cruise time the profile
     reaches jerk D x, acceleration D x y, speed D x y z and distance D x y z w in the time x + y + z + w, with
-    x <= y, x + y <= z and x + y + z <= w. Taking x, then y, then z as long as distance and limits allow is the fastest.
-    (Moves too short to cruise would gain up to 7 % of time by not returning to zero jerk at the peak speed; the
+    x <= y, x + y <= z and x + y + z <= w. It is fastest to maximise x, then y, then z within distance and limits.
+    (Moves too short for a cruise phase would be up to 7 % faster without the return to zero jerk at the peak speed; the
     profile keeps the cruise pattern, as the reference does.)
 
     Args:
-        distance: Way in the unit p of the path parameter, above 0.
+        distance: Distance in the unit p of the path parameter, above 0.
         limits: Finite snap limit; the others may be infinite [p/s, p/s^2, p/s^3, p/s^4].
 
     Returns:
@@ -62,38 +62,38 @@ def snap_profile(distance: float, limits: Limits) -> SnapProfile:
     Raises:
         InputError: The distance is not above 0, or the snap limit is infinite.
     """
-    way = positive(distance, "distance of the move", "(unit of the path)")
+    length = positive(distance, "distance of the move", "(unit of the path)")
     if limits.snap == math.inf:
         raise InputError(
             "the bang-bang time law has no snap limit, allowed is a finite limit above 0 for the derivative of the "
             "jerk; give the snap"
         )
     speed, acceleration, jerk, snap = limits.values
-    c_way, c_speed, c_acceleration, c_jerk = way / snap, speed / snap, acceleration / snap, jerk / snap
-    x = min((c_way / 8.0) ** 0.25, (c_speed / 2.0) ** (1.0 / 3.0), math.sqrt(c_acceleration), c_jerk)
-    y = max(x, min(_middle(x, c_way), _outer(x, c_speed / x), c_acceleration / x))
+    c_length, c_speed, c_acceleration, c_jerk = length / snap, speed / snap, acceleration / snap, jerk / snap
+    x = min((c_length / 8.0) ** 0.25, (c_speed / 2.0) ** (1.0 / 3.0), math.sqrt(c_acceleration), c_jerk)
+    y = max(x, min(_middle(x, c_length), _outer(x, c_speed / x), c_acceleration / x))
     y = _snapped(y, x)
-    z = max(x + y, min(_outer(x + y, c_way / (x * y)), c_speed / (x * y)))
+    z = max(x + y, min(_outer(x + y, c_length / (x * y)), c_speed / (x * y)))
     z = _snapped(z, x + y)
-    w = _snapped(max(x + y + z, c_way / (x * y * z)), x + y + z)
-    return SnapProfile(way / (x * y * z * w), x, y - x, z - (x + y), w - (x + y + z))
+    w = _snapped(max(x + y + z, c_length / (x * y * z)), x + y + z)
+    return SnapProfile(length / (x * y * z * w), x, y - x, z - (x + y), w - (x + y + z))
 
 
 def bang_bang_snap(distance: float, limits: Limits) -> TimeLaw:
-    """Make the time law that is bang-bang in the snap: +D, -D, -D, +D | cruise | mirrored.
+    """Return the time law that is bang-bang in the snap: +D, -D, -D, +D | cruise | mirrored.
 
-    Phases of constant jerk, acceleration and speed lie between where limits are reached. The third derivative is
-    continuous, the fourth bounded: it serves every feedforward. The pieces are exact polynomials of 4th degree.
+    Phases of constant jerk, acceleration and speed are inserted where limits are reached. The third derivative is
+    continuous, the fourth bounded, as every feedforward requires. The pieces are exact polynomials of 4th degree.
 
     Args:
-        distance: Way in the unit p of the path parameter, above 0.
+        distance: Distance in the unit p of the path parameter, above 0.
         limits: Limits [p/s, p/s^2, p/s^3, p/s^4], the snap finite.
 
     Returns:
         The law from 0 to the distance.
 
     Raises:
-        InputError: Numbers out of range.
+        InputError: An argument is out of range.
     """
     profile = snap_profile(distance, limits)
     x, jerk_time = profile.snap_time, profile.jerk_time
@@ -130,9 +130,9 @@ def reached(profile: SnapProfile) -> Limits:
     return Limits(**dict(zip(LIMIT_NAMES, (d * x * y * z, d * x * y, d * x, d), strict=True)))
 
 
-def _middle(x: float, c_way: float) -> float:
-    """Solve 2 x y (x + y)^2 = c_way for y by Newton's method from above, where the convergence is monotone."""
-    target = c_way / (2.0 * x)
+def _middle(x: float, c_length: float) -> float:
+    """Solve 2 x y (x + y)^2 = c_length for y by Newton's method from above, where the convergence is monotone."""
+    target = c_length / (2.0 * x)
     y = float(np.cbrt(target))
     for _ in range(60):
         value = y * (x + y) ** 2 - target
@@ -151,11 +151,11 @@ def _outer(sum_xy: float, target: float) -> float:
 
 
 def _snapped(value: float, least: float) -> float:
-    """Take a length that exceeds the least by rounding only as the least, so that no phase of 1e-18 s arises."""
+    """Return the least length if a length exceeds it by rounding only, so that there is no phase of 1e-18 s."""
     return least if value - least <= 1e-12 * least else value
 
 
 def _advanced(row: FloatArray, length: float) -> FloatArray:
-    """Return position to jerk at the end of a piece with the given polynomial coefficients, shape (4,)."""
+    """Return position, speed, acceleration and jerk at the end of a polynomial piece, shape (4,)."""
     polynomial = np.polynomial.Polynomial(row)
     return np.array([(polynomial.deriv(k) if k else polynomial)(length) for k in range(4)])

@@ -1,4 +1,4 @@
-"""Exact derivatives of joint motion from those of the tool motion."""
+"""Exact time derivatives of the joint motion from those of the tool motion."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from flexros.trajectory.trajectory import Trajectory
 
 CONTINUATION_STEP = 0.01
-"""First time step along the trajectory while the joint position is followed from the start [s]; halved where needed."""
+"""Initial time step of the continuation of the joint position along the trajectory [s]; halved where necessary."""
 
 SINGULAR = 1e-6
 """Smallest singular value of the Jacobian, relative to its largest, with which derivatives are computed (chosen)."""
@@ -59,7 +59,7 @@ class OutputDerivatives:
         if gamma.n_in() != 1 or gamma.n_out() != 1 or gamma.size2_in(0) != 1 or gamma.size2_out(0) != 1:
             raise InputError(
                 f"the output function {gamma.name()} has {gamma.n_in()} inputs and {gamma.n_out()} outputs, allowed is "
-                "one vector of joints and one vector of tool coordinates; put the parameters in first"
+                "one vector of joints and one vector of tool coordinates; substitute the parameters first"
             )
         size = gamma.size1_in(0)
         motion = [ca.SX.sym(f"q{k}", size) for k in range(MAX_DERIVATIVES + 1)]
@@ -105,14 +105,14 @@ def joint_derivatives(
 ) -> FloatArray:
     """Return the joint motion of a trajectory with its exact time derivatives, for Gamma(q(t)) = Z(t).
 
-    The position is found by Newton's method, followed from the start of the trajectory so that the configuration stays;
-    the derivatives follow from the constraint differentiated k times (as for equation 5.5 of Moberg 2007),
+    The position is solved by Newton's method, continued from the start of the trajectory so that the configuration is
+    kept. The derivatives follow from the constraint differentiated k times (as for equation 5.5 of Moberg 2007),
 
-        J(q) q^(k) = Z^(k) - (what the k-th derivative of Gamma(q(t)) is with q^(k) = 0).
+        J(q) q^(k) = Z^(k) - (k-th derivative of Gamma(q(t)) with q^(k) = 0).
 
     Args:
-        trajectory: Tool trajectory; of a joint trajectory the motion itself is returned.
-        gamma: Output function q -> Z of as many joints as tool coordinates, or its derivatives made before.
+        trajectory: Tool trajectory; the motion of a joint trajectory is returned unchanged.
+        gamma: Output function q -> Z of as many joints as tool coordinates, or its derivatives.
         near: Joint position near that of the trajectory's start [rad or m], shape (n_joints,).
         t: Times [s], any order, shape (n,).
         derivatives: Highest derivative, 0 to 4.
@@ -121,12 +121,12 @@ def joint_derivatives(
         q, dq/dt, ..., shape (derivatives + 1, n, n_joints).
 
     Raises:
-        InputError: Not as many joints as coordinates, out of reach or singular; the message names the place.
+        InputError: Not as many joints as coordinates, out of reach or singular; the message names the point.
     """
     t = np.atleast_1d(np.asarray(t, dtype=float))
-    wanted = trajectory.evaluate(t, derivatives)
+    target = trajectory.evaluate(t, derivatives)
     if trajectory.joints or t.size == 0:
-        return wanted
+        return target
     output = gamma if isinstance(gamma, OutputDerivatives) else OutputDerivatives.of(gamma)
     if output.n_out != output.size or output.n_out != trajectory.n_out or np.size(near) != output.size:
         raise InputError(
@@ -134,30 +134,30 @@ def joint_derivatives(
             f"joints, and the start {np.size(near)} joints, allowed are equal numbers; choose an output with one "
             "coordinate per joint"
         )
-    q = _refined(trajectory, output, _followed(trajectory, output, near, t), t, wanted[0])
+    q = _refined(trajectory, output, _continued(trajectory, output, near, t), t, target[0])
     motion = np.zeros((derivatives + 1, *q.shape))
     motion[0] = q
     _, slope = output.value_slope(q)
     _check_regular(trajectory, slope, t)
     for k in range(1, derivatives + 1):
-        rest = wanted[k] - output.highest(motion[: k + 1])
+        rest = target[k] - output.highest(motion[: k + 1])
         motion[k] = np.linalg.solve(slope, rest[:, :, None])[:, :, 0]
     return motion
 
 
-def _followed(trajectory: Trajectory, output: OutputDerivatives, near: FloatArray, t: FloatArray) -> FloatArray:
-    """Follow the joint position from the start in coarse steps and interpolate at the times, shape (n, n_joints)."""
+def _continued(trajectory: Trajectory, output: OutputDerivatives, near: FloatArray, t: FloatArray) -> FloatArray:
+    """Continue the joint position from the start in coarse steps, interpolate at the times, shape (n, n_joints)."""
     end = min(max(float(np.max(t)), 0.0), trajectory.duration)
     grid = np.linspace(0.0, end, max(2, int(np.ceil(end / CONTINUATION_STEP)) + 1)) if end > 0.0 else np.zeros(1)
-    wanted = trajectory.evaluate(grid, 1)
-    q = _newton(output, wanted[0, 0], np.array(near, dtype=float))
+    target = trajectory.evaluate(grid, 1)
+    q = _newton(output, target[0, 0], np.array(near, dtype=float))
     if q is None:
         raise _out_of_reach(trajectory, 0.0)
-    positions, speeds = [q], [_speed(trajectory, output, q, wanted[1, 0], 0.0)]
+    positions, speeds = [q], [_speed(trajectory, output, q, target[1, 0], 0.0)]
     for k in range(1, grid.size):
-        q = _advance(trajectory, output, grid[k - 1 : k + 1], positions[-1], wanted[0, k])
+        q = _advance(trajectory, output, grid[k - 1 : k + 1], positions[-1], target[0, k])
         positions.append(q)
-        speeds.append(_speed(trajectory, output, q, wanted[1, k], float(grid[k])))
+        speeds.append(_speed(trajectory, output, q, target[1, k], float(grid[k])))
     if grid.size == 1:
         return np.tile(positions[0], (t.size, 1))
     from scipy.interpolate import CubicHermiteSpline  # loads slowly, and few trajectories need it
@@ -170,14 +170,14 @@ def _followed(trajectory: Trajectory, output: OutputDerivatives, near: FloatArra
 def _advance(
     trajectory: Trajectory, output: OutputDerivatives, times: FloatArray, q: FloatArray, target: FloatArray
 ) -> FloatArray:
-    """Follow the joint position from one time to the next, in halved steps where Newton's method goes astray."""
+    """Continue the joint position from one time to the next, in halved steps where Newton's method fails."""
     begin, end = float(times[0]), float(times[1])
     goals = [(end, target)]
     while goals:
         time, goal = goals[-1]
-        found = _newton(output, goal, q)
-        if found is not None and float(np.max(np.abs(found - q))) < _LARGEST_NEWTON_STEP:
-            q, begin = found, time
+        solution = _newton(output, goal, q)
+        if solution is not None and float(np.max(np.abs(solution - q))) < _LARGEST_NEWTON_STEP:
+            q, begin = solution, time
             goals.pop()
         elif time - begin < 1e-7 or len(goals) > 40:
             raise _out_of_reach(trajectory, time)
@@ -188,7 +188,7 @@ def _advance(
 
 
 def _newton(output: OutputDerivatives, target: FloatArray, q: FloatArray) -> FloatArray | None:
-    """Solve Gamma(q) = target from a guess; None where that fails."""
+    """Solve Gamma(q) = target from an initial value; None if it does not converge."""
     for _ in range(60):
         value, slope = output.value_and_slope(q)
         error = target - value.full()[:, 0]
@@ -244,6 +244,6 @@ def _check_regular(trajectory: Trajectory, slope: FloatArray, t: FloatArray) -> 
 
 def _out_of_reach(trajectory: Trajectory, time: float) -> InputError:
     return InputError(
-        f"the trajectory is out of reach or singular at {trajectory.place(time)}: no joint position gives that point; "
+        f"the trajectory is out of reach or singular at {trajectory.place(time)}: no joint position reaches it; "
         "move the start, turn the path or make it smaller"
     )

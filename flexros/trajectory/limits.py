@@ -1,4 +1,4 @@
-"""Limits of a motion: along a path, of joints, and the check of a finished trajectory."""
+"""Limits of a motion: along a path, of joints, and the check of a complete trajectory."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ LIMIT_NAMES = ("speed", "acceleration", "jerk", "snap")
 
 @dataclass(frozen=True)
 class Limits:
-    """Largest sizes of the time derivatives of a motion; infinite where there is no limit.
+    """Largest magnitudes of the time derivatives of a motion; infinite means no limit.
 
     Args:
-        speed: [p/s] with p the unit of what moves: the path parameter, m along the path, or rad of a joint.
+        speed: [p/s] with p the unit of the coordinate: of the path parameter, m along the path, or rad of a joint.
         acceleration: [p/s^2].
         jerk: [p/s^3].
         snap: Derivative of the jerk [p/s^4].
@@ -62,8 +62,8 @@ def joint_limits(path: AbstractPath, limits: tuple[FloatArray, FloatArray, Float
         limits: Speed, acceleration, jerk and snap of every joint [rad/s or m/s, ...], each of shape (n_joints,).
 
     Returns:
-        The largest parameter limits that keep every joint within its own on straight parts; in corners the speed is
-        kept too.
+        The largest parameter limits with which every joint stays within its own on straight parts; in corners this
+        holds for the speed only.
 
     Raises:
         InputError: A limit is zero, negative or not a number, or their number is not that of the joints.
@@ -86,15 +86,15 @@ def joint_limits(path: AbstractPath, limits: tuple[FloatArray, FloatArray, Float
 
 
 def check_limits(trajectory: Trajectory, limits: Limits, samples: int = 2000) -> None:
-    """Check the size of the whole derivative vectors of a trajectory, corners and centripetal parts included.
+    """Check the magnitude of the derivative vectors of a trajectory, including corners and centripetal components.
 
     Args:
-        trajectory: The motion; of six tool coordinates the three positions count, of joints the largest joint.
+        trajectory: The motion; checked are the positions of tool coordinates, or the joint with the largest value.
         limits: Allowed sizes [m/s, m/s^2, m/s^3, m/s^4], or of the joints.
-        samples: Number of places on every move.
+        samples: Number of times on every move.
 
     Raises:
-        InputError: A limit is exceeded; the message names quantity, place and the slowdown that would keep it.
+        InputError: A limit is exceeded; the message names quantity, point and the necessary slowdown.
     """
     bounded = [k for k, value in enumerate(limits.values, start=1) if value != math.inf]
     if not bounded:

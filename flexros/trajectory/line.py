@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 class Line(AbstractPath):
     """Straight line of the tool, P(s) = start + s (end - start) / extent.
 
-    The parameter is the length travelled by the position. Angles behind the position change in proportion; if they are
-    a rotation vector relative to the start, that is a turn about one axis (slerp, Shoemake 1985). A line without any
-    length but with a turn has the size of the turn as its parameter.
+    The parameter is the length travelled by the position. The angles change in proportion; if they are a rotation
+    vector relative to the start, that is a rotation about one axis (slerp, Shoemake 1985). The parameter of a pure
+    rotation is its angle.
 
     Args:
         start: First point: positions [m], then angles [rad] if any, shape (n_out,).

@@ -1,4 +1,4 @@
-"""Orientation along a path: turned about one axis between quaternions, given as roll, pitch and yaw."""
+"""Orientation along a path: rotation about one axis between quaternions, as roll, pitch and yaw."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class RollPitchYaw(AbstractPath):
         """See `AbstractPath.derivatives`.
 
         Raises:
-            InputError: The pitch comes to +-90 degrees, where roll and yaw are not defined.
+            InputError: The pitch reaches +-90 degrees, where roll and yaw are not defined.
         """
         result = self.turning.derivatives(s, order)
         factorials = np.array([math.factorial(k) for k in range(order + 1)])[:, None, None]
@@ -119,7 +119,8 @@ class RollPitchYaw(AbstractPath):
         return result
 
     def _angles(self, vector: FloatArray, s: FloatArray) -> FloatArray:
-        """Turn the Taylor series of the rotation vector into those of roll, pitch, yaw; shape (order + 1, n, 3)."""
+        """Convert the Taylor series of the rotation vector to those of roll, pitch, yaw; shape (order + 1, n, 3)."""
+        # quaternion exp(vector / 2) R0 as series, then the elements of its rotation matrix that define the angles
         half = [0.5 * vector[:, :, i] for i in range(3)]
         square = taylor.multiply(half[0], half[0])
         for component in half[1:]:
@@ -133,10 +134,10 @@ class RollPitchYaw(AbstractPath):
         r00 = taylor.constant(1.0, w) - 2.0 * (taylor.multiply(y, y) + taylor.multiply(z, z))
         level = taylor.multiply(r00, r00) + taylor.multiply(r10, r10)
         if np.any(level[0] < 1e-12):
-            at = float(s[int(np.argmin(level[0]))])
+            parameter = float(s[int(np.argmin(level[0]))])
             raise InputError(
-                f"the pitch of the tool is 90 degrees at path parameter {at:.6g} {self.parameter_unit}, where roll "
-                "and yaw are not defined, allowed are orientations between -90 and 90 degrees of pitch; choose "
+                f"the pitch of the tool is 90 degrees at path parameter {parameter:.6g} {self.parameter_unit}, where "
+                "roll and yaw are not defined, allowed are orientations between -90 and 90 degrees of pitch; choose "
                 "another orientation"
             )
         angles = (taylor.arctan2(r21, r22), taylor.arctan2(-r20, taylor.root(level)), taylor.arctan2(r10, r00))
@@ -144,7 +145,7 @@ class RollPitchYaw(AbstractPath):
 
 
 def quaternion(values: object, name: str) -> FloatArray:
-    """Check a quaternion and make it a unit one.
+    """Check and normalise a quaternion.
 
     Args:
         values: [qx qy qz qw].
@@ -154,7 +155,7 @@ def quaternion(values: object, name: str) -> FloatArray:
         Unit quaternion, shape (4,).
 
     Raises:
-        InputError: Not four finite numbers, or further than 1 % from unit size.
+        InputError: Not four finite numbers, or a norm that differs from 1 by more than 1 %.
     """
     given = point(values, name)
     size = float(np.linalg.norm(given))
@@ -166,7 +167,7 @@ def quaternion(values: object, name: str) -> FloatArray:
 
 
 def rotation_vectors(reference: FloatArray, quaternions: Sequence[FloatArray]) -> FloatArray:
-    """Return orientations as rotation vectors in the base frame relative to a reference, each near the one before.
+    """Return orientations as rotation vectors in the base frame relative to a reference, each near the previous one.
 
     Args:
         reference: Unit quaternion R0, shape (4,).

@@ -1,4 +1,4 @@
-"""The contract of a path: a point as a function of a path parameter."""
+"""Contract of a path: a point as a function of a path parameter."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 MAX_DERIVATIVES = 4
-"""Highest derivative that paths, time laws and trajectories give (the flexible-joint feedforward needs four)."""
+"""Highest derivative of paths, time laws and trajectories (the flexible-joint feedforward needs four)."""
 
 
 class AbstractPath(ABC):
@@ -103,13 +103,11 @@ def point(values: object, name: str, size: int | None = None) -> FloatArray:
     if not np.all(np.isfinite(array)):
         raise InputError(f"the {name} is {text(array)}, allowed are finite numbers; correct the point")
     if size is not None and array.size != size:
-        raise InputError(
-            f"the {name} has {array.size} coordinates, allowed are {size} as the start has; give {size} numbers"
-        )
+        raise InputError(f"the {name} has {array.size} coordinates, allowed are {size} as for the start")
     array.flags.writeable = False
     return array
 
 
 def text(coordinates: FloatArray) -> str:
-    """Write coordinates for a message, e.g. "(2.1464, -0.3546)"."""
+    """Format coordinates for a message, e.g. "(2.1464, -0.3546)"."""
     return "(" + ", ".join(f"{value:.6g}" for value in coordinates) + ")"

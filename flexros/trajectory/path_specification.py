@@ -1,4 +1,4 @@
-"""The key `path` of a trajectory: what a user writes, and the geometry it stands for."""
+"""The key `path` of a trajectory: its settings and their geometry."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ if TYPE_CHECKING:
 
 
 class AbstractPathSpecification(Settings):
-    """Base of the path types; a new one gives its `type`, its keys and `paths`, and joins `PathSpecification`."""
+    """Base of the path types; a new one defines `type`, its keys and `paths`, and is added to `PathSpecification`."""
 
     @abstractmethod
     def paths(self, start: FloatArray, n_position: int) -> tuple[AbstractPath, ...]:
-        """Make the geometry.
+        """Build the geometry.
 
         Args:
             start: Tool coordinates or joint positions at rest, shape (n_out,).
             n_position: Number of leading tool coordinates that are positions.
 
         Returns:
-            Paths one after the other, with a stop between.
+            Successive paths, with a stop between them.
 
         Raises:
             InputError: The geometry is impossible.
@@ -109,19 +109,19 @@ class CircleSpecification(AbstractPathSpecification):
         if self.centre_from_start is None:
             return self.radius or 0.0, self.start_angle or 0.0
         offset = point(self.centre_from_start, "centre_from_start of the circle", n_position)
-        one, two = PLANES[self.plane] if n_position == 3 else (0, 1)
-        if n_position < 2 or np.count_nonzero(np.delete(offset, [one, two])):
+        cosine, sine = PLANES[self.plane] if n_position == 3 else (0, 1)
+        if n_position < 2 or np.count_nonzero(np.delete(offset, [cosine, sine])):
             raise InputError(
                 f"the circle has centre_from_start {list(self.centre_from_start)}, allowed is a displacement within "
                 f"the plane {self.plane}; correct centre_from_start or plane"
             )
-        radius = float(np.hypot(offset[one], offset[two]))
+        radius = float(np.hypot(offset[cosine], offset[sine]))
         if self.radius is not None and abs(radius - self.radius) > 1e-6 * self.radius:
             raise InputError(
                 f"the circle has radius {self.radius:g} m but its centre_from_start is {radius:g} m away, allowed are "
                 "equal numbers; leave one of the two keys out"
             )
-        angle = float(np.arctan2(-offset[two], -offset[one]))
+        angle = float(np.arctan2(-offset[sine], -offset[cosine]))
         if self.start_angle is None:
             return self.radius or radius, angle
         if abs(np.angle(np.exp(1j * (self.start_angle - angle)))) > 1e-6:

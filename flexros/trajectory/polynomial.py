@@ -23,13 +23,13 @@ NINTH_DEGREE = (0.0, 0.0, 0.0, 0.0, 0.0, 126.0, -420.0, 540.0, -315.0, 70.0)
 
 
 def quintic(distance: float, duration: float | None = None, limits: Limits | None = None) -> TimeLaw:
-    """Make the quintic time law s(t) = L (10 x^3 - 15 x^4 + 6 x^5), x = t / T.
+    """Return the quintic time law s(t) = L (10 x^3 - 15 x^4 + 6 x^5), x = t / T.
 
     Its second derivative is continuous, its third is bounded but jumps at both ends, and its fourth has impulses there:
-    it serves rigid feedforward, and a trajectory refuses its fourth derivative.
+    it suits rigid feedforward; a trajectory refuses its fourth derivative.
 
     Args:
-        distance: Way L in the unit p of the path parameter, above 0.
+        distance: Distance L in the unit p of the path parameter, above 0.
         duration: Time T [s]; the shortest within the limits if None.
         limits: Limits of speed, acceleration and jerk [p/s, ...]; a finite snap limit cannot be met.
 
@@ -37,7 +37,7 @@ def quintic(distance: float, duration: float | None = None, limits: Limits | Non
         The law from 0 to L.
 
     Raises:
-        InputError: Neither duration nor limits, numbers out of range, or limits that the duration cannot meet.
+        InputError: Neither duration nor limits, an argument out of range, or a duration too short for the limits.
     """
     if limits is not None and limits.snap != math.inf:
         raise InputError(
@@ -48,12 +48,12 @@ def quintic(distance: float, duration: float | None = None, limits: Limits | Non
 
 
 def ninth_degree(distance: float, duration: float | None = None, limits: Limits | None = None) -> TimeLaw:
-    """Make the 9th-degree time law s(t) = L (126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9), x = t / T.
+    """Return the 9th-degree time law s(t) = L (126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9), x = t / T.
 
-    Four derivatives are continuous; it serves every feedforward (a polynomial of this degree: Swevers et al. 1991).
+    Four derivatives are continuous, as every feedforward requires (a polynomial of this degree: Swevers et al. 1991).
 
     Args:
-        distance: Way L in the unit p of the path parameter, above 0.
+        distance: Distance L in the unit p of the path parameter, above 0.
         duration: Time T [s]; the shortest within the limits if None.
         limits: Limits of speed, acceleration, jerk and snap [p/s, ...].
 
@@ -61,7 +61,7 @@ def ninth_degree(distance: float, duration: float | None = None, limits: Limits 
         The law from 0 to L.
 
     Raises:
-        InputError: Neither duration nor limits, numbers out of range, or limits that the duration cannot meet.
+        InputError: Neither duration nor limits, an argument out of range, or a duration too short for the limits.
     """
     return _law(NINTH_DEGREE, "ninth_degree", 5, distance, duration, limits)
 
@@ -93,31 +93,31 @@ def _law(
     duration: float | None,
     limits: Limits | None,
 ) -> TimeLaw:
-    """Make the law of a polynomial shape that is point-symmetric about its middle."""
+    """Return the law of a polynomial shape that is point-symmetric about its middle."""
     way = positive(distance, "distance of the move", "(unit of the path)")
-    needed = {
+    durations = {
         limit_name: (peak * way / limit) ** (1.0 / order)
         for order, (limit_name, peak, limit) in enumerate(
             zip(LIMIT_NAMES, peaks(shape), (limits or Limits()).values, strict=True), start=1
         )
     }
-    worst = max(needed, key=lambda key: needed[key])
-    if duration is None and needed[worst] == 0.0:
+    worst = max(durations, key=lambda key: durations[key])
+    if duration is None and durations[worst] == 0.0:
         raise InputError(
             f"the {name} time law has neither duration nor limits, allowed is a duration in s or at least one limit; "
             "give one of them"
         )
-    time = needed[worst] if duration is None else positive(duration, "duration", "s")
-    if time < needed[worst] * (1.0 - 1e-9):
+    time = durations[worst] if duration is None else positive(duration, "duration", "s")
+    if time < durations[worst] * (1.0 - 1e-9):
         raise InputError(
-            f"the duration of the {name} time law is {time:g} s, allowed are at least {needed[worst]:.6g} s for the "
+            f"the duration of the {name} time law is {time:g} s, allowed are at least {durations[worst]:.6g} s for the "
             f"{worst} limit; lengthen the duration or leave it out"
         )
     return _symmetric(np.array(shape), way, time, bounded_derivatives, name)
 
 
 def _symmetric(shape: FloatArray, way: float, time: float, bounded_derivatives: int, name: str) -> TimeLaw:
-    """Expand the first half about the start and the second about the end, so that both ends are met exactly."""
+    """Expand the first half about the start and the second about the end, so that both end values are exact."""
     powers = np.arange(shape.size)
     first = way * shape / time**powers
     second = -first * (-1.0) ** powers

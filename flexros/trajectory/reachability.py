@@ -1,4 +1,4 @@
-"""Whether a robot can follow a tool trajectory: reach and singularities."""
+"""Check that a robot can follow a tool trajectory: reach, singularities and configuration."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from flexros.trajectory.trajectory import PathPoint, Trajectory
 
 SMALLEST_SINGULAR_VALUE = 0.005
-"""A place is singular if the Jacobian's smallest singular value is below this share of its largest so far (chosen).
+"""A point is singular if the Jacobian's smallest singular value is below this fraction of the largest so far (chosen).
 
-So far, and not only there: with one joint both are the same number."""
+The largest up to the point is used, because with one joint both values at the point itself are equal."""
 
 
 class InverseKinematics(Protocol):
@@ -35,13 +35,13 @@ class Jacobian(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Reachability:
-    """What a robot does on a trajectory that it can follow.
+    """Joint motion on a trajectory that the robot can follow.
 
     Args:
-        time: Times walked [s], shape (n,).
+        time: Checked times [s], shape (n,).
         joints: Joint positions [rad or m], shape (n, n_joints).
-        smallest_singular_value: Smallest of the Jacobian on the way, relative to its largest up to there.
-        nearest_singularity: Where that is.
+        smallest_singular_value: Smallest singular value of the Jacobian, relative to the largest up to there.
+        nearest_singularity: Point of the smallest value.
     """
 
     time: FloatArray
@@ -59,7 +59,7 @@ def check_reachable(
     singular_value: float = SMALLEST_SINGULAR_VALUE,
     samples: int = 400,
 ) -> Reachability:
-    """Walk along a trajectory and refuse it at the first place where the robot cannot follow.
+    """Check a trajectory point by point and refuse it at the first one that the robot cannot follow.
 
     Args:
         trajectory: Tool trajectory.
@@ -67,10 +67,10 @@ def check_reachable(
         jacobian: Derivative of the tool coordinates at a joint position.
         near: Joint position near that of the start [rad or m], shape (n_joints,).
         singular_value: Smallest allowed singular value of the Jacobian, relative to its largest up to there.
-        samples: Number of places on every move; moves that repeat are walked once.
+        samples: Number of points on every move; repeated moves are checked once.
 
     Returns:
-        Joint positions on the way and how near to a singularity they come.
+        Joint positions and distance to singularities.
 
     Raises:
         InputError: Out of reach, singular, or a jump to another configuration; the message names time, share of the
@@ -111,7 +111,7 @@ def _solve(
     try:
         q = np.asarray(inverse_kinematics(target, near), dtype=float)
     except InputError as error:
-        reason = str(error).rsplit(";", 1)[0]  # its own advice, to move the target, is of no use within a trajectory
+        reason = str(error).rsplit(";", 1)[0]  # without its advice, which is for a single target
         raise InputError(
             f"the trajectory is out of reach at {trajectory.place(t)}: {reason}; move the start, turn the path or "
             "make it smaller"
@@ -125,7 +125,7 @@ def _solve(
 
 
 def _check_regular(trajectory: Trajectory, t: float, smallest: float, allowed: float) -> None:
-    """Refuse a singular value that is too small beside the largest one."""
+    """Refuse a singular value that is too small relative to the largest one."""
     if smallest < allowed:
         raise InputError(
             f"the trajectory passes a singularity of the robot at {trajectory.place(t)}: the smallest singular value "
@@ -137,7 +137,7 @@ def _check_regular(trajectory: Trajectory, t: float, smallest: float, allowed: f
 def _check_same_configuration(
     trajectory: Trajectory, times: FloatArray, before: FloatArray, q: FloatArray, speed: FloatArray
 ) -> None:
-    """Refuse a step of the joints much larger than their speeds explain."""
+    """Refuse a joint step much larger than the joint speeds imply."""
     step = np.abs(q - before)
     explained = 5.0 * speed * float(times[1] - times[0]) + 1e-2
     if np.any(step > explained):

@@ -1,4 +1,4 @@
-"""A path that is one point, for motion that is none."""
+"""Path of a single point, for a robot at rest."""
 
 from __future__ import annotations
 

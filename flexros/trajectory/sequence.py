@@ -1,4 +1,4 @@
-"""Straight segments with rounded corners, passed without a stop."""
+"""Straight segments with rounded corners, without stops."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 BLEND = np.polynomial.Polynomial([0.0, 1.0, 0.0, 0.0, 0.0, -7.0, 14.0, -10.0, 2.5])
-"""Way along the old direction, as a share of the zone: h(u) from 0 to 1/2, h' from 1 to 0, h'' to h'''' 0 at both ends.
+"""Motion along the previous direction, as a fraction of the zone: h(u) from 0 to 1/2, h' from 1 to 0, h'' to h'''' zero
+at both ends.
 
 It is the integral of 1 - (35 u^4 - 84 u^5 + 70 u^6 - 20 u^7), the only polynomial of degree 9 or less that joins both
 straight lines with four continuous derivatives (the form is chosen)."""
@@ -25,7 +26,7 @@ straight lines with four continuous derivatives (the form is chosen)."""
 
 @dataclass(frozen=True, eq=False)
 class Sequence(AbstractPath):
-    """Straight segments through given points; every corner between is rounded inside its zone.
+    """Straight segments through given points; every inner corner is rounded inside its zone.
 
     On the straight parts the parameter is the length (of the joint vector for joint moves). Within the zone radius r of
     a corner C, with unit directions a before and b after it and u = (distance to C along the parameter + r) / (2 r),
@@ -94,7 +95,7 @@ class Sequence(AbstractPath):
 
     @property
     def coordinate_pace(self) -> FloatArray:
-        """Largest component of the directions, shape (n_out,); corners lie between."""
+        """Largest component of the directions, shape (n_out,); that in corners is smaller."""
         result: FloatArray = np.max(np.abs(self.directions), axis=0)
         return result
 
@@ -136,7 +137,7 @@ def _segment_length(nodes: FloatArray, i: int, measured: int) -> float:
         return length
     if travelled(change, measured) > 0.0:
         raise InputError(
-            f"points {i} and {i + 1} of the sequence both lie at {text(nodes[i][:measured])} and only the "
+            f"points {i} and {i + 1} of the sequence are both at {text(nodes[i][:measured])} and only the "
             "orientation differs, allowed are segments with a length; turn on the spot in a line of its own or set "
             "zone to 0"
         )
@@ -158,15 +159,15 @@ def _zones(zones: FloatArray | float, corners: int) -> FloatArray:
 
 
 def _check_zone(nodes: FloatArray, lengths: FloatArray, corner: int, radius: float) -> None:
-    place = f"corner {corner} at {text(nodes[corner])}"
+    name = f"corner {corner} at {text(nodes[corner])}"
     if not (np.isfinite(radius) and radius > 0.0):
         raise InputError(
-            f"the zone of {place} is {radius:g}, allowed is a finite radius above 0; correct the zone or make the "
+            f"the zone of {name} is {radius:g}, allowed is a finite radius above 0; correct the zone or make the "
             "moves stop at the corner"
         )
     shorter = float(min(lengths[corner - 1], lengths[corner]))
     if radius > 0.5 * shorter * (1.0 + 1e-12):
         raise InputError(
-            f"the zone of {place} is {radius:g}, allowed is at most half the shorter neighbouring segment, "
+            f"the zone of {name} is {radius:g}, allowed is at most half the shorter neighbouring segment, "
             f"{0.5 * shorter:.6g}, so that zones do not overlap; make the zone smaller or move the points apart"
         )

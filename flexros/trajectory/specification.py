@@ -1,4 +1,4 @@
-"""The key `trajectory` of a scenario, and the trajectory it stands for."""
+"""The key `trajectory` of a scenario: its settings, and the trajectory built from them."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 LONGEST = 3600.0
-"""Longest trajectory [s]; a longer one is taken for a mistake in a limit (chosen)."""
+"""Longest trajectory [s] (chosen); a longer one indicates a wrong limit."""
 
 
 class TotalLimits(Settings):
-    """Limits of the whole motion, corners and centripetal parts included; they are checked, not planned for."""
+    """Limits of the whole motion, including corners and centripetal components; they are checked, not planned."""
 
     speed: float | None = Field(default=None, gt=0.0, description="largest speed [m/s], or of any joint [rad/s, m/s]")
     acceleration: float | None = Field(
@@ -80,11 +80,11 @@ class TrajectorySpecification(Settings):
 
     @property
     def joints(self) -> bool:
-        """Whether the path lies in joint space, so that the start must be joint positions."""
+        """Whether the path is in joint space, so that its start is given in joint positions."""
         return isinstance(self.path, JointMovesSpecification)
 
     def output_of(self, controlled: str) -> str:
-        """Return the name of the output whose value at the start pose the trajectory begins at.
+        """Return the name of the output in which the trajectory is defined.
 
         Args:
             controlled: Name of the robot's controlled output.
@@ -103,15 +103,15 @@ def build_trajectory(
     n_position: int | None = None,
     source: str = "trajectory",
 ) -> Trajectory:
-    """Make the trajectory of a specification.
+    """Build the trajectory of a specification.
 
     Args:
-        specification: What the user wrote.
-        start: Where the motion begins: tool coordinates [m, then rad], or joint positions [rad or m] if
+        specification: Settings of the trajectory.
+        start: Start of the motion: tool coordinates [m, then rad], or joint positions [rad or m] if
             `specification.joints`, shape (n_out,). With six tool coordinates the last are roll, pitch, yaw.
         output: Name of the robot's output whose coordinates these are; joint moves are labelled "joints".
         n_position: Number of leading coordinates that are positions; default: all, at most 3.
-        source: Where the specification came from; opens error texts.
+        source: Source of the specification; error messages begin with it.
 
     Returns:
         The trajectory.
@@ -151,7 +151,7 @@ def build_trajectory(
 
 
 def _repeated(specification: TrajectorySpecification, cycle: list[Move]) -> tuple[Move, ...]:
-    """Put cycles one after the other, with the rests before, between and after."""
+    """Return successive cycles, with rests before, between and after them."""
     begin = cycle[0].path.point_at(cycle[0].law.start)
     end = cycle[-1].path.point_at(cycle[-1].law.end)
     if specification.repeat > 1 and not np.allclose(begin, end, rtol=1e-9, atol=1e-9):

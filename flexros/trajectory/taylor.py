@@ -62,7 +62,7 @@ def arctan2(y: FloatArray, x: FloatArray) -> FloatArray:
 
 
 def compose(coefficients: Sequence[float], a: FloatArray) -> FloatArray:
-    """Put a series into a polynomial with ascending coefficients, by Horner's scheme."""
+    """Evaluate a polynomial with ascending coefficients at a series, by Horner's scheme."""
     result = constant(coefficients[-1], a)
     for coefficient in reversed(coefficients[:-1]):
         result = multiply(result, a)

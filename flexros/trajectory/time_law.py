@@ -24,12 +24,12 @@ class TimeLaw:
 
     Args:
         knots: Times at which pieces begin, and the end [s], strictly increasing from 0, shape (n_pieces + 1,).
-        origins: Times about which the pieces are expanded [s], shape (n_pieces,); at either end of the piece, so that
-            the rest before and after is met exactly.
+        origins: Times about which the pieces are expanded [s], shape (n_pieces,); one end of the piece, so that the
+            rests before and after are exact.
         coefficients: Ascending powers, shape (n_pieces, degree + 1).
         start: Value before the first knot [p].
         end: Value from the last knot on [p].
-        bounded_derivatives: Highest derivative that exists everywhere but at jumps, without impulses: 3 for the
+        bounded_derivatives: Highest derivative without impulses (jumps are allowed): 3 for the
             quintic, 4 for bang-bang in the fourth derivative, 5 for the 9th degree.
         name: Name for messages, e.g. "quintic".
     """
@@ -73,7 +73,7 @@ class TimeLaw:
         return result
 
     def held(self, before: float = 0.0, after: float = 0.0) -> TimeLaw:
-        """Return the law with rest before and after.
+        """Return the law with rests before and after it.
 
         Args:
             before: Rest at the start [s].
@@ -96,7 +96,7 @@ class TimeLaw:
         return concatenated(pieces)
 
     def mirrored(self) -> TimeLaw:
-        """Return the law that goes back the same way in the same manner: the law run backwards in time."""
+        """Return the law reversed in time."""
         duration = self.duration
         signs = (-1.0) ** np.arange(self.coefficients.shape[1])
         return replace(
@@ -110,13 +110,13 @@ class TimeLaw:
 
 
 def concatenated(laws: Sequence[TimeLaw]) -> TimeLaw:
-    """Join laws in time, each beginning where the previous one ends.
+    """Concatenate laws in time, each beginning where the previous one ends.
 
     Args:
         laws: At least one law.
 
     Returns:
-        One law; its derivatives are bounded as far as those of all.
+        One law; its derivatives are bounded up to the lowest order of all.
 
     Raises:
         InputError: A law begins elsewhere than the previous one ends.
@@ -150,7 +150,7 @@ def rest(duration: float, value: float = 0.0, bounded_derivatives: int = 5) -> T
     Args:
         duration: How long [s].
         value: The value [p].
-        bounded_derivatives: What the law shall say about its derivatives; all are zero.
+        bounded_derivatives: Value of the attribute; all derivatives are zero.
 
     Returns:
         The law.
@@ -167,15 +167,12 @@ def rest(duration: float, value: float = 0.0, bounded_derivatives: int = 5) -> T
 
 
 def positive(value: float, name: str, unit: str) -> float:
-    """Check a number that must be above zero.
+    """Return a number that must be above zero.
 
     Args:
         value: The number.
-        name: What it is, for the message, e.g. "speed limit".
-        unit: Its unit, for the message.
-
-    Returns:
-        The number.
+        name: Its name in the message, e.g. "speed limit".
+        unit: Its unit in the message.
 
     Raises:
         InputError: Zero, negative, infinite or not a number.

@@ -1,4 +1,4 @@
-"""The key `time_law` of a trajectory: what a user writes, and the time law it stands for."""
+"""The key `time_law` of a trajectory: its settings, and the time law built from them."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ Limit: TypeAlias = Annotated[float | tuple[float, ...], BeforeValidator(_limit)]
 
 
 class AbstractTimeLawSpecification(Settings):
-    """Base of the time laws; a new one gives its `type`, its keys and `law`, and joins `TimeLawSpecification`.
+    """Base of the time laws; a new one defines `type`, its keys and `law`, and is added to `TimeLawSpecification`.
 
-    Limits are one number, or for joint moves also one per joint.
+    A limit is one number; for joint moves also one number per joint.
     """
 
     speed: Limit | None = Field(
@@ -54,16 +54,16 @@ class AbstractTimeLawSpecification(Settings):
     )
     limits_of: Literal["path", "angle"] = Field(
         default="path",
-        description="what the limits hold for: the length along the path, or for circle and arc its angle [rad/s, ...]",
+        description="limited quantity: the length along the path, or for circle and arc its angle [rad/s, ...]",
     )
 
     @abstractmethod
     def law(self, path: AbstractPath, joints: bool) -> TimeLaw:
-        """Make the time law of one path.
+        """Build the time law of one path.
 
         Args:
             path: The geometry.
-            joints: Whether it lies in joint space.
+            joints: Whether it is in joint space.
 
         Returns:
             The law from 0 to the path's extent.
@@ -77,7 +77,7 @@ class AbstractTimeLawSpecification(Settings):
 
         Args:
             path: The geometry.
-            joints: Whether it lies in joint space.
+            joints: Whether it is in joint space.
 
         Returns:
             Limits in the unit of the parameter.

@@ -1,4 +1,4 @@
-"""Tool points as users write them, completed by the angles of the tool."""
+"""Tool points of a specification, completed with the angles of the tool."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ Quaternion: TypeAlias = tuple[float, float, float, float]
 
 
 def target_point(start: FloatArray, given: Point, n_position: int, *, relative: bool, name: str) -> FloatArray:
-    """Complete a point: positions alone leave the angles as they are at the start.
+    """Complete a point; without angles it gets those of the start.
 
     Args:
         start: Tool coordinates at the start, shape (n_out,).
-        given: What the user wrote: all coordinates, or the positions alone.
+        given: All coordinates, or the positions alone.
         n_position: Number of leading coordinates that are positions.
         relative: Whether it is a displacement from the start.
-        name: What the point is, for messages.
+        name: Name of the point in messages.
 
     Returns:
         Tool coordinates, shape (n_out,).
@@ -44,7 +44,7 @@ def target_point(start: FloatArray, given: Point, n_position: int, *, relative: 
 
 
 def with_angles(path: AbstractPath, start: FloatArray, n_position: int, end: Quaternion | None) -> AbstractPath:
-    """Add the angles behind the positions: constant, or turned about one axis to the end orientation.
+    """Append the angles to the positions: constant, or rotated about one axis to the end orientation.
 
     Args:
         path: Path of the positions.
@@ -69,7 +69,7 @@ def with_angles(path: AbstractPath, start: FloatArray, n_position: int, end: Qua
 def turning_lines(
     nodes: list[FloatArray], orientations: list[Quaternion], n_position: int, zone: float | tuple[float, ...]
 ) -> tuple[AbstractPath, ...]:
-    """Make lines through points with orientations, as rotation vectors relative to that of the start.
+    """Return lines through points with orientations, as rotation vectors relative to that of the start.
 
     Between two points the rotation vector changes in proportion: a turn about one axis (slerp) from the start to
     the first point and wherever all turns have the same axis.

@@ -1,4 +1,4 @@
-"""A trajectory: moves along paths, each with its time law, one after the other."""
+"""Trajectory: successive moves along paths, each with its time law."""
 
 from __future__ import annotations
 
@@ -63,14 +63,14 @@ class Move:
 
 @dataclass(frozen=True)
 class PathPoint:
-    """A place on a trajectory, for messages.
+    """A point on a trajectory, for messages.
 
     Args:
         time: [s].
         move: Number of the move, from 1.
         parameter: Path parameter.
         parameter_unit: Its unit.
-        percent: Share of the move's path [%]; 0 at rest.
+        percent: Fraction of the move's path [%]; 0 at rest.
         coordinates: Point, tool coordinates or joint positions.
     """
 
@@ -107,8 +107,8 @@ class Trajectory:
     def __post_init__(self) -> None:
         if not self.moves:
             raise InputError("the trajectory has no move, allowed is one or more; add a move")
-        for number, (one, two) in enumerate(zip(self.moves[:-1], self.moves[1:], strict=True), start=1):
-            end, start = one.path.point_at(one.law.end), two.path.point_at(two.law.start)
+        for number, (move, following) in enumerate(zip(self.moves[:-1], self.moves[1:], strict=True), start=1):
+            end, start = move.path.point_at(move.law.end), following.path.point_at(following.law.start)
             if end.shape != start.shape or not np.allclose(end, start, rtol=1e-9, atol=1e-9):
                 raise InputError(
                     f"move {number} of the trajectory ends at {text(end)} and move {number + 1} begins at "
@@ -118,14 +118,14 @@ class Trajectory:
 
     @classmethod
     def at_rest(cls, where: FloatArray, output: str = JOINTS) -> Trajectory:
-        """Make the trajectory that stays at a point.
+        """Return the trajectory that rests at a point.
 
         Args:
             where: The point, shape (n_out,).
             output: What the coordinates are: name of a robot output, or "joints".
 
         Returns:
-            A rest of 1 s (chosen), which goes on for all times.
+            A rest of 1 s (chosen), which continues for all times.
 
         Raises:
             InputError: Not a vector of finite numbers.
@@ -182,7 +182,7 @@ class Trajectory:
             InputError: More derivatives than the trajectory has.
         """
         if not 0 <= derivatives <= MAX_DERIVATIVES:
-            raise InputError(f"{derivatives} derivatives were asked for, allowed are 0 to 4; ask for at most 4")
+            raise InputError(f"{derivatives} derivatives were requested, allowed are 0 to 4")
         self._require(derivatives)
         t = np.atleast_1d(np.asarray(t, dtype=float))
         number = self._move_at(t)
@@ -193,7 +193,7 @@ class Trajectory:
         return result
 
     def sample_times(self, per_move: int) -> FloatArray:
-        """Return times at which a check looks at the trajectory: equally many on every move, repeated moves once.
+        """Return times for a check of the trajectory: equally many on every move, repeated moves once.
 
         Args:
             per_move: Number of times on every move, at least 2.
@@ -209,13 +209,13 @@ class Trajectory:
         return np.unique(np.concatenate(times))
 
     def place(self, t: float) -> PathPoint:
-        """Say where on the path the trajectory is at a time [s]."""
+        """Return the point of the trajectory at a time [s]."""
         times = np.array([t], dtype=float)
         i = int(self._move_at(times)[0])
         path, law = self.moves[i].path, self.moves[i].law
         s = float(law.evaluate(times - self.begins[i], 0)[0, 0])
-        way = abs(law.end - law.start)
-        share = abs(s - law.start) / way if way > 0.0 else 0.0
+        distance = abs(law.end - law.start)
+        share = abs(s - law.start) / distance if distance > 0.0 else 0.0
         return PathPoint(float(t), i + 1, s, path.parameter_unit, 100.0 * share, tuple(path.point_at(s).tolist()))
 
     def _move_at(self, t: FloatArray) -> FloatArray:
@@ -226,7 +226,7 @@ class Trajectory:
         if derivatives > self.bounded_derivatives:
             names = sorted({move.law.name for move in self.moves if move.law.bounded_derivatives < derivatives})
             raise InputError(
-                f"derivative {derivatives} of a trajectory with the time law {', '.join(names)} was asked for, which "
+                f"derivative {derivatives} of a trajectory with the time law {', '.join(names)} was requested, which "
                 f"has only {self.bounded_derivatives} (its jerk jumps at both ends, the next derivative has impulses "
                 "there); choose ninth_degree or bang_bang_snap, or a feedforward that needs fewer derivatives"
             )

@@ -1,4 +1,4 @@
-"""A sum of cosines about a point, faded in and out."""
+"""Path of a sum of cosines about a point, faded in and out."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Vibration(AbstractPath):
-    """P(t) = centre + w(t) sum_k A_k cos(2 pi f_k t + phi_k), the path parameter being the time t.
+    """P(t) = centre + w(t) sum_k A_k cos(2 pi f_k t + phi_k), with the time t as path parameter.
 
-    The window w rises within the fade time from 0 to 1 by the polynomial of 9th degree and falls likewise before the
-    end, so that the motion begins and ends at rest in the centre; between the fades it is exactly that of the lines.
+    The window w rises from 0 to 1 within the fade time by the polynomial of 9th degree and falls likewise before the
+    end, so that the motion starts and ends at rest in the centre. Between the fades the window is 1.
 
     Args:
         centre: Joint positions about which it moves [rad or m], shape (n_joints,).
@@ -57,14 +57,14 @@ class Vibration(AbstractPath):
 
     @property
     def coordinate_pace(self) -> FloatArray:
-        """Bound of the speed of every joint: all lines at their peak, within a fade, shape (n_joints,)."""
+        """Bound of the speed of every joint: all cosines at their peak during a fade, shape (n_joints,)."""
         steepest = float(np.polynomial.Polynomial(NINTH_DEGREE).deriv()(0.5)) / self.fade
         size = np.abs(self.amplitude)
         pace: FloatArray = size @ (2.0 * np.pi * self.frequency) + steepest * np.sum(size, axis=1)
         return pace
 
     def law(self) -> TimeLaw:
-        """Return the law by which the path parameter is the time."""
+        """Return the time law with the time as path parameter."""
         return TimeLaw(
             knots=np.array([0.0, self.duration]),
             origins=np.zeros(1),
@@ -76,17 +76,17 @@ class Vibration(AbstractPath):
         )
 
     def derivatives(self, s: FloatArray, order: int = MAX_DERIVATIVES) -> FloatArray:
-        """See `AbstractPath.derivatives`; the window and the sum by the rule of the product."""
+        """See `AbstractPath.derivatives`; window and sum by the product rule."""
         s = np.asarray(s, dtype=float)
-        window, wave = self._window(s, order), self._wave(s, order)
+        window, harmonics = self._window(s, order), self._harmonics(s, order)
         result = np.empty((order + 1, s.size, self.n_out))
         for k in range(order + 1):
-            result[k] = sum(comb(k, i) * window[i][:, None] * wave[k - i] for i in range(k + 1))
+            result[k] = sum(comb(k, i) * window[i][:, None] * harmonics[k - i] for i in range(k + 1))
         result[0] += self.centre
         return result
 
     def _window(self, s: FloatArray, order: int) -> FloatArray:
-        """Window and derivatives, shape (order + 1, n)."""
+        """Compute the window and its derivatives, shape (order + 1, n)."""
         result = np.zeros((order + 1, s.size))
         result[0] = 1.0
         shape = np.polynomial.Polynomial(NINTH_DEGREE)
@@ -97,8 +97,8 @@ class Vibration(AbstractPath):
                 result[k, inside] = (sign / self.fade) ** k * shape.deriv(k)(x) if k else shape(x)
         return result
 
-    def _wave(self, s: FloatArray, order: int) -> FloatArray:
-        """Sum of the lines and its derivatives, shape (order + 1, n, n_joints)."""
+    def _harmonics(self, s: FloatArray, order: int) -> FloatArray:
+        """Compute the sum of cosines and its derivatives, shape (order + 1, n, n_joints)."""
         w = 2.0 * np.pi * self.frequency
         turned = np.exp(1j * s[:, None] * w)
         size = self.amplitude * np.exp(1j * self.phase)

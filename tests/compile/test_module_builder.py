@@ -63,7 +63,7 @@ def test_a_symbol_is_taken_once() -> None:
     builder = ModuleBuilder()
     builder.add_function(TURN)
     assert "turn" in builder
-    with pytest.raises(InputError, match="has a function 'turn' already"):
+    with pytest.raises(InputError, match="already has a function 'turn'"):
         builder.add_function(TURN)
 
 

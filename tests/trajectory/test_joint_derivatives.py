@@ -125,9 +125,7 @@ def test_positions_are_as_exact_as_a_rough_output_function_allows() -> None:
 
 def test_point_that_no_joint_position_gives_is_named() -> None:
     trajectory, gamma = with_gap(2e-8)
-    with pytest.raises(
-        InputError, match="out of reach or singular at t = 0.5050 s, .*: no joint position gives that point"
-    ):
+    with pytest.raises(InputError, match="out of reach or singular at t = 0.5050 s, .*"):
         joint_derivatives(trajectory, gamma, np.zeros(1), np.linspace(0.0, 1.0, 201), 0)
 
 
@@ -157,7 +155,5 @@ def test_sizes_must_agree(arm: TwoLinkArm, start: FloatArray) -> None:
 
 def test_output_function_with_parameters_is_refused() -> None:
     q, p = ca.SX.sym("q", 2), ca.SX.sym("p")
-    with pytest.raises(
-        InputError, match="output function f has 2 inputs and 1 outputs, allowed is one vector .* put the"
-    ):
+    with pytest.raises(InputError, match="output function f has 2 inputs and 1 outputs, allowed is one vector"):
         OutputDerivatives.of(ca.Function("f", [q, p], [q * p]))

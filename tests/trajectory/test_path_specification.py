@@ -139,7 +139,7 @@ def test_arc_of_mixed_keys_is_refused() -> None:
 
 
 def test_collinear_arc_is_refused() -> None:
-    with pytest.raises(InputError, match="lie on one straight line"):
+    with pytest.raises(InputError, match="collinear"):
         paths(PLANE, type="arc", via_from_start=[0.1, 0.1], end_from_start=[0.2, 0.2])
 
 

@@ -106,7 +106,7 @@ def test_equal_points_are_refused() -> None:
 
 
 def test_turn_on_the_spot_within_a_sequence_is_refused() -> None:
-    with pytest.raises(InputError, match=r"both lie at \(1, 0, 0\) and only the orientation differs, .* set zone to 0"):
+    with pytest.raises(InputError, match=r"both at \(1, 0, 0\) and only the orientation differs, .* set zone to 0"):
         Sequence([[0.0] * 6, [1.0, 0, 0, 0, 0, 0], [1.0, 0, 0, 0, 0, 1]], 0.1)
 
 

@@ -73,7 +73,9 @@ def test_concatenated_laws_follow_each_other() -> None:
 
 
 def test_laws_that_do_not_meet_are_refused() -> None:
-    with pytest.raises(InputError, match="a time law begins at 0 where the one before ends at 2, allowed is the same"):
+    with pytest.raises(
+        InputError, match="a time law begins at 0 where the previous one ends at 2, allowed is the same"
+    ):
         concatenated([LAWS["bang-bang"], LAWS["quintic"]])
 
 

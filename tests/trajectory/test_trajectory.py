@@ -83,7 +83,7 @@ def test_quintic_gives_three_derivatives_and_refuses_the_fourth() -> None:
     assert trajectory.evaluate(np.array([0.0]), 3)[3, 0] == pytest.approx([60.0, 60.0])
     with pytest.raises(
         InputError,
-        match="derivative 4 of a trajectory with the time law quintic was asked for, which has only 3 .* choose "
+        match="derivative 4 of a trajectory with the time law quintic was requested, which has only 3 .* choose "
         "ninth_degree",
     ):
         trajectory.evaluate(np.array([0.5]))
@@ -91,7 +91,7 @@ def test_quintic_gives_three_derivatives_and_refuses_the_fourth() -> None:
 
 @pytest.mark.parametrize("derivatives", [-1, 5])
 def test_number_of_derivatives_is_checked(circle_test: Trajectory, derivatives: int) -> None:
-    with pytest.raises(InputError, match=f"{derivatives} derivatives were asked for, allowed are 0 to 4"):
+    with pytest.raises(InputError, match=f"{derivatives} derivatives were requested, allowed are 0 to 4"):
         circle_test.evaluate(np.zeros(1), derivatives)
 
 

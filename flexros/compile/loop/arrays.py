@@ -1,6 +1,6 @@
-"""Arrays that go into and come out of a closed loop.
+"""Input and output arrays of a closed loop.
 
-Inside, every array ends with an axis of lanes; outside that axis is left out when the loop has one lane.
+Internally, every array ends with an axis of lanes; the caller's arrays omit it if the loop has one lane.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LoopState:
-    """Everything that a loop carries from one sample to the next.
+    """State of a loop between two samples.
 
     Attributes:
         plant: Plant state x, shape (n_states,) or (n_states, lanes).
@@ -34,7 +34,7 @@ class LoopState:
 
 @dataclass(frozen=True)
 class LoopInputs:
-    """Signals and constants of a run. Signals have n rows, or one row that holds for all samples; None is zero.
+    """Signals and constants of a run. Signals have n rows, or one row for all samples; None is zero.
 
     Attributes:
         reference: r, shape (n, n_reference), shared by all lanes, or (n, n_reference, lanes).
@@ -53,16 +53,16 @@ class LoopInputs:
 
 @dataclass(frozen=True)
 class LoopResult:
-    """What a run recorded; rows of samples that were not reached are NaN.
+    """Recorded signals of a run; rows of samples that were not reached are NaN.
 
     Attributes:
         encoder: y [rad], shape (n, M) or (n, M, lanes).
         command: u [Nm], shape (n, M) or (n, M, lanes).
-        tool_pose: Position [m] and quaternion xyzw, shape (n, 7) or (n, 7, lanes); None when not asked for.
-        states: x at the sampling instants, shape (n, n_states) or (n, n_states, lanes); None when not asked for.
-        final: State after the last sample, to be continued from.
-        diverged: First sample whose state is not finite, -1 where there is none, shape () or (lanes,); counted from
-            the start of the run, so it is n when the last step failed.
+        tool_pose: Position [m] and quaternion xyzw, shape (n, 7) or (n, 7, lanes); None if not recorded.
+        states: x at the sampling instants, shape (n, n_states) or (n, n_states, lanes); None if not recorded.
+        final: State after the last sample; a further run can continue from it.
+        diverged: First sample whose state is not finite, -1 if there is none, shape () or (lanes,); counted from the
+            start of the run, so it is n if the last step failed.
     """
 
     encoder: FloatArray
@@ -88,9 +88,9 @@ class LoopJob:
         disturbance: Signal of n or 1 rows.
         encoder: Output.
         command: Output.
-        tool_pose: Output, None when not wanted.
-        states: Output, None when not wanted.
-        diverged: First bad sample per lane, -1 where none.
+        tool_pose: Output, None if not recorded.
+        states: Output, None if not recorded.
+        diverged: First bad sample per lane, -1 if none.
     """
 
     plant: FloatArray
@@ -109,7 +109,7 @@ class LoopJob:
 
     @property
     def lanes(self) -> int:
-        """Number of simulations side by side."""
+        """Number of parallel simulations."""
         return int(self.plant.shape[1])
 
     @property
@@ -131,10 +131,10 @@ def make_job(
     sizes: LoopSizes, line_length: int, lanes: int, samples: int, state: LoopState, inputs: LoopInputs,
     *, record_pose: bool, record_states: bool,
 ) -> LoopJob:  # fmt: skip
-    """Check and copy what the caller gave, and make room for the outputs.
+    """Check and copy the caller's arrays, and allocate the outputs.
 
     Raises:
-        InputError: An array has the wrong shape, named with the shapes that are allowed.
+        InputError: An array has the wrong shape; the message names it and the allowed shapes.
     """
 
     def output(width: int) -> FloatArray:
@@ -158,7 +158,7 @@ def make_job(
 
 
 def loop_result(job: LoopJob) -> LoopResult:
-    """Hand out the arrays of a finished job, dropping the axis of lanes when there is one lane."""
+    """Return the arrays of a finished job, without the axis of lanes if there is one lane."""
     arrays = {field.name: getattr(job, field.name) for field in fields(job)}
     if job.lanes == 1:
         arrays = {name: None if array is None else array[..., 0] for name, array in arrays.items()}

@@ -1,7 +1,7 @@
 """LLVM text of the closed loop: Runge-Kutta step, the two halves of a sample, and the run over many samples.
 
 The halves `measure` and `advance` are the same functions in a run of a million samples and in a node that steps sample
-by sample, so both give the same bits.
+by sample, so both yield the same bits.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ JOB_FIELDS = (
     "disturbance", "disturbance_stride", "disturbance_shared",
     "encoder", "command", "tool_pose", "states", "diverged",
 )  # fmt: skip
-"""Entries of the job of `loop.run`, 64 bits each: numbers, addresses (0: not wanted), strides in doubles, flags."""
+"""Entries of the job of `loop.run`, 64 bits each: numbers, addresses (0: not recorded), strides in doubles, flags."""
 
 
 @dataclass(frozen=True)

@@ -73,7 +73,7 @@ class MachineCodeLoop:
 
 
 def add_functions(builder: ModuleBuilder, functions: LoopFunctions, lanes: int) -> LoopSymbols:
-    """Put the functions of a loop into a module, and tell their names there."""
+    """Add the functions of a loop to a module, and return their symbols."""
 
     def add(name: str, function: ca.Function) -> str:
         return builder.add_function(function, name=name, lanes=lanes)

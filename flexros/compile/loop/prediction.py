@@ -6,8 +6,8 @@ At every sampling instant t_k = k T, with the recorded positions y_k and torques
     x_k <- x_k + K e_k
     x_k+1: as in the closed loop of kernel.py, under the delayed torque u_k
 
-v_k is 1 where a sample was measured and 0 where not, so that the model runs on alone through gaps. A gain of zero gives
-the free response. All of it for several lanes side by side, each with parameters and, where wanted, torques of its own.
+v_k is 1 for a measured sample and 0 otherwise, so that the model runs without correction through gaps. A gain of zero
+yields the free response. Several lanes run in parallel, each with its own parameters and, optionally, torques.
 """
 
 from __future__ import annotations
@@ -37,20 +37,20 @@ JOB_FIELDS = (
     "samples", "plant", "line", "parameters", "gain", "torque", "position", "valid",
     "innovation", "pose_rows", "tool_pose", "states", "diverged", "torque_shared",
 )  # fmt: skip
-"""Entries of the job of `loop.predict`, 64 bits each: numbers, addresses (0: not wanted), flags."""
+"""Entries of the job of `loop.predict`, 64 bits each: numbers, addresses (0: not recorded), flags."""
 
 
 @dataclass(frozen=True)
 class LoopPrediction:
-    """What a predictor found; rows of samples behind a divergence are NaN.
+    """Result of a prediction; rows of samples after a divergence are NaN.
 
     Attributes:
         innovation: Prediction errors e [rad or m], shape (n, M, lanes).
-        tool_pose: Predicted poses [m and quaternion xyzw] of the samples asked for, shape (m, 7, lanes); None where
-            none was asked for.
-        states: States after the correction, shape (n, n_states, lanes); None when not asked for.
-        final: State before the sample behind the last, shape (n_states, lanes).
-        diverged: First sample whose state is not finite, -1 where there is none, shape (lanes,).
+        tool_pose: Predicted poses [m and quaternion xyzw] of the requested samples, shape (m, 7, lanes); None if none
+            was requested.
+        states: States after the correction, shape (n, n_states, lanes); None if not requested.
+        final: State at the instant after the last sample, shape (n_states, lanes).
+        diverged: First sample whose state is not finite, -1 if there is none, shape (lanes,).
     """
 
     innovation: FloatArray
@@ -66,9 +66,9 @@ class PredictionLoop:
     Args:
         functions: The plant; its controller is not used.
         sample_time: Time T between two samples [s].
-        delay: From the computing of a command to its acting [s], zero or more; of all motors, or of each.
+        delay: Time until a command acts [s], zero or more; of all motors, or of each.
         substeps: Runge-Kutta steps per sample (per part of it where the delay splits it).
-        lanes: Predictors side by side: 1, 2, 4, 8, 16.
+        lanes: Parallel predictors: 1, 2, 4, 8, 16.
     """
 
     def __init__(
@@ -113,36 +113,35 @@ class PredictionLoop:
             gain: Gain K, shape (n_states, M).
             torque: Torques, shape (n, M), or (n, M, lanes) for one record per lane.
             position: Measured positions [rad or m], shape (n, M).
-            valid: 1 where a sample was measured, 0 where not, shape (n,).
+            valid: 1 for a measured sample, 0 otherwise, shape (n,).
             past: Torques before the first sample, newest first, shape (line_length, M) or (line_length, M, lanes);
                 default: the first one.
             pose_samples: Samples whose tool pose is recorded, increasing, shape (m,); None for none.
             record_states: Whether to record the states.
-
-        Returns:
-            Prediction errors and what else was asked for.
         """
         signal = np.ascontiguousarray(torque, dtype=float)
-        found = self._room(start, len(position), pose_samples, record_states)
+        prediction = self._allocated(start, len(position), pose_samples, record_states)
         arrays = [
-            found.final,
+            prediction.final,
             self._line(signal[:1] if past is None else past),
             np.array(parameters, dtype=float, order="C").reshape(self.sizes.parameters, self.lanes),
             np.array(gain, dtype=float, order="C").reshape(self.sizes.state, self.sizes.motors),
             signal,
             np.ascontiguousarray(position, dtype=float),
             np.ascontiguousarray(valid, dtype=float),
-            found.innovation,
+            prediction.innovation,
             _pose_rows(len(position), pose_samples),
-            found.tool_pose,
-            found.states,
-            found.diverged,
+            prediction.tool_pose,
+            prediction.states,
+            prediction.diverged,
         ]
         self._call(len(position), arrays, torque_shared=signal.ndim == 2)
-        return found
+        return prediction
 
-    def _room(self, start: FloatArray, n: int, pose_samples: IntArray | None, record_states: bool) -> LoopPrediction:
-        """Make room for what the kernel fills in; the state begins with the start."""
+    def _allocated(
+        self, start: FloatArray, n: int, pose_samples: IntArray | None, record_states: bool
+    ) -> LoopPrediction:
+        """Allocate the arrays that the kernel fills; `final` holds the initial state."""
         sizes, lanes = self.sizes, self.lanes
         state = np.asarray(start, dtype=float)
         state = state[:, None] if state.ndim == 1 else state
@@ -155,7 +154,7 @@ class PredictionLoop:
         )
 
     def _line(self, past: FloatArray) -> FloatArray:
-        """Fill the line of commands that are under way, for every lane."""
+        """Return the line of delayed commands for every lane."""
         before = np.asarray(past, dtype=float)
         before = before[..., None] if before.ndim == 2 else before
         return np.array(np.broadcast_to(before, (self.line_length, self.sizes.motors, self.lanes)), order="C")
@@ -168,7 +167,7 @@ class PredictionLoop:
 
 
 def _pose_rows(n: int, pose_samples: IntArray | None) -> IntArray:
-    """Return the row of the recorded poses for every sample, -1 where it is not wanted."""
+    """Return the row of the recorded poses for every sample, -1 if it is not recorded."""
     rows = np.full(n, -1, dtype=np.int64)
     if pose_samples is not None:
         rows[pose_samples] = np.arange(len(pose_samples))
@@ -176,11 +175,11 @@ def _pose_rows(n: int, pose_samples: IntArray | None) -> IntArray:
 
 
 def _predict_text(sizes: LoopSizes, lanes: int) -> str:
-    """Write i64 predict(job): returns the number of samples; it ends early when every lane has diverged."""
+    """Write `i64 predict(job)`, which returns the number of samples; it ends early once every lane has diverged."""
     block = IrBlock(lanes)
-    one = block.of_lanes(1)
+    scalar = block.of_lanes(1)
     m = sizes.motors
-    job = {name: _entry(block, place) for place, name in enumerate(JOB_FIELDS)}
+    job = {name: _entry(block, index) for index, name in enumerate(JOB_FIELDS)}
     zeros = {name: _zeros(block, count * lanes) for name, count in (("noise", m), ("disturbance", sizes.disturbance))}
     y, u = (block.value(f"alloca double, i64 {m * lanes}, align 64") for _ in range(2))
     x, p, line = job["plant"], job["parameters"], job["line"]
@@ -190,9 +189,9 @@ def _predict_text(sizes: LoopSizes, lanes: int) -> str:
         torque = block.pointer(job["torque"], block.value(f"mul nsw i64 {k.index}, {width}"), "double")
         with block.when(shared):
             for motor in range(m):
-                block.store(block.splat(one.load(torque, motor)), u, motor)
+                block.store(block.splat(scalar.load(torque, motor)), u, motor)
         torque = block.value(f"select i1 {shared}, ptr {u}, ptr {torque}")
-        pose = _wanted_pose(block, job, k.index, sizes.pose * lanes)
+        pose = _pose_address(block, job, k.index, sizes.pose * lanes)
         block.emit(f"call void @{MEASURE}(ptr {x}, ptr {zeros['noise']}, ptr {p}, ptr {y}, ptr {pose})")
         errors = _correct(block, job, k.index, y, sizes)
         for motor, error in enumerate(errors):
@@ -208,25 +207,25 @@ def _predict_text(sizes: LoopSizes, lanes: int) -> str:
 
 def _correct(block: IrBlock, job: dict[str, str], k: str, y: str, sizes: LoopSizes) -> list[str]:
     """Write the prediction errors of sample k and the correction of the state."""
-    one = block.of_lanes(1)
-    valid = block.splat(one.load(job["valid"], k))
+    scalar = block.of_lanes(1)
+    valid = block.splat(scalar.load(job["valid"], k))
     measured = block.pointer(job["position"], block.value(f"mul nsw i64 {k}, {sizes.motors}"), "double")
     errors = [
-        block.mul(valid, block.sub(block.splat(one.load(measured, motor)), block.load(y, motor)))
+        block.mul(valid, block.sub(block.splat(scalar.load(measured, motor)), block.load(y, motor)))
         for motor in range(sizes.motors)
     ]
     for state in range(sizes.state):
         value = block.load(job["plant"], state)
         for motor, error in enumerate(errors):
-            gain = block.splat(one.load(job["gain"], state * sizes.motors + motor))
+            gain = block.splat(scalar.load(job["gain"], state * sizes.motors + motor))
             value = block.add(value, block.mul(gain, error))
         block.store(value, job["plant"], state)
     return errors
 
 
-def _entry(block: IrBlock, place: int) -> str:
-    number = JOB_FIELDS[place] in ("samples", "torque_shared")
-    return block.value(f"load {'i64' if number else 'ptr'}, ptr {block.pointer('%job', place, 'i64')}, align 8")
+def _entry(block: IrBlock, index: int) -> str:
+    number = JOB_FIELDS[index] in ("samples", "torque_shared")
+    return block.value(f"load {'i64' if number else 'ptr'}, ptr {block.pointer('%job', index, 'i64')}, align 8")
 
 
 def _zeros(block: IrBlock, count: int) -> str:
@@ -239,8 +238,8 @@ def _row(block: IrBlock, base: str, k: str, width: int) -> str:
     return block.pointer(base, block.value(f"mul nsw i64 {k}, {width}"), "double")
 
 
-def _wanted_pose(block: IrBlock, job: dict[str, str], k: str, width: int) -> str:
-    """Return the address of the pose of sample k, null where it is not wanted."""
+def _pose_address(block: IrBlock, job: dict[str, str], k: str, width: int) -> str:
+    """Return the address of the pose of sample k, null if it is not recorded."""
     row = block.value(f"load i64, ptr {block.pointer(job['pose_rows'], k, 'i64')}, align 8")
     wanted = block.value(f"icmp sge i64 {row}, 0")
     return block.value(f"select i1 {wanted}, ptr {_row(block, job['tool_pose'], row, width)}, ptr null")

@@ -1,1 +1,1 @@
-"""Replay: the messages of a log, own or foreign, in the order of time and at a pace; free of ROS and of clocks."""
+"""Replay: the messages of any log in the order of time and at a given rate; without ROS and without a clock."""

@@ -1,4 +1,4 @@
-"""What a controller needs beside the recorded measurements: the recorded reference ahead of time, as chunks."""
+"""Input of a replayed controller in addition to the measurements: the recorded reference in chunks, ahead of time."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from flexros.logs.time_series import JointSeries
 
 LEAD = NANOSECONDS // 2
-"""Time by which a chunk comes before its first sample [ns], chosen like that of the feedforward."""
+"""Lead of a chunk before its first sample [ns], chosen as in the feedforward."""
 
 CHUNK = 200
-"""Samples in a chunk, chosen like those of the feedforward at 2 kHz."""
+"""Samples in a chunk, chosen as in the feedforward at 2 kHz."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class ReferenceChunk:
     """Samples of the reference.
 
     Attributes:
-        log_time: When it is to be played [ns].
+        log_time: Log time at which it is played [ns].
         last_stamp: Stamp of its last sample [ns].
         payload: Serialised JointTrajectory.
     """
@@ -43,12 +43,12 @@ class ReferenceChunk:
 
 @dataclass(frozen=True, eq=False)
 class ControllerFeed:
-    """What makes a controller answer the measurements of a log as it did when they were recorded.
+    """Recorded reference and commands of a controller, with which its answers can be reproduced.
 
     Attributes:
         chunks: The reference that it used, in order.
         joint_names: Joints of the commands.
-        commands: Recorded command by stamp [ns], in the order of `joint_names`; empty where none were recorded.
+        commands: Recorded command by stamp [ns], in the order of `joint_names`; empty if none were recorded.
     """
 
     chunks: tuple[ReferenceChunk, ...]
@@ -57,14 +57,11 @@ class ControllerFeed:
 
 
 def controller_feed(path: Path | str, namespace: str | None = None) -> ControllerFeed:
-    """Read from a log what a controller needs beside the measurements.
+    """Read the reference and the commands of a log.
 
     Args:
         path: A rosbag2 folder or an .mcap file.
         namespace: Namespace of the topics; None if the log has only one.
-
-    Returns:
-        The feed.
 
     Raises:
         InputError: The log has no joint_states or no joint_reference with positions.
@@ -73,8 +70,8 @@ def controller_feed(path: Path | str, namespace: str | None = None) -> Controlle
     reference, commands = log.joint_reference, log.joint_commands
     if reference is None or reference.position is None:
         raise InputError(
-            f"{path} has no positions on joint_reference, which a controller needs to answer; replay the log without "
-            "feeding a controller, and send it a reference yourself"
+            f"{path} has no positions on joint_reference, which a controller requires; replay the log without "
+            "feeding a controller, and send a reference from elsewhere"
         )
     recorded: dict[int, tuple[float, ...]] = {}
     if commands is not None and commands.effort is not None:

@@ -1,4 +1,4 @@
-"""The messages of one MCAP file in the order of their log times, in memory only as far as they are out of order."""
+"""Messages of one MCAP file in the order of their log times; only messages out of order are held in memory."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class ReplayMessage(NamedTuple):
     """One message to be played.
 
     Attributes:
-        log_time: When it was recorded [ns].
-        topic: Number of its topic in the replay.
+        log_time: Time of recording [ns].
+        topic: Index of its topic in the replay.
         payload: Serialised message.
     """
 
@@ -47,7 +47,7 @@ class TimeWindow(NamedTuple):
 
 @dataclass
 class FileSurvey:
-    """What one pass through a file has found.
+    """Result of one pass through a file.
 
     Attributes:
         path: The file.
@@ -65,13 +65,10 @@ class FileSurvey:
 
 
 def survey_file(path: Path) -> FileSurvey:
-    """Go through a file once.
+    """Read topics, times and damage of a file in one pass.
 
     Args:
-        path: An .mcap file, also one that was cut off.
-
-    Returns:
-        Its topics, the order of its blocks, and its damage.
+        path: An .mcap file, complete or truncated.
 
     Raises:
         InputError: It cannot be read or is not MCAP.
@@ -98,22 +95,20 @@ def survey_file(path: Path) -> FileSurvey:
 
 
 def file_messages(survey: FileSurvey, topics: Mapping[int, int], window: TimeWindow) -> Iterator[ReplayMessage]:
-    """Go through a file in the order of time; messages of one time come as they stand in the file.
+    """Yield the messages of a file in the order of time; messages of equal time keep their order in the file.
 
-    A message is held back until no later block has an earlier one.
+    A message is held until no later block has an earlier one.
 
     Args:
-        survey: What the first pass has found.
-        topics: Number that the topic of a channel has in the replay; other channels are left out.
-        window: Which log times.
-
-    Yields:
-        The messages.
+        survey: Result of the first pass.
+        topics: Index in the replay of the topic of a channel; other channels are skipped.
+        window: Log times to be played.
     """
     held: list[tuple[int, int, int, int, bytes | memoryview]] = []
+    # limits[k]: earliest log time of all blocks after block k
     limits = list(accumulate([_NEVER, *survey.earliest[:0:-1]], min))[::-1]
     for block, limit in zip(McapScan(survey.path).blocks(), limits, strict=False):
-        held.extend(_wanted(block, topics, window))
+        held.extend(_selected(block, topics, window))
         held.sort(key=itemgetter(0))
         n = bisect_right(held, limit, key=itemgetter(0))
         for log_time, topic, start, end, data in held[:n]:
@@ -121,10 +116,10 @@ def file_messages(survey: FileSurvey, topics: Mapping[int, int], window: TimeWin
         del held[:n]
 
 
-def _wanted(
+def _selected(
     block: MessageBlock, topics: Mapping[int, int], window: TimeWindow
 ) -> Iterator[tuple[int, int, int, int, bytes | memoryview]]:
-    """Return log time, topic and place of the messages that are to be played."""
+    """Yield log time, topic, begin and end of the payload, and data of the messages to be played."""
     headers = block.headers
     times = headers["log_time"]
     rows = np.isin(headers["channel"], list(topics)) & (times >= window.first) & (times <= window.last)

@@ -1,4 +1,4 @@
-"""When a message of a replay is due: rate and pause. The clock is given, not fetched."""
+"""Due time of the messages of a replay, with rate and pause; the caller passes the clock's time."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from flexros.logs.stamps import NANOSECONDS
 
 
 class ReplayPace:
-    """Ties log time to the seconds of one monotonic clock.
+    """Map from log time to the time of a monotonic clock.
 
     Args:
-        rate: Seconds of the log for each second of the clock; infinite for as fast as possible.
+        rate: Seconds of the log per second of the clock; infinite for as fast as possible.
     """
 
     def __init__(self, rate: float = 1.0) -> None:
@@ -25,24 +25,24 @@ class ReplayPace:
         self._now, self._log_time = now, float(log_time)
 
     def due(self, log_time: int) -> float:
-        """Return the clock's time at which a log time is due [s]; infinite in a pause."""
+        """Return the clock's time at which a log time is due [s]; infinite during a pause."""
         if self.paused:
             return math.inf
         return self._now + (log_time - self._log_time) / (self._rate * NANOSECONDS)
 
     def pause(self, now: float) -> None:
-        """Stand still from now on [s]."""
+        """Pause from `now` on [s]."""
         if not self.paused:
             self._anchor(now)
             self.paused = True
 
     def resume(self, now: float) -> None:
-        """Go on from where the pause began, now [s]."""
+        """Continue at `now` [s] from where the pause began."""
         if self.paused:
             self._now, self.paused = now, False
 
     def change_rate(self, rate: float, now: float) -> None:
-        """Go on at another rate from now [s]."""
+        """Continue at another rate from `now` on [s]."""
         if not self.paused:
             self._anchor(now)
         self._rate = rate

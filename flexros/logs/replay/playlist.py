@@ -1,4 +1,4 @@
-"""All that a replay sends, in order: the messages of the log, and what it makes itself (clock, reference ahead)."""
+"""All messages that a replay sends, in order: those of the log, and its own (clock, reference ahead of time)."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ _CLOCK_TYPE = "rosgraph_msgs/msg/Clock"
 _CLOCK_MESSAGE = struct.Struct("<4BiI")
 
 LATEST_STAMP = 2**31 * NANOSECONDS - 1
-"""Last time that a stamp of ROS 2 can tell [ns]; a damaged log may claim later ones."""
+"""Latest time that a stamp of ROS 2 can represent [ns]; a damaged log may claim later ones."""
 
 SMALLEST_QUEUE, LARGEST_QUEUE = 10, 2000
-"""Fewest and most messages that a publisher keeps for slow readers, chosen: one second of a topic at 2 kHz."""
+"""Limits of the queue of a publisher [messages], chosen: at most one second of a topic at 2 kHz."""
 
 QUEUE_SIZE = 32 * 2**20
-"""Largest size of what a publisher keeps [byte], chosen."""
+"""Largest size of the queue of a publisher [byte], chosen."""
 
 
 @dataclass(frozen=True)
 class FedController:
-    """A controller at the other end of a replay.
+    """A controller that receives a replay.
 
     Attributes:
-        feed: What it needs beside the measurements, and what it answered when they were recorded.
-        states: Number of the topic of the measurements in the playlist.
-        chunks: Number of the topic of the reference.
+        feed: Its recorded reference and commands.
+        states: Index of the topic of the measurements in the playlist.
+        chunks: Index of the topic of the reference.
         commands: Absolute name of the topic of its commands.
     """
 
@@ -52,20 +52,20 @@ class FedController:
 
 
 class Playlist:
-    """What a replay sends.
+    """Messages and topics of a replay.
 
     Args:
         path: A rosbag2 folder or an .mcap file.
-        choice: What of it is played.
-        clock_rate: Messages on /clock per second of the log [Hz]; 0 for none. They tell the log time, and take the
-            place of those that were recorded.
+        choice: Topics and times to be played.
+        clock_rate: Messages on /clock per second of the log [Hz]; 0 for none. They carry the log time and replace the
+            recorded ones.
         feeds_controller: Send the recorded joint_reference ahead of time on joint_reference_ahead, for a controller
             that answers the recorded measurements; recorded commands and references are not played, unless renamed.
 
     Attributes:
         source: The log.
-        topics: Topics; a message names them by their place here.
-        controller: The controller that is fed, None if none is.
+        topics: Topics; messages refer to them by their index.
+        controller: The controller that is fed, if any.
 
     Raises:
         InputError: There is no such log, topic or time, or nothing is left to be played.
@@ -74,7 +74,7 @@ class Playlist:
     def __init__(
         self, path: Path | str, choice: ReplayChoice, *, clock_rate: float = 0.0, feeds_controller: bool = False
     ) -> None:
-        made = {_CLOCK: "the replay makes its own"} if clock_rate else {}
+        made = {_CLOCK: "the replay publishes its own"} if clock_rate else {}
         self._replaced = set(made)
         self._clock_rate = clock_rate
         if not feeds_controller:
@@ -90,7 +90,7 @@ class Playlist:
         prefix = _only_namespace(ReplaySource(path, replace(choice, remaps={}, left_out=made)))
         renamed = {absolute_name(name) for name in choice.remaps}
         own = {f"{prefix}/{name}" for name in ("joint_commands", "joint_reference", "joint_reference_ahead")} - renamed
-        left_out = dict.fromkeys(own, "it comes from the controller that is fed, or from the replay for it")
+        left_out = dict.fromkeys(own, "the fed controller or the replay publishes it")
         self._replaced |= own
         self.source = ReplaySource(path, replace(choice, left_out={**made, **left_out}))
         states = next(i for i, t in enumerate(self.source.topics) if t.recorded.name == f"{prefix}/joint_states")
@@ -102,7 +102,7 @@ class Playlist:
         self.controller = FedController(feed, states, len(self.source.topics), f"{played}/joint_commands")
 
     def messages(self) -> Iterator[ReplayMessage]:
-        """Return all messages in the order of log time; of one time, those that the replay makes come first."""
+        """Return all messages in the order of log time; at equal times, the replay's own ones precede."""
         streams = [self.source.messages()]
         if self.controller is not None:
             streams.insert(0, self._chunks(self.controller))
@@ -125,14 +125,14 @@ class Playlist:
                 yield ReplayMessage(min(max(chunk.log_time, first), last), controller.chunks, chunk.payload)
 
     def playable(self, refusal: Callable[[PlayedTopic], str]) -> tuple[dict[int, PlayedTopic], dict[str, str]]:
-        """Sort the topics into those that can be published here and the others.
+        """Separate the topics that can be published here from the others.
 
         Args:
-            refusal: Says why a topic cannot be published; nothing if it can.
+            refusal: Returns why a topic cannot be published; empty if it can.
 
         Returns:
-            Topics by number, and why each of the others is left out, by name in the log, beside those that the replay
-            was asked to replace.
+            Topics by index, and why each of the others is left out, by name in the log, without those that the replay
+            replaces on request.
 
         Raises:
             InputError: None is left.
@@ -160,8 +160,8 @@ def _only_namespace(source: ReplaySource) -> str:
     """Prefix of the one topic of measurements."""
     names = [topic.recorded.name for topic in source.topics if topic.recorded.name.endswith("/joint_states")]
     if len(names) != 1:
-        found = ", ".join(names) or "none"
+        present = ", ".join(names) or "none"
         raise InputError(
-            f"to feed a controller from {source.path} one topic joint_states is needed, there is {found}; choose one"
+            f"to feed a controller from {source.path} one topic joint_states is needed, there is {present}; choose one"
         )
     return names[0].removesuffix("/joint_states")

@@ -1,4 +1,4 @@
-"""What a file tells of a topic, and whether its messages can be played to nodes of ROS 2 Jazzy."""
+"""A topic in a file, and the check whether its messages can be played to nodes of ROS 2 Jazzy."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class RecordedTopic:
     Attributes:
         name: Absolute name.
         type: Message type, e.g. "sensor_msgs/msg/JointState".
-        best_effort: Whether all that published it offered no more than best effort.
+        best_effort: Whether all publishers offered best effort only.
         latched: Whether a publisher kept its last messages for late subscribers (transient local).
         count: Number of messages.
         largest: Size of the largest message [byte].
@@ -41,29 +41,24 @@ class RecordedTopic:
     refusal: str = ""
 
     def with_messages(self, count: int, largest: int) -> RecordedTopic:
-        """Add messages.
-
-        Args:
-            count: Their number.
-            largest: Size of the largest of them [byte].
-        """
+        """Return the topic with `count` further messages, the largest of size `largest` [byte]."""
         return replace(self, count=self.count + count, largest=max(self.largest, largest))
 
 
 def absolute_name(name: str) -> str:
-    """Return the absolute form of a topic name: with a leading slash."""
+    """Return a topic name with a leading slash."""
     return "/" + name.strip("/")
 
 
 def recorded_topic(channel: Channel, schema: Schema | None) -> RecordedTopic:
-    """Read what a file says of a topic.
+    """Read the description of a topic in a file.
 
     Args:
         channel: Its Channel record.
         schema: The Schema record that the channel names, None if the file has none.
 
     Returns:
-        The topic, without messages as yet.
+        The topic, with no messages counted.
     """
     name = absolute_name(channel.topic)
     type_name = "" if schema is None else type_in_full(schema.name)
@@ -79,25 +74,25 @@ def recorded_topic(channel: Channel, schema: Schema | None) -> RecordedTopic:
 
 
 def type_in_full(name: str) -> str:
-    """Return a type in three parts, "package/msg/Name"; empty if it is no name of a ROS type."""
+    """Return a type in three parts, "package/msg/Name"; empty if it is not the name of a ROS type."""
     match = _TYPE.fullmatch(name)
     return "" if match is None else f"{match[1]}/{match[2] or 'msg'}/{match[3]}"
 
 
 def name_problem(name: str) -> str:
-    """Return what is wrong with an absolute topic name, nothing if ROS 2 allows it."""
+    """Return why ROS 2 does not allow an absolute topic name; empty if it does."""
     if _NAME.fullmatch(name) and "__" not in name:
         return ""
-    return f"'{name}' is no topic name of ROS 2 (letters, digits and single underscores between slashes)"
+    return f"'{name}' is not a topic name of ROS 2 (letters, digits and single underscores between slashes)"
 
 
 def _refusal(name: str, channel: Channel, schema: Schema | None, type_name: str) -> str:
     if schema is None:
-        return "the file does not say of what type it is"
+        return "the file does not define its type"
     if not type_name:
-        return f"its type '{schema.name}' is not one of ROS 2"
+        return f"its type '{schema.name}' is not a ROS 2 type"
     if channel.message_encoding != "cdr":
-        return f"it is encoded as '{channel.message_encoding}', nodes of ROS 2 take cdr"
+        return f"it is encoded as '{channel.message_encoding}', nodes of ROS 2 accept cdr"
     if schema.encoding == "ros2msg" and schema.data.strip() and type_name in jazzy_types().types:
         schema = replace(schema, name=type_name)
         if not is_common(schema):

@@ -1,4 +1,4 @@
-"""A log as a stream of messages in the order of time: which topics, under which names, from when to when."""
+"""A log as a stream of messages in the order of time, with choice of topics, names and times."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ class PlayedTopic:
 
 @dataclass(frozen=True)
 class ReplayChoice:
-    """What of a log is to be played.
+    """Topics, names and times of a log to be played.
 
     Attributes:
         topics: Names of topics, all if empty.
         remaps: New names by name.
-        start: Where to begin, after the beginning of the log [s].
-        end: Where to end, after the beginning of the log [s]; None for the end of the log.
-        left_out: Why a topic is not to be played although nothing else speaks against it, by absolute name.
+        start: Begin of the replay, from the beginning of the log [s].
+        end: End of the replay, from the beginning of the log [s]; None for the end of the log.
+        left_out: Reason to exclude a topic that could be played, by absolute name.
     """
 
     topics: tuple[str, ...] = ()
@@ -55,18 +55,18 @@ class ReplayChoice:
 
 
 class ReplaySource:
-    """The messages of a log, from all its files, in the order of log time; the messages themselves are not changed.
+    """Messages of all files of a log in the order of log time, unchanged.
 
-    Files may be split, cut off, compressed by lz4 or zstd or not at all, with messages in any order. Of a file that was
-    cut off every complete chunk is there. The log is gone through once when the source is made, and once for each
-    `messages`; in memory are only the messages that a file has out of order.
+    Files may be split, truncated, compressed by lz4 or zstd or uncompressed, with messages in any order. Every complete
+    chunk of a truncated file is played. The log is read once by the constructor and once by each call of `messages`;
+    only messages out of order are held in memory.
 
     Args:
         path: A rosbag2 folder or an .mcap file.
-        choice: What of it is to be played.
+        choice: Topics, names and times to be played; default: everything.
 
     Attributes:
-        topics: Topics that are played; a message names them by their place here.
+        topics: Topics that are played; messages refer to them by their index.
         not_played: Why a topic cannot be played, by name.
         recorded: All topics of the log by name.
         window: Log times that are played [ns].
@@ -158,22 +158,22 @@ class ReplaySource:
         return (self.window.last - self.window.first) / NANOSECONDS
 
     def messages(self) -> Iterator[ReplayMessage]:
-        """Go through the log in the order of log time; what has the same time comes as it stands in the files."""
+        """Return the messages in the order of log time; messages of equal time keep their order in the files."""
         number = {topic.recorded.name: i for i, topic in enumerate(self.topics)}
         streams = []
         for survey in self._surveys:
-            wanted = {
+            selected = {
                 channel: number[topic.name]
                 for channel, topic in survey.channels.items()
                 if topic.name in number and topic.type == self.recorded[topic.name].type and not topic.refusal
             }
-            if wanted and survey.latest >= self.window.first and min(survey.earliest) <= self.window.last:
-                streams.append(file_messages(survey, wanted, self.window))
+            if selected and survey.latest >= self.window.first and min(survey.earliest) <= self.window.last:
+                streams.append(file_messages(survey, selected, self.window))
         return heapq.merge(*streams, key=attrgetter("log_time"))
 
 
 def _merged(surveys: Iterable[FileSurvey]) -> tuple[dict[str, RecordedTopic], dict[str, str]]:
-    """Put together what the files say of each topic, and why some cannot be played."""
+    """Merge the topics of all files; return them, and why some cannot be played."""
     topics: dict[str, RecordedTopic] = {}
     conflicts: dict[str, str] = {}
     for survey in surveys:
@@ -198,7 +198,7 @@ def read_remaps(text: str) -> dict[str, str]:
         New name by name.
 
     Raises:
-        InputError: It has another form, or names a topic twice.
+        InputError: The text has another form, or names a topic twice.
     """
     remaps: dict[str, str] = {}
     for part in filter(None, map(str.strip, text.split(","))):

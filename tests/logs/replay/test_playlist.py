@@ -70,7 +70,7 @@ def test_what_cannot_be_published_here_is_left_out_with_a_reason(tmp_path: Path,
     left, left_out = playlist.playable(lambda topic: "no such package" if topic.name == "/a" else "")
     assert [topic.name for topic in left.values()] == ["/b", "/clock"]
     assert left_out["/a"] == "no such package"
-    assert left_out["/c d"].startswith("'/c d' is no topic name")
+    assert left_out["/c d"].startswith("'/c d' is not a topic name")
     with pytest.raises(InputError, match="no topic of .* can be played here: /a: none; /b: none"):
         playlist.playable(lambda topic: "" if topic.name == "/clock" else "none")
 

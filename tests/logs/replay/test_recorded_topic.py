@@ -41,11 +41,11 @@ def test_a_common_topic_can_be_played() -> None:
 @pytest.mark.parametrize(
     ("topic", "of_type", "why"),
     [
-        (channel(), None, "the file does not say of what type it is"),
-        (channel(), schema("Plain"), "its type 'Plain' is not one of ROS 2"),
-        (channel(encoding="json"), schema(), "it is encoded as 'json', nodes of ROS 2 take cdr"),
+        (channel(), None, "the file does not define its type"),
+        (channel(), schema("Plain"), "its type 'Plain' is not a ROS 2 type"),
+        (channel(encoding="json"), schema(), "it is encoded as 'json', nodes of ROS 2 accept cdr"),
         (channel(), schema(text="float64 data\n"), "its definition of std_msgs/msg/String is not that of ROS 2 Jazzy"),
-        (channel("/two words"), schema(), "'/two words' is no topic name of ROS 2"),
+        (channel("/two words"), schema(), "'/two words' is not a topic name of ROS 2"),
     ],
 )
 def test_what_cannot_be_played_is_refused_with_a_reason(topic: Channel, of_type: Schema | None, why: str) -> None:
@@ -85,4 +85,4 @@ def test_names_that_are_allowed(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["/", "/2a", "/a__b", "/a-b", "/a//b"])
 def test_names_that_are_not(name: str) -> None:
-    assert "is no topic name of ROS 2" in name_problem(name)
+    assert "is not a topic name of ROS 2" in name_problem(name)

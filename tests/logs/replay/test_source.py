@@ -93,7 +93,7 @@ def test_topics_are_chosen_and_renamed(log: Path) -> None:
         (ReplayChoice(("c",)), "unknown topic 'c' in .*allowed are /a, /robot/b"),
         (ReplayChoice(remaps={"c": "d"}), "unknown topic 'c'"),
         (ReplayChoice(("a",), {"robot/b": "d"}), "topic /robot/b is renamed, but it is not among those to be played"),
-        (ReplayChoice(remaps={"a": "x y"}), "topic /a cannot be renamed: '/x y' is no topic name"),
+        (ReplayChoice(remaps={"a": "x y"}), "topic /a cannot be renamed: '/x y' is not a topic name"),
         (ReplayChoice(remaps={"a": "robot/b"}), "topics /a and /robot/b would both be played as /robot/b"),
         (ReplayChoice(start=0.6, end=0.5), "is to go from 0.6 s to 0.5 s, but must begin at 0 s or later"),
         (ReplayChoice(start=-1.0), "must begin at 0 s or later and end after that; the log lasts 1 s"),

@@ -60,12 +60,12 @@ class RosBag(AbstractSignalSource):
 
     def read(self, names: Sequence[str]) -> dict[str, Signal]:
         """Read signals; see `AbstractSignalSource.read`."""
-        wanted: dict[str, list[str]] = {}
+        names_by_topic: dict[str, list[str]] = {}
         for name in names:
-            wanted.setdefault(self._topic_of[name], []).append(name)
-        series = {topic: _TopicSeries(topic, topic_names) for topic, topic_names in wanted.items()}
+            names_by_topic.setdefault(self._topic_of[name], []).append(name)
+        series = {topic: _TopicSeries(topic, topic_names) for topic, topic_names in names_by_topic.items()}
         notes = list(self._bag.warnings)
-        for topic, log_time, payload, decode in self._messages(set(wanted), notes):
+        for topic, log_time, payload, decode in self._messages(set(names_by_topic), notes):
             series[topic].take(log_time, payload, decode)
         times = {topic: topic_series.times() for topic, topic_series in series.items()}
         origin = min(int(time.min()) for time in times.values() if len(time))
