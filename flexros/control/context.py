@@ -1,4 +1,4 @@
-"""The loop that a control law is built for: robot, sample time, and the signals it reads by name."""
+"""The context of a control law: robot, sample time, and the signals of the loop by name."""
 
 from __future__ import annotations
 
@@ -91,10 +91,10 @@ class SignalLayout:
 
 @dataclass(frozen=True, eq=False)
 class LoopContext:
-    """What a control law knows when it is built.
+    """Context from which a control law is built.
 
-    To let laws read a further sensor or reference derivative, add it to `MEASUREMENTS` or `REFERENCES`; laws that do
-    not ask for it stay as they are. The loop must supply it: see `flexros.scenario` and the controller node.
+    To add a sensor or reference derivative, add it to `MEASUREMENTS` or `REFERENCES`; existing laws are unaffected. The
+    loop must supply the signal: see `flexros.scenario` and the controller node.
 
     Attributes:
         robot: The nominal robot: its model, linearisation, equilibria and torque limits.

@@ -38,8 +38,7 @@ class ActuatorLag(AbstractCommandLaw):
     stepwise_states = 2
     signatures: ClassVar[tuple[str, ...]] = ("time_shift", "detection_lines")
     fingerprint: ClassVar[str] = (
-        "prediction errors follow changes of the torque as with a delay, but the response also rolls off at high "
-        "frequencies"
+        "prediction errors follow torque changes as for a delay, but the response also rolls off at high frequencies"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {"time_constant": Range("time", 1e-6, 0.02, starts=6, source="current loops of 0.05 to 2 kHz")}
@@ -53,7 +52,7 @@ class ActuatorLag(AbstractCommandLaw):
         return own[0]
 
     def rates(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:
-        """Let the line rise."""
+        """Return the slope of the line."""
         del values
         return motor.own[2]
 

@@ -50,8 +50,8 @@ class Backlash(AbstractGearLaw):
     )
     signatures: ClassVar[tuple[str, ...]] = ("torsion_over_torque", "detection_lines")
     fingerprint: ClassVar[str] = (
-        "the motor moves alone whenever the transmitted torque changes its sign, then hits the arm and rings; the "
-        "resonance falls at small amplitudes, and a load that keeps one flank in touch makes all of it vanish"
+        "the motor moves alone when the transmitted torque changes its sign, then impacts and rings; the resonance "
+        "frequency falls at small amplitudes, and a load that keeps one flank in contact removes the effect"
     )
 
     gap: float = Field(

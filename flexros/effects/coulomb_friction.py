@@ -32,8 +32,8 @@ class CoulombFriction(AbstractDryFriction):
     size: ClassVar[str] = "level"
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "torque_after_reversal")
     fingerprint: ClassVar[str] = (
-        "a missing torque of constant size against the motion, which changes sign at each reversal, and a motor that "
-        "stops dead there"
+        "a disturbance torque of constant magnitude against the motion, which changes sign at each reversal, and "
+        "sticking of the motor at standstill"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType({"level": Range("torque", 1e-6, 1.0, starts=8)})
 

@@ -18,7 +18,7 @@ class DampingError(AbstractRelativeError):
     stage: ClassVar[Stage] = "gear"
     signatures: ClassVar[tuple[str, ...]] = ("frequency_response", "detection_lines")
     fingerprint: ClassVar[str] = (
-        "vibrations of the joint decay faster or slower, peaks of the response change height, nothing else does"
+        "vibrations of the joint decay faster or slower, and only the height of resonance peaks changes"
     )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:

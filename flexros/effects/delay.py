@@ -30,8 +30,8 @@ class Delay(AbstractChangedValues, AbstractLaw):
     signatures: ClassVar[tuple[str, ...]] = ("time_shift", "detection_lines")
     delays_commands: ClassVar[bool] = True
     fingerprint: ClassVar[str] = (
-        "all onsets come later by the same time: prediction errors follow changes of the torque, the phase falls in "
-        "proportion to the frequency and the magnitude stays"
+        "all responses are late by the same time: prediction errors follow torque changes, the phase falls in "
+        "proportion to frequency and the magnitude is unchanged"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {"time": Range("time", 1e-6, 0.02, starts=8, source="a control stack of 1 to 10 ms")}

@@ -33,7 +33,7 @@ class EncoderEccentricity(AbstractSensor):
     rank: ClassVar[int] = 0
     signatures: ClassVar[tuple[str, ...]] = ("order_spectrum", "torque_over_rotor_angle")
     fingerprint: ClassVar[str] = (
-        "an error of position, not of torque, that repeats with the motor angle, of the same size at all speeds"
+        "an error of position, not of torque, periodic in the motor angle, with the same amplitude at all speeds"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {

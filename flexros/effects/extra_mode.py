@@ -62,8 +62,8 @@ class ExtraMode(AbstractArmLaw):
     )
     signatures: ClassVar[tuple[str, ...]] = ("frequency_response", "detection_lines", "tool_error")
     fingerprint: ClassVar[str] = (
-        "one more pole and zero, at the same frequency in the responses of all joints, without dependence on "
-        "amplitude: a common ringing after every jerk"
+        "an additional pole and zero at the same frequency in the responses of all joints, independent of amplitude: "
+        "a common ringing after every jerk"
     )
 
     frequency: float = Field(10.0, gt=0.0, description="of the mode alone, its ground held still [Hz]")
@@ -75,7 +75,7 @@ class ExtraMode(AbstractArmLaw):
 
     @property
     def neutral(self) -> bool:
-        """Whether the effect is switched off, so that it is left out of the plant."""
+        """Whether the effect is switched off and omitted from the plant."""
         return self.ratio == 0 and self.inertia_ratio == 0
 
     def locations(self, robot: Robot) -> tuple[str, ...]:

@@ -36,7 +36,9 @@ class FrictionDrift(AbstractMotorTorque, AbstractDryFriction):
     smooth_states = 1
     eases = True
     signatures: ClassVar[tuple[str, ...]] = ("friction_over_time", "torque_over_speed")
-    fingerprint: ClassVar[str] = "equal motions late in the log need another torque against the motion than early ones"
+    fingerprint: ClassVar[str] = (
+        "equal motions late in the log have another disturbance torque against the motion than early ones"
+    )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "coulomb": Range("torque", 1e-3, 0.5, starts=1, signed=True),
@@ -51,7 +53,7 @@ class FrictionDrift(AbstractMotorTorque, AbstractDryFriction):
 
     @property
     def neutral(self) -> bool:
-        """Whether neither friction changes."""
+        """Whether both changes are zero."""
         return self.coulomb == 0 and self.viscous == 0
 
     def states_of_time(self, time: float) -> tuple[float, ...]:

@@ -42,8 +42,8 @@ class GravityError(AbstractArmLaw):
     )
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_position", "tool_error")
     fingerprint: ClassVar[str] = (
-        "a torque that depends on the pose alone, by sine and cosine, the same in both directions of motion and "
-        "at every speed; frequency responses do not show it"
+        "a disturbance torque that depends on the pose alone, by sine and cosine, independent of direction and speed; "
+        "not visible in frequency responses"
     )
 
     relative: float = Field(0.0, gt=-1.0, lt=10.0, description="unmodelled share of the body's weight [1]")
@@ -51,7 +51,7 @@ class GravityError(AbstractArmLaw):
 
     @property
     def neutral(self) -> bool:
-        """Whether the effect is switched off, so that it is left out of the plant."""
+        """Whether the effect is switched off and omitted from the plant."""
         return self.relative == 0 and self.moment == 0
 
     def locations(self, robot: Robot) -> tuple[str, ...]:

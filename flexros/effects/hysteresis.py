@@ -55,8 +55,8 @@ class Hysteresis(AbstractGearLaw):
     )
     signatures: ClassVar[tuple[str, ...]] = ("torsion_over_torque", "detection_lines")
     fingerprint: ClassVar[str] = (
-        "a closed loop in torque over twist at every turn, the same at every speed: a loss factor that is "
-        "constant over frequency, more stiffness in small motion than in large; no impacts, and no vanishing "
+        "a closed loop of torque over twist at every reversal, independent of speed: a loss factor that is "
+        "constant over frequency, higher stiffness in small motion than in large; no impacts, and no decrease "
         "under load"
     )
 

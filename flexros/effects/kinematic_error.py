@@ -42,8 +42,7 @@ class KinematicError(AbstractToolError):
     )
     signatures: ClassVar[tuple[str, ...]] = ("tool_error",)
     fingerprint: ClassVar[str] = (
-        "the tool is off by an amount that depends on the pose alone, while all motors and torques are as the "
-        "model says"
+        "a tool error that depends on the pose alone, while all motor positions and torques are as the model says"
     )
 
     length: float = Field(0.0, description="additional length of the body [m]")
@@ -51,7 +50,7 @@ class KinematicError(AbstractToolError):
 
     @property
     def neutral(self) -> bool:
-        """Whether the effect is switched off, so that it is left out of the plant."""
+        """Whether the effect is switched off and omitted from the plant."""
         return self.length == 0 and self.angle == 0
 
     def locations(self, robot: Robot) -> tuple[str, ...]:

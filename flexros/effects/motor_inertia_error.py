@@ -18,7 +18,7 @@ class MotorInertiaError(AbstractRelativeError):
     stage: ClassVar[Stage] = "actuator"
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_acceleration", "frequency_response")
     fingerprint: ClassVar[str] = (
-        "the missing torque follows the acceleration of the motor alone, also above the resonance of the joint"
+        "the disturbance torque is proportional to the acceleration of the motor, also above the resonance of the joint"
     )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:

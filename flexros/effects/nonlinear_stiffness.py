@@ -77,8 +77,8 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         "detection_lines",
     )
     fingerprint: ClassVar[str] = (
-        "resonance and antiresonance move with amplitude and with static load, while no energy is lost; odd "
-        "harmonics, even ones too under a load"
+        "resonance and antiresonance shift with amplitude and static load, without loss of energy; odd "
+        "harmonics, under load also even ones"
     )
 
     relative: float = Field(0.0, gt=-1.0, le=100.0, description="change of stiffness beyond the knee [1]; > 0 hardens")
@@ -91,7 +91,7 @@ class NonlinearStiffness(AbstractModelChange, AbstractGearLaw):
         if (self.relative != 0 or self.knee * self.knee_torque > 0) and (self.knee > 0) == (self.knee_torque > 0):
             raise ValueError(
                 f"knee is {self.knee:g} and knee_torque {self.knee_torque:g}, but one of the two must be above zero "
-                "and the other left out: give knee=... [rad or m] or knee_torque=... [Nm or N]"
+                "and the other omitted: give knee=... [rad or m] or knee_torque=... [Nm or N]"
             )
         return self
 
@@ -181,7 +181,7 @@ def _torque(law: PiecewiseLinear, deflection: float) -> float:
 
 
 def _deflection(law: PiecewiseLinear, torque: float, source: str) -> float:
-    """Find the deflection at which a law reaches a torque."""
+    """Return the deflection at which a law reaches a torque."""
     begins, reached = (0.0, *law.knots), 0.0
     for begin, end, slope in zip(begins, (*law.knots, float("inf")), law.slopes):
         if slope > 0 and reached + slope * (end - begin) >= torque:

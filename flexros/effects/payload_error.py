@@ -23,7 +23,7 @@ class PayloadError(AbstractRelativeError):
         "tool_error",
     )
     fingerprint: ClassVar[str] = (
-        "the missing torque follows the acceleration of the tool in all joints, and its weight where there is gravity"
+        "a disturbance torque in all joints that follows the acceleration of the tool, and its weight under gravity"
     )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:

@@ -38,7 +38,7 @@ class PreslidingFriction(AbstractBristleFriction):
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "torque_after_reversal", "detection_lines")
     fingerprint: ClassVar[str] = (
         "friction torque that builds up over a small angle after each reversal, with a loop of torque over angle, and "
-        "a motor that creeps like on a spring below break-away"
+        "motion as on a spring below break-away"
     )
     extends: ClassVar[Mapping[str, Mapping[str, str]]] = MappingProxyType(
         {

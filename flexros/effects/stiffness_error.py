@@ -18,11 +18,11 @@ class StiffnessError(AbstractRelativeError):
     stage: ClassVar[Stage] = "gear"
     signatures: ClassVar[tuple[str, ...]] = ("torsion_over_torque", "frequency_response", "detection_lines")
     fingerprint: ClassVar[str] = (
-        "antiresonance and resonance of the joint are both shifted, the response at low frequencies stays"
+        "antiresonance and resonance of the joint both shift, the response at low frequencies is unchanged"
     )
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the springs."""
+        """Return the springs."""
         return tuple(name for name in robot.arm_names if f"{name}.stiffness" in robot.parameters)
 
     def scaled(self, robot: Robot, location: str) -> tuple[str, ...]:

@@ -46,7 +46,7 @@ class StribeckFriction(AbstractDryFriction):
     size: ClassVar[str] = "extra"
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed",)
     fingerprint: ClassVar[str] = (
-        "friction torque against the motion at low speed only, most of it at standstill: stick and slip in slow motion"
+        "friction torque against the motion at low speed only, largest at standstill: stick-slip in slow motion"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {

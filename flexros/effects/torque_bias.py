@@ -27,7 +27,7 @@ class TorqueBias(AbstractMotorTorque):
     signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "torque_over_speed", "torque_over_position")
     plain: ClassVar[bool] = True
     fingerprint: ClassVar[str] = (
-        "the missing torque has a mean that depends neither on direction nor on position, also at standstill"
+        "a constant disturbance torque, independent of direction and position, also at standstill"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {"level": Range("torque", 1e-3, 1.0, starts=2, signed=True)}

@@ -28,7 +28,7 @@ class TorqueGainError(AbstractCommandLaw):
     rank: ClassVar[int] = 1
     signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "torque_over_acceleration", "frequency_response")
     fingerprint: ClassVar[str] = (
-        "the missing torque is proportional to the commanded one at all speeds, accelerations and positions"
+        "a disturbance torque proportional to the command at all speeds, accelerations and positions"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {"relative": Range("relative", 0.003, 0.9, starts=2, signed=True, source="torque constants drop by 10 % hot")}

@@ -36,8 +36,8 @@ class TorqueRipple(AbstractMotorTorque):
         HarmonicEntry("proportional torque", (("proportional", True),), largest=0.99),  # such ripples are below 1
     )
     fingerprint: ClassVar[str] = (
-        "a missing torque that repeats with the motor angle, of the same size at all speeds, or in proportion to the "
-        "torque where it is a ripple of the winding"
+        "a disturbance torque periodic in the motor angle, with the same amplitude at all speeds, or proportional to "
+        "the torque for winding ripple"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {

@@ -34,7 +34,7 @@ class TorqueSaturation(AbstractCommandLaw):
     signatures: ClassVar[tuple[str, ...]] = ("effective_torque", "detection_lines")
     cuts_off: ClassVar[bool] = True
     fingerprint: ClassVar[str] = (
-        "nothing is missing below a level of the command, and whatever is commanded above it is missing"
+        "no disturbance torque up to a level of the command, and beyond it the excess of the command over that level"
     )
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {"limit": Range("torque", 0.1, 1.0, starts=(0.15, 0.3, 0.5, 0.7, 0.85, 0.95, 0.98, 0.995))}

@@ -50,8 +50,8 @@ class TransmissionError(AbstractGearLaw):
     )
     signatures: ClassVar[tuple[str, ...]] = ("order_spectrum", "torque_over_rotor_angle")
     fingerprint: ClassVar[str] = (
-        "periodic in the angle of the rotor with an amplitude that is constant as an angle, not as a torque: "
-        "hardly seen in slow motion, large where order times rotor speed meets a resonance"
+        "a deflection periodic in the rotor angle, with a constant amplitude as an angle, not as a torque: hardly "
+        "visible in slow motion, large where order times rotor speed equals a resonance frequency"
     )
 
     amplitude: float = Field(0.0, ge=0.0, description="of the deflection, in the coordinate of the gear [rad or m]")

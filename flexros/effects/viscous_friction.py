@@ -30,7 +30,7 @@ class ViscousFriction(AbstractMotorTorque):
     stage: ClassVar[Stage] = "motor friction"
     size: ClassVar[str] = "coefficient"
     signatures: ClassVar[tuple[str, ...]] = ("torque_over_speed", "frequency_response")
-    fingerprint: ClassVar[str] = "a missing torque against the motion in proportion to the speed of the motor"
+    fingerprint: ClassVar[str] = "a disturbance torque against the motion, proportional to the speed of the motor"
     ranges: ClassVar[Mapping[str, Range]] = MappingProxyType(
         {
             "coefficient": Range("torque/speed", 1e-6, 1.0, starts=5),
@@ -43,7 +43,7 @@ class ViscousFriction(AbstractMotorTorque):
 
     @property
     def neutral(self) -> bool:
-        """Whether the friction is the nominal one."""
+        """Whether the friction is nominal."""
         return self.coefficient == 0 and self.asymmetry == 0
 
     def added(self, motor: MotorState, values: Mapping[str, Value]) -> ca.SX:

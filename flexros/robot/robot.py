@@ -131,7 +131,7 @@ class Robot:
 
     @property
     def controlled(self) -> str:
-        """Name of the output that trajectories refer to by default."""
+        """Name of the default output of trajectories."""
         return self.spec.controlled
 
     @property

@@ -167,7 +167,7 @@ class Experiment:
 
     @cached_property
     def loop_context(self) -> LoopContext:
-        """What the control law is built for: the nominal robot, never the simulated one."""
+        """Context of the control law: the nominal robot, not the simulated one."""
         return LoopContext(self.nominal, self.sample_time)
 
     @cached_property

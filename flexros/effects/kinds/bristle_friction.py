@@ -56,7 +56,7 @@ class AbstractBristleFriction(AbstractMotorLaw):
     stepwise_states = 2
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the motors."""
+        """Return the motors."""
         return robot.joint_names
 
     @abstractmethod

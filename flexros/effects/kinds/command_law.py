@@ -35,7 +35,7 @@ class AbstractCommandLaw(AbstractMotorLaw):
     filter for a fractional delay is valid only for torques that are not clipped after it."""
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the motors."""
+        """Return the motors."""
         return robot.joint_names
 
     @abstractmethod

@@ -64,7 +64,7 @@ class AbstractDryFriction(AbstractMotorLaw):
     """Whether its levels may be negative, which reduces the other dry frictions of the motor, at most to zero."""
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the motors."""
+        """Return the motors."""
         return robot.joint_names
 
     @abstractmethod

@@ -85,7 +85,7 @@ class AbstractGearLaw(AbstractLaw):
     """Whether its own states are deflections, which a predictor corrects together with motor and arm."""
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the motors behind flexible gears."""
+        """Return the motors behind flexible gears."""
         return tuple(robot.joint_names[motor] for motor in robot.flexible_motors)
 
     @abstractmethod

@@ -23,11 +23,11 @@ class AbstractLaw(AbstractEffect):
     stepwise_states: ClassVar[int] = 0
     """Number of own states that are updated between the integration steps."""
     as_noise: ClassVar[bool] = False
-    """Whether a predictor counts it as measurement noise of at most `noise`, and leaves it out of the plant."""
+    """Whether a predictor treats it as measurement noise of at most `noise`, and omits it from the plant."""
 
     @property
     def neutral(self) -> bool:
-        """Whether the effect is switched off, so that it is left out of the plant."""
+        """Whether the effect is switched off and omitted from the plant."""
         return bool(getattr(self, self.size) == 0)
 
     @property

@@ -55,7 +55,7 @@ class AbstractMotorTorque(AbstractMotorLaw):
     """
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the motors."""
+        """Return the motors."""
         return robot.joint_names
 
     @abstractmethod

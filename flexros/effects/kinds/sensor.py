@@ -26,7 +26,7 @@ class AbstractSensor(AbstractMotorLaw):
     """Order between motor and log: periodic errors 0, quantization 1."""
 
     def locations(self, robot: Robot) -> tuple[str, ...]:
-        """List the motors."""
+        """Return the motors."""
         return robot.joint_names
 
     @abstractmethod

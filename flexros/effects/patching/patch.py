@@ -85,7 +85,7 @@ class Patch(Settings):
 
     robot: str = Field(description="built-in robot, or path of a robot file or of another patch, relative to this file")
     robot_hash: str = Field(
-        default="", description="fingerprint of that robot when the patch was made; not checked when left out"
+        default="", description="fingerprint of that robot when the patch was made; default: not checked"
     )
     source: str = Field(default="", description="origin of the patch")
     effects: tuple[PatchedEffect, ...] = Field(description="effects, in the order in which they are applied")

@@ -265,7 +265,7 @@ def _numbers(values: FloatArray) -> CommentedSeq:
 def _text(name: str, source: str, bodies: CommentedSeq, outputs: list[str], base: FloatArray) -> str:
     data: Any = CommentedMap()
     data["name"] = name
-    data["description"] = f"Skeleton made from {source}; the first joint lies at {base.tolist()} m of the URDF's base."
+    data["description"] = f"Skeleton made from {source}; the first joint is at {base.tolist()} m in the URDF's base."
     data["defaults"] = CommentedMap({"source": source, "tolerance": 0.03})
     data["gravity"] = _numbers(np.array([0, 0, -9.81]))
     data["bodies"] = bodies
