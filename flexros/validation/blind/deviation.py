@@ -1,4 +1,4 @@
-"""What is hidden in a log: an effect, or something outside the library, at a place."""
+"""A hidden deviation: an effect of the library or another cause, at a location."""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ class Drawn:
 
 
 def make_case(case: Case, settings: MakeSettings, logs: Path, truths: Path) -> None:
-    """Make the logs of a case and seal its truth; a case that is there already is left as it is.
+    """Make the logs of a case and seal its truth; a case that exists is kept.
 
     Args:
         case: The case.
@@ -181,7 +181,7 @@ def _random(case: Case, settings: MakeSettings, attempt: int, part: int) -> np.r
 
 
 def _fresh(folder: Path) -> Path:
-    """Remove what a make that broke off has left of a log."""
+    """Remove what an aborted run left of a log."""
     import shutil
 
     if folder.exists():

@@ -39,12 +39,12 @@ CONFUSED = (
     {"delay", "actuator_lag"},
     {"backlash", "hysteresis", "nonlinear_stiffness", "stiffness_error"},
 )
-"""Effects of which no two are hidden at one place, because they would stand for each other."""
+"""Effects of which no two are hidden together, because they would explain each other."""
 
 
 @dataclass(frozen=True)
 class PlanSettings:
-    """How many cases there are.
+    """Numbers and shares of the cases.
 
     Attributes:
         robots: Share of each robot in the cases, by its name.
@@ -168,7 +168,7 @@ def _case(draft: tuple[Kind, tuple[str, ...], Size], deck: _Deck, random: np.ran
 
 
 def _pair(possible: Sequence[str], random: np.random.Generator) -> tuple[str, str]:
-    """Draw two effects of the library that do not stand for each other."""
+    """Draw two effects of the library that do not explain each other."""
     rare = {"gravity_error", "kinematic_error", "extra_mode", "friction_drift"}
     names = [name for name in possible if name in LIBRARY_LAWS and name not in rare]
     while True:

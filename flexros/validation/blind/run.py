@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 FAILURE_FILE, TIME_FILE, PATCH_FILE = "failure.txt", "seconds.txt", "patch.yaml"
-"""Files of a case: why there is no diagnosis; how long it took [s]; the patch that it gives."""
+"""Files of a case: reason of a missing diagnosis; computing time [s]; patch of the diagnosis."""
 
 
 def case_folders(logs: Path) -> tuple[Path, ...]:
@@ -57,16 +57,16 @@ def failures(logs: Path) -> dict[str, str]:
 
 
 def diagnose_case(folder: Path, keep_logs: bool = True) -> None:
-    """Diagnose a case and write the result beside its logs.
+    """Diagnose a case and write the result to its folder.
 
-    A log that the diagnosis refuses is a result as well, and so is a fault of it: the text is kept, the others go on.
+    A refused log or an error of the diagnosis is a result as well: its text is kept, and the other cases continue.
 
     Args:
         folder: Folder of the case.
         keep_logs: Whether its logs stay; they can be made again from the seed.
     """
     case = read_case(folder)
-    started = time.perf_counter()  # told beside the result, which does not depend on it
+    started = time.perf_counter()  # reported with the result, which does not depend on it
     try:
         result = diagnosed(folder, case)
         text = json_text(result.diagnosis.model_dump(mode="json", by_alias=True))

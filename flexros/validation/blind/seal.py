@@ -1,4 +1,4 @@
-"""Sealed truth: what is hidden in a log, apart from it, with a hash beside the log that keeps it from being changed."""
+"""Sealed truth of a case: kept apart from its logs, whose folder holds its hash, so that it cannot be changed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CASE_FILE, ROBOT_FILE, DIAGNOSIS_FILE = "case.json", "robot.yaml", "diagnosis.js
 
 
 class OpenCase(Settings):
-    """What a diagnosis may know of a case; `case.json`."""
+    """The open part of a case, known to the diagnosis; `case.json`."""
 
     name: str = Field(description="name of the case")
     robot: str = Field(description="name of the robot")
@@ -31,7 +31,7 @@ class OpenCase(Settings):
 
 
 class Truth(Settings):
-    """What is hidden in a case."""
+    """The hidden part of a case."""
 
     name: str = Field(description="name of the case")
     kind: str = Field(description="single, null, unknown or pair")
@@ -113,7 +113,7 @@ def read_truth(case: OpenCase, folder: Path, robot: bytes) -> Truth:
         )
     if sha256(robot) != truth.robot_sha256:
         raise InputError(
-            f"the file {ROBOT_FILE} beside the logs of {case.name} is not the one that was sealed; make the case again"
+            f"the file {ROBOT_FILE} in the folder of {case.name} is not the one that was sealed; make the case again"
         )
     return truth
 

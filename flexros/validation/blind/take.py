@@ -24,7 +24,7 @@ PROVENANCE = {"scenario": {"name": "blind"}}
 
 @dataclass(frozen=True, eq=False)
 class Take:
-    """What was recorded.
+    """A recording.
 
     Attributes:
         names: Names of the motors.
@@ -45,7 +45,7 @@ class Take:
     tool: FloatArray | None
 
     def log(self) -> Log:
-        """Put the record into a log; references and tool poses come every 4 ms."""
+        """Convert the record to a log; references and tool poses have a period of 4 ms."""
         m, seldom = len(self.names), slice(None, None, round(TOOL_STEP / self.sample_time))
         even = stamps_ns(len(self.encoder), self.sample_time)[seldom]
         wanted = self.reference[seldom]

@@ -1,4 +1,4 @@
-"""What a campaign is, and how one is found by its name."""
+"""The contract of a campaign, and the campaigns by name."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 
 
 def tell_nobody(what: str, done: int, whole: int) -> None:
-    """Take news of progress and do nothing with it."""
+    """Ignore a report of progress."""
 
 
 @dataclass(frozen=True, eq=False)
 class CampaignRequest:
-    """How a campaign is to be run.
+    """Request to run a campaign.
 
     Attributes:
         work: Folder of this campaign alone, which exists: finished parts are kept here, and a campaign that is started
-            again goes on from them.
+            again continues from them.
         client: Dask client to whose workers the parts are submitted.
-        repetitions: How often to repeat, or how many starts; None for the campaign's own number.
-        progress: Called with what is being done, how much of it is done, and how much there is.
+        repetitions: Number of repetitions, initial values or cases; None for the default of the campaign.
+        progress: Called with the current step, the amount done and the amount in all.
     """
 
     work: Path
@@ -41,7 +41,7 @@ class CampaignRequest:
 
 @dataclass(frozen=True, eq=False)
 class CampaignResult:
-    """What a campaign found.
+    """Result of a campaign.
 
     Attributes:
         files: Text by file name: the page of results and whatever belongs beside it.
@@ -62,8 +62,8 @@ class AbstractCampaign(ABC):
 
     1. `name`, a class variable: the name by which the command line chooses it.
     2. `question`, a class variable: what it answers, one sentence.
-    3. `run`: computes the result; it keeps finished parts in the folder it is given, so that a campaign that was
-       broken off goes on (`parts.finished_parts` does so), and is a function of its request alone.
+    3. `run`: computes the result; it keeps finished parts in the folder it is given, so that an aborted
+       campaign continues (`parts.finished_parts` does so), and is a function of its request alone.
 
     Robots, experiments and estimators belong into their own rooms; the folder holds what the question adds to them.
     """

@@ -27,7 +27,7 @@ SETTINGS = "settings.json"
 
 
 def claim_folder(folder: Path, settings: Mapping[str, Any]) -> None:
-    """Make sure that the parts in a folder belong to these settings.
+    """Check that the parts in a folder belong to these settings.
 
     Args:
         folder: The folder, which exists; an empty one is claimed.
@@ -60,7 +60,7 @@ def finished_parts(
     progress: Callable[[int], None],
     shared: tuple[Any, ...] = (),
 ) -> dict[str, dict[str, Any]]:
-    """Compute the parts that are not there yet, and give all.
+    """Compute the missing parts and return all.
 
     Args:
         folder: Where parts are kept, one JSON file each; written as soon as a part is finished.
@@ -85,10 +85,10 @@ def finished_parts(
 
 
 def versions_of(parts: Iterable[Mapping[str, Any]]) -> dict[str, str]:
-    """Name the versions of packages, and of the code of every part.
+    """Return the versions of packages, and of the code of every part.
 
     Args:
-        parts: Results of parts; a campaign that went on after a change holds those of several versions.
+        parts: Results of parts; a campaign that continued after a change has several versions.
     """
     counted = Counter(str(part.get(CODE, "unknown")) for part in parts)
     code = ", ".join(f"{name} ({number} parts)" for name, number in sorted(counted.items()))

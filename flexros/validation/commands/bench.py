@@ -1,4 +1,4 @@
-"""Command that measures speed, each figure beside a peer in the same run."""
+"""Command that measures speed, each figure compared with a peer in the same run."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 FOLDER = Path(__file__).resolve().parents[3] / "tests" / "bench"
-"""Benchmarks lie with the tests, because their peers are test dependencies."""
+"""Benchmarks are part of the tests, because their peers are test dependencies."""
 
 PACKAGES = (*NUMERIC_PACKAGES, "mujoco", "pin", "ros-jazzy-rclpy", "rclpy")
-"""Packages whose versions are told beside the results: ours, the peers, and ROS from either source."""
+"""Packages whose versions are reported with the results: ours, the peers, and ROS from either source."""
 
 
 def bench(
@@ -32,7 +32,7 @@ def bench(
     out: Path = typer.Option(None, "--out", help="Write the rows with machine and versions to this .json or .md file."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
 ) -> None:
-    """Measure speed beside peers (MuJoCo, SciPy, CasADi) in the same run; needs a checkout and the extra 'test'."""
+    """Measure speed against peers (MuJoCo, SciPy, CasADi) in the same run; needs a checkout and the extra 'test'."""
     available = {path.stem.removeprefix("bench_"): path for path in sorted(FOLDER.glob("bench_*.py"))}
     if not available:
         raise InputError("benchmarks belong to a checkout of FlexROS; clone it and run `make bench` there")

@@ -31,13 +31,13 @@ def make(
     duration: float = typer.Option(40.0, "--duration", min=4.0, help="Length of a log to fit [s]; others have half."),
     scheduler: str = typer.Option("", "--scheduler", help=SCHEDULER),
 ) -> None:
-    """Draw cases, write their logs, and seal their truths; cases that are there already are kept."""
+    """Draw cases, write their logs, and seal their truths; existing cases are kept."""
     from flexros.random_streams import Stream
     from flexros.validation.blind.make import MakeSettings, make_case
     from flexros.validation.blind.plan import PlanSettings, plan_cases
 
     if out.resolve() == truth.resolve() or out.resolve() in truth.resolve().parents:
-        raise InputError(f"--truth is '{truth}', which lies in the folder of the logs '{out}'; give one apart from it")
+        raise InputError(f"--truth is '{truth}', which is in the folder of the logs '{out}'; give one apart from it")
     if seed < 0:
         raise InputError(f"--seed is {seed}, allowed are 0 and above; give another one")
     stream = Stream.BLIND_DEVELOPMENT if development else Stream.BLIND_EVALUATION
@@ -72,7 +72,7 @@ def run(
 
 
 def score(
-    logs: Path = typer.Argument(help="Folder of the logs, with the diagnoses beside them."),
+    logs: Path = typer.Argument(help="Folder of the logs and their diagnoses."),
     truth: Path = typer.Option(..., "--truth", help="Folder of the sealed truths."),
     oracle: bool = typer.Option(
         False, "--oracle", help="Fit the true effect, and try the patches on third logs, where the logs were kept."

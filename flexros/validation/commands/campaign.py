@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from flexros.validation.campaigns.base import CampaignResult
 
 WORK = "campaign_work"
-"""Folder of finished parts, beside the results, unless told otherwise."""
+"""Default folder of finished parts, in the folder of the results."""
 
 
 def campaign(
     name: list[str] = typer.Argument(None, help="Campaigns to run, e.g. coverage; default: all."),
     out: Path = typer.Option(..., "--out", help="Folder of the pages of results, e.g. docs/results."),
-    repetitions: int = typer.Option(0, "--repetitions", help="How often to repeat; default: as each campaign says."),
+    repetitions: int = typer.Option(0, "--repetitions", help="Number of repetitions; default: that of each campaign."),
     work: Path = typer.Option(
-        None, "--work", help="Folder of finished parts, from which a campaign goes on; default: OUT/campaign_work."
+        None, "--work", help="Folder of finished parts, from which a campaign continues; default: OUT/campaign_work."
     ),
     scheduler: str = typer.Option("", "--scheduler", help="Address of a Dask scheduler; default: in this process."),
     as_json: bool = typer.Option(False, "--json", help="Print JSON."),
@@ -36,21 +36,21 @@ def campaign(
     from flexros.scheduler import connected
     from flexros.validation.campaigns.base import campaign_named, campaigns
 
-    chosen = [campaign_named(one, "the command line") for one in name or campaigns()]
+    chosen = [campaign_named(wanted, "the command line") for wanted in name or campaigns()]
     if repetitions < 0:
         raise InputError(f"--repetitions is {repetitions}, but must be 1 or more; leave it out for the usual number")
     _make(out)
     records = {}
     with connected(scheduler) as client:
-        for one in chosen:
-            folder = (work or out / WORK) / one.name
+        for each in chosen:
+            folder = (work or out / WORK) / each.name
             _make(folder)
             if not as_json:
-                say(f"{one.name}: {one.question}")
-            result = _run(one.run, folder, client, repetitions)
+                say(f"{each.name}: {each.question}")
+            result = _run(each.run, folder, client, repetitions)
             for file, text in result.files.items():
-                write_result(out / file, text, f"result of campaign {one.name}")
-            records[one.name] = dict(result.record)
+                write_result(out / file, text, f"result of campaign {each.name}")
+            records[each.name] = dict(result.record)
             if not as_json:
                 for sentence in result.summary:
                     say(sentence)

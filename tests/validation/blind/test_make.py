@@ -163,7 +163,7 @@ def test_changed_nominal_model_is_refused(made: Path, tmp_path: Path) -> None:
     diagnose_case(folder / "logs" / "case_0000")
     robot = folder / "logs" / "case_0000" / "robot.yaml"
     robot.write_text(robot.read_text() + "\n")
-    with pytest.raises(InputError, match=r"robot.yaml beside the logs of case_0000 is not the one that was sealed"):
+    with pytest.raises(InputError, match=r"robot.yaml in the folder of case_0000 is not the one that was sealed"):
         read_answers(folder / "logs", folder / "truth")
 
 

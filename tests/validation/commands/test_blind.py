@@ -45,7 +45,7 @@ def test_make_run_and_score(flexros: Callable[..., Ended], tmp_path: Path, monke
 def test_truths_within_the_logs_are_refused(flexros: Callable[..., Ended], tmp_path: Path) -> None:
     ended = flexros("blind", "make", "--out", str(tmp_path), "--truth", str(tmp_path / "truth"), "--seed", "1")
     assert ended.code == 2
-    assert "lies in the folder of the logs" in ended.err
+    assert "is in the folder of the logs" in ended.err
 
 
 def test_negative_seed_is_refused(flexros: Callable[..., Ended], tmp_path: Path) -> None:

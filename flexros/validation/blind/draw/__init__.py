@@ -1,1 +1,1 @@
-"""What a blind case consists of: deviations, sizes, references, controllers, conditions."""
+"""Draws of a blind case: deviations, sizes, references, controllers, conditions."""

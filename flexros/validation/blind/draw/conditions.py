@@ -1,4 +1,4 @@
-"""What else differs between logs: noise, clocks, the tracker of the tool, and how well the robot is known."""
+"""Conditions of a log: noise, clocks, tool tracker, and errors of the nominal model."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ FARTHEST = 2.5
 
 @dataclass(frozen=True)
 class Conditions:
-    """Conditions under which a log is taken.
+    """Conditions of a recording.
 
     Attributes:
         colour: Coefficient of the first-order autoregression of the encoder noise; 0 for white noise.
@@ -90,7 +90,7 @@ def encoder_noise(rms: FloatArray, n: int, colour: float, random: np.random.Gene
 
 
 def tolerances(robot: Robot, nuisance: str) -> dict[str, float]:
-    """List the numbers of a robot that are known within a tolerance.
+    """List the parameters of a robot that are known within a tolerance.
 
     Args:
         robot: The robot.
@@ -111,7 +111,7 @@ def tolerances(robot: Robot, nuisance: str) -> dict[str, float]:
 
 
 def believed_values(robot: Robot, nuisance: str, random: np.random.Generator) -> dict[str, IdentifiedValue]:
-    """Draw the numbers of the nominal model: wrong by a factor within the tolerance that it declares.
+    """Draw the parameters of the nominal model: wrong by a factor within its declared tolerance.
 
     Args:
         robot: The true robot.
@@ -153,7 +153,7 @@ class Tracker:
 
     @classmethod
     def draw(cls, robot: Robot, random: np.random.Generator) -> Tracker:
-        """Draw a tracker beside a robot."""
+        """Draw the pose of a tracker next to a robot."""
         target = np.zeros(3) if robot.spec.tool.linear else random.uniform(-0.02, 0.02, 3)
         return cls(Rotation.random(random_state=random), random.uniform(-2.0, 2.0, 3), target, robot.tool_noise)
 

@@ -1,4 +1,4 @@
-"""Drawing deviations: place, shape, and how their size is varied."""
+"""Drawing deviations: location, shape, and the parameter that sets their size."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ Drawer: TypeAlias = Callable[["Site", np.random.Generator], tuple[Callable[[floa
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """A place of a robot and the scales there.
+    """A location on a robot and its scales.
 
     Attributes:
         scales: Scales of the robot's motion.
@@ -112,7 +112,7 @@ def site(scales: Scales, location: str) -> Site:
 def draft(
     drawers: Mapping[str, Drawer], effect: str, scales: Scales, location: str, random: np.random.Generator
 ) -> Draft:
-    """Draw an effect at a place.
+    """Draw an effect at a location.
 
     Args:
         drawers: How effects are drawn, by name.

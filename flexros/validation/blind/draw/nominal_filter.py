@@ -144,7 +144,7 @@ class NominalFilter:
 
 
 def _gain(robot: Robot, sample_time: float) -> tuple[FloatArray, FloatArray]:
-    """Give gain of the correction, shape (2 n, M), and the matrix that makes innovations white, shape (M, M)."""
+    """Return the gain of the correction, shape (2 n, M), and the matrix that makes innovations white, shape (M, M)."""
     linear = linear_model(robot)
     A = np.asarray(linear.matrices()[0])
     n, noise = robot.n_coordinates, robot.encoder_noise

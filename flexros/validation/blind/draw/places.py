@@ -1,4 +1,4 @@
-"""Where deviations can sit on a robot."""
+"""Possible locations of deviations on a robot."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _TOOL = ("payload_error", "tool_pushes", "rotating_imbalance")
 
 
 def places_of(effect: str, robot: Robot) -> tuple[str, ...]:
-    """List the places of a robot where a deviation can sit.
+    """List the possible locations of a deviation on a robot.
 
     Args:
         effect: Its name.

@@ -55,7 +55,7 @@ def room_of(robot: Robot) -> Room:
 
 
 def rigid_inertia(robot: Robot) -> FloatArray:
-    """Return the inertia that each motor moves at home while the others stand and nothing bends [kg m2], shape (M,)."""
+    """Return the inertia of each motor at home, the others at rest and all springs rigid [kg m2], shape (M,)."""
     q = robot.equilibrium(robot.home)[: robot.n_coordinates]
     mass = np.asarray(robot.model.mass_matrix(q, robot.model.parameter_values))
     shape = np.zeros((robot.n_coordinates, robot.n_motors))
@@ -105,7 +105,7 @@ def _slow(room: Room, start: FloatArray, step: float, random: np.random.Generato
 
 
 def _move(room: Room, start: FloatArray, step: float, random: np.random.Generator) -> FloatArray:
-    """Go to another place on a polynomial of 5th degree, fast or at leisure."""
+    """Move to another position on a polynomial of 5th degree, fast or slowly."""
     goal = room.middle + room.reach * random.uniform(-1.0, 1.0, len(start))
     acceleration = room.acceleration * random.choice([1.0, 0.3], p=[0.7, 0.3])
     duration = float(np.sqrt(np.max(5.78 * np.abs(goal - start) / acceleration)))
@@ -114,7 +114,7 @@ def _move(room: Room, start: FloatArray, step: float, random: np.random.Generato
 
 
 def _multisine(room: Room, start: FloatArray, step: float, random: np.random.Generator) -> FloatArray:
-    """Odd random-phase multisine of flat acceleration, two periods, around the present place."""
+    """Odd random-phase multisine of flat acceleration, two periods, around the present position."""
     period, high = 2.0, random.uniform(25.0, 60.0)
     lines = np.arange(3, round(high * period), 2)
     time = np.arange(1, round(2 * period / step) + 1) * step

@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 SETTLE = 1.0
 """Time at rest before a log [s] (chosen)."""
 NEAR = 1.25
-"""Factor by which the gain may miss what was asked for (chosen)."""
+"""Factor by which the gain may differ from its target (chosen)."""
 TRIALS = 12
 """Trials of a size (chosen)."""
 STEEPEST, FLATTEST = 6.0, 0.7
-"""Bounds of the exponent with which the gain is taken to grow with the size; a small deviation has 2."""
+"""Bounds of the assumed exponent of the gain over the size; a small deviation has 2."""
 TOOL_STEP = 4e-3
 """Time between two poses of the tool [s]."""
 
@@ -100,7 +100,7 @@ def changed_numbers(deviation: Deviation, robot: Robot) -> dict[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class Sized:
-    """A deviation of a size that was found."""
+    """A deviation with its size."""
 
     deviation: Deviation
     gain: float

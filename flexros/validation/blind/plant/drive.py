@@ -1,4 +1,4 @@
-"""Drives and encoders of blind plants: what lies between the controller and the motor, and back."""
+"""Drives and encoders of blind plants: the path from controller to motor and back."""
 
 from __future__ import annotations
 
@@ -76,6 +76,6 @@ def eccentricity(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
 
 
 def _read(plant: Equations, motor: int, reading: Callable[..., ca.SX], first: bool = False) -> None:
-    """Add a reading; steps come last, because an encoder's error lies before its counting."""
+    """Add an encoder reading; quantisation is last, since the error of an encoder acts before its counting."""
     readings = plant.readings.setdefault(motor, [])
     readings.insert(0 if first else len(readings), reading)

@@ -106,7 +106,7 @@ class Equations:
         return (self.robot.joint_names.index(location),)
 
     def place(self, motor: int) -> int:
-        """Return the place of a motor's position among the coordinates."""
+        """Return the index of a motor's position among the coordinates."""
         return self.robot.motor_rows[motor]
 
     def angle(self, motor: int) -> ca.SX:
@@ -150,7 +150,7 @@ class Equations:
         return spring.force(angle, self.number(joint, "stiffness"))
 
     def number(self, joint: int, kind: str) -> ca.SX:
-        """Give stiffness or damping of a joint with its factor."""
+        """Return stiffness or damping of a joint with its factor."""
         name = f"{self.robot.joints[joint].name}.{kind}"
         return self.robot.parameters[name].value * self.factors.get(name, ca.SX(1))
 

@@ -11,7 +11,7 @@ from flexros.validation.blind.plant import drive, friction, gear, outside
 from flexros.validation.blind.plant.equations import Equations
 
 Law: TypeAlias = Callable[[Equations, str, Mapping[str, ca.SX]], None]
-"""Puts a deviation at a location, with its numbers as symbols, into the equations of a plant."""
+"""Adds a deviation at a location, with symbolic parameters, to the equations of a plant."""
 
 
 def no_equation(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
@@ -57,7 +57,7 @@ OUTSIDE_LAWS: Mapping[str, Law] = {
     "periodic_disturbance": outside.periodic_disturbance,
     "lost_commands": outside.lost_commands,
 }
-"""Causes that no effect of the library stands for."""
+"""Causes outside the effects library."""
 
 LAWS: Mapping[str, Law] = {**LIBRARY_LAWS, **OUTSIDE_LAWS}
 """Both together."""

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class MultirateLoop:
-    """What the controller at the fine rate is made of.
+    """Parts of the controller at the fine rate.
 
     Attributes:
         law: Update (c, r, y, g) -> (u, c_next) of the controller.

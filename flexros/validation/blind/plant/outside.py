@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def position_dependent_friction(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
-    """Dry friction whose level goes up and down along the way."""
+    """Dry friction whose level varies with position."""
     for motor in plant.motors(place):
         way = plant.q[plant.place(motor)] / p["length"]
         dry(plant, motor, p["level"] * (1 + 0.9 * ca.sin(2 * np.pi * way + p["phase"])))
@@ -31,7 +31,7 @@ def load_dependent_friction(plant: Equations, place: str, p: Mapping[str, ca.SX]
 
 
 def tool_pushes(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
-    """Pushes from outside on the last arm coordinate; when they come is drawn with the log."""
+    """External pushes on the last arm coordinate; their times are drawn with the log."""
     del place
     plant.added[plant.robot.n_arm - 1] += p["height"] * plant.push
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 TICK = 31.25e-6
 """Largest step of the integration [s]; 16 per sample of 0.5 ms (chosen)."""
 LONGEST_DELAY = 8e-3
-"""Longest delay of a command beside that of the robot [s] (chosen)."""
+"""Longest delay of a command in addition to that of the robot [s] (chosen)."""
 _SLICE = 2000
 
 
@@ -80,7 +80,7 @@ class BlindRun:
 
 
 class BlindPlant:
-    """A robot with deviations in closed loop; compiled once, run with any numbers.
+    """A robot with deviations in closed loop; compiled once, run with any parameters.
 
     Args:
         robot: The robot without deviations.
@@ -146,7 +146,7 @@ class BlindPlant:
         )
 
     def numbers(self, deviations: Sequence[Deviation] | None = None) -> FloatArray:
-        """Return the numbers of deviations in the order of the compiled plant, shape (P,)."""
+        """Return the parameters of deviations in the order of the compiled plant, shape (P,)."""
         chosen = self.deviations if deviations is None else deviations
         return np.array([value for one in chosen for value in one.parameters.values()], dtype=float)
 

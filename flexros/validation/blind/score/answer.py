@@ -1,4 +1,4 @@
-"""One case as scored: the sealed truth beside the answer."""
+"""One case as scored: the sealed truth and the answer."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 VISIBLE = 50.0
 """Expected gain from which a deviation is well above the noise [nats] (contract of section 10)."""
 NO_GAP, UNKNOWN, REFUSED = "no gap", "unknown", "refused"
-"""What stands in the confusion matrix where no effect is named."""
+"""Entry of the confusion matrix where no effect is named."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ class Answer:
         return self.diagnosis is not None and self.diagnosis.verdict == "unknown_effect"
 
     def named(self, top: int, nested: bool = False, placed: bool = False) -> bool:
-        """Say whether a true effect is among the first causes.
+        """Whether a true effect is among the first causes.
 
         Args:
             top: How many of the causes count.
@@ -74,7 +74,7 @@ class Answer:
         return any(self.right(cause, nested, placed) for cause in self.causes[:top])
 
     def right(self, cause: Cause, nested: bool = False, placed: bool = False) -> bool:
-        """Say whether a cause is part of the truth; arguments as for `named`."""
+        """Whether a cause is part of the truth; arguments as for `named`."""
         return any(
             same(one.effect, cause.effect, nested)
             and (not placed or same_place(self.truth.robot, one.location, cause.location))
@@ -82,13 +82,13 @@ class Answer:
         )
 
     def both(self, nested: bool = False) -> bool:
-        """Say whether each of two true effects is among the first two causes."""
+        """Whether each of two true effects is among the first two causes."""
         first = self.causes[:2]
         return all(any(same(one.effect, cause.effect, nested) for cause in first) for one in self.truth.deviations)
 
     @property
     def group_size(self) -> int:
-        """Number of effects in the ambiguity group of the first cause; 1 where it stands alone."""
+        """Number of effects in the ambiguity group of the first cause; 1 where it has no rival."""
         if self.first is None or self.diagnosis is None:
             return 1
         here = (self.first.effect, self.first.location)
@@ -97,7 +97,7 @@ class Answer:
 
     @property
     def in_group(self) -> bool:
-        """Whether a true effect stands in the ambiguity group of the first cause, or is it."""
+        """Whether a true effect is in the ambiguity group of the first cause, or is it."""
         if self.first is None or self.diagnosis is None:
             return False
         here = (self.first.effect, self.first.location)
@@ -109,7 +109,7 @@ class Answer:
 
     @property
     def missed(self) -> str:
-        """What is wrong with the answer, in a few words; empty where it is right, or where what is hidden is small."""
+        """Return the error of the answer in a few words; empty where it is right or the hidden effect is small."""
         kind, faint = self.truth.kind, self.truth.kind in ("single", "pair") and not self.visible
         if self.diagnosis is None:
             return "refused"

@@ -1,4 +1,4 @@
-"""Do the intervals of fitted numbers cover the truth? Only where law and numbers mean the same on both sides."""
+"""Coverage of the intervals of fitted parameters, where plant and library define them in the same way."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Effects that stand for one truth: a model of one of them holds the other as a special case."""
+"""Nested effects: the model of one holds the other as a special case, so either name is right."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ NESTED: tuple[frozenset[str], ...] = (
 
 
 def same(truth: str, named: str, nested: bool) -> bool:
-    """Say whether a name is right.
+    """Whether a name is right.
 
     Args:
         truth: Effect that is hidden.
@@ -24,6 +24,6 @@ def same(truth: str, named: str, nested: bool) -> bool:
 
 
 def same_place(robot: str, truth: str, named: str) -> bool:
-    """Say whether a place is right; on a robot with one motor "all" is that motor."""
+    """Whether a location is right; on a robot with one motor "all" is that motor."""
     one_motor = robot.startswith(("four_mass", "two_mass", "emps"))
     return truth == named or (one_motor and {truth, named} == {"all", "motor_1"})

@@ -1,4 +1,4 @@
-"""What a diagnosis could have reached: the true structure, told to the fit and fitted to the same log."""
+"""The best result that a diagnosis could reach: the true structure fitted to the same log."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
-    """Fit the true effect at its true place, and see how much of the gap it closes on the second log.
+    """Fit the true effect at its true location and compute the closed fraction on the second log.
 
     Args:
         folder: Folder of the case, with its logs.
@@ -59,7 +59,7 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
 
 
 def _true(candidates: Sequence[Candidate], robot: str, truth: Truth) -> list[Candidate]:
-    """List the true effect at its location, and the simpler ones there from which its fit starts."""
+    """List the true effect at its location, and the simpler ones that give its initial values."""
     hidden = truth.deviations[0]
     here = [one for one in candidates if same_place(robot, hidden.location, one.location)]
     simpler = {part for one in here if one.effect.name == hidden.effect for part in one.effect.extends}

@@ -187,7 +187,7 @@ def _curve(answers: Sequence[Answer], found: Callable[[Answer], bool]) -> Detect
 
 
 def _tried(one: Answer) -> bool:
-    """Tell whether there was a patch to be tried on the third log, and a gap to be closed there."""
+    """Whether there was a patch for the third log, and a gap to be closed there."""
     return one.third is not None and (one.closed_third is not None or bool(one.third.failure))
 
 
@@ -223,7 +223,7 @@ def confusion(answers: Sequence[Answer]) -> dict[str, Counter[str]]:
 
 
 GROUPINGS = ("robot", "nuisance", "size", "tool", "motion", "sample_time")
-"""Keys of a truth by which scores are told apart."""
+"""Keys of a truth by which scores are grouped."""
 
 
 def scores_by(answers: Sequence[Answer], key: str) -> dict[str, Score]:
@@ -241,7 +241,7 @@ def scores_by(answers: Sequence[Answer], key: str) -> dict[str, Score]:
 
 
 def record(answers: Sequence[Answer]) -> dict[str, Any]:
-    """Put all figures into nested dicts, lists and numbers for JSON.
+    """Convert all figures to nested dicts, lists and numbers for JSON.
 
     Args:
         answers: The cases.

@@ -108,7 +108,7 @@ def calibration(probability: FloatArray, right: FloatArray) -> Calibration | Non
 
 @dataclass(frozen=True)
 class DetectionCurve:
-    """Share of cases that are found against their size.
+    """Share of detected cases over their size.
 
     Attributes:
         centre: Gain in log-likelihood at which a half is found [nats]; nan where the cases do not tell.

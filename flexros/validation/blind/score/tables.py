@@ -37,11 +37,11 @@ ROWS = (
 
 
 WIDE = 150
-"""Width of a terminal from which the states of the nominal model are told apart [characters]."""
+"""Width of a terminal from which the states of the nominal model have columns of their own [characters]."""
 
 
 def score_table(answers: Sequence[Answer], width: int = WIDE) -> Table:
-    """Lay out the figures of all cases, and where there is room of those with exact and with wrong nominal model.
+    """Lay out the figures of all cases, and where the width allows of exact and wrong nominal models.
 
     Args:
         answers: The cases.
@@ -61,7 +61,7 @@ def score_table(answers: Sequence[Answer], width: int = WIDE) -> Table:
 
 
 def figure_rows(scores: dict[str, Score]) -> list[list[str]]:
-    """List what stands in the rows of a table of scores.
+    """List the rows of a table of scores.
 
     Args:
         scores: Scores by the heading of their column.

@@ -1,4 +1,4 @@
-"""The log that neither fit nor check has seen: does the patch of a diagnosis close the gap there as well?"""
+"""The gap that the patch of a diagnosis closes on a third log, which neither fit nor holdout used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a blind check missed, case by case: causes, and sizes outside their intervals."""
+"""Misses of a blind check, case by case: causes, and sizes outside their intervals."""
 
 from __future__ import annotations
 

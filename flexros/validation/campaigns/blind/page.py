@@ -26,7 +26,7 @@ GROUPS = {
     "With and without measured tool": "tool",
     "By sample time [s]": "sample_time",
 }
-"""Headings, and the keys of the truth by which the scores below are told apart."""
+"""Headings, and the keys of the truth by which the scores below are grouped."""
 
 PICTURES = {
     "confusion": "Confusion matrix of single effects well above the noise, logs without deviation, and causes outside "
@@ -112,7 +112,7 @@ def _percent(share: Mapping[str, int]) -> str:
 
 
 def blind_summary(answers: Sequence[Answer], planned: int) -> tuple[str, ...]:
-    """Say the result in sentences.
+    """Return the result in sentences.
 
     Args:
         answers: The cases as scored.

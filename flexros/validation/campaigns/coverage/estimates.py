@@ -1,4 +1,4 @@
-"""What every estimator makes of one repetition: values, deviations, verdicts."""
+"""Estimates of one repetition by every estimator: values, deviations, verdicts."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Way:
 
 
 DEFAULT = "LLS combined"
-"""What `flexros identify` does unless told otherwise."""
+"""The default of `flexros identify`."""
 
 WAYS = (
     Way(DEFAULT, "LLS", "combined", "LLS"),
@@ -53,7 +53,7 @@ WAYS = (
     Way("LLSM user", "LLSM", "user", "LLSM"),
     Way("NLS optimal", "NLS", "optimal", "LLS"),
 )
-"""The ways that are compared; NLS goes on from LLS, because from far away it seldom finds the valley."""
+"""The ways that are compared; NLS continues from LLS, because it seldom converges from far away."""
 
 
 def group_estimates(

@@ -31,7 +31,7 @@ def repeated_scenario(
     Args:
         template: Robot, excitation and controller.
         settings: Number of positions and of candidates.
-        progress: Called with what is being done, how much of it is done, and how much there is.
+        progress: Called with the current step, the amount done and the amount in all.
 
     Returns:
         The experiment of one repetition.

@@ -1,4 +1,4 @@
-"""What the repetitions say: how often intervals cover the truth, and how far values are off."""
+"""Figures of the repetitions: coverage of the intervals and errors of the values."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class WayCoverage:
 
 
 def wilson(hits: int, number: int) -> Share:
-    """Give a share with its 95 % score interval (Wilson, 1927).
+    """Return a share with its 95 % score interval (Wilson, 1927).
 
     Args:
         hits: Number of hits.

@@ -26,7 +26,7 @@ ROBOT_TIME = 1800.0
 
 
 def coverage_summary(ways: Sequence[WayCoverage], duration: float) -> tuple[str, ...]:
-    """Say in sentences what the default way reaches of each goal.
+    """Return in sentences how far the default way reaches each goal.
 
     Args:
         ways: Figures of every way.
@@ -96,7 +96,7 @@ def _how(settings: CoverageSettings, duration: float) -> list[str]:
 
 
 def _remarks(ways: Sequence[WayCoverage]) -> list[list[str]]:
-    """Say why intervals with optimal weights are too short, where they are."""
+    """Return why intervals with optimal weights are too short, where they are."""
     short = [way.name for way in ways if way.name.endswith("optimal") and way.covered.value < LOWEST]
     if not short:
         return []

@@ -1,4 +1,4 @@
-"""What is repeated, how often, and with which random numbers."""
+"""Settings of the repetitions and their random numbers."""
 
 from __future__ import annotations
 

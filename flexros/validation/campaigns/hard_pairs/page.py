@@ -15,7 +15,7 @@ NOTES = {
     "one explains nothing of the other, so sizes just above those that the log shows are named at once. Fits of these "
     "two alone say the same with springs, dampers and inertias free within 20, 50 and 10 %.",
 }
-"""What else was learnt of a pair (development seeds)."""
+"""Further notes on a pair (development seeds)."""
 
 
 def pairs_page(
@@ -50,7 +50,7 @@ def pairs_page(
 
 
 def pairs_summary(by_pair: Mapping[str, Sequence[Mapping[str, Any]]]) -> tuple[str, ...]:
-    """Say the result of each pair in a sentence.
+    """Return the result of each pair in a sentence.
 
     Args:
         by_pair: What `pair_part` gave of each truth, by pair.
@@ -75,7 +75,7 @@ def pair_sentence(pair: str, parts: Sequence[Mapping[str, Any]]) -> str:
 
 
 def is_grouped(pair: str, part: Mapping[str, Any]) -> bool:
-    """Tell whether the first log left both effects of a pair in one ambiguity group.
+    """Whether the first log left both effects of a pair in one ambiguity group.
 
     Args:
         pair: Names of both effects, with a comma between them.
@@ -85,7 +85,7 @@ def is_grouped(pair: str, part: Mapping[str, Any]) -> bool:
 
 
 def is_separated(part: Mapping[str, Any]) -> bool:
-    """Tell whether the second log named the hidden effect, without rival.
+    """Whether the second log named the hidden effect, without rival.
 
     Args:
         part: What `pair_part` gave.

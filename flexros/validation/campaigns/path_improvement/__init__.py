@@ -1,4 +1,4 @@
-"""What an identified model is worth on the path of the real robot."""
+"""Path errors of the real robot with the identified model."""
 
 from flexros.validation.campaigns.path_improvement.campaign import PathErrors
 

@@ -1,4 +1,4 @@
-"""What an identified model is worth: path errors of the real robot with nominal and with identified feedforward."""
+"""Path errors of the real robot with nominal and with identified feedforward."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class PathImprovement:
 
 @dataclass(frozen=True)
 class Improvement:
-    """What was identified, and what it brought.
+    """An identification and the path errors with it.
 
     Attributes:
         parameters: By name: nominal, true and identified value [SI] and relative standard deviation.

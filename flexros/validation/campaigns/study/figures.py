@@ -1,4 +1,4 @@
-"""What the study counts: reasonable models, springs within a factor of 2, Table 1, theory against spread."""
+"""Figures of the study: reasonable models, springs within a factor of 2, Table 1, theory against spread."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def sorted_values(study: Study, name: str) -> FloatArray:
 
 
 def springs(study: Study) -> IntArray:
-    """Return the places of the springs among the parameters."""
+    """Return the indices of the springs among the parameters."""
     return np.flatnonzero([name.endswith(".stiffness") for name in study.problem.names])
 
 
@@ -100,7 +100,7 @@ def of_gears(study: Study) -> BoolArray:
 
 
 def hardest_spring(study: Study) -> int:
-    """Return the place of the arm spring of the largest theoretical deviation, left out as in the paper."""
+    """Return the index of the arm spring of the largest theoretical deviation, left out as in the paper."""
     candidates = [place for place in springs(study) if not of_gears(study)[place]] or list(springs(study))
     return int(max(candidates, key=lambda place: study.theory[place]))
 

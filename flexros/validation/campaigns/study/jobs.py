@@ -29,7 +29,7 @@ GROUP = 10
 
 @dataclass(frozen=True, eq=False)
 class EstimatorRun:
-    """What one estimator found from S starts.
+    """Fits of one estimator from S initial values.
 
     Attributes:
         values: Fitted values [SI], shape (S, P).

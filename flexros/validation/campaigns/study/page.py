@@ -117,7 +117,7 @@ def page(study: Study, scenario: Scenario) -> str:
 
 
 def _table_notes(study: Study) -> str:
-    """Say what the columns of Table 1 are."""
+    """Return the explanation of the columns of Table 1."""
     return (
         "All columns but the first are relative to the best model; std is over starts, redrawn over fits to "
         f"{study.redrawn} sets of responses with noise drawn anew from the measured covariance, theory is equation "

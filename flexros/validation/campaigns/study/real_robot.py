@@ -61,7 +61,7 @@ def study_scenario(settings: StudySettings, progress: Callable[[str, int, int], 
 
     Args:
         settings: What to measure.
-        progress: Called with what is being done, how much of it is done, and how much there is.
+        progress: Called with the current step, the amount done and the amount in all.
 
     Returns:
         The scenario.

@@ -1,4 +1,4 @@
-"""What the study measures and how often it fits."""
+"""Settings of the study: measurements and fits."""
 
 from __future__ import annotations
 
