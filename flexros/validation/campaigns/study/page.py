@@ -121,7 +121,7 @@ def _table_notes(study: Study) -> str:
     return (
         "All columns but the first are relative to the best model; std is over starts, redrawn over fits to "
         f"{study.redrawn} sets of responses with noise drawn anew from the measured covariance, theory is equation "
-        "(5), corrected is the same with the factor for what the model misses. For these three the model's responses "
+        "(5), corrected is the same with the factor for the model-form error. For these three the model's responses "
         "decide which lines stand out of the noise, not the measured ones: (5) has no meaning for lines in a notch of "
         "the model. "
         f"{study.explanation}"
