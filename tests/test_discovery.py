@@ -71,7 +71,7 @@ def test_two_members_of_one_name_are_refused(package: ModuleType) -> None:
 
 
 @pytest.mark.parametrize("package", [{"z": "only"}], indirect=True)
-def test_classes_from_elsewhere_are_left_out(package: ModuleType) -> None:
+def test_classes_of_other_packages_are_omitted(package: ModuleType) -> None:
     class Foreign(AbstractPart):
         name: ClassVar[str] = "foreign"
 

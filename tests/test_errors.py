@@ -5,7 +5,7 @@ import pytest
 from flexros.errors import InputError, RunError, source_named, unknown_name
 
 
-def test_source_stands_before_the_text_of_an_input_error():
+def test_source_prefixes_the_text_of_an_input_error():
     with (
         pytest.raises(InputError, match=r"^file x.yaml, key mass: is negative$"),
         source_named("file x.yaml, key mass"),

@@ -9,7 +9,7 @@ import pytest
 from flexros.json_text import json_text
 
 
-def test_numbers_that_are_not_finite_become_null_wherever_they_stand() -> None:
+def test_non_finite_numbers_become_null_at_any_depth() -> None:
     content = {"a": [1.5, float("nan")], 2: {"b": (np.float64(np.inf), True, None, "x")}}
     assert json.loads(json_text(content)) == {"a": [1.5, None], "2": {"b": [None, True, None, "x"]}}
 

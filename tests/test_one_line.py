@@ -24,7 +24,7 @@ def test_what_cannot_be_seen_is_spelled_out(given: str, shown: str) -> None:
 
 
 @pytest.mark.parametrize("letter", ["x", "\n"])
-def test_middle_of_a_long_text_is_left_out(letter: str) -> None:
+def test_middle_of_a_long_text_is_omitted(letter: str) -> None:
     shown = one_line(f"begin {letter * 10**6} end")
     assert len(shown) <= LONGEST_SENTENCE
     assert shown.startswith("begin ")

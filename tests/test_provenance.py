@@ -15,7 +15,7 @@ def test_versions_are_those_of_the_installed_packages():
     assert (found["python"], found["numpy"]) == (platform.python_version(), version("numpy"))
 
 
-def test_an_absent_package_is_said_to_be_absent():
+def test_a_missing_package_is_reported():
     assert versions(("no-such-package",))["no-such-package"] == "not installed"
 
 
@@ -32,7 +32,7 @@ def test_code_of_a_checkout_is_its_commit(monkeypatch):
     assert found == "abc" or re.fullmatch("[0-9a-f]{7,}", found)
 
 
-def test_code_outside_a_checkout_is_what_the_environment_says(monkeypatch, tmp_path):
+def test_commit_outside_a_checkout_is_that_of_the_environment(monkeypatch, tmp_path):
     monkeypatch.setattr(provenance, "__file__", str(tmp_path / "provenance.py"))
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
     assert code_version() == "unknown"

@@ -12,7 +12,7 @@ from flexros.errors import InputError
 from flexros.scheduler import LOCAL, connected
 
 
-def test_work_runs_in_this_process_unless_told_otherwise() -> None:
+def test_work_runs_in_this_process_by_default() -> None:
     with connected(threads=1) as client:
         assert client.submit(os.getpid).result() == os.getpid()
         assert not client.scheduler_info()["address"].startswith("tcp")
@@ -35,7 +35,7 @@ def test_work_runs_on_a_scheduler_that_is_named() -> None:
 
 
 @pytest.mark.parametrize("address", ["nonsense://1", "tcp://127.0.0.1:1"])
-def test_no_scheduler_at_the_address_is_told(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_scheduler_is_reported(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("flexros.scheduler.ANSWER", 0.5)
     message = f"no Dask scheduler answers at '{address}'"
     with pytest.raises(InputError, match=message), connected(address):

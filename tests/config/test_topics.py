@@ -95,7 +95,7 @@ def read(tmp_path, text):
     return read_topics(tmp_path / "topics.yaml", read_qos(data_folder("msgs_config") / "qos.yaml"))
 
 
-def test_subscriptions_use_the_publishers_profile_unless_told(tmp_path):
+def test_subscriptions_default_to_the_profile_of_the_publisher(tmp_path):
     topic = read(tmp_path, ROW)["joint_states"]
     assert topic.qos is topic.subscription_qos
 

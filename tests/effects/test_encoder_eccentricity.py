@@ -11,7 +11,7 @@ from flexros.simulate.plant import Plant
 
 
 @pytest.mark.parametrize(("robot_name", "turns"), [("six_axis", 180.0), ("two_mass", 1.0), ("four_mass", 1.0)])
-def test_error_is_a_wave_over_the_angle_of_the_rotor(robot_name: str, turns: float) -> None:
+def test_error_is_a_harmonic_of_the_rotor_angle(robot_name: str, turns: float) -> None:
     robot = load_robot(robot_name)
     text = "encoder_eccentricity@motor_1:amplitude=2e-4,order=3,phase=0.7"
     placed = place_effects(robot, [parse_effect(text, "test")])

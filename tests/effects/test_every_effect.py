@@ -171,7 +171,7 @@ def test_neutral_effects_leave_the_run_as_it_is_to_the_last_bit() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_effect_says_what_one_sees_and_where_its_parameters_may_lie(name: str) -> None:
+def test_effect_has_a_fingerprint_and_ranges(name: str) -> None:
     kind = effects()[name]
     assert len(kind.fingerprint.split()) > 5
     assert set(kind.ranges) <= set(kind.model_fields)

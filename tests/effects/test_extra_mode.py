@@ -112,7 +112,7 @@ def test_turning_inertia_at_the_tool_equals_a_robot_with_one_body_more() -> None
     assert np.max(np.abs(ours - run(E12, (), 400, pushed, start))[:, :5]) > 1e-4
 
 
-def test_only_numbers_that_count_at_a_place_are_fitted() -> None:
+def test_only_parameters_that_act_at_a_location_are_fitted() -> None:
     assert "inertia_ratio" in ExtraMode().fitted(E12, "tool")
     for robot, place in ((E12, "base"), (FOUR_MASS, "tool"), (load_robot("emps"), "tool")):
         assert list(ExtraMode().fitted(robot, place)) == ["frequency", "ratio", "damping"]
@@ -152,7 +152,7 @@ def test_halving_the_step_converges(place: str) -> None:
     assert errors[1] < errors[0] / 12
 
 
-def test_numbers_may_be_free() -> None:
+def test_parameters_may_be_free() -> None:
     laws = laws_of(
         E12,
         "extra_mode@base:frequency=8,ratio=0.4",
@@ -169,7 +169,7 @@ def test_numbers_may_be_free() -> None:
     )
 
 
-def test_places_and_neutral_value() -> None:
+def test_locations_and_neutral_value() -> None:
     effect = ExtraMode()
     assert PlantModel(E12, laws_of(E12, "extra_mode@tool:ratio=0")).laws == ()
     assert effect.locations(load_robot("emps")) == ("tool",)
@@ -177,7 +177,7 @@ def test_places_and_neutral_value() -> None:
     assert effect.locations(load_robot("six_axis")) == ("tool", "base")
 
 
-def test_part_of_the_known_mass_is_a_mode_beside_a_lighter_load() -> None:
+def test_part_of_the_known_mass_is_a_mode_with_a_lighter_load() -> None:
     """A drive whose mass is right, with a tenth of it on a spring."""
     drive, share = load_robot("emps"), 0.1
     mass = drive.parameters["body_1.mass"].value

@@ -56,7 +56,7 @@ def test_moment_shifts_the_centre_of_mass_along_the_body() -> None:
     assert force[0] == pytest.approx(3.0 * 9.81 * np.sin(0.7))
 
 
-def test_robot_at_rest_hangs_lower_and_asks_for_more_torque() -> None:
+def test_robot_at_rest_deflects_more_and_requires_more_torque() -> None:
     state = ELBOW.equilibrium(ELBOW.home)
     model = PlantModel(ELBOW, laws_of(ELBOW, "gravity_error@body_2:relative=0.3"))
     rest = model.rest(state)

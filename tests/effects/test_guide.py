@@ -50,7 +50,7 @@ def test_picture_is_drawn_by_the_script(name: str, written: Path) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(effects()))
-def test_every_effect_says_what_one_sees(name: str) -> None:
+def test_every_effect_has_a_fingerprint(name: str) -> None:
     kind = effects()[name]
     assert len(kind.fingerprint) > 40
     assert not kind.fingerprint.endswith(".")

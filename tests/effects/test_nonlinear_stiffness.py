@@ -158,7 +158,7 @@ def controlled(robot: Robot, laws: tuple[PlacedLaw, ...], gain: float, push: flo
         ("six_axis", "nonlinear_stiffness@body_3.ry:relative=0.6,knee=1e-4", 1e5, 3e3),
     ],
 )
-def test_law_beside_the_spring_equals_the_bent_spring_in_closed_loop(
+def test_parallel_law_equals_the_nonlinear_spring_in_closed_loop(
     name: str, effect: str, gain: float, push: float
 ) -> None:
     robot = load_robot(name)
@@ -177,7 +177,7 @@ def test_halving_the_step_converges() -> None:
     assert errors[3] < errors[0] / 20
 
 
-def test_neutral_law_is_left_out() -> None:
+def test_neutral_law_is_omitted() -> None:
     robot = load_robot("two_mass")
     assert PlantModel(robot, as_law(robot, "nonlinear_stiffness@body_1.rz:relative=0,knee=1e-3")).laws == ()
 

@@ -15,7 +15,7 @@ TWO_MASS = load_robot("two_mass")
 
 
 @pytest.mark.parametrize("position", [0.0, 0.3, 2.0])
-def test_arm_at_rest_stands_where_the_wave_puts_it(position: float) -> None:
+def test_arm_at_rest_follows_the_harmonic(position: float) -> None:
     model = PlantModel(TWO_MASS, laws_of(TWO_MASS, "transmission_error@motor_1:amplitude=1e-3,order=2,phase=0.4"))
     rest = model.rest(np.array([position, position, 0.0, 0.0]))
     assert rest.state[0] == pytest.approx(position + 1e-3 * np.sin(2 * position + 0.4), abs=1e-12)

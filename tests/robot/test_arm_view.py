@@ -40,7 +40,7 @@ def test_a_factor_of_one_shows_the_arm_as_it_is(name: str) -> None:
     np.testing.assert_allclose(np.linalg.norm(bars.true[:, 1] - bars.true[:, 0], axis=1), lengths, atol=1e-12)
 
 
-def test_body_before_the_first_joint_stands_on_the_ground() -> None:
+def test_body_before_the_first_joint_is_fixed_to_the_ground() -> None:
     data = load_robot("elbow").spec.model_dump(mode="json", exclude_unset=True)
     data["bodies"] = [{"label": "pedestal", "length": [0, 0, 0.5]}, *data["bodies"]]
     data["outputs"] = {"tool": {"pose": ["x", "z"]}}

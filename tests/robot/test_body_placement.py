@@ -16,7 +16,7 @@ def turned(quaternion: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", ["e12", "elbow", "six_axis"])
-def test_tool_lies_in_the_frame_of_the_last_body(name: str) -> None:
+def test_tool_is_in_the_frame_of_the_last_body(name: str) -> None:
     robot = load_robot(name)
     q_a = np.random.default_rng(1).uniform(-1, 1, robot.n_arm)
     *_, last = BodyPlacements(robot).poses(q_a)

@@ -52,5 +52,5 @@ def test_no_gravity_and_no_motor_friction(e12: Robot) -> None:
     assert all(e12.parameters[f"motor_{i}.viscous_friction"].value == 0 for i in (1, 2))
 
 
-def test_every_number_is_exact_and_has_a_source(e12: Robot) -> None:
+def test_every_value_is_exact_and_has_a_source(e12: Robot) -> None:
     assert all(parameter.tolerance == 0 and parameter.source for parameter in e12.parameters.values())

@@ -32,6 +32,6 @@ def test_motor_without_limit_has_an_infinite_one() -> None:
     assert load_robot("two_mass").motors[0].torque_limit == np.inf
 
 
-def test_numbers_are_those_of_the_robot_file() -> None:
+def test_ratings_are_those_of_the_robot_file() -> None:
     motor = load_robot("elbow").motors[1]
     assert (motor.gear_ratio, motor.inertia, motor.torque_limit) == (100, 25, 2000)

@@ -39,7 +39,7 @@ def test_held_gears_stand_still_and_held_motors_too() -> None:
     np.testing.assert_array_equal(RestFinder(robot.model, "motors").find(q, none).state[2:4], q[2:])
 
 
-def test_search_takes_no_leap_to_a_rest_far_away() -> None:
+def test_search_does_not_jump_to_a_distant_equilibrium() -> None:
     """A shoulder far too soft: the arm falls, for a robot of its own as for one of many."""
     robot = load_robot("elbow")
     near, soft = robot.equilibrium(), {"body_1.ry.stiffness": 500.0}
@@ -49,7 +49,7 @@ def test_search_takes_no_leap_to_a_rest_far_away() -> None:
         RestFinder(robot.symbolic(tuple(soft))).find(near[:4], np.array([500.0]))
 
 
-def test_values_without_a_rest_are_told() -> None:
+def test_values_without_equilibrium_are_reported() -> None:
     robot = load_robot("elbow")
     finder = RestFinder(robot.symbolic(("body_1.ry.stiffness",)))
     with pytest.raises(InputError, match=r"robot elbow has no equilibrium with body_1\.ry\.stiffness = nan"):

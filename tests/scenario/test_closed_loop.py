@@ -194,7 +194,7 @@ def test_energy_of_an_undamped_robot_is_the_work_done_on_it() -> None:
     np.testing.assert_allclose(energies, 1e4 * pushed_to, rtol=1e-9)
 
 
-def test_run_that_diverges_says_when_and_keeps_the_log_up_to_there() -> None:
+def test_diverged_run_names_the_time_and_keeps_the_log_before() -> None:
     with pytest.raises(
         DivergedRunError, match=r"robot e12: .* not finite at sample \d+ \(t = 0\.\d+ s\).*substeps"
     ) as caught:

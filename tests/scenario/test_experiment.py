@@ -131,13 +131,13 @@ def test_plant_hash_tells_a_changed_plant() -> None:
         ),
     ],
 )
-def test_what_is_impossible_is_said_in_one_sentence(settings: dict[str, object], message: str) -> None:
+def test_impossible_scenario_is_refused_with_one_sentence(settings: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message) as caught:
         Experiment.prepare(scenario(**settings))
     assert "\n" not in str(caught.value)
 
 
-def test_circle_through_a_singularity_names_the_place() -> None:
+def test_circle_through_a_singularity_names_the_point() -> None:
     far = load_scenario("circle_pd").with_values({"trajectory.path.centre_from_start": [0.05, 0]})
     with pytest.raises(InputError, match=r"scenario circle_pd: .*passes a singularity.* t = 0\.\d+ s, .* % of move 1"):
         _ = Experiment.prepare(far).reference
@@ -177,7 +177,7 @@ def test_effects_change_the_plant_after_its_values() -> None:
     assert experiment.provenance()["scenario"]["plant"]["effects"] == ["payload_error@tool:relative=0.1"] * 2
 
 
-def test_effect_equals_the_same_number_among_the_values() -> None:
+def test_effect_equals_the_same_parameter_value() -> None:
     by_effect, by_value = (
         Experiment.prepare(scenario(plant=plant)).plant.model_hash
         for plant in ({"effects": ["delay@all:time=0.001"]}, {"values": {"delay": 0.001}})
@@ -185,7 +185,7 @@ def test_effect_equals_the_same_number_among_the_values() -> None:
     assert by_effect == by_value
 
 
-def test_feedforward_that_fails_at_rest_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_feedforward_that_fails_at_rest_names_the_point(monkeypatch: pytest.MonkeyPatch) -> None:
     def give_up(
         stepper: CompiledStepper, state: FloatArray, outputs: FloatArray, tolerance: FloatArray
     ) -> stepping_module.SteppingResult:

@@ -60,7 +60,7 @@ def test_positions_enter_the_scenario() -> None:
     assert factor == 1.0
 
 
-def test_description_says_what_the_positions_were_chosen_from() -> None:
+def test_description_names_the_candidates_of_the_positions() -> None:
     design = designed()
     some = replace(design, candidates=replace(design.candidates, refused={SLOW: 100, "the rest is not stable": 4}))
     left = len(design.candidates.gears)

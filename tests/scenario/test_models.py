@@ -52,7 +52,7 @@ def test_laws_of_patch_and_plant_stand_side_by_side(tmp_path: Path) -> None:
     assert [law.name for law in models.plant.laws] == ["coulomb_friction@motor_1", "coulomb_friction@motor_1#2"]
 
 
-def test_values_replace_numbers_of_the_file_below_all_effects(tmp_path: Path) -> None:
+def test_values_replace_those_of_the_file_before_all_effects(tmp_path: Path) -> None:
     lighter = scenario(
         robot=written(tmp_path, HEAVIER), model={"values": {"body_3.mass": 100}}, plant={"values": {"body_3.mass": 50}}
     )
@@ -88,7 +88,7 @@ def test_a_feedforward_model_that_does_not_fit_is_named(name: str, message: str)
     assert "\n" not in str(caught.value)
 
 
-def test_a_patch_is_found_beside_the_scenario(tmp_path: Path) -> None:
+def test_a_patch_is_found_next_to_the_scenario(tmp_path: Path) -> None:
     written(tmp_path, HEAVIER)
     text = (
         "robot: e12\nfeedforward_model: patch.yaml\nduration: 0.1\nfeedforward: {method: none}\n"

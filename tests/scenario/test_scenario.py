@@ -88,7 +88,7 @@ def test_scenario_is_frozen() -> None:
         load_scenario("circle_pd").seed = 2  # type: ignore[misc]
 
 
-def test_robot_file_lies_beside_the_scenario(tmp_path: Path) -> None:
+def test_robot_file_is_relative_to_the_scenario(tmp_path: Path) -> None:
     (tmp_path / "robot.yaml").write_text("name: mine\n", encoding="utf-8")
     path = write(tmp_path, MINIMAL.replace("e12", "robot.yaml"))
     assert load_scenario(path).robot == str(tmp_path / "robot.yaml")
@@ -105,7 +105,7 @@ def test_values_are_set_by_dotted_keys() -> None:
     assert load_scenario("circle_dae").plant.values == {}
 
 
-def test_values_within_lists_are_set_by_number() -> None:
+def test_values_within_lists_are_set_by_index() -> None:
     scenario = load_scenario("regulator_four_mass").with_values({"disturbances.0.amplitude": 1.5})
     first = scenario.disturbances[0]
     assert isinstance(first, Step)
@@ -202,7 +202,7 @@ def test_unknown_scenario_offers_the_nearest() -> None:
         (MINIMAL + "seed: [\n", r"mine\.yaml, line \d+: broken YAML"),
     ],
 )
-def test_what_is_wrong_is_said_in_one_sentence(tmp_path: Path, text: str, message: str) -> None:
+def test_invalid_scenario_is_refused_with_one_sentence(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(InputError, match=message) as caught:
         load_scenario(write(tmp_path, text))
     assert "\n" not in str(caught.value)

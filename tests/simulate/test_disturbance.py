@@ -61,7 +61,7 @@ def test_noise_has_its_rms_and_stays_in_its_band() -> None:
     assert np.mean(values**4) / np.mean(values**2) ** 2 == pytest.approx(3.0, abs=0.15)  # that of normal noise
 
 
-def test_noise_depends_on_seed_and_place_in_the_list() -> None:
+def test_noise_depends_on_seed_and_index_in_the_list() -> None:
     noise = make(kind="noise", rms=1.0, high_hz=60.0)
     other = noise.model_copy(update={"at": "tool.fx"})
     both = signal(100, noise, other)
@@ -69,7 +69,7 @@ def test_noise_depends_on_seed_and_place_in_the_list() -> None:
     assert not np.array_equal(both[:, 0], signal(100, noise, seed=2)[:, 0])
 
 
-def test_places_are_columns_and_add_up() -> None:
+def test_locations_are_columns_and_add_up() -> None:
     values = signal(
         2,
         make(kind="step", amplitude=1.0),

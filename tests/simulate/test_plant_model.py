@@ -75,7 +75,7 @@ def test_neutral_effects_leave_the_run_as_it_is_to_the_last_bit() -> None:
     assert np.array_equal(with_them.joint_states.position, without.joint_states.position)  # type: ignore[arg-type]
 
 
-def test_batch_over_numbers_of_robot_and_effects_equals_single_runs() -> None:
+def test_batch_over_parameters_of_robot_and_effects_equals_single_runs() -> None:
     prepared = experiment(*ALL)
     values = {
         "torque_ripple@motor_1.amplitude": [0.0, 5.0, 20.0],
@@ -96,7 +96,7 @@ def test_batch_over_numbers_of_robot_and_effects_equals_single_runs() -> None:
         np.testing.assert_allclose(records[run].encoder, single.joint_states.position, atol=1e-12)  # type: ignore[arg-type]
 
 
-def test_state_of_the_robot_is_told_without_the_states_of_effects() -> None:
+def test_state_of_the_robot_excludes_the_states_of_effects() -> None:
     assert experiment(*ALL).plant_in_time().state.shape == (10,)
 
 
@@ -111,7 +111,7 @@ def test_unknown_parameter_is_refused_with_the_names_of_laws_among_those_allowed
         PlantModel(prepared.plant, prepared.laws, ["coulomb_friction@motor_1.levle"])
 
 
-def test_number_that_the_effect_does_not_allow_is_refused_before_the_batch() -> None:
+def test_value_that_the_effect_does_not_allow_is_refused_before_the_batch() -> None:
     with pytest.raises(InputError, match=r"run 1 of the batch: coulomb_friction@motor_1: key 'level' is -1\.0, but"):
         batch(experiment(ALL[0]), whole_record, values={"coulomb_friction@motor_1.level": [1.0, -1.0]})
 
@@ -153,7 +153,7 @@ def test_delays_of_all_and_of_one_motor_add_up() -> None:
     assert experiment("delay@all:time=0.001").plant_model.delay == pytest.approx(0.0018)
 
 
-def test_start_stands_for_what_has_been_before() -> None:
+def test_start_is_the_steady_state_of_past_commands() -> None:
     """Gravity is held from the first instant on, behind saturation, gain and lag."""
     effects = ["actuator_lag@motor_1:time_constant=0.01", "torque_gain_error@motor_1:relative=0.5"]
     prepared = experiment(*effects, robot="elbow", disturbances=[], noise=False, plant={"effects": effects})

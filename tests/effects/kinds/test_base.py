@@ -29,7 +29,7 @@ def test_neutral_value_changes_nothing(name: str, robot_name: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(effects()))
-def test_effect_has_a_place_on_some_robot_and_survives_being_written(name: str) -> None:
+def test_effect_has_a_location_on_some_robot_and_survives_a_round_trip(name: str) -> None:
     places = [(load_robot(robot), effects()[name]().locations(load_robot(robot))) for robot in robot_names()]
     assert any(locations for _, locations in places)
     placed = PlacedEffect(effects()[name](), "here")
@@ -60,11 +60,11 @@ def test_motor_inertia_and_damping() -> None:
     assert values == pytest.approx({"motor_2.inertia": 110, "body_3.ry.damping": 75})
 
 
-def test_effects_on_one_number_act_one_after_the_other() -> None:
+def test_effects_on_one_parameter_act_in_sequence() -> None:
     assert values_with("four_mass", *["delay@all:time=0.0003"] * 2) == pytest.approx({"delay": 0.0011})
 
 
-def test_laws_alike_are_told_apart() -> None:
+def test_equal_laws_get_distinct_names() -> None:
     placed = [parse_effect("torque_ripple@motor_1:amplitude=2", "--effect")] * 2
     names = [law.name for law in place_effects(load_robot("e12"), placed).laws]
     assert names == ["torque_ripple@motor_1", "torque_ripple@motor_1#2"]

@@ -69,6 +69,6 @@ def test_encoder_without_noise_is_refused() -> None:
         place_effects(robot, [parse_effect("torque_bias@motor_1:level=3floors", "--effect")])
 
 
-def test_number_of_floors_must_be_a_number() -> None:
+def test_floor_multiple_must_be_numeric() -> None:
     with pytest.raises(InputError, match=r"key 'level' is 'twelve', but"):
         parse_effect("coulomb_friction@motor_1:level=twelvefloors", "--effect")

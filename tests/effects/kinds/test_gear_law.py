@@ -39,7 +39,7 @@ def test_gap_counts_from_the_shifted_deflection(order: tuple[str, str]) -> None:
         assert motor_torque(*order, motor=motor) == pytest.approx(expected, abs=1e-8)
 
 
-def test_bent_spring_lies_behind_the_gap() -> None:
+def test_nonlinear_spring_acts_after_the_gap() -> None:
     for motor, twist in ((0.0105, 0.0005), (0.013, 0.003), (-0.014, -0.004)):
         torque = 6e4 * (twist + np.sign(twist) * max(abs(twist) - 1e-3, 0.0))
         assert motor_torque(PLAY, BENT, motor=motor) == pytest.approx(torque, rel=1e-9)
@@ -66,7 +66,7 @@ def test_hysteresis_turns_with_the_shaft_and_not_with_the_gap() -> None:
     assert np.max(plain[:, 1]) > 3e-3  # three transition angles
 
 
-def test_two_waves_add_up_and_keep_the_power() -> None:
+def test_two_harmonics_add_up_and_conserve_power() -> None:
     other = "transmission_error@motor_1:amplitude=1e-3,order=9"
     motor, speed = 0.3, 2.0
     shift = wave(motor) + 1e-3 * np.sin(9 * motor)

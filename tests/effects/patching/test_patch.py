@@ -97,7 +97,7 @@ def test_effect_without_parameters_is_refused() -> None:
         patch(effects=[{"effect": "coulomb_friction", "location": "motor_1", "parameters": {}}], covariance=None)
 
 
-def test_names_alike_are_numbered() -> None:
+def test_equal_names_are_numbered() -> None:
     assert numbered(["a", "b", "a", "a"]) == ("a", "b", "a#2", "a#3")
 
 

@@ -46,14 +46,14 @@ def test_patch_on_a_patch_adds_up(tmp_path: Path) -> None:
     assert load_model(second).robot.parameters["body_3.mass"].value == pytest.approx(242.0)
 
 
-def test_robot_file_is_found_beside_the_patch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_robot_file_is_found_next_to_the_patch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "mine.yaml").write_text((LIBRARY / "two_mass.yaml").read_text())
     patch = write(tmp_path / "patch.yaml", "mine.yaml", "coulomb_friction@motor_1:level=1")
     monkeypatch.chdir(LIBRARY)
     assert load_model(patch).robot.name == "two_mass"
 
 
-def test_changed_base_is_refused_and_says_what_to_do(tmp_path: Path) -> None:
+def test_changed_base_is_refused_with_advice(tmp_path: Path) -> None:
     base = tmp_path / "mine.yaml"
     base.write_text((LIBRARY / "e12.yaml").read_text())
     effect = "payload_error@tool:relative=0.05"
@@ -94,9 +94,7 @@ def test_hash_of_a_patch_below_counts_its_effects(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_what_cannot_be_put_together_is_said_in_a_sentence(
-    tmp_path: Path, robot: str, effect: str, message: str
-) -> None:
+def test_incompatible_patch_is_refused_with_one_sentence(tmp_path: Path, robot: str, effect: str, message: str) -> None:
     with pytest.raises(InputError, match=message) as caught:
         load_model(write(tmp_path / "patch.yaml", robot, effect))
     assert "\n" not in str(caught.value)

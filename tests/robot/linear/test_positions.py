@@ -143,32 +143,32 @@ def test_stiffness_holds_the_gravity_load() -> None:
     assert 0.1 * moment < difference < 10 * moment
 
 
-def test_wrong_number_of_values_is_told() -> None:
+def test_wrong_number_of_values_is_reported() -> None:
     with pytest.raises(InputError, match="2 values were given for 1 unknown parameters of robot two_mass"):
         linearise_positions(load_robot("two_mass"), ["body_1.rz.stiffness"], [[0.0]], [1.0, 2.0])
 
 
-def test_value_that_is_no_number_is_told() -> None:
+def test_non_finite_value_is_reported() -> None:
     with pytest.raises(InputError, match=r"the value of body_1.rz.stiffness is not a finite number; give one"):
         linearise_positions(load_robot("two_mass"), ["body_1.rz.stiffness"], [[0.0]], [np.nan])
 
 
-def test_wrong_motor_positions_are_told() -> None:
+def test_wrong_motor_positions_are_reported() -> None:
     with pytest.raises(InputError, match=r"motor positions have shape \(2,\), but robot e12 needs finite numbers"):
         linearise_positions(load_robot("e12"), ["body_1.ry.stiffness"], [0.0, 0.0])
 
 
-def test_parameter_named_twice_is_told() -> None:
+def test_duplicate_parameter_is_reported() -> None:
     with pytest.raises(InputError, match=r"unknown parameters name body_1.ry.damping more than once"):
         linearise_positions(load_robot("e12"), ["body_1.ry.damping"] * 2, [[0.0, 0.0]])
 
 
-def test_unknown_parameter_is_told() -> None:
+def test_unknown_parameter_is_reported() -> None:
     with pytest.raises(InputError, match=r"body_9.ry.stiffness"):
         linearise_positions(load_robot("e12"), ["body_9.ry.stiffness"], [[0.0, 0.0]])
 
 
-def test_springs_too_soft_for_gravity_are_told() -> None:
+def test_springs_too_soft_for_gravity_are_reported() -> None:
     data = load_robot("emps").spec.model_dump()
     body = {"label": "load", "mass": 10.0, "directions": {"tz": {"spring": 1e4, "damper": 10.0}}}
     data = {**data, "gravity": [0, 0, -9.81], "bodies": [data["bodies"][0], body]}

@@ -19,7 +19,7 @@ def mixed() -> Robot:
     return robot_from_data(data, "mixed")
 
 
-def test_rigid_and_flexible_gears_are_told_apart(mixed: Robot) -> None:
+def test_rigid_and_flexible_gears_are_distinguished(mixed: Robot) -> None:
     assert mixed.gear_rows == (0, 1)
     assert mixed.stiff_motors == (0,)
     assert mixed.flexible_motors == (1,)
