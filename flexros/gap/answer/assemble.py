@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from flexros.effects.encoder_quantization import EncoderQuantization
 from flexros.gap.answer.decision import (
     best_rival,
     effect_location,
@@ -45,7 +44,6 @@ if TYPE_CHECKING:
     from flexros.gap.schema import GapNumbers, NextExperiment, Verdict
     from flexros.gap.settings import DiagnosisSettings
     from flexros.gap.where.find import Where
-    from flexros.record.quantization import Quantization
 
 STEP_ERROR = 1e-3
 """Relative standard deviation of a quantization step that is read off the levels of a log [1]."""
@@ -183,7 +181,7 @@ def _diagnosis(
 def _causes(findings: Findings, verdict: Verdict, errors: HeldOutErrors) -> tuple[Cause, ...]:
     """List the effects of the chosen explanation and of its rivals."""
     explanations = findings.explanations
-    causes = {name: _rounding(one, findings, errors) for name, one in findings.quantized.items()}
+    causes = {name: _rounding(name, findings, errors) for name in findings.quantized}
     if not explanations.detected:
         return tuple(causes.values())
     for fit in (explanations.chosen, *rivals_of(explanations, findings.settings)):
@@ -206,13 +204,14 @@ def _closed(after: AheadErrors | None, findings: Findings, errors: HeldOutErrors
     return None if share is None else share.value
 
 
-def _rounding(quantization: Quantization, findings: Findings, errors: HeldOutErrors) -> Cause:
+def _rounding(name: str, findings: Findings, errors: HeldOutErrors) -> Cause:
     """State the rounding of an encoder, which is read off the log."""
-    motor = findings.model.robot.motors[quantization.motor]
-    step = CauseParameter(value=quantization.step, std=STEP_ERROR * quantization.step, unit=motor.position_unit)
+    located, quantization = effect_location(name), findings.quantized[name]
+    unit = findings.model.robot.motors[quantization.motor].position_unit
+    step = CauseParameter(value=quantization.step, std=STEP_ERROR * quantization.step, unit=unit)
     return Cause(
-        effect=EncoderQuantization.name,
-        location=motor.name,
+        effect=located.effect,
+        location=located.location,
         probability=1.0,
         parameters={"step": step},
         closed_fraction=_closed(errors.null, findings, errors),
