@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from flexros_nodes.protocol.process.interruption import Interruption
 
 PROGRESS_PERIOD = 0.2
-"""Period at which the progress is told [s], chosen."""
+"""Period of progress reports [s], chosen."""
 
 
 @dataclass(frozen=True)

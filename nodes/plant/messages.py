@@ -50,8 +50,8 @@ class PlantMessages:
 
     def have_partners(self, observers: int) -> bool:
         """Return whether a controller and this number of recorders are connected."""
-        heard = self.listeners() > observers and self._poses.get_subscription_count() >= observers
-        return heard and self.is_published("joint_commands")
+        connected = self.listeners() > observers and self._poses.get_subscription_count() >= observers
+        return connected and self.is_published("joint_commands")
 
     def is_published(self, name: str) -> bool:
         """Return whether a topic of the contract has a publisher."""

@@ -1,4 +1,4 @@
-"""What tests of nodes share: comparing logs, nodes to be spun by hand, a long scenario, an identification."""
+"""Fixtures for tests of nodes: comparison of logs, manually spun nodes, scenarios."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def started_node(node: str, *parameters: str) -> subprocess.Popen[str]:
 
 
 def kept(start: StartProcess) -> Iterator[StartProcess]:
-    """Give a start whose processes do not outlive the test."""
+    """Yield a start function whose processes end with the test."""
     processes: list[subprocess.Popen[str]] = []
 
     def begin(*arguments: str) -> subprocess.Popen[str]:
@@ -76,7 +76,7 @@ def kept(start: StartProcess) -> Iterator[StartProcess]:
 
 @pytest.fixture
 def start_node() -> Iterator[StartProcess]:
-    """Give the start of a node as a process of its own, from its name and parameters `name:=value`."""
+    """Yield the start of a node as a process, from its name and parameters `name:=value`."""
     yield from kept(started_node)
 
 
@@ -92,7 +92,7 @@ def started_example(name: str, *arguments: str) -> subprocess.Popen[str]:
 
 @pytest.fixture
 def start_example() -> Iterator[StartProcess]:
-    """Give the start of an example of the guide as a user's process, which need not know where FlexROS is."""
+    """Yield the start of an example of the guide as a user process without FlexROS on its path."""
     yield from kept(started_example)
 
 
@@ -121,7 +121,7 @@ def end_with_plant() -> Callable[..., str]:
 
 @pytest.fixture
 def log_differences() -> Callable[[Log, Log], list[str]]:
-    """Give the comparison of two logs."""
+    """Return the comparison of two logs."""
     return differences
 
 
@@ -144,7 +144,7 @@ def short_scenario(tmp_path: Path) -> Path:
 
 
 def identification_settings() -> dict[str, Any]:
-    """Settings of a short identification of the two-mass robot: two positions, two blocks, 4.2 s."""
+    """Return the settings of a short identification of the two-mass robot: two positions, two blocks, 4.2 s."""
     return {
         **{key: load_scenario("two_mass_step").settings()[key] for key in ("robot", "controller")},
         "name": "identify",
@@ -212,7 +212,7 @@ class Bench:
 
 @pytest.fixture
 def bench(ros_domain: int) -> Iterator[Bench]:
-    """Give a context and an executor for nodes that a test makes itself."""
+    """Yield a context and an executor for nodes created by the test."""
     bench = Bench(ros_domain)
     yield bench
     bench.close()

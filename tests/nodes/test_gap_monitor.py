@@ -1,4 +1,4 @@
-"""The gap monitor node: the figures of the log, on /diagnostics, from messages as they come."""
+"""Gap monitor node: figures on /diagnostics from received messages equal those of the log."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def course(effect: str) -> Log:
 
 
 class Robot:
-    """Says states and commands of a log, in another order of the joints."""
+    """Publishes states and commands of a log, in another order of the joints."""
 
     def __init__(self, bench: Bench) -> None:
         self.bench = bench
@@ -86,7 +86,7 @@ def test_parameters_are_described_with_their_bounds() -> None:
 
 
 @pytest.mark.parametrize("effect", ["", "coulomb_friction@motor_2:level=1"])
-def test_it_tells_what_the_log_tells_in_every_bit(bench: Bench, tmp_path: Path, effect: str) -> None:
+def test_figures_are_bit_equal_to_those_of_the_log(bench: Bench, tmp_path: Path, effect: str) -> None:
     log = course(effect)
     node, robot = watching(bench), Robot(bench)
     robot.play(log, node)
@@ -127,7 +127,7 @@ def test_diagnostics_name_robot_and_motors(bench: Bench) -> None:
     assert stamp.sec + 1e-9 * stamp.nanosec == pytest.approx(node.monitor.reading().stamp * 1e-9)
 
 
-def test_it_says_what_it_does_not_hear(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_silent_topics_are_reported(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("flexros_nodes.gap_monitor.SILENCE", 0.2)
     watching(bench)
     robot = Robot(bench)
@@ -147,7 +147,7 @@ def test_messages_that_are_none_of_this_robot_are_counted(bench: Bench) -> None:
     bench.spin_until(lambda: any("joint_commands has no effort" in array.status[0].message for array in robot.heard))
 
 
-def test_without_processor_time_it_passes_over_and_says_so(bench: Bench) -> None:
+def test_without_processor_time_messages_are_skipped_and_counted(bench: Bench) -> None:
     node, robot = watching(bench), Robot(bench)
     node.budget.use(1e9)
     robot.bench.spin_until(lambda: robot.states.get_subscription_count() > 0)
@@ -164,7 +164,7 @@ def test_without_processor_time_it_passes_over_and_says_so(bench: Bench) -> None
         ({"thresholds": "none.json"}, "the calibration none.json cannot be read"),
     ],
 )
-def test_what_cannot_be_watched_is_refused(bench: Bench, values: dict[str, str], told: str) -> None:
+def test_invalid_model_is_rejected(bench: Bench, values: dict[str, str], told: str) -> None:
     node = bench.add(GapMonitorNode, **{"model": "elbow", **values})
     node.tells_errors = False
     node.trigger_configure()

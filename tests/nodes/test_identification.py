@@ -133,7 +133,7 @@ def test_experiment_waits_for_its_start_longer_than_a_partner_may_be_silent(
     assert log_differences(direct(identification_scenario), read_log(tmp_path / "log")) == []
 
 
-def test_plant_gives_up_when_nobody_waits(bench: Bench, identification_scenario: Path) -> None:
+def test_plant_aborts_without_a_waiting_experiment(bench: Bench, identification_scenario: Path) -> None:
     controller = bench.add(ControllerNode, scenario=str(identification_scenario), observers=0)
     plant = bench.add(PlantNode, scenario=str(identification_scenario), observers=0, start_timeout=0.3)
     for node in (controller, plant):
@@ -144,7 +144,7 @@ def test_plant_gives_up_when_nobody_waits(bench: Bench, identification_scenario:
     assert "the controller is gone or lacks its reference" in plant.report.message
 
 
-def test_stopped_experiment_comes_to_rest_and_its_log_says_so(
+def test_stopped_experiment_comes_to_rest_and_its_log_records_it(
     loop: Loop, identification_scenario: Path, tmp_path: Path
 ) -> None:
     run = Experiment.prepare(load_scenario(identification_scenario))

@@ -137,7 +137,7 @@ def test_a_controller_with_another_gain_is_found_out(bench: Bench) -> None:
     assert figures["equal_commands"] + figures["different_commands"] == 201
 
 
-def test_a_controller_that_comes_late_is_waited_for(bench: Bench) -> None:
+def test_late_controller_is_awaited(bench: Bench) -> None:
     player = replay(bench, feed_controller=True, to_time=0.05)
     up(player)
     bench.spin_for(0.5)
@@ -230,7 +230,7 @@ def test_a_leader_streams_the_recorded_reference_again_in_every_bit(
 # Playing.
 
 
-def test_messages_of_a_foreign_log_are_heard_as_they_are_and_others_are_named(bench: Bench, tmp_path: Path) -> None:
+def test_messages_of_a_foreign_log_are_played_unchanged_and_others_are_named(bench: Bench, tmp_path: Path) -> None:
     player = replay(bench, texts(tmp_path / "a.mcap", 50, more="nowhere_msgs/msg/Thing"), remaps="told:=other/told")
     heard = hear(player, String, "/other/told")
     up(player)

@@ -33,7 +33,7 @@ TOLD = {
     "feedforward": "the controller is gone or lacks its reference; the plant has braked",
     "recorder": "it is gone; the plant has braked",
 }
-"""What the plant says when a node is gone."""
+"""Messages of the plant when a node is gone."""
 
 
 def killed_in_a_run(folder: Path, victims: Sequence[str] = NODES) -> Result:

@@ -1,4 +1,4 @@
-"""What a part of the endurance test found."""
+"""Result of a part of the endurance test."""
 
 from __future__ import annotations
 
@@ -45,5 +45,5 @@ class Result:
 
 
 def differing(what: str, found: list[str]) -> str:
-    """Say that logs differ, nothing if they do not."""
+    """Return how logs differ, empty if they do not."""
     return f"{what} differs in {', '.join(found)}" if found else ""

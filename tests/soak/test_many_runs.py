@@ -1,4 +1,4 @@
-"""What many runs leave behind is seen."""
+"""Processes left behind by runs are detected."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Launch files: without a full ROS 2 they meet stand-ins for launch, and nodes that are started as launch would."""
+"""Launch files; without a full ROS 2 with stand-ins for launch, and nodes started as launch would."""
 
 from __future__ import annotations
 
@@ -155,7 +155,7 @@ def test_a_log_without_a_name_gets_one_of_the_scenario(tmp_path: Path) -> None:
     assert folder.name.startswith("circle_dae_")
 
 
-def test_gap_monitor_runs_beside_where_its_model_is_given(tmp_path: Path) -> None:
+def test_gap_monitor_starts_with_a_given_model(tmp_path: Path) -> None:
     model = tmp_path / "model.yaml"
     shutil.copy(CHECKOUT / "flexros" / "robot" / "library" / "two_mass.yaml", model)
     launch = Launch("regulator", scenario="two_mass_step", monitor="model.yaml")

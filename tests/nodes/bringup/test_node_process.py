@@ -18,7 +18,7 @@ def process(tmp_path: Path) -> NodeProcess:
     return NodeProcess("plant", {"scenario": "circle_dae", "autostart": False}, tmp_path)
 
 
-def test_process_that_is_asked_while_it_starts_ends_without_complaint(process: NodeProcess) -> None:
+def test_process_stopped_during_its_start_ends_without_error(process: NodeProcess) -> None:
     process.stop(20.0)
     assert process.ended
     assert process.death() == ""
@@ -35,7 +35,7 @@ def test_process_ends_though_its_parent_ignores_ctrl_c(tmp_path: Path) -> None:
     assert process.death() == ""
 
 
-def test_killed_process_is_told(process: NodeProcess) -> None:
+def test_killed_process_is_reported(process: NodeProcess) -> None:
     os.kill(process.pid, signal.SIGKILL)
     process.stop(20.0)
     assert process.killed

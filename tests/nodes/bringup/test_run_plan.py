@@ -1,4 +1,4 @@
-"""What a run consists of and how it is summed up."""
+"""Plan and summary of a run."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_loop_goes_before_reference_and_log_and_these_before_all_else_in_real_ti
     assert "priority" not in RunPlan("circle_pd", Path("log"), {}).process_values("recorder")
 
 
-def test_recorder_is_told_folder_and_pace() -> None:
+def test_recorder_gets_folder_and_pace() -> None:
     plan = RunPlan("circle_pd", Path("log"), {"plant": {"real_time": True}})
     assert plan.values("recorder")["folder"] == "log"
     assert plan.values("recorder")["real_time"] is True
@@ -69,7 +69,7 @@ def test_a_sample_the_controller_never_saw_is_not_missing_in_the_log() -> None:
     assert (summary.unseen, summary.missing) == (5, 2)
 
 
-def test_cause_comes_before_the_plant_that_noticed() -> None:
+def test_message_of_the_cause_precedes_that_of_the_plant() -> None:
     reports = {
         "plant": NodeReport("plant", 3, "no command"),
         "controller": NodeReport("controller", 3, "measurement refused"),
@@ -83,7 +83,7 @@ def test_bad_input_outranks_nothing_but_what_is_done() -> None:
     assert summarise(reports, None, "composed", interrupted=False).exit_code == 2
 
 
-def test_death_of_a_process_breaks_the_run_off() -> None:
+def test_death_of_a_process_aborts_the_run() -> None:
     summary = summarise({}, None, "processes", interrupted=False, deaths=("the process of node plant was killed",))
     assert summary.exit_code == 3
     assert summary.message.startswith("the process of node plant was killed")
@@ -107,9 +107,7 @@ RECORDED = NodeReport("recorder", figures={"joint_states.messages": 700})
     ],
     ids=["readable", "empty", "none", "recorder failed", "recorder killed"],
 )
-def test_state_of_the_log_is_told_as_it_is(
-    tmp_path: Path, reports: dict[str, NodeReport], exists: bool, end: str
-) -> None:
+def test_state_of_the_log_is_reported(tmp_path: Path, reports: dict[str, NodeReport], exists: bool, end: str) -> None:
     folder = tmp_path / "log"
     if exists:
         folder.mkdir()
@@ -118,7 +116,7 @@ def test_state_of_the_log_is_told_as_it_is(
     assert summary.log_folder == (folder if exists else None)
 
 
-def test_run_without_a_log_says_so_when_it_breaks_off() -> None:
+def test_aborted_run_without_a_log_reports_it() -> None:
     summary = summarise({}, None, "composed", interrupted=True)
     assert summary.message == "interrupted; no recording was requested"
 
@@ -128,7 +126,7 @@ def test_samples_come_from_the_recorder_when_the_plant_left_no_report(tmp_path: 
     assert summary.samples == 700
 
 
-def test_interruption_is_told_unless_something_broke() -> None:
+def test_interruption_is_reported_unless_something_failed() -> None:
     assert summarise({"plant": PLANT}, None, "composed", interrupted=True).exit_code == 130
     broken = {"plant": NodeReport("plant", 3, "no command")}
     assert summarise(broken, None, "composed", interrupted=True).exit_code == 3
@@ -138,7 +136,7 @@ def test_interruption_is_told_unless_something_broke() -> None:
     ("at", "message"),
     [(900.0, "stopped by the service stop at sample 900: 3 of 8 experiments are complete"), (-1.0, "")],
 )
-def test_stopped_identification_is_done_and_told(at: float, message: str) -> None:
+def test_stopped_identification_is_complete_and_reported(at: float, message: str) -> None:
     figures = {"stopped_at_sample": at, "completed": 3.0, "planned": 8.0}
     reports = {"identification": NodeReport("identification", figures=figures), "plant": PLANT}
     summary = summarise(reports, None, "composed", interrupted=False)

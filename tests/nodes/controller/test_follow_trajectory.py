@@ -67,7 +67,7 @@ class FollowJointTrajectory:
 
 
 class Handle:
-    """A goal as the server gives it."""
+    """Goal handle of the server."""
 
     def __init__(self, request: Goal) -> None:
         self.request = request
@@ -202,7 +202,7 @@ def test_goal_whose_end_is_not_reached_in_time_is_aborted(robot: Robot) -> None:
     assert handle.result.error_code == -5
 
 
-def test_goal_that_is_canceled_comes_to_rest(robot: Robot) -> None:
+def test_cancelled_goal_comes_to_rest(robot: Robot) -> None:
     handle = robot.server.send(Goal(trajectory(robot.near(0.0), robot.near(1.0, 0.1))))
     assert handle is not None
     robot.run_until(200)
@@ -246,7 +246,7 @@ def test_controller_that_stops_aborts_its_goal(robot: Robot, transition: str) ->
     assert robot.server.send(Goal(trajectory(robot.near(10.0)))) is None
 
 
-def test_goal_that_comes_too_late_after_all_is_aborted(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_goal_that_is_late_on_acceptance_is_aborted(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     robot.server.send(Goal(trajectory(robot.near(0.001))))
     robot.run_until(50)
     monkeypatch.setattr(robot.controller, "check_trajectory", lambda _: None)

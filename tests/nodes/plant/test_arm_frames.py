@@ -1,4 +1,4 @@
-"""Frames of the true arm; tf2_msgs is on no package index, so that a type with its one field stands for it."""
+"""Frames of the true arm; tf2_msgs is on no package index, so a stand-in with its one field is used."""
 
 from __future__ import annotations
 

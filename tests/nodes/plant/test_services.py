@@ -68,7 +68,7 @@ def test_log_of_a_run_that_was_paused_and_stepped_is_the_same_in_every_bit(
     assert log_differences(direct(short_scenario), read_log(tmp_path / "log")) == []
 
 
-def test_clock_goes_on_without_a_step_back_through_pause_and_step(bench: Bench, short_scenario: Path) -> None:
+def test_clock_never_decreases_through_pause_and_step(bench: Bench, short_scenario: Path) -> None:
     loop = Loop(bench, short_scenario, FeedforwardNode, ControllerNode)
     clock = loop.hear("clock")
     loop.bring_up()
@@ -146,7 +146,7 @@ def test_partner_that_ends_in_a_pause_lets_the_plant_brake(bench: Bench, short_s
 
 
 def positions(messages: list[bytes]) -> np.ndarray:
-    """Measured positions by sample; a repeated sample must say the same."""
+    """Measured positions by sample; repeats must be equal."""
     view = JointStateView(("motor_1", "motor_2"))
     by_stamp: dict[int, tuple[float, ...]] = {}
     for message in messages:
@@ -199,7 +199,7 @@ def test_reset_before_the_second_sample_has_nothing_to_do(bench: Bench, short_sc
     assert (answer.success, answer.message) == (True, "the plant is at sample 0 (stamp 1.0000 s)")
 
 
-def test_identification_begins_anew_with_a_reset(bench: Bench, identification_scenario: Path) -> None:
+def test_identification_restarts_with_a_reset(bench: Bench, identification_scenario: Path) -> None:
     loop = Loop(bench, identification_scenario, IdentificationNode, ControllerNode)
     loop.bring_up()
     loop.reach(2000)
@@ -210,7 +210,7 @@ def test_identification_begins_anew_with_a_reset(bench: Bench, identification_sc
     assert loop.plant.loop.plant.measure() == pytest.approx(expected.joint_states.position[-1], abs=0.0)
 
 
-def test_real_time_goes_on_after_a_pause_without_misses(bench: Bench, short_scenario: Path) -> None:
+def test_real_time_resumes_after_a_pause_without_misses(bench: Bench, short_scenario: Path) -> None:
     loop = Loop(bench, short_scenario, FeedforwardNode, ControllerNode, real_time=True, begin_at_once=False)
     states = loop.hear("joint_states")
     loop.bring_up()

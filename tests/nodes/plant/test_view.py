@@ -1,4 +1,4 @@
-"""What others see of the plant: the description of its robot, and its arm as markers."""
+"""Visualisation of the plant: robot description and markers."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_markers_show_the_state_of_the_plant(bench: Any) -> None:
         np.testing.assert_allclose(points(marker), getattr(bars, marker.ns), atol=1e-12)
 
 
-def test_nothing_is_computed_while_nobody_listens(bench: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_computed_without_subscribers(bench: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
     plant = bench.add(PlantNode)
     plant.trigger_configure()

@@ -1,4 +1,4 @@
-"""What a controller still owes, and whether its commands are the recorded ones; free of ROS."""
+"""Awaited commands of a fed controller, and their comparison with the recorded ones."""
 
 from __future__ import annotations
 

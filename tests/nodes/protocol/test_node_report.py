@@ -1,4 +1,4 @@
-"""What a node leaves behind."""
+"""Report of a node."""
 
 from __future__ import annotations
 

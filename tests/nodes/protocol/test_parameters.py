@@ -61,7 +61,7 @@ def test_default_outside_its_bounds_is_refused(tmp_path: Path) -> None:
         read_parameters(file)
 
 
-def test_row_that_is_no_mapping_is_refused(tmp_path: Path) -> None:
+def test_row_that_is_not_a_mapping_is_rejected(tmp_path: Path) -> None:
     file = tmp_path / "node.yaml"
     file.write_text("speed: 3")
     with pytest.raises(InputError, match="key speed: allowed is a mapping"):

@@ -1,4 +1,4 @@
-"""Runs that break off: a clear sentence, exit code 3, a plant at zero torque and a readable log."""
+"""Aborted runs: message, exit code 3, a plant at zero torque and a valid log."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def bad_controller(bad_message: JointStateTemplate | None, effort: tuple[float, 
     ],
     ids=["nan", "size", "name", "silence"],
 )
-def test_bad_command_breaks_the_run_off(
+def test_bad_command_aborts_the_run(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     bad_message: JointStateTemplate | None,
@@ -81,7 +81,7 @@ def test_bad_command_breaks_the_run_off(
     assert np.isfinite(log.joint_commands.effort[good]).all()
 
 
-def test_controller_silent_from_the_start_is_told_after_its_time(
+def test_controller_silent_from_the_start_is_reported_after_its_time_out(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Silent(ControllerNode):
@@ -115,7 +115,7 @@ def test_long_braking_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert recorded["joint_states.missing"] == recorded["tool_pose.missing"] == 0
 
 
-def test_controller_that_ends_is_told_to_the_plant_at_once(
+def test_exit_of_the_controller_is_reported_to_the_plant_at_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     class Failing(ControllerNode):
@@ -156,7 +156,7 @@ def test_full_disk_ends_the_run_with_a_readable_log(tmp_path: Path, monkeypatch:
     assert 100 < len(log.joint_states.stamp) < 12_001
 
 
-def test_folder_that_cannot_be_written_is_told_before_the_run(tmp_path: Path) -> None:
+def test_unwritable_folder_is_reported_before_the_run(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     summary = run_scenario("circle_dae", tmp_path / "file" / "log")
     assert summary.exit_code == 3

@@ -1,4 +1,4 @@
-"""Messages of nodes that do not belong to the run: garbage is left aside, a second controller is told."""
+"""Messages of foreign nodes: invalid ones are skipped, a second controller is reported."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ HEADER = b"\x00\x01\x00\x00"
 
 
 class GarbageBeside(ControllerNode):
-    """A controller that sends garbage beside every answer."""
+    """Controller that publishes an invalid message with every answer."""
 
     def configure(self) -> None:
         super().configure()
@@ -83,7 +83,7 @@ def test_smallest_numbers_are_torques_like_others(tmp_path: Path, monkeypatch: p
 
 
 @pytest.mark.parametrize("real_time", [False, True], ids=["lock-step", "real time"])
-def test_second_controller_breaks_the_run_off(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, real_time: bool) -> None:
+def test_second_controller_aborts_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, real_time: bool) -> None:
     class TwoInOne(ControllerNode):
         def configure(self) -> None:
             super().configure()

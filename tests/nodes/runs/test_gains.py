@@ -38,7 +38,7 @@ def array(*values: float) -> ParameterValue:
 
 
 def setting(bench: Bench, name: str, value: ParameterValue) -> Any:
-    """Set a parameter as any node would, over the service; gives its result."""
+    """Set a parameter by the service, and return the result."""
     user = bench.hold(rclpy.create_node("user", context=bench.context))
     client = user.create_client(SetParameters, "controller/set_parameters")
     bench.spin_until(client.service_is_ready)
@@ -68,7 +68,7 @@ def test_any_node_may_change_a_gain(bench: Bench) -> None:
         ("motor_1.kq", double(1.0), "undeclared parameter"),
     ],
 )
-def test_what_is_no_gain_is_refused_and_changes_nothing(
+def test_invalid_gain_is_rejected_and_changes_nothing(
     bench: Bench, name: str, value: ParameterValue, sentence: str
 ) -> None:
     node = bench.add(ControllerNode)
@@ -81,7 +81,7 @@ def test_what_is_no_gain_is_refused_and_changes_nothing(
     assert node.report is None
 
 
-def test_change_counts_from_the_sample_that_is_told(
+def test_change_takes_effect_at_the_reported_sample(
     bench: Bench, short_scenario: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     loop = Loop(bench, short_scenario, FeedforwardNode, ControllerNode)
@@ -109,7 +109,7 @@ def test_change_counts_from_the_sample_that_is_told(
     assert 1.04 < told < 1.2
 
 
-def test_change_before_the_first_sample_is_told_so(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_change_before_the_first_sample_is_reported(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     node = bench.add(ControllerNode)
     node.trigger_configure()
     said: list[str] = []

@@ -28,7 +28,7 @@ Bench = Any  # the class is in conftest
 
 
 class Sender:
-    """A loop with a node of the user that publishes trajectories, and hears what reference the controller uses."""
+    """A loop with a user node that publishes trajectories and receives the reference of the controller."""
 
     def __init__(self, bench: Bench, scenario: Path) -> None:
         self.loop = Loop(bench, scenario, FeedforwardNode, ControllerNode, begin_at_once=False)
@@ -39,7 +39,7 @@ class Sender:
         bench.spin_until(lambda: self._publisher.get_subscription_count() > 0)
 
     def step_to(self, sample: int) -> np.ndarray:
-        """Step to a sample, and give its reference."""
+        """Step to a sample, and return its reference."""
         self.loop.bench.spin_until(lambda: self.loop.sample == 0)
         for _ in range(sample):
             self.loop.step()
@@ -58,7 +58,7 @@ class Sender:
         self._publisher.publish(message)
 
     def used(self) -> dict[int, np.ndarray]:
-        """Finish the run; give the position references by stamp [ns]."""
+        """Finish the run, and return the position references by stamp [ns]."""
         self.loop.call("start")
         self.loop.finish()
         self.loop.bench.spin_until(lambda: stamp_of(self.references[-1]) == LAST)
@@ -106,7 +106,7 @@ def test_in_a_flood_few_trajectories_are_read_and_the_newest_is_followed(
     assert used[LAST] == pytest.approx(present + 1e-4 * (READ_BUDGET + 6), abs=1e-12)
 
 
-def test_what_cannot_be_followed_is_refused_with_a_sentence_and_the_loop_goes_on(
+def test_invalid_trajectory_is_rejected_and_the_loop_continues(
     bench: Bench, short_scenario: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sender = Sender(bench, short_scenario)

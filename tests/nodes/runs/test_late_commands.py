@@ -1,4 +1,4 @@
-"""A plant in real time whose commands come late, or among many that are none of its own."""
+"""Plant in real time with late commands, or with many foreign ones."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Partner:
         self._publisher.publish(self._command.fill(stamp_ns(sample, T), effort=[torque, 0.0]))
 
     def hear(self, messages: int) -> None:
-        """Let the plant look until it has heard as many messages that answer no sample of the present."""
+        """Spin until the plant has received as many messages that do not answer the present sample."""
         heard = self.loop.lockstep.stale
         self.bench.spin_until(lambda: self.pacing.answered() or self.loop.lockstep.stale >= heard + messages)
 
@@ -73,7 +73,7 @@ def test_partner_that_answers_late_is_not_gone(bench: Bench) -> None:
     assert np.abs(partner.loop.plant.measure()).max() > 0.0
 
 
-def test_partner_that_says_nothing_is_gone(bench: Bench) -> None:
+def test_silent_partner_counts_as_gone(bench: Bench) -> None:
     partner = Partner(bench)
     for _ in range(PATIENCE + 2):
         partner.cycle()

@@ -46,7 +46,7 @@ def late(topics: tuple[str, ...], unheard: int) -> type[RecorderNode]:
 
 
 def mute(unsaid: int) -> type[RecorderNode]:
-    """Make a recorder whose first confirmations reach nobody."""
+    """Create a recorder whose first confirmations are lost."""
 
     class Mute(RecorderNode):
         left = unsaid
@@ -94,7 +94,7 @@ def test_confirmations_lost_in_the_midst_are_said_again(
     assert log_differences(closed_loop(Experiment.prepare(scenario)), read_log(tmp_path / "log")) == []
 
 
-def test_recorder_that_never_hears_the_plant_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_recorder_that_never_receives_the_plant_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(composed.NODE_CLASSES, "recorder", late(("joint_states",), 1_000_000))
     monkeypatch.setattr(shutdown, "FLUSH_TIMEOUT", 0.2)
     parameters = {"plant": {"recorder_timeout": 0.5, "start_timeout": 0.3, "brake_duration": 0.01}}
@@ -103,7 +103,7 @@ def test_recorder_that_never_hears_the_plant_is_told(tmp_path: Path, monkeypatch
     assert "the recorder has confirmed nothing after stamp 1.0000 s for 0.5 s" in summary.message
 
 
-def test_loop_goes_on_where_a_partner_sends_no_tool_reference(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_loop_continues_without_tool_reference_of_a_partner(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(composed.NODE_CLASSES, "recorder", late(("tool_reference",), 1_000_000))
     scenario = load_scenario("circle_dae").with_values({"duration": 0.1})
     summary = run_scenario(scenario, tmp_path / "log", parameters=PARAMETERS)

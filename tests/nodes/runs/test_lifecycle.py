@@ -126,7 +126,7 @@ def test_measurement_that_is_not_a_number_ends_the_controller(bench: Bench) -> N
     assert "the measurement at stamp 1.0000 s is rejected: its position is [0.0, nan]" in controller.report.message
 
 
-def test_fault_in_a_node_is_told_as_such(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_internal_error_of_a_node_is_reported(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     node = bench.add(FeedforwardNode)
     monkeypatch.setattr(node, "configure", lambda: {}["nothing"])
     assert node.trigger_configure() == FAILURE
@@ -135,7 +135,7 @@ def test_fault_in_a_node_is_told_as_such(bench: Bench, monkeypatch: pytest.Monke
 
 
 @pytest.mark.parametrize("node_class", [FeedforwardNode, ControllerNode, PlantNode])
-def test_node_that_is_activated_again_begins_anew(bench: Bench, node_class: type[FlexrosNode]) -> None:
+def test_node_activated_again_restarts(bench: Bench, node_class: type[FlexrosNode]) -> None:
     node = bench.add(node_class)
     node.trigger_configure()
     for _ in range(2):
@@ -212,7 +212,7 @@ def test_gain_is_applied_only_when_the_whole_set_is_accepted(bench: Bench) -> No
     assert node.controller.gains.tolist() == before.tolist()
 
 
-def test_scenario_edited_between_cleanup_and_configure_is_read_anew(bench: Bench, tmp_path: Path) -> None:
+def test_scenario_edited_between_cleanup_and_configure_is_reloaded(bench: Bench, tmp_path: Path) -> None:
     path = tmp_path / "own.yaml"
     settings = load_scenario("circle_dae").settings()
     path.write_text(json.dumps(settings))
@@ -225,7 +225,7 @@ def test_scenario_edited_between_cleanup_and_configure_is_read_anew(bench: Bench
     assert node.value("motor_1.kp") == 77.0
 
 
-def test_edited_robot_is_read_anew(bench: Bench, tmp_path: Path) -> None:
+def test_edited_robot_is_reloaded(bench: Bench, tmp_path: Path) -> None:
     robot = tmp_path / "robot.yaml"
     robot.write_text(files("flexros.robot").joinpath("library/two_mass.yaml").read_text())
     path = tmp_path / "own.yaml"
@@ -236,7 +236,7 @@ def test_edited_robot_is_read_anew(bench: Bench, tmp_path: Path) -> None:
     assert prepared_run(str(path)).nominal.sample_time == 0.002
 
 
-def test_plant_without_partners_says_what_it_lacks(bench: Bench) -> None:
+def test_plant_without_partners_reports_what_is_missing(bench: Bench) -> None:
     plant = bench.add(PlantNode, start_timeout=0.2, observers=3)
     plant.trigger_configure()
     plant.trigger_activate()

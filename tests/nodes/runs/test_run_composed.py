@@ -162,7 +162,7 @@ def test_runs_in_one_process_leave_no_sockets_behind() -> None:
         gc.enable()
 
 
-def test_run_says_in_which_domain_it_was(ros_domain: int) -> None:
+def test_summary_states_the_domain(ros_domain: int) -> None:
     assert run_scenario("circle_dae", None).domain_id == ros_domain
 
 
@@ -198,7 +198,7 @@ def test_lock_step_has_the_stamp_as_log_time(tmp_path: Path) -> None:
         ("controller", "motor_1.kp", float("nan"), "parameter motor_1.kp of node controller is nan"),
     ],
 )
-def test_parameter_that_the_run_sets_or_nobody_knows_is_bad_input(
+def test_parameter_set_by_the_run_or_unknown_is_bad_input(
     tmp_path: Path, node: str, name: str, value: object, sentence: str
 ) -> None:
     with pytest.raises(InputError, match=sentence):

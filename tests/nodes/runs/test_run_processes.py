@@ -1,4 +1,4 @@
-"""Runs with one process for each node: equal to the direct simulation, and broken off in order when one dies."""
+"""Runs with one process per node: equal to the direct simulation, and aborted in order when one dies."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ LOSS = {"drop_fraction": 0.01}
 
 
 @pytest.mark.parametrize(("victim", "real_time"), [("controller", True), ("recorder", False)])
-def test_killed_node_breaks_the_run_off(
+def test_killed_node_aborts_the_run(
     tmp_path: Path, long_scenario: Path, monkeypatch: pytest.MonkeyPatch, victim: str, real_time: bool, ros_domain: int
 ) -> None:
     killed: list[int] = []

@@ -57,7 +57,7 @@ def test_log_is_that_of_the_direct_simulation(
     assert log_differences(expected, read_log(tmp_path / "log")) == []
 
 
-def test_clock_of_every_node_stands_in_a_pause_and_follows_a_reset(bench: Bench, short_scenario: Path) -> None:
+def test_clock_of_every_node_stops_in_a_pause_and_follows_a_reset(bench: Bench, short_scenario: Path) -> None:
     loop = Loop(bench, short_scenario, FeedforwardNode, ControllerNode, use_sim_time=True)
     nodes = (*loop.others, loop.plant)
 

@@ -57,7 +57,7 @@ def test_domain_that_is_none_is_bad_input(domain: str) -> None:
         pass
 
 
-def test_environment_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_environment_is_restored(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FLEXROS_ONE", "before")
     monkeypatch.delenv("FLEXROS_TWO", raising=False)
     with environment({"FLEXROS_ONE": "inside", "FLEXROS_TWO": "inside"}):

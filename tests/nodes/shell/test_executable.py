@@ -35,7 +35,7 @@ def test_bad_parameter_is_one_sentence_and_exit_code_2(start_node: StartNode, pa
     assert "Traceback" not in errors
 
 
-def test_node_whose_parent_is_gone_ends_also_where_the_time_of_ros_stands_still(start_node: StartNode) -> None:
+def test_node_ends_with_its_parent_also_while_ros_time_is_stopped(start_node: StartNode) -> None:
     process = start_node("feedforward", "parent_process:=1", "use_sim_time:=true", "autostart:=false")
     _, errors = process.communicate(timeout=TIMEOUT)
     assert process.returncode == 0, errors

@@ -1,4 +1,4 @@
-"""Who can hear the nodes of a run: settings, and the sockets that processes really open."""
+"""Network exposure of a run: settings, and the sockets that processes open."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def process_with(folder: Path, address: str, port: int) -> Path:
     return folder
 
 
-def test_socket_of_the_domain_that_is_open_is_told(tmp_path: Path) -> None:
+def test_open_socket_of_the_domain_is_reported(tmp_path: Path) -> None:
     process = process_with(tmp_path, "00000000", DOMAIN_5 + 10)
     with pytest.raises(RunError, match="has used ROS 2 before with sockets open to the network"):
         check_exposure(LOCAL, 5, process)
@@ -74,7 +74,7 @@ def test_socket_of_the_domain_that_is_open_is_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("address", "port"), [("0100007F", DOMAIN_5 + 10), ("00000000", DOMAIN_5 + 250)])
-def test_bound_socket_and_socket_of_something_else_are_no_matter(tmp_path: Path, address: str, port: int) -> None:
+def test_bound_socket_and_foreign_socket_are_accepted(tmp_path: Path, address: str, port: int) -> None:
     check_exposure(LOCAL, 5, process_with(tmp_path, address, port))
 
 
@@ -125,7 +125,7 @@ def test_run_is_bound_to_this_machine(layout: str, n_processes: int, tmp_path: P
 
 
 @pytest.mark.usefixtures("ros_domain")
-def test_run_on_the_network_says_so_and_is_open(tmp_path: Path, long_scenario: Path) -> None:
+def test_run_on_the_network_is_open(tmp_path: Path, long_scenario: Path) -> None:
     arguments = ("run", str(long_scenario), "--realtime", "--network", "--out", str(tmp_path / "log"))
     with started("-c", COMMAND, *arguments) as process:
         assert "0.0.0.0" in addresses(process, 1)

@@ -1,4 +1,4 @@
-"""Quality of service changed by parameters: what is allowed, and that nodes do it."""
+"""Quality of service changed by parameters: limits, and effect on nodes."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def test_override_that_is_refused_fails_the_configuration(bench: Bench, name: st
     assert node.report.message.endswith("; correct or omit it")
 
 
-def test_diagnostics_are_refused_when_the_node_is_made(bench: Bench) -> None:
+def test_override_of_diagnostics_is_rejected_at_construction(bench: Bench) -> None:
     with pytest.raises(
         InputError, match="qos_overrides./diagnostics.publisher of node controller: depth is 1, allowed"
     ):

@@ -1,4 +1,4 @@
-"""Segments of shared memory that a killed process left."""
+"""Shared memory segments of killed processes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def processes(tmp_path: Path) -> Path:
     return process.parent
 
 
-def test_segments_that_nobody_uses_are_removed(folder: Path, processes: Path) -> None:
+def test_unused_segments_are_removed(folder: Path, processes: Path) -> None:
     assert remove_segments_without_owner(folder, processes) == [SEGMENT, "fastrtps_port7413"]
     assert [path.name for path in folder.iterdir()] == ["other_data"]
 

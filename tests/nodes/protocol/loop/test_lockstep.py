@@ -112,7 +112,7 @@ def test_lost_state_does_not_make_the_plant_patient() -> None:
     assert waits_until_resend(lockstep) == 1
 
 
-def test_controller_tells_new_repeated_and_old_stamps() -> None:
+def test_controller_distinguishes_new_repeated_and_old_stamps() -> None:
     lockstep = ControllerLockStep(T)
     stamps = (1_000_000_000, 1_000_500_000, 1_000_500_000, 1_000_000_000)
     assert [lockstep.arrival(stamp) for stamp in stamps] == [

@@ -15,7 +15,7 @@ def test_step_lets_one_sample_pass() -> None:
     assert pause.on
 
 
-def test_end_tells_how_long_the_loop_has_stood_still() -> None:
+def test_end_returns_the_paused_time() -> None:
     pause = Pause(False, 0.0)
     pause.begin(3.0)
     pause.step()

@@ -1,4 +1,4 @@
-"""How near commands come to the torque limits."""
+"""Use of the torque limits by commands."""
 
 from __future__ import annotations
 

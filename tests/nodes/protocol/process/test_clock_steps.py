@@ -1,4 +1,4 @@
-"""Waking what waits when the system clock is set."""
+"""Wake-up of waiting threads when the system clock is set."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_nothing_stays_behind() -> None:
     assert (open_files(), threading.active_count()) == before
 
 
-def test_a_system_that_tells_nothing_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_system_without_clock_timer_is_not_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(clock_steps, "clock_timer", lambda: None)
     with waking_at_clock_steps(lambda: None) as told:
         assert not told

@@ -1,4 +1,4 @@
-"""Ctrl-C and termination: clean end, exit code 130, closed log, no process left."""
+"""Ctrl-C and termination: orderly shutdown, exit code 130, closed log, no process left."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def test_signal_is_noted_and_handlers_come_back(number: signal.Signals) -> None:
         signal.signal(number, before)
 
 
-def test_end_of_a_partner_is_no_interruption() -> None:
+def test_exit_of_a_partner_is_not_an_interruption() -> None:
     with interruption() as interrupted:
         signal.raise_signal(PARTNER_ENDED)
         assert interrupted.partner_ended
@@ -142,7 +142,7 @@ def test_end_of_a_partner_is_no_interruption() -> None:
 
 
 @pytest.mark.usefixtures("ros_domain")
-def test_run_interrupted_before_its_first_sample_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_run_interrupted_before_its_first_sample_reports_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     class Interrupted(FeedforwardNode):
         def configure(self) -> None:
             super().configure()

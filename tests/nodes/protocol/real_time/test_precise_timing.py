@@ -1,4 +1,4 @@
-"""Thread settings of a real-time run: taken, and given back."""
+"""Thread settings of a real-time run, and their restoration."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_settings_come_back() -> None:
     assert policy() == os.SCHED_OTHER
 
 
-def test_priority_is_told_as_it_is() -> None:
+def test_priority_is_reported() -> None:
     with precise_timing() as prioritised:
         assert prioritised == (policy() == os.SCHED_RR)
 
@@ -43,7 +43,7 @@ def test_threads_begun_with_priority_are_ordinary_ones() -> None:
     assert policies == [os.SCHED_OTHER]
 
 
-def test_priority_found_before_comes_back() -> None:
+def test_previous_priority_is_restored() -> None:
     found: list[tuple[int, int]] = []
 
     def work() -> None:  # in a thread of its own, which ends with its priority
@@ -58,7 +58,7 @@ def test_priority_found_before_comes_back() -> None:
     assert found in ([], [(os.SCHED_RR, PRIORITY), (os.SCHED_RR, 7)])
 
 
-def test_thread_that_has_ended_is_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ended_thread_is_skipped(monkeypatch: pytest.MonkeyPatch) -> None:
     set_for: list[int] = []
 
     def scheduler(thread: int, *_: object) -> None:
@@ -109,7 +109,7 @@ def test_fast_dds_names_that_thread_so(bench: Any) -> None:
     assert any(name.startswith("dds.asyn") for name in names), names
 
 
-def test_refused_priority_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_denied_priority_is_not_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object) -> None:
         raise PermissionError
 
@@ -117,6 +117,6 @@ def test_refused_priority_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not take_priority()
 
 
-def test_system_without_real_time_priorities_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_system_without_real_time_priorities_is_not_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delattr(os, "sched_setscheduler")
     assert not take_priority()

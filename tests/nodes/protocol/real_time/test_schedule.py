@@ -62,7 +62,7 @@ def test_no_statistics_before_the_second_cycle() -> None:
     assert schedule.statistics() is None
 
 
-def test_recent_statistics_begin_anew_and_the_whole_stays() -> None:
+def test_recent_statistics_restart_and_the_total_remains() -> None:
     schedule = run_cycles({3: 70e-6})
     first = schedule.recent_statistics()
     for _ in range(10):

@@ -78,7 +78,7 @@ def test_topic_that_a_partner_does_not_send_is_not_awaited_for_ever() -> None:
 
 
 def test_topic_that_a_partner_publishes_is_awaited_longer() -> None:
-    """A machine under load may take seconds until the recorder hears it."""
+    """Under load it may take seconds until the recorder is connected."""
     window = RecorderWindow(1_000, ("joint_states",), ("joint_reference", "tool_reference"))
     window.start(10_000)
     window.confirm("joint_states", 10_000)

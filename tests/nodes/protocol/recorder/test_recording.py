@@ -1,4 +1,4 @@
-"""What becomes of a recorded message."""
+"""Recording of messages."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ TEMPLATE = JointStateTemplate(("motor_1",), position=True)
 
 
 class Sink:
-    """Keeps what it is given."""
+    """Keeps the written messages."""
 
     def __init__(self) -> None:
         self.messages: list[tuple[int, int, int, bytes]] = []
@@ -81,7 +81,7 @@ def test_stamp_far_ahead_is_left_out_when_the_loop_does_not_go_on_there() -> Non
     assert recording.missing(T) == 0
 
 
-def test_recorder_that_begins_late_loses_nothing_of_what_comes() -> None:
+def test_late_recorder_keeps_all_later_messages() -> None:
     sink = Sink()
     recording = TopicRecording(sink, 1)
     for k in (10**6, 10**6 + 1, 10**6 + 2):

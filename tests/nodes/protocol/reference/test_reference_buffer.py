@@ -52,7 +52,7 @@ def test_missing_chunk_shows_as_a_gap(buffer: ReferenceBuffer, values: FloatArra
     assert np.array_equal(buffer.take(stamp_ns(20, T)), values[20])
 
 
-def test_chunk_that_comes_again_changes_nothing(buffer: ReferenceBuffer, values: FloatArray) -> None:
+def test_repeated_chunk_changes_nothing(buffer: ReferenceBuffer, values: FloatArray) -> None:
     buffer.append(chunk(0, 20, values))
     for k in range(10):
         buffer.take(stamp_ns(k, T))
@@ -144,7 +144,7 @@ def test_samples_that_a_real_time_loop_missed_are_forgotten(buffer: ReferenceBuf
     assert len(buffer) == 19
 
 
-def test_chunk_that_comes_for_the_sample_in_wait_is_taken(buffer: ReferenceBuffer, values: FloatArray) -> None:
+def test_chunk_for_the_awaited_sample_is_used(buffer: ReferenceBuffer, values: FloatArray) -> None:
     assert buffer.take(stamp_ns(20, T)) is None
     buffer.append(chunk(0, 60, values))
     assert np.array_equal(buffer.take(stamp_ns(20, T)), values[20])

@@ -38,7 +38,7 @@ def test_rows_before_the_stop_are_as_planned_to_the_last_bit() -> None:
         assert np.array_equal(getattr(rows, field.name), getattr(planned, field.name)[: FIRST + 1]), field.name
 
 
-def test_it_stands_still_half_the_way_after_the_stop_and_for_ever() -> None:
+def test_reference_rests_half_the_samples_after_the_stop() -> None:
     planned = reference()
     rows = RowsToRest(planned, FIRST, SLOWING, T).rows(range(FIRST + SLOWING, 2 * N))
     end = planned.motor_position[FIRST + SLOWING // 2]
@@ -71,7 +71,7 @@ def test_stop_near_the_end_of_the_plan_holds_its_last_place() -> None:
     assert np.array_equal(rows.motor_position[-1], planned.motor_position[-1])
 
 
-def test_stop_before_the_first_sample_stands_at_the_start() -> None:
+def test_stop_before_the_first_sample_rests_at_the_initial_position() -> None:
     planned = reference()
     start = {f.name: np.repeat(getattr(planned, f.name)[:1], N, axis=0) for f in fields(Reference)}
     at_rest = Reference(**{**start, "motor_velocity": np.zeros((N, 2))})

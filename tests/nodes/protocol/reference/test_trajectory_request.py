@@ -1,4 +1,4 @@
-"""Which trajectories of a user are refused, and with what sentence."""
+"""Rejected trajectories and their messages."""
 
 from __future__ import annotations
 
