@@ -28,7 +28,7 @@ class {name}({base}):
 
 
 class AbstractPart(ABC):
-    """What the members below derive from."""
+    """Base of the members below."""
 
     name: ClassVar[str]
 
@@ -39,7 +39,7 @@ class AbstractPart(ABC):
 
 @pytest.fixture
 def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> Iterator[ModuleType]:
-    """Give an importable package with the files of the test's parameter: file -> name of its member."""
+    """Create an importable package with the files of the test's parameter: file -> name of its member."""
     words: dict[str, str] = request.param
     name = f"parts_{request.node.originalname}"
     folder = tmp_path / name

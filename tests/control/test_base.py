@@ -19,7 +19,7 @@ SETTINGS = {
 
 @pytest.fixture(params=sorted(control_laws()))
 def law(request: pytest.FixtureRequest) -> AbstractControlLaw:
-    """Give each control law in turn."""
+    """Return each control law in turn."""
     return control_law({"kind": request.param, **SETTINGS[request.param]})
 
 

@@ -1,4 +1,4 @@
-"""What control laws share that treat each motor for itself."""
+"""Common properties of control laws that control each motor separately."""
 
 from __future__ import annotations
 

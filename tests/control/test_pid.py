@@ -38,7 +38,7 @@ def run(
 
 
 def random_signals(n: int, n_motors: int, seed: int = 1) -> tuple[FloatArray, FloatArray]:
-    """Give references (n, 3M) and positions (n, M) of the size met in the circle test."""
+    """Return references (n, 3M) and positions (n, M) of the magnitude of the circle test."""
     rng = np.random.default_rng(seed)
     references = rng.normal(scale=1e-3, size=(n, 3 * n_motors))
     references[:, 2 * n_motors :] *= 1e6

@@ -23,7 +23,7 @@ def plant(
     sample_time: float = T,
     robot: Robot = SLIDE,
 ) -> Plant:
-    """Put effects on the slide, at a position and speed."""
+    """Place effects on the slide, at a position and speed."""
     placed = place_effects(robot, [parse_effect(text, "test") for text in texts])
     return Plant(placed.robot, sample_time, np.array(start), laws=placed.laws, substeps=substeps)
 

@@ -1,4 +1,4 @@
-"""What holds of every effect, also of those to come: they join by being found."""
+"""Properties of every effect, including future ones: members are discovered."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ SAMPLES = 80
 
 
 def typical(name: str) -> PlacedEffect:
-    """Put an effect at its last place on the robot, with numbers in the middle of their ranges."""
+    """Place an effect at its last location on the robot, with parameters in the middle of their ranges."""
     kind = effects()[name]
     numbers = dict(UNFITTED.get(name, {}))
     for parameter, allowed in kind().fitted(ROBOT, kind().locations(ROBOT)[-1]).items():
@@ -90,7 +90,7 @@ def outputs(result: LoopResult) -> FloatArray:
 
 
 def with_symbols(one: PlacedEffect) -> tuple[PlantModel, FloatArray]:
-    """Make the plant with all numbers of the effect as symbols, and their values."""
+    """Return the plant with all parameters of the effect as symbols, and their values."""
     placed = place_effects(ROBOT, [one], as_laws=True)
     if placed.laws:
         numbers = {name: value for law in placed.laws for name, value in law.parameters.items()}

@@ -1,4 +1,4 @@
-"""Transmission error: the arm follows the wave at rest, power is kept, resonances are excited."""
+"""Transmission error: the arm follows the harmonic at rest, power is conserved, resonances are excited."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a wrong robot file says to its user."""
+"""Error messages of invalid robot files."""
 
 from __future__ import annotations
 

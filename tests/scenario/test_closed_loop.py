@@ -1,4 +1,4 @@
-"""Whole runs: the figures of the thesis, the plant sample by sample, delay, convergence, and what breaks off."""
+"""Whole runs: the figures of the thesis, the plant sample by sample, delay, convergence, and divergence."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def run(name: str, **values: object) -> Log:
 
 
 def radial_error(log: Log) -> float:
-    """Give the largest radial deviation from the circle at the samples [mm]."""
+    """Return the largest radial deviation from the circle at the samples [mm]."""
     assert log.tool_pose is not None
     distance = np.hypot(*(log.tool_pose.position[:, [0, 2]] - CENTRE).T)
     return float(1e3 * np.max(np.abs(distance - RADIUS)))
@@ -106,13 +106,13 @@ def test_progress_counts_up_to_the_end() -> None:
 
 
 def open_loop(**settings: object) -> Scenario:
-    """Give a scenario whose controller does nothing, so that a disturbance alone moves the robot."""
+    """Return a scenario with a controller of zero gain, so that a disturbance alone moves the robot."""
     given = {"robot": "four_mass_linear", "noise": False, "feedforward": {"method": "none"}, "duration": 0.02}
     return Scenario.model_validate({**given, "controller": {"kind": "pid", "kp": 0}, **settings})
 
 
 def first_motion(log: Log) -> int:
-    """Give the first sample at which the motor is not where it started."""
+    """Return the first sample at which the motor has moved."""
     assert log.joint_states.position is not None
     return int(np.flatnonzero(log.joint_states.position[:, 0])[0])
 

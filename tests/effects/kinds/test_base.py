@@ -1,4 +1,4 @@
-"""How effects are found, written and placed."""
+"""Discovery, formatting and placement of effects."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flexros.simulate.plant_model import PlantModel
 
 
 def values_with(robot_name: str, *texts: str) -> dict[str, float]:
-    """Put effects onto a robot, and list the numbers that they change."""
+    """Place effects on a robot, and return the changed parameters."""
     before = load_robot(robot_name)
     after = place_effects(before, [parse_effect(text, "--effect") for text in texts]).robot
     values = {name: p.value for name, p in after.parameters.items() if p.value != before.parameters[name].value}

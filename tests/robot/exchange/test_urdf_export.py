@@ -23,7 +23,7 @@ def pin() -> Any:
 
 
 class FromUrdf:
-    """What Pinocchio makes of a URDF, with joints by name and angles instead of cosine and sine."""
+    """Pinocchio's model of a URDF, with joints by name and angles instead of cosine and sine."""
 
     def __init__(self, pin: Any, text: str) -> None:
         self._pin = pin

@@ -1,4 +1,4 @@
-"""Linear models of positions beside the library's linearisation, and their slopes beside differences."""
+"""Linear models of positions against the library's linearisation, and their slopes against differences."""
 
 from __future__ import annotations
 

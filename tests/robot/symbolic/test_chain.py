@@ -1,4 +1,4 @@
-"""How motors, gears and arm coordinates of a chain map onto each other."""
+"""Mapping between motors, gears and arm coordinates of a chain."""
 
 from __future__ import annotations
 
