@@ -1,4 +1,4 @@
-"""Colour of noise: the autoregression of stretches of which a trend was taken off."""
+"""Colour of noise: autoregression of stretches after removal of a trend, and its spectrum."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ if TYPE_CHECKING:
 MOST_ORDER = 4
 """Largest order of the autoregression (chosen)."""
 WHITE = 3.5
-"""Autocorrelation at lag one to four, in standard deviations, from which noise is coloured (chosen)."""
+"""Autocorrelation at lags one to four, in standard deviations, from which noise is coloured (chosen)."""
 TREND = 3
-"""Polynomial coefficients that are taken off each stretch of a standstill (chosen)."""
+"""Number of polynomial coefficients removed from each stretch of a standstill (chosen)."""
 GRID = 512
 """Frequencies from zero to the Nyquist frequency at which a spectrum is stored (chosen)."""
 PASSES = 8
-"""Passes of the autoregression, each with what the trend took off by the one before (chosen)."""
+"""Iterations of the autoregression, each corrected for the power that the trend removed (chosen)."""
 
 
 def without_trend(values: FloatArray) -> FloatArray:
-    """Take the best parabola off a stretch.
+    """Subtract the best parabola from a stretch.
 
     Args:
         values: The stretch [any], shape (L,).
@@ -36,7 +36,7 @@ def without_trend(values: FloatArray) -> FloatArray:
 def colour_of(noise: FloatArray) -> tuple[float, float, FloatArray]:
     """Fit an autoregression e_k = sum a_j e_(k-j) + w_k.
 
-    The trend that was taken off each stretch takes noise of the lowest frequencies with it, which is given back: of p
+    Removing the trend of each stretch removes noise of the lowest frequencies, which is corrected for: with p
     coefficients in L samples, p / L of the sum of all autocovariances, at every lag.
 
     Args:
@@ -49,28 +49,28 @@ def colour_of(noise: FloatArray) -> tuple[float, float, FloatArray]:
     count, length = noise.shape
     lags = np.array([np.mean(noise[:, lag:] * noise[:, : length - lag]) for lag in range(MOST_ORDER + 1)])
     white = lags[0] / (1 - TREND / length)
-    limit = WHITE / np.sqrt(count * length) + TREND / length  # a trend that was taken off leaves a small correlation
+    limit = WHITE / np.sqrt(count * length) + TREND / length  # a removed trend leaves a small correlation
     if np.all(np.abs(lags[1:]) <= limit * lags[0]):
         return noise.size * float(np.log(max(white, 1e-300))), float(np.sqrt(white)), np.zeros(0)
-    cost, taken, found = np.inf, 0.0, np.zeros(0)
+    cost, removed, coefficients = np.inf, 0.0, np.zeros(0)
     for _ in range(PASSES):
-        cost, found, driving = _autoregression(lags + taken, noise.size)
-        taken = min(TREND / length * driving / max(1 - found.sum(), 1e-3) ** 2, lags[0])
-    return cost, float(np.sqrt(lags[0] + taken)), found
+        cost, coefficients, driving = _autoregression(lags + removed, noise.size)
+        removed = min(TREND / length * driving / max(1 - coefficients.sum(), 1e-3) ** 2, lags[0])
+    return cost, float(np.sqrt(lags[0] + removed)), coefficients
 
 
 def _autoregression(lags: FloatArray, n_samples: int) -> tuple[float, FloatArray, float]:
-    """Fit an autoregression of the order with the best information criterion; that, coefficients, driving variance."""
+    """Fit an autoregression of the best order; return information criterion, coefficients and driving variance."""
     best, driving = np.inf, float(lags[0])
-    found: FloatArray = np.zeros(0)
+    coefficients: FloatArray = np.zeros(0)
     for order in range(1, MOST_ORDER + 1):
         matrix = lags[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
         values = np.linalg.solve(matrix, lags[1 : order + 1])
         variance = lags[0] - values @ lags[1 : order + 1]
         cost = n_samples * np.log(max(variance, 1e-300)) + order * np.log(n_samples)
         if cost < best:
-            best, found, driving = cost, np.asarray(values, dtype=np.float64), float(variance)
-    return float(best), found, driving
+            best, coefficients, driving = cost, np.asarray(values, dtype=np.float64), float(variance)
+    return float(best), coefficients, driving
 
 
 def white_spectrum(n_motors: int) -> FloatArray:

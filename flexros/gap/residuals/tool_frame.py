@@ -1,9 +1,12 @@
-"""What lies between a predicted tool path and a tracker's, and is no gap: frames, tool offset, time offset.
+"""Frames, tool offset and time offset between a predicted tool path and that of a tracker, which are no gap.
 
 The tracker sees p = R (x(t + tau) + Q(t + tau) c) + b with the predicted tool position x and orientation Q, rotation R
 and origin b of the base in the tracker's frame, an offset c of the target in the tool's frame and a time offset tau of
-the topic. What the motion shows beyond the noise is estimated; offsets that it does not show
-stay at zero, where a wide prior holds them.
+the topic. Offsets that the motion does not show beyond the noise stay at zero, where a wide prior holds them.
+
+The estimate is Gauss-Newton with Huber weights, in which the best frame of every step is solved for exactly. Weights
+and scale change in every step, so that there is no single cost that `flexros.prediction.damped_least_squares` could
+minimise.
 """
 
 from __future__ import annotations
@@ -22,26 +25,27 @@ if TYPE_CHECKING:
     from flexros.record.record import ToolRecord
 
 LONGEST_OFFSET = 0.1
-"""Longest time offset that is looked for [s] (chosen)."""
+"""Largest time offset that is searched [s] (chosen)."""
 
 PRIOR = 0.3
 """Standard deviation of offsets about zero, in extents of the path, and of steps of the frame (chosen)."""
 
-TOLD = 0.1
-"""Standard deviation, in radians or extents of the path, from which on an unknown counts as not shown (chosen)."""
+IDENTIFIABLE = 0.1
+"""Standard deviation, in radians or extents of the path, up to which an unknown is identifiable (chosen)."""
 
 HIDDEN = 0.1
 """Effect of an unknown as large as its prior, over the noise, up to which it is not projected out [1] (chosen)."""
 
 STRAIGHT = 1e-9
-"""Common variance of two paths across their line, over that along it, below which no turn about it is told (chosen)."""
+"""Common variance of two paths across their line, over that along it, below which the turn about it is not identifiable
+(chosen)."""
 
 FEWEST = 20
-"""Fewest poses (chosen)."""
+"""Least number of poses (chosen)."""
 
 _ITERATIONS = 30
-_HUBER = 2.5  # residual over its scale beyond which a pose counts less
-_TRIED = 41  # time offsets with which the search begins
+_HUBER = 2.5  # residual over its scale beyond which a pose has less weight
+_TRIED = 41  # initial values of the time offset
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +56,9 @@ class ToolFrame:
         rotation: R, base to tracker, shape (3, 3).
         origin: b, origin of the base in the tracker's frame [m], shape (3,).
         tool_offset: c, target in the tool's frame [m], shape (3,); zero where no orientation is predicted.
-        time_offset: tau, by how much later than its stamp the tracker saw the tool [s].
+        time_offset: tau, time of the measurement minus its stamp [s].
         deviation: Standard deviations of small turns [rad], origin [m], tool offset [m] and time offset [s], shape
-            (10,); infinite for what the motion does not show.
+            (10,); infinite for unknowns that the motion does not show.
     """
 
     rotation: FloatArray
@@ -66,15 +70,15 @@ class ToolFrame:
 
 @dataclass(frozen=True, eq=False)
 class CorrectedTool:
-    """A tool measurement brought to the frame and the times of the prediction.
+    """A tool measurement in the frame and the time of the prediction.
 
     Attributes:
-        frame: What was estimated.
+        frame: The estimated frame and offsets.
         rows: Poses of the tracker that the prediction covers, shape (m,).
         time: Their times in the time of the prediction [s], shape (m,).
         position: Measured positions of the tool in the frame of the prediction [m], shape (m, 3).
         residual: Measured minus predicted positions there [m], shape (m, 3).
-        basis: Orthonormal basis of what small errors of the estimates add to the residual, shape (3 m, k); to be
+        basis: Orthonormal basis of the effect of small errors of the estimates on the residual, shape (3 m, k); to be
             projected out where a residual is fitted.
         scale: Robust standard deviation of the residual [m].
     """
@@ -92,7 +96,7 @@ def usable_poses(tool: ToolRecord, duration: float) -> tuple[float, IntArray]:
     """List the poses that stay within a record with any offset of the tracker's clock.
 
     Args:
-        tool: What the tracker saw.
+        tool: The measurement.
         duration: Time from the first sample of the record to the last [s].
 
     Returns:
@@ -105,42 +109,42 @@ def usable_poses(tool: ToolRecord, duration: float) -> tuple[float, IntArray]:
 def correct_tool(
     tool: ToolRecord, position: FloatArray, sample_time: float, orientation: FloatArray | None = None
 ) -> CorrectedTool:
-    """Estimate frames and offsets of a tool measurement, robustly, and take them off.
+    """Estimate frames and offsets of a tool measurement, robustly, and correct the measurement.
 
     Args:
-        tool: What the tracker saw.
+        tool: The measurement.
         position: Predicted tool positions at the samples of the record [m], shape (n, 3).
         sample_time: Time between two samples [s].
-        orientation: Predicted orientations, quaternions x, y, z, w, shape (n, 4); without them no tool offset is told.
+        orientation: Predicted orientations, quaternions x, y, z, w, shape (n, 4); without them no tool offset is estimated.
 
     Returns:
         The measurement in the frame of the prediction.
 
     Raises:
-        InputError: There are too few poses within the record.
+        InputError: There are too few poses within the log.
     """
     path = ToolPath(position, orientation, sample_time)
     margin, rows = usable_poses(tool, (len(position) - 1) * sample_time)
     if len(rows) < FEWEST:
         raise InputError(
-            f"{len(rows)} poses of the tool lie within the record, needed are {FEWEST}; record tool_pose throughout"
+            f"{len(rows)} poses of the tool are within the log, at least {FEWEST} are needed; record tool_pose throughout"
         )
     measured, time = tool.position[rows], tool.time[rows]
     start = _aligned(path, measured, time, np.zeros(3), _first_offset(path, measured, time, margin))
-    found = [
-        _settled(path, measured, time, one, margin, orientation is not None)
-        for one in (start, start.turned_about_line(measured))
+    fits = [
+        _settled(path, measured, time, initial, margin, orientation is not None)
+        for initial in (start, start.turned_about_line(measured))
     ]
-    return _result(*min(found, key=lambda one: one[0].scale), path, measured, time, rows)
+    return _result(*min(fits, key=lambda fit: fit[0].scale), path, measured, time, rows)
 
 
 def _settled(
     path: ToolPath, measured: FloatArray, time: FloatArray, now: _Unknowns, margin: float, oriented: bool
 ) -> tuple[_Linearised, _Unknowns]:
-    """Improve unknowns until they stay (Gauss and Newton), with the best frame of every step."""
+    """Iterate to convergence by Gauss-Newton, with the best frame of every step."""
     for _ in range(_ITERATIONS):
         fit = _linearised(path, measured, time, now, oriented)
-        step = fit.step(now.way)
+        step = fit.step(now.offsets)
         late = float(np.clip(now.time_offset + step[9], -margin, margin))
         now = _aligned(path, measured, time, now.tool_offset + step[6:9], late, fit.weight)
         if np.all(np.abs(step) < 1e-9):
@@ -156,12 +160,12 @@ class _Unknowns:
     time_offset: float
 
     @property
-    def way(self) -> FloatArray:
-        """How far offsets are from none, shape (10,); no frame is farther than another."""
+    def offsets(self) -> FloatArray:
+        """Deviations from the prior, shape (10,): the offsets; the frame has none."""
         return np.concatenate([np.zeros(6), self.tool_offset, [self.time_offset]])
 
     def turned_about_line(self, measured: FloatArray) -> _Unknowns:
-        """Turn the frame half around the line of the path, where an offset may hide which side is up."""
+        """Turn the frame by half a turn about the line of the path, where an offset may hide this turn."""
         centre = measured.mean(axis=0)
         line = np.linalg.svd(measured - centre, full_matrices=False)[2][0]
         half = 2 * np.outer(line, line) - np.eye(3)
@@ -177,31 +181,31 @@ class _Linearised:
     scale: float
     weight: FloatArray
 
-    def step(self, way: FloatArray) -> FloatArray:
-        """Solve for a step that fits the path and leaves offsets of zero only as far as the path shows, shape (10,)."""
+    def step(self, offsets: FloatArray) -> FloatArray:
+        """Solve for the step that fits path and prior, shape (10,)."""
         size = self._sizes()
         root = np.repeat(np.sqrt(self.weight), 3) / self.scale
         rows = np.vstack([root[:, None] * self.slopes * size, np.eye(10) / PRIOR])
-        aims = np.concatenate([root * self.residual.ravel(), -way / size / PRIOR])
+        aims = np.concatenate([root * self.residual.ravel(), -offsets / size / PRIOR])
         return np.asarray(size * np.linalg.lstsq(rows, aims, rcond=None)[0])
 
     def _sizes(self) -> FloatArray:
-        """Sizes that make the unknowns comparable: each moves the path by about as much as it extends."""
+        """Scales of the unknowns: each moves the path by about its extent."""
         extent = max(float(np.sqrt(np.mean(self.slopes[:, :3] ** 2))), 1e-12)
         speed = max(float(np.sqrt(np.mean(self.slopes[:, 9] ** 2))), 1e-12)
         return np.concatenate([np.ones(3), np.full(6, extent), [extent / speed]])
 
     def basis(self) -> FloatArray:
-        """Orthonormal basis of what the unknowns can do to the residual beyond its noise, shape (3 m, k)."""
+        """Orthonormal basis of the effect of the unknowns on the residual beyond its noise, shape (3 m, k)."""
         left, values, _ = np.linalg.svd(self.slopes * self._sizes(), full_matrices=False)
         return np.asarray(left[:, PRIOR * values > HIDDEN * self.scale])
 
     def deviation(self) -> FloatArray:
-        """Standard deviations of the unknowns, infinite where the motion does not show them, shape (10,)."""
+        """Standard deviations of the unknowns, infinite where they are not identifiable, shape (10,)."""
         size = self._sizes()
         _, values, right = np.linalg.svd(self.slopes * size, full_matrices=False)
         variance = (right.T**2) @ (1 / ((values / self.scale) ** 2 + PRIOR**-2))
-        return np.where(variance > TOLD**2, np.inf, size * np.sqrt(variance))
+        return np.where(variance > IDENTIFIABLE**2, np.inf, size * np.sqrt(variance))
 
 
 def _aligned(
@@ -212,7 +216,7 @@ def _aligned(
     time_offset: float,
     weight: FloatArray | None = None,
 ) -> _Unknowns:
-    """Find the frame that suits given offsets best."""
+    """Compute the best frame for given offsets."""
     points = path.at(time + time_offset)
     rotation, origin = _rigid_fit(points.position + points.axes @ tool_offset, measured, weight)
     return _Unknowns(rotation, origin, tool_offset, time_offset)
@@ -240,7 +244,7 @@ def _linearised(path: ToolPath, measured: FloatArray, time: FloatArray, now: _Un
 def _result(
     fit: _Linearised, now: _Unknowns, path: ToolPath, measured: FloatArray, time: FloatArray, rows: IntArray
 ) -> CorrectedTool:
-    """Turn measurement, residual and basis into the frame of the prediction."""
+    """Transform measurement, residual and basis to the frame of the prediction."""
     points = path.at(time + now.time_offset)
     position = (measured - now.origin) @ now.rotation - points.axes @ now.tool_offset
     m = len(time)
@@ -257,7 +261,7 @@ def _result(
 
 
 def _first_offset(path: ToolPath, measured: FloatArray, time: FloatArray, margin: float) -> float:
-    """Try time offsets with the best rotation and origin of each."""
+    """Return the best of several time offsets, each with its best rotation and origin."""
     tried = np.linspace(-margin, margin, _TRIED)
     cost = []
     for tau in tried:
@@ -271,7 +275,7 @@ def _first_offset(path: ToolPath, measured: FloatArray, time: FloatArray, margin
 def _rigid_fit(
     points: FloatArray, measured: FloatArray, weight: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
-    """Find rotation and origin of least squares (S. Umeyama, 1991); the least turn where points lie on a line."""
+    """Compute rotation and origin by least squares (Umeyama 1991); the smallest turn where points are on a line."""
     centre, seen = (np.average(each, axis=0, weights=weight) for each in (points, measured))
     share = np.ones(len(points)) if weight is None else weight
     left, values, right = np.linalg.svd((share[:, None] * (measured - seen)).T @ (points - centre))

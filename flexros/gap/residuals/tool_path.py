@@ -1,4 +1,4 @@
-"""Path of a tool between its samples: positions, orientations and their rates at any times."""
+"""Tool path interpolated between samples: positions, orientations and their rates."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class PathPoints:
-    """Predicted path at some times.
+    """Predicted path at given times.
 
     Attributes:
         position: Positions [m], shape (m, 3).
@@ -33,7 +33,7 @@ class ToolPath:
 
     Args:
         position: Positions at even times from zero on [m], shape (n, 3).
-        orientation: Quaternions x, y, z, w, shape (n, 4); None where the tool does not turn, or that is not known.
+        orientation: Quaternions x, y, z, w, shape (n, 4); None where the tool does not turn or its turning is not known.
         sample_time: Time between two samples [s].
     """
 
@@ -48,9 +48,6 @@ class ToolPath:
 
         Args:
             time: Times within the path [s], shape (m,).
-
-        Returns:
-            The path there.
         """
         T = self._time[1]
         k = np.clip((time / T).astype(np.int64), 0, len(self._time) - 2)

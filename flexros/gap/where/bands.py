@@ -1,4 +1,4 @@
-"""Power of a signal by octave band and by part of the motion."""
+"""Power of a signal by octave band and regime."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from flexros.arrays import ComplexArray, FloatArray, IntArray
 
 LEAST_LINES = 16
-"""Lines of the Fourier transform that the lowest band has at least (chosen)."""
+"""Least number of lines of the Fourier transform in the lowest band (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class OctaveBands:
         Args:
             n_samples: Samples n of the log.
             sample_time: Time between two samples [s].
-            lowest: Upper end of the lowest band, at least [Hz].
+            lowest: Least upper end of the lowest band [Hz].
         """
         last = n_samples // 2 + 1
         edges = [last]
@@ -53,18 +53,18 @@ class OctaveBands:
 
     @property
     def lengths(self) -> IntArray:
-        """Values in time that a band has, shape (B,)."""
+        """Number of values over time of each band, shape (B,)."""
         return np.diff(self.edges)
 
     @cached_property
     def ranges(self) -> IntArray:
-        """Runs of neighbouring bands, first and last + 1 of each, the single ones first, shape (n_ranges, 2)."""
+        """Runs of neighbouring bands, first and last + 1 of each, single bands first, shape (n_ranges, 2)."""
         count = len(self.lengths)
         runs = [(first, first + width) for width in range(1, count + 1) for first in range(count - width + 1)]
         return np.array(runs)
 
     def weights(self, masks: FloatArray) -> list[FloatArray]:
-        """Bring parts of the motion to the time steps of every band.
+        """Average regimes over the time steps of every band.
 
         Args:
             masks: Weight of each sample in each regime, shape (R, n).
@@ -75,7 +75,7 @@ class OctaveBands:
         total = np.concatenate([np.zeros((len(masks), 1)), np.cumsum(masks, axis=1)], axis=1)
         found = []
         for length in self.lengths:
-            # value i stands for the time around i n / length
+            # value i represents the time around i n / length
             ends = np.clip((np.arange(length + 1) - 0.5) * self.n_samples / length, 0, self.n_samples)
             at = np.array([np.interp(ends, np.arange(self.n_samples + 1), row) for row in total])
             width = np.maximum(np.diff(ends), 1e-9)
@@ -89,8 +89,8 @@ class OctaveBands:
             spectrum: Fourier transform of a real signal (scipy.fft.rfft), shape (n // 2 + 1,).
 
         Returns:
-            For each band |band-limited part|^2 times the samples that a value stands for, so that its sum over all
-            bands is the sum of the squared signal; shape (length of the band,).
+            For each band |band-limited part|^2 times the number of samples per value, so that the sum over all bands
+            is that of the squared signal; shape (length of the band,).
         """
         found = []
         for first, end in zip(self.edges[:-1], self.edges[1:]):
@@ -112,11 +112,7 @@ class OctaveBands:
 
 
 def fast_length(length: int) -> int:
-    """Find the largest length, at most the given one, whose Fourier transform is fast.
-
-    Args:
-        length: Length wanted, 1 or more.
-    """
+    """Return the largest length, at most the given one, whose Fourier transform is fast."""
     while next_fast_len(length, real=True) != length:
         length -= 1
     return length

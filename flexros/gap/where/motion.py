@@ -1,4 +1,4 @@
-"""How the motors move in a log: speeds, accelerations, rotor angles and the torques that gears transmit."""
+"""Motion of the motors in a log: speeds, accelerations, rotor angles and transmitted torques of the gears."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 WINDOW = 0.02
-"""Time over which measured positions are smoothed for speeds and accelerations [s] (chosen)."""
+"""Window over which measured positions are smoothed for speeds and accelerations [s] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +25,8 @@ class MotorMotion:
         position: Motor positions [rad or m], shape (n, M).
         speed: Their rates [rad/s or m/s], shape (n, M).
         acceleration: Rates of these [rad/s2 or m/s2], smoothed, shape (n, M).
-        rotor_angle: Angles of the rotors [rad], the motor position times the gear ratio where values are stated on the
-            arm's side, shape (n, M).
+        rotor_angle: Angles of the rotors [rad], shape (n, M): the motor position times the gear ratio where values are
+            stated on the arm side.
         torque: Torque commands [Nm or N], shape (n, M).
         torsion: Motor minus arm coordinate of each gear [rad or m], shape (n, M); NaN for rigid gears and where the
             states of the model are not known.
@@ -55,11 +55,11 @@ def motion_of(record: Record, robot: Robot, states: FloatArray | None = None) ->
     Returns:
         The motion.
     """
-    places, nq = list(robot.motor_rows), robot.n_coordinates
+    rows, nq = list(robot.motor_rows), robot.n_coordinates
     if states is None:
         speed = _smoothed(record.position, record.sample_time, 1)
     else:
-        speed = np.ascontiguousarray(states[:, nq:][:, places])
+        speed = np.ascontiguousarray(states[:, nq:][:, rows])
     torsion, gear_torque = _gears(robot, states, record.position.shape)
     return MotorMotion(
         position=record.position,

@@ -1,4 +1,4 @@
-"""How significant an excess is, over all places looked at, and how much it is concentrated in a place."""
+"""Significance of an excess over all locations tested, and its concentration in a location."""
 
 from __future__ import annotations
 
@@ -10,38 +10,38 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 
-def p_values(found: FloatArray, null: FloatArray) -> FloatArray:
-    """Compute p-values with the maximum statistic, so that many looks raise no alarm (Westfall & Young 1993).
+def p_values(measured: FloatArray, null: FloatArray) -> FloatArray:
+    """Compute p-values with the maximum statistic, which corrects for many tests (Westfall & Young 1993).
 
-    The statistics of each place are standardised over the log and all logs without gap together; without gap the log is
-    one of them like any other, so that the p-values hold exactly, whatever the distributions are.
+    The statistics of each location are standardised over the log and all logs without a gap together. Without a gap the
+    log is exchangeable with them, so that the p-values are exact for any distribution.
 
     Args:
-        found: Statistic of each place, shape (P,); larger where there is more excess.
-        null: The same of N simulated logs without gap, shape (N, P).
+        measured: Statistic of each location, shape (P,); larger where there is more excess.
+        null: The same of N simulated logs without a gap, shape (N, P).
 
     Returns:
-        Probability that the largest statistic of all places is as large without a gap [1], shape (P,).
+        Probability that the largest statistic of all locations is as large without a gap [1], shape (P,).
     """
-    if not len(found):
+    if not len(measured):
         return np.zeros(0)
-    every = np.vstack([found[None], null])
-    spread = every.std(axis=0)
-    scored = (every - every.mean(axis=0)) / np.where(spread > 0, spread, 1.0)
+    both = np.vstack([measured[None], null])
+    spread = both.std(axis=0)
+    scored = (both - both.mean(axis=0)) / np.where(spread > 0, spread, 1.0)
     largest = scored[1:].max(axis=1)
     above = (largest[:, None] >= scored[0]).sum(axis=0)
     return np.asarray((1 + above) / (1 + len(null)))
 
 
 def concentration(share: FloatArray, expected: FloatArray) -> FloatArray:
-    """Score how much more of the excess lies in places than evenly spread excess would put there (Kulldorff 1997).
+    """Compute the concentration of the excess in locations against evenly spread excess (Kulldorff 1997).
 
     Args:
-        share: Share of the excess in each place [1], shape (P,).
-        expected: Share that an even spread puts there [1], shape (P,).
+        share: Share of the excess in each location [1], shape (P,).
+        expected: Share of evenly spread excess there [1], shape (P,).
 
     Returns:
-        Log-likelihood ratio per unit of excess [nats], zero where less lies there than expected, shape (P,).
+        Log-likelihood ratio per unit of excess [nats], zero where there is less than expected, shape (P,).
     """
     share = np.clip(share, 0.0, 1.0)
     expected = np.clip(expected, 1e-12, 1 - 1e-12)

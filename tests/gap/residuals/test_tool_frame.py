@@ -126,5 +126,5 @@ def test_tracker_in_the_base_frame_is_left_there() -> None:
 
 def test_few_poses_are_refused() -> None:
     record = measured(spatial)
-    with pytest.raises(InputError, match="^5 poses of the tool lie within the record, needed are 20"):
+    with pytest.raises(InputError, match="^5 poses of the tool .* 20 "):
         corrected(spatial, ToolRecord(record.time[500:505], record.position[500:505]))
