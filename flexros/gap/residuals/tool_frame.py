@@ -115,7 +115,8 @@ def correct_tool(
         tool: The measurement.
         position: Predicted tool positions at the samples of the record [m], shape (n, 3).
         sample_time: Time between two samples [s].
-        orientation: Predicted orientations, quaternions x, y, z, w, shape (n, 4); without them no tool offset is estimated.
+        orientation: Predicted orientations, quaternions x, y, z, w, shape (n, 4); None leaves the tool offset at
+            zero.
 
     Returns:
         The measurement in the frame of the prediction.
@@ -127,7 +128,7 @@ def correct_tool(
     margin, rows = usable_poses(tool, (len(position) - 1) * sample_time)
     if len(rows) < FEWEST:
         raise InputError(
-            f"{len(rows)} poses of the tool are within the log, at least {FEWEST} are needed; record tool_pose throughout"
+            f"{len(rows)} poses of the tool are within the log, but {FEWEST} are needed; record tool_pose throughout"
         )
     measured, time = tool.position[rows], tool.time[rows]
     start = _aligned(path, measured, time, np.zeros(3), _first_offset(path, measured, time, margin))

@@ -33,7 +33,7 @@ class ToolPath:
 
     Args:
         position: Positions at even times from zero on [m], shape (n, 3).
-        orientation: Quaternions x, y, z, w, shape (n, 4); None where the tool does not turn or its turning is not known.
+        orientation: Quaternions x, y, z, w, shape (n, 4); None where it does not turn or its turn is not known.
         sample_time: Time between two samples [s].
     """
 
