@@ -217,7 +217,7 @@ def test_joints_swapped_everywhere_are_named(recorded: Recorded) -> None:
         series[name] = replace(mine, names=("motor_2", "motor_1"))
     swapped = replace(log, **series)
     with pytest.raises(
-        InputError, match="swapped joints: motor_1 stands where motor_2 belongs, motor_2 stands where motor_1"
+        InputError, match="swapped joints: motor_1 is at the position of motor_2, motor_2 is at the position of motor_1"
     ):
         estimate_responses(swapped, recorded.plan, robot=recorded.robot)
 

@@ -1,1 +1,1 @@
-"""Checks of a record and its frequency response for errors that division hides."""
+"""Checks of a record and its frequency response for errors that the estimate itself does not show."""

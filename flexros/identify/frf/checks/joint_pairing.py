@@ -1,4 +1,4 @@
-"""Whether every command belongs to the position of its name: joints that were swapped in a log."""
+"""Check for joints that were swapped between commands and positions."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 PAIRING_MARGIN = 1.0
-"""How much larger the sum of relative gains of another pairing must be to be believed (chosen)."""
+"""Least gain of the sum of relative gains by another pairing that is accepted (chosen)."""
 
 MODEL_MARGIN = 1.5
-"""How many times larger the misfit to the model must be than that of another order to be believed (chosen)."""
+"""Least ratio of the misfit to that of another order that is accepted (chosen)."""
 
 
 def check_pairing(response: FrequencyResponse, label: str) -> None:
-    """Refuse commands that belong to another joint's position, by the response alone.
+    """Reject commands that belong to the position of another joint, by the response alone.
 
     The matrix of relative gains G o G^-T does not depend on units. Its diagonal is at least 1 for every symmetric
     positive definite G, which the response to acceleration is where the robot is rigid (inverse inertia) and again
-    above its resonances (inverse motor inertia); so the pairing with the largest sum is the right one.
+    above its resonances (inverse motor inertia); so the pairing with the largest sum is correct.
 
     Args:
         response: The response of one position.
-        label: What the record is called.
+        label: Name of the record, for messages.
 
     Raises:
         InputError: Another pairing fits clearly better; names the joints.
@@ -50,15 +50,15 @@ def check_pairing(response: FrequencyResponse, label: str) -> None:
 
 
 def check_tracking(spectra: PeriodSpectra, names: tuple[str, ...], label: str) -> None:
-    """Refuse positions that follow the reference of another joint, which a controller cannot mean.
+    """Reject positions that follow the reference of another joint.
 
     Args:
         spectra: Spectra of whole periods at the excited lines.
         names: Names of the outputs, length n_y.
-        label: What the record is called.
+        label: Name of the record, for messages.
 
     Raises:
-        InputError: Joints follow each other's reference; names them.
+        InputError: Joints follow the reference of another joint; names them.
     """
     if spectra.reference is None or spectra.reference.shape[3] != len(names) or len(names) < 2:
         return
@@ -76,12 +76,12 @@ def check_tracking(spectra: PeriodSpectra, names: tuple[str, ...], label: str) -
 
 
 def check_order(response: FrequencyResponse, robot: Robot, label: str) -> None:
-    """Refuse joints that fit the nominal robot clearly better in another order.
+    """Reject joints that fit the nominal robot clearly better in another order.
 
     Args:
         response: The response of one position.
         robot: The nominal robot.
-        label: What the record is called.
+        label: Name of the record, for messages.
 
     Raises:
         InputError: Another order of the joints fits better; names the joints.
@@ -91,15 +91,15 @@ def check_order(response: FrequencyResponse, robot: Robot, label: str) -> None:
     model = nominal_response(response, robot)
     cost = _order_cost(response.as_quantity("acceleration").response, model)
     best = _search(cost)
-    here, there = _total(cost, np.arange(robot.n_motors)), _total(cost, best)
-    if here <= MODEL_MARGIN * there:
+    current, other = _total(cost, np.arange(robot.n_motors)), _total(cost, best)
+    if current <= MODEL_MARGIN * other:
         return
     names = ", ".join(
         f"{response.output_names[i]} behaves like {response.output_names[j]}" for i, j in enumerate(best) if i != j
     )
     raise InputError(
-        f"{label}: swapped joints: {names} of robot {robot.name} (misfit {here:.2g} against {there:.2g}); correct the "
-        "joint names, or give the right robot"
+        f"{label}: swapped joints: {names} of robot {robot.name} (misfit {current:.2g} against {other:.2g}); correct "
+        "the joint names, or give the right robot"
     )
 
 
@@ -107,7 +107,7 @@ def nominal_response(response: FrequencyResponse, robot: Robot) -> ComplexArray:
     """Return the response of the nominal robot to accelerations at the measured position, in continuous time.
 
     Args:
-        response: Tells frequencies and motor position.
+        response: Measured response with frequencies and motor position.
         robot: The nominal robot.
 
     Returns:
@@ -124,24 +124,24 @@ def nominal_response(response: FrequencyResponse, robot: Robot) -> ComplexArray:
 
 def _order_cost(measured: ComplexArray, model: ComplexArray) -> FloatArray:
     """Return the mean squared logarithm of |G_ab| / |model_cd|, shape (M, M, M, M)."""
-    here, there = (np.log(np.maximum(abs(part), 1e-300)) for part in (measured, model))
-    difference = here[:, :, :, None, None] - there[:, None, None, :, :]
+    level, nominal = (np.log(np.maximum(abs(part), 1e-300)) for part in (measured, model))
+    difference = level[:, :, :, None, None] - nominal[:, None, None, :, :]
     return np.asarray(np.mean(np.minimum(difference**2, 9.0), axis=0))
 
 
 def _total(cost: FloatArray, order: IntArray) -> float:
     """Return the misfit when joint a of the log is joint order[a] of the robot."""
-    place = np.arange(len(order))
-    return float(np.mean(cost[place[:, None], place[None, :], order[:, None], order[None, :]]))
+    own = np.arange(len(order))
+    return float(np.mean(cost[own[:, None], own[None, :], order[:, None], order[None, :]]))
 
 
 def _search(cost: FloatArray) -> IntArray:
-    """Find the order of the smallest misfit: from the diagonals, then by exchanging pairs until nothing improves."""
+    """Find the order of the smallest misfit: from the diagonals, then by exchanging pairs while that improves it."""
     M = len(cost)
-    place = np.arange(M)
-    diagonal = cost[place[:, None], place[:, None], place[None, :], place[None, :]]
+    own = np.arange(M)
+    diagonal = cost[own[:, None], own[:, None], own[None, :], own[None, :]]
     candidates = []
-    for start in (place, _assignment(diagonal.T)):
+    for start in (own, _assignment(diagonal.T)):
         order, improved = np.array(start), True
         while improved:
             improved = False
@@ -156,7 +156,7 @@ def _search(cost: FloatArray) -> IntArray:
 
 
 def _assignment(cost: FloatArray) -> IntArray:
-    """Return for each column the row so that the summed cost is smallest."""
+    """Return for each column the row of the assignment with the smallest sum of costs."""
     from scipy.optimize import linear_sum_assignment  # here, because it loads slowly
 
     columns, rows = linear_sum_assignment(cost.T)

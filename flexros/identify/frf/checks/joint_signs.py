@@ -1,4 +1,4 @@
-"""Whether torque and position of every joint count in the directions of the robot: axes inverted in a log."""
+"""Check for inverted joints by the signs of the frequency response."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 CLEARLY = 0.3
-"""Gain in mean cosine over the couplings from which a direction is believed to be inverted (chosen)."""
+"""Gain in mean cosine over the couplings above which a direction is inverted (chosen)."""
 
 OPPOSITE = -0.5
 """Mean cosine of the phase between measured and nominal response below which a sign is wrong (chosen)."""
 
 
 def check_signs(response: FrequencyResponse, robot: Robot, label: str) -> None:
-    """Refuse joints whose direction is not that of the nominal robot.
+    """Reject joints whose direction is not that of the nominal robot.
 
-    Where torque or position of a joint is inverted, its own response has the opposite sign; where both are, its
-    couplings with the other joints fit a robot that is turned the other way there.
+    An inverted torque or position gives the response of the joint to itself the opposite sign. Where both are inverted,
+    the couplings with the other joints fit the robot with that joint inverted.
 
     Args:
         response: The response of one position.
         robot: The nominal robot.
-        label: What the record is called.
+        label: Name of the record, for messages.
 
     Raises:
         InputError: A joint is inverted; names it.
@@ -48,17 +48,18 @@ def check_signs(response: FrequencyResponse, robot: Robot, label: str) -> None:
         )
     if robot.n_motors < 2:
         return
-    here, turned = _coupling(response, robot), [_coupling(_turned(response, i), robot) for i in range(robot.n_motors)]
-    best = int(np.argmax(turned))
-    if turned[best] - here > CLEARLY:
+    current = _coupling(response, robot)
+    inverted = [_coupling(_inverted(response, i), robot) for i in range(robot.n_motors)]
+    best = int(np.argmax(inverted))
+    if inverted[best] - current > CLEARLY:
         raise InputError(
             f"{label}: the couplings with the other joints fit robot {robot.name} better with the direction of "
-            f"{response.output_names[best]} inverted (mean cosine {turned[best]:.2f} instead of {here:.2f}); correct "
-            "the signs of its torque and position when importing"
+            f"{response.output_names[best]} inverted (mean cosine {inverted[best]:.2f} instead of {current:.2f}); "
+            "correct the signs of its torque and position when importing"
         )
 
 
-def _turned(response: FrequencyResponse, motor: int) -> FrequencyResponse:
+def _inverted(response: FrequencyResponse, motor: int) -> FrequencyResponse:
     """Invert the direction of one joint: torque, position and pose."""
     sign = np.ones(len(response.output_names))
     sign[motor] = -1.0

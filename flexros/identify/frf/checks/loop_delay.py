@@ -1,4 +1,4 @@
-"""Whether torque and motion of a log belong to the same instants: delays the nominal robot does not know."""
+"""Check for delays between torque and motion beyond the delay of the nominal robot."""
 
 from __future__ import annotations
 
@@ -17,48 +17,48 @@ if TYPE_CHECKING:
     from flexros.identify.frf.frequency_response import FrequencyResponse
 
 LONGEST_DELAY = 5e-3
-"""Delay beside that of the model from which a response is refused [s] (chosen)."""
+"""Delay in addition to that of the model above which a response is rejected [s] (chosen)."""
 
 SEARCHED = 0.05
-"""Longest delay that is looked for [s] (chosen)."""
+"""Longest delay of the search [s] (chosen)."""
 
 NOTED_DELAY = 0.25
-"""Delay in sample times from which it is warned of (chosen)."""
+"""Delay for a warning [samples] (chosen)."""
 
 SIGNIFICANT = 4.0
-"""Delay over its standard deviation from which it is believed (chosen)."""
+"""Delay over its standard deviation above which it is significant (chosen)."""
 
 ALONE = 2.0
-"""How much longer and surer the delay of a single motor must be, for all mostly have the same (chosen)."""
+"""Factor on length and significance for the delay of a single motor, since motors usually share one (chosen)."""
 
 LEAST_SPREAD = 2e-5
-"""Deviation that every delay has beside its own, because the model is not exact [s] (chosen)."""
+"""Standard deviation added to that of every delay, because the model is not exact [s] (chosen)."""
 
 COHERENT = 0.9
-"""Smallest share of the response that a pure delay must explain before it is believed (chosen)."""
+"""Least share of the response that a pure delay must explain (chosen)."""
 
 LARGEST_DEVIATION = 0.5
-"""Relative deviation of a response from which its phase tells nothing (chosen)."""
+"""Relative deviation of a response above which its phase is not used (chosen)."""
 
 SAME_LEVEL = 0.5
-"""Distance of the logarithm of a magnitude from the middle one from which its phase is not used (chosen)."""
+"""Distance of the logarithm of a magnitude from the median above which its phase is not used (chosen)."""
 
 LEAST_DEVIATION = 0.01
-"""Deviation that every phase has beside its noise, because the model is not exact [rad] (chosen)."""
+"""Standard deviation added to that of every phase, because the model is not exact [rad] (chosen)."""
 
 
 def delays(response: FrequencyResponse, nominal: NominalDiagonal) -> FloatArray:
-    """Estimate how much later every motor moves than the nominal robot, with its deviation.
+    """Estimate the delay of every motor with respect to the nominal robot, with its standard deviation.
 
     The phase between measured and nominal response at mass-like lines is fitted by -w tau + c / w: a delay, and the
-    error of a damper. Of the springs and dampers that count as honest, those that fit best are taken.
+    error of a damper. Of the plausible springs and dampers, those that fit best are used.
 
     Args:
-        response: What was measured.
-        nominal: The nominal robot there.
+        response: Measured response.
+        nominal: Nominal response at the same lines.
 
     Returns:
-        Delay and its standard deviation [s], shape (2, M); NaN where nothing can be told.
+        Delay and its standard deviation [s], shape (2, M); NaN where too few lines are mass-like.
     """
     own = np.einsum("fii->fi", response.as_quantity("acceleration").response)
     deviation = _relative_deviation(response, own)
@@ -75,13 +75,13 @@ def delays(response: FrequencyResponse, nominal: NominalDiagonal) -> FloatArray:
 
 
 def _same_level(ratio: ComplexArray) -> BoolArray:
-    """Mark the lines where a ratio has the level of most lines: elsewhere a resonance or noise makes up its phase."""
+    """Mark the lines where a ratio has the level of most lines; elsewhere resonances or noise determine its phase."""
     level = np.log(np.maximum(abs(ratio), 1e-300))
     return np.asarray(abs(level - np.median(level)) < SAME_LEVEL)
 
 
 def _together(fits: FloatArray) -> tuple[float, float]:
-    """Take the delay that fits best; the others, by their weight, widen its deviation. `fits` has shape (S, 2)."""
+    """Return the delay that fits best; the others, by their weight, widen its deviation. `fits` has shape (S, 2)."""
     if not len(fits):
         return np.nan, np.nan
     best = fits[np.argmin(fits[:, 1])]
@@ -91,12 +91,12 @@ def _together(fits: FloatArray) -> tuple[float, float]:
 
 
 def check_delay(found: FloatArray, names: Sequence[str], label: str) -> None:
-    """Refuse a response of which all motors have a long delay; that of one alone looks like an inverted sign.
+    """Reject a response of which all motors have a long delay; that of one alone looks like an inverted sign.
 
     Args:
         found: Delay and deviation [s], shape (2, M).
         names: Names of the motors, length M.
-        label: What the record is called.
+        label: Name of the record, for messages.
 
     Raises:
         InputError: The delay is longer than LONGEST_DELAY.
@@ -104,7 +104,7 @@ def check_delay(found: FloatArray, names: Sequence[str], label: str) -> None:
     common = _common(found)
     if significant(common, LONGEST_DELAY)[0]:
         raise InputError(
-            f"{label}: {', '.join(names)}: {_told(common[0, 0])}, allowed are {1e3 * LONGEST_DELAY:g} ms; give "
+            f"{label}: {', '.join(names)}: {_delay_text(common[0, 0])}, allowed are {1e3 * LONGEST_DELAY:g} ms; give "
             "time_offset in the mapping file so that command and measurement of the same instant have the same stamp"
         )
 
@@ -126,9 +126,9 @@ def delay_warnings(found: FloatArray, names: Sequence[str], sample_time: float) 
         delayed = [(", ".join(names), common[0, 0])]
     else:
         sure = significant(motors * np.array([[1.0], [ALONE]]), ALONE * NOTED_DELAY * sample_time)
-        delayed = [(name, tau) for name, tau, mine in zip(names, motors[0], sure, strict=True) if mine]
+        delayed = [(name, tau) for name, tau, is_sure in zip(names, motors[0], sure, strict=True) if is_sure]
     return [
-        f"{name}: {_told(tau)}; give time_offset in the mapping file or delay in the robot file"
+        f"{name}: {_delay_text(tau)}; give time_offset in the mapping file or delay in the robot file"
         for name, tau in delayed
     ]
 
@@ -136,7 +136,7 @@ def delay_warnings(found: FloatArray, names: Sequence[str], sample_time: float) 
 def _common(found: FloatArray) -> FloatArray:
     """Return the weighted mean of delays and the deviation of one of them [s], shapes (2, n) -> (2, 1).
 
-    The errors of a model are the same in many of them, so that their mean is no surer than they are.
+    The errors of a model are common to many of them, so that averaging does not reduce them.
     """
     tau, spread = found[:, ~np.isnan(found[0])]
     if not len(tau):
@@ -148,13 +148,13 @@ def _common(found: FloatArray) -> FloatArray:
 
 
 def significant(found: FloatArray, shortest: float) -> BoolArray:
-    """Mark delays longer than `shortest` [s] that stand out of their deviation, shape (M,)."""
+    """Mark significant delays longer than `shortest` [s], shape (M,)."""
     with np.errstate(invalid="ignore"):
         return np.asarray((abs(found[0]) > shortest) & (abs(found[0]) > SIGNIFICANT * found[1]))
 
 
 def undelayed(response: ComplexArray, frequency: FloatArray, found: FloatArray) -> ComplexArray:
-    """Take delays that stand out off the columns of a response, so that its signs can be compared.
+    """Remove significant delays from the columns of a response, so that its signs can be compared.
 
     Args:
         response: Shape (F, M, M).
@@ -165,7 +165,7 @@ def undelayed(response: ComplexArray, frequency: FloatArray, found: FloatArray) 
     return np.asarray(response * np.exp(2j * np.pi * frequency[:, None] * tau)[:, None, :])
 
 
-def _told(tau: float) -> str:
+def _delay_text(tau: float) -> str:
     amount = f"{1e3 * abs(tau):.2g} ms"
     if tau > 0:
         return f"the torque leads the motion by {amount} more than the delay of the model says"
@@ -173,7 +173,7 @@ def _told(tau: float) -> str:
 
 
 def _relative_deviation(response: FrequencyResponse, own: ComplexArray) -> FloatArray:
-    """Return the deviation of the phases [rad], shape (F, M)."""
+    """Return the standard deviation of the phases [rad], shape (F, M)."""
     for kind, error in (("total", response.total_error), ("noise", response.noise_error)):
         if error is not None:
             deviation = response.as_quantity("acceleration").standard_deviation(kind)  # type: ignore[arg-type]
@@ -182,7 +182,7 @@ def _relative_deviation(response: FrequencyResponse, own: ComplexArray) -> Float
 
 
 def _delay(frequency: FloatArray, ratio: ComplexArray, deviation: FloatArray) -> tuple[float, float]:
-    """Fit the phase of a ratio; returns delay and deviation [s], NaN where a delay does not explain it."""
+    """Fit the phase of a ratio; return delay and deviation [s], NaN where a delay does not explain it."""
     omega = 2 * np.pi * frequency
     weight = 1 / (deviation**2 + LEAST_DEVIATION**2)
     unit = ratio / np.maximum(abs(ratio), 1e-300)

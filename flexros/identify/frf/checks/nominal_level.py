@@ -1,4 +1,4 @@
-"""What the nominal robot answers at the sampling instants, and whether a response has its level: units, gear ratios."""
+"""Check of the level of a frequency response against the nominal robot: units, gear ratios."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.record.checks.unit import cause
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,19 +18,19 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 SCALES = (1.0, 1 / 3, 0.6, 1.7, 3.0)
-"""Factors on all springs and dampers of the nominal robot that count as honest, the nominal ones first (chosen)."""
+"""Plausible factors on all springs and dampers of the nominal robot, the nominal ones first (chosen)."""
 
 MASS_LIKE = 0.3
-"""Largest distance of a response from that of the motor inertia alone, over the latter, that is mass-like (chosen)."""
+"""Largest relative distance of a mass-like response from that of the motor inertia alone (chosen)."""
 
 FEWEST_LINES = 6
-"""Smallest number of mass-like lines that tell anything (chosen)."""
+"""Fewest mass-like lines that are used (chosen)."""
 
 NOTED_LEVEL = 1.5
-"""Factor between measured and nominal level from which it is warned of (chosen)."""
+"""Factor between measured and nominal level for a warning (chosen)."""
 
 LARGEST_LEVEL = 3.0
-"""Factor between measured and nominal level from which a response is refused (chosen)."""
+"""Factor between measured and nominal level for rejection (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +39,7 @@ class NominalDiagonal:
 
     Attributes:
         response: Torque command -> acceleration, sampled, shape (S, F, M).
-        mass_like: Where motor inertia alone makes up the response, shape (S, F, M).
+        mass_like: Where motor inertia alone determines the response, shape (S, F, M).
     """
 
     response: ComplexArray
@@ -49,7 +50,7 @@ def nominal_diagonal(response: FrequencyResponse, robot: Robot) -> NominalDiagon
     """Evaluate the nominal robot at the frequencies and the motor position of a measured response.
 
     Args:
-        response: Tells frequencies, sample time and motor position.
+        response: Measured response with frequencies, sample time and motor position.
         robot: The nominal robot.
     """
     from flexros.identify.graybox.sampled import expansion, sampled_hold
@@ -74,15 +75,15 @@ def nominal_diagonal(response: FrequencyResponse, robot: Robot) -> NominalDiagon
 
 
 def levels(response: FrequencyResponse, nominal: NominalDiagonal) -> FloatArray:
-    """Return the measured level of every motor over the nominal one at the lines where motor inertia makes it up.
+    """Return the measured level of every motor over the nominal one at the mass-like lines.
 
-    Of the springs and dampers that count as honest, those are taken that fit best but for the level. With too few lines
-    that are mass-like, all of them count. A wrong unit shows at all lines: where these tell another level, e.g. because
-    noise drowns the mass-like ones, the one nearer to the nominal robot is taken.
+    Of the plausible springs and dampers, those that fit best except for the level are used. With too few mass-like
+    lines all lines count. A wrong unit affects all lines: where these have another level, e.g. because noise hides the
+    mass-like ones, the one nearer to the nominal robot is returned.
 
     Args:
-        response: What was measured.
-        nominal: The nominal robot there.
+        response: Measured response.
+        nominal: Nominal response at the same lines.
 
     Returns:
         Factors, shape (M,).
@@ -90,26 +91,26 @@ def levels(response: FrequencyResponse, nominal: NominalDiagonal) -> FloatArray:
     own = np.einsum("fii->fi", response.as_quantity("acceleration").response)
     ratio = np.log(np.maximum(abs(own), 1e-300) / abs(nominal.response))
     enough = nominal.mass_like.sum(axis=1) >= FEWEST_LINES
-    found, scatter = np.empty((2, len(SCALES), ratio.shape[2]))
-    for scale, motor in np.ndindex(*found.shape):
+    level, scatter = np.empty((2, len(SCALES), ratio.shape[2]))
+    for scale, motor in np.ndindex(*level.shape):
         lines = nominal.mass_like[scale, :, motor] if np.any(enough[:, motor]) else np.ones(len(own), dtype=bool)
-        mine = ratio[scale, lines, motor] if lines.sum() >= FEWEST_LINES else ratio[scale, :, motor]
-        found[scale, motor] = np.median(mine)
-        scatter[scale, motor] = np.mean(abs(mine - found[scale, motor]))
-    best, motors = np.argmin(scatter, axis=0), np.arange(found.shape[1])
-    here, everywhere = found[best, motors], np.median(ratio, axis=1)[best, motors]
-    nearer = np.where(abs(here) < abs(everywhere), here, everywhere)
-    return np.asarray(np.exp(np.where(here * everywhere > 0, nearer, 0.0)))
+        used = ratio[scale, lines, motor] if lines.sum() >= FEWEST_LINES else ratio[scale, :, motor]
+        level[scale, motor] = np.median(used)
+        scatter[scale, motor] = np.mean(abs(used - level[scale, motor]))
+    best, motors = np.argmin(scatter, axis=0), np.arange(level.shape[1])
+    mass_like, everywhere = level[best, motors], np.median(ratio, axis=1)[best, motors]
+    nearer = np.where(abs(mass_like) < abs(everywhere), mass_like, everywhere)
+    return np.asarray(np.exp(np.where(mass_like * everywhere > 0, nearer, 0.0)))
 
 
 def check_level(factor: FloatArray, names: Sequence[str], robot: Robot, label: str) -> None:
-    """Refuse a motor that answers at quite another level than the nominal robot.
+    """Reject a motor whose response has another level than that of the nominal robot.
 
     Args:
         factor: Measured over nominal level, shape (M,).
         names: Names of the motors, length M.
         robot: The nominal robot.
-        label: What the record is called.
+        label: Name of the record, for messages.
 
     Raises:
         InputError: A level is off by more than LARGEST_LEVEL; names motor, factor and likely cause.
@@ -120,14 +121,14 @@ def check_level(factor: FloatArray, names: Sequence[str], robot: Robot, label: s
         return
     value = float(factor[motor])
     raise InputError(
-        f"{label}: {names[motor]} answers its torque {value:.3g} times as strongly as robot {robot.name} at the lines "
-        f"where motor inertia makes up the response, allowed is a factor of {LARGEST_LEVEL:g}: {_cause(value)}; "
+        f"{label}: the response of {names[motor]} is {value:.3g} times that of robot {robot.name} at the lines where "
+        f"motor inertia determines it, allowed is a factor of {LARGEST_LEVEL:g}: {_cause(value, robot, motor)}; "
         "correct the unit, gear ratio or torque constant of this joint in the mapping file, or give the right robot"
     )
 
 
 def level_warnings(factors: FloatArray, names: Sequence[str], robot: Robot) -> list[str]:
-    """Warn of motors whose level is off a little in all positions together.
+    """Warn of motors whose level differs slightly over all positions.
 
     Args:
         factors: Measured over nominal level, shape (Q, M).
@@ -139,18 +140,17 @@ def level_warnings(factors: FloatArray, names: Sequence[str], robot: Robot) -> l
     """
     middle = np.exp(np.median(np.log(factors), axis=0))
     return [
-        f"{name} answers its torque {value:.3g} times as strongly as robot {robot.name} where motor inertia makes "
-        "up the response; torque constant, gear ratio or inertia of the motor may be wrong"
+        f"the response of {name} is {value:.3g} times that of robot {robot.name} where motor inertia determines it; "
+        "torque constant, gear ratio or inertia of the motor may be wrong"
         for name, value in zip(names, middle, strict=True)
         if abs(np.log(value)) > np.log(NOTED_LEVEL)
     ]
 
 
-def _cause(factor: float) -> str:
-    """Say what the factor looks like."""
-    size = factor if factor > 1 else 1 / factor
-    for value, text in ((np.degrees(1.0), "degrees against radians"), (1e3, "a unit with milli"), (1e6, "micro")):
-        if abs(size / value - 1) < 0.15:
-            return f"it looks like {text}"
+def _cause(factor: float, robot: Robot, motor: int) -> str:
+    """Name the likely cause of a factor between measured and nominal level, as the checks of a record do."""
+    known = cause(1 / factor, robot, motor)
+    if known:
+        return f"it looks like {' or '.join(known)}"
     torque, motion = ("too small", "too large") if factor > 1 else ("too large", "too small")
     return f"the recorded torque is {torque} or the recorded motion {motion}"

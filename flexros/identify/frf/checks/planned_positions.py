@@ -1,4 +1,4 @@
-"""Whether every joint stands where the plan says: joints swapped everywhere, encoders that are off, other units."""
+"""Check of the joint positions against the plan: swapped joints, encoder offsets, wrong units."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 FARTHEST = 0.1
-"""Largest distance of a mean motor position from the plan [rad or m]; gears sag ten times less (chosen)."""
+"""Largest distance of a mean motor position from the plan [rad or m] (chosen): gears sag ten times less."""
 
 STILL = 1e-3
-"""Largest difference between the mean positions of a joint that stands still [rad or m] (chosen)."""
+"""Largest difference between the mean positions of a joint at rest [rad or m] (chosen)."""
 
 SAME_FACTOR = 0.1
-"""Largest misfit of a factor to the positions, over the largest of them, with which it is believed (chosen)."""
+"""Largest misfit of a factor to the positions, over the largest of them, for its acceptance (chosen)."""
 
 _NAMED = {
     float(np.degrees(1.0)): "degrees were recorded instead of radians",
@@ -37,19 +37,19 @@ _NAMED = {
 def check_positions(
     aligned: AlignedLog, plan: ExperimentPlan, segments: list[Segment], robot: Robot | None = None
 ) -> None:
-    """Refuse a log whose joints stand elsewhere than the plan says.
+    """Reject a log whose joint positions differ from the plan.
 
     The mean of the measured motor position over the recorded periods is compared with that of the plan, slow motion
-    included: a controller holds it to within the sag of gears, which says nothing about springs and loads.
+    included. A controller keeps it within the sag of the gears, whatever the springs and loads.
 
     Args:
         aligned: The signals.
         plan: The plan.
         segments: The recorded periods that are used, not empty.
-        robot: The nominal robot, which knows units; None: rotating motors.
+        robot: The nominal robot, for units; None: rotary motors.
 
     Raises:
-        InputError: A joint stands elsewhere; names it and the likely cause.
+        InputError: A position differs; names joint and likely cause.
     """
     measured, planned, places = _means(aligned, plan, segments)
     wrong = abs(measured - planned) > FARTHEST
@@ -59,7 +59,7 @@ def check_positions(
     unit = "rad" if robot is None else robot.motors[motor].position_unit
     cause = _swapped(measured, planned, aligned.names, motor) or _cause(measured[:, motor], planned[:, motor], unit)
     raise InputError(
-        f"position {places[place] + 1}: {aligned.names[motor]} stands at {measured[place, motor]:.4g} {unit}, the plan "
+        f"position {places[place] + 1}: {aligned.names[motor]} is at {measured[place, motor]:.4g} {unit}, the plan "
         f"says {planned[place, motor]:.4g} {unit} (allowed is a distance of {FARTHEST:g} {unit}): {cause}"
     )
 
@@ -77,10 +77,10 @@ def _means(
         visit = visits[position]
         added = excursion(plan, visit).position
         rows = [np.searchsorted(aligned.numbers, (segment.first, segment.stop)) for segment in mine]
-        there = [np.mean(aligned.position[begin:end], axis=0) for begin, end in rows if end > begin]
-        if not there:
+        means = [np.mean(aligned.position[begin:end], axis=0) for begin, end in rows if end > begin]
+        if not means:
             continue  # the gap is named when these periods are cut out
-        measured.append(np.mean(there, axis=0))
+        measured.append(np.mean(means, axis=0))
         parts = [added[segment.first - visit.lead : segment.stop - visit.lead].mean(axis=0) for segment in mine]
         planned.append(plan.positions[position] + np.mean(parts, axis=0))
     if not measured:
@@ -89,17 +89,17 @@ def _means(
 
 
 def _swapped(measured: FloatArray, planned: FloatArray, names: tuple[str, ...], motor: int) -> str | None:
-    """Say whose place the motor stands in, where the joints that differ fit in another order; None else."""
+    """Name the swapped joints where those that differ fit in another order; None otherwise."""
     order = _order(measured, planned)
     moved = np.flatnonzero(order != np.arange(len(order)))
     if motor not in moved or np.any(abs(measured[:, moved] - planned[:, order[moved]]) > FARTHEST):
         return None
-    told = ", ".join(f"{names[i]} stands where {names[order[i]]} belongs" for i in moved)
-    return f"swapped joints: {told}; correct the joint names of joint_states and joint_commands"
+    swapped = ", ".join(f"{names[i]} is at the position of {names[order[i]]}" for i in moved)
+    return f"swapped joints: {swapped}; correct the joint names of joint_states and joint_commands"
 
 
 def _order(measured: FloatArray, planned: FloatArray) -> IntArray:
-    """Return for each measured joint the planned one that makes the distances smallest, shape (M,)."""
+    """Return for each measured joint the planned one at the smallest total distance, shape (M,)."""
     from scipy.optimize import linear_sum_assignment  # here, because it loads slowly
 
     distance = np.max(abs(measured[:, :, None] - planned[:, None, :]), axis=0)
@@ -108,10 +108,10 @@ def _order(measured: FloatArray, planned: FloatArray) -> IntArray:
 
 
 def _cause(measured: FloatArray, planned: FloatArray, unit: str) -> str:
-    """Say what makes one joint stand elsewhere: unit, direction, factor, offset or another plan; shapes (Q,)."""
+    """Name the likely cause of one joint: unit, direction, factor, offset or another plan; shapes (Q,)."""
     offset = measured - planned
     if np.ptp(planned) > FARTHEST and np.ptp(measured) < STILL:
-        return "it stands there in all positions, so its encoder is stuck; record positions that were measured"
+        return "it is there in all positions, so its encoder is stuck; record positions that were measured"
     power = float(planned @ planned)
     if power > 0:
         for named, text in _NAMED.items():
@@ -135,5 +135,5 @@ def _cause(measured: FloatArray, planned: FloatArray, unit: str) -> str:
 
 
 def _fits(measured: FloatArray, planned: FloatArray, factor: float) -> bool:
-    """Tell whether the measured positions are the planned ones times a factor."""
+    """Return whether the measured positions are the planned ones times a factor."""
     return bool(np.all(abs(measured - factor * planned) <= SAME_FACTOR * abs(factor) * np.max(abs(planned))))

@@ -1,4 +1,4 @@
-"""Everything that makes a frequency response wrong without showing: each found and named, before and after division."""
+"""Checks for silent FRF errors (joint order, sign, unit, delay, aliasing), before and after estimation."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from flexros.identify.frf.frequency_response import FrequencyResponse
     from flexros.robot import Robot
 
-# Found earlier, while the log is aligned with its plan (record_timing, aligned_log): too short a log, periods missing
+# Detected while the log is aligned with its plan (record_timing, aligned_log): too short a log, missing periods
 # at its end, gaps, repeated stamps, unequal rates, aliasing by too low a rate, missing topics and joints;
-# then joints that do not stand where the plan says (planned_positions).
+# then joint positions that differ from the plan (planned_positions).
 
 
 def check_record(
@@ -40,7 +40,7 @@ def check_record(
     torque_limits: FloatArray | None = None,
     drift_degree: int = 2,
 ) -> list[str]:
-    """Check samples before they are divided.
+    """Check samples before the estimate.
 
     Args:
         experiments: The samples.
@@ -67,8 +67,8 @@ def check_result(response: FrequencyResponse, label: str, robot: Robot | None = 
     """Check a response by itself and against the nominal robot.
 
     Args:
-        response: What was estimated.
-        label: What the record is called.
+        response: The estimate.
+        label: Name of the record, for messages.
         robot: The nominal robot; None where it is not known.
 
     Returns:
@@ -92,7 +92,7 @@ def check_result(response: FrequencyResponse, label: str, robot: Robot | None = 
 
 
 def _check_against(response: FrequencyResponse, robot: Robot, label: str) -> None:
-    """Refuse a response that the nominal robot cannot have, however wrong its springs and dampers are."""
+    """Reject a response that no springs and dampers of the nominal robot explain."""
     check_order(response, robot, label)
     if not _comparable(response, robot):
         return
@@ -108,24 +108,24 @@ def model_warnings(responses: Sequence[FrequencyResponse], robot: Robot | None) 
     """Compare the level and the delay of the responses of all positions with the nominal robot.
 
     Args:
-        responses: What was estimated, all of the same motors.
+        responses: Estimates of the same motors.
         robot: The nominal robot; None where it is not known.
 
     Returns:
         Warnings: the responses stay usable.
     """
-    mine = [] if robot is None else [response for response in responses if _comparable(response, robot)]
-    if robot is None or not mine:
+    comparable = [] if robot is None else [response for response in responses if _comparable(response, robot)]
+    if robot is None or not comparable:
         return []
-    pairs = [(response, nominal_diagonal(response, robot)) for response in mine]
-    names = mine[0].output_names
+    pairs = [(response, nominal_diagonal(response, robot)) for response in comparable]
+    names = comparable[0].output_names
     return [
         *level_warnings(np.array([levels(*pair) for pair in pairs]), names, robot),
-        *delay_warnings(np.array([delays(*pair) for pair in pairs]), names, mine[0].sample_time),
+        *delay_warnings(np.array([delays(*pair) for pair in pairs]), names, comparable[0].sample_time),
     ]
 
 
 def _comparable(response: FrequencyResponse, robot: Robot) -> bool:
-    """Tell whether the response has the motors of the robot and the position they were in."""
+    """Return whether the response has the motors of the robot and their position."""
     fits = response.response.shape[1:] == (robot.n_motors, robot.n_motors)
     return fits and bool(np.all(np.isfinite(response.motor_position)))

@@ -1,4 +1,4 @@
-"""Whether what was recorded is excited, complete and undistorted enough to be divided."""
+"""Checks of excitation, completeness, saturation and aliasing of a record."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ ROUNDING = 1e-20
 """Power of the torque of an experiment over that of the strongest one, below which it counts as zero (chosen)."""
 
 LEAST_PERIOD = 0.5
-"""Smallest share of the mean excitation that every period must have (chosen)."""
+"""Least share of the mean excitation in every period (chosen)."""
 
 MOST_SATURATED = 0.01
-"""Largest share of samples at the torque limit with which a response is still given (chosen)."""
+"""Largest share of samples at the torque limit that is accepted (chosen)."""
 
 NEAR_NYQUIST = 0.8
-"""Share of the Nyquist frequency above which lines and energy are warned of (chosen)."""
+"""Share of the Nyquist frequency above which lines and energy give a warning (chosen)."""
 
 MOST_FOLDED = 0.01
-"""Power near the Nyquist frequency over that at excited lines from which folding is warned of (chosen)."""
+"""Power near the Nyquist frequency over that at excited lines for a warning of folding (chosen)."""
 
 LONGEST_PLATEAU = 3
-"""Samples in a row at the extreme of a command from which it is taken for saturated (chosen)."""
+"""Samples in a row at the extreme of a command from which it counts as saturated (chosen)."""
 
 
 def check_periods(experiments: Experiments, spectra: PeriodSpectra) -> None:
-    """Refuse records of which a period or an experiment was not excited, or none was; each experiment by itself.
+    """Reject records of which a period or an experiment was not excited, or none was; each experiment by itself.
 
     Args:
         experiments: The samples.
@@ -73,7 +73,7 @@ def check_periods(experiments: Experiments, spectra: PeriodSpectra) -> None:
 
 
 def _check_every_experiment(experiments: Experiments, power: FloatArray) -> None:
-    """Refuse experiments without excitation among others that have it; `power` has shape (m,)."""
+    """Reject experiments without excitation among others that have it; `power` has shape (m,)."""
     silent = np.flatnonzero(power <= ROUNDING * power.max())
     if len(silent) and power.max() > 0:
         raise InputError(
@@ -83,7 +83,7 @@ def _check_every_experiment(experiments: Experiments, power: FloatArray) -> None
 
 
 def _check_above_noise(experiments: Experiments, U: ComplexArray) -> None:
-    """Refuse experiments in which the torque of no motor stands out of what changes from period to period."""
+    """Reject experiments in which the torque of no motor stands out of what changes from period to period."""
     if experiments.n_periods < 2:
         return
     mean = U.mean(axis=1)
@@ -142,14 +142,14 @@ def check_reference(experiments: Experiments) -> list[str]:
 
 
 def check_saturation(experiments: Experiments, limits: FloatArray | None) -> list[str]:
-    """Find torques at their limit.
+    """Check for torques at their limit.
 
     Args:
         experiments: The samples.
         limits: Torque limits [Nm or N], shape (n_u,); None where they are not known: plateaus are looked for.
 
     Returns:
-        Warnings about a small share, with which the response stays usable: the command is what acted.
+        Warnings of a small share, with which the response is usable: the command is what acted.
 
     Raises:
         InputError: A command is beyond its limit, so it did not act, or is at the limit for a large share.
@@ -185,10 +185,10 @@ def _at_limit(torque: FloatArray, limit: float) -> FloatArray:
     if np.ptp(torque) == 0:
         return marks
     for extreme in (torque.max(), torque.min()):
-        there = torque == extreme
-        starts = max(there.shape[1] - LONGEST_PLATEAU + 1, 0)
-        if np.any(np.all([there[:, k : k + starts] for k in range(LONGEST_PLATEAU)], axis=0)):
-            marks[there] = 1.0
+        reached = torque == extreme
+        starts = max(reached.shape[1] - LONGEST_PLATEAU + 1, 0)
+        if np.any(np.all([reached[:, k : k + starts] for k in range(LONGEST_PLATEAU)], axis=0)):
+            marks[reached] = 1.0
     return marks
 
 
@@ -222,7 +222,7 @@ def check_aliasing(experiments: Experiments) -> list[str]:
 
 
 def _coherent_power(experiments: Experiments, lines: IntArray) -> FloatArray:
-    """Return the power of the torque that repeats with the period, its noise taken off, shape (n_u,)."""
+    """Return the power of the torque that repeats with the period, noise subtracted, shape (n_u,)."""
     P = experiments.n_periods
     U = np.array([amplitudes(samples, P, lines) for samples in experiments.inputs])
     mean = U.mean(axis=1)
@@ -231,11 +231,11 @@ def _coherent_power(experiments: Experiments, lines: IntArray) -> FloatArray:
 
 
 def check_certainty(response: FrequencyResponse, label: str) -> list[str]:
-    """Judge the response by its standard deviation.
+    """Check a response against its standard deviation.
 
     Args:
-        response: What was estimated.
-        label: What the record is called.
+        response: The estimate.
+        label: Name of the record, for messages.
 
     Returns:
         A warning where diagonal entries are less than 6 dB above their standard deviation.

@@ -1,4 +1,4 @@
-"""Whether the stamps of a log are those of the plan: rate, offset, jitter, repeats, gaps; each named or refused."""
+"""Checks of the stamps of a log against its plan: rate, offset, jitter, repeats, gaps."""
 
 from __future__ import annotations
 
@@ -7,18 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.record.even_grid import NOTED_JITTER
 
 if TYPE_CHECKING:
     from flexros.arrays import IntArray
 
 RATE_TOLERANCE = 1e-3
-"""Relative deviation of the median step from the sample time that still counts as the same rate (chosen)."""
+"""Relative deviation of the median step from the sample time up to which the rate is the same (chosen)."""
 
 LARGEST_JITTER = 0.1
-"""Largest deviation of a stamp from its sampling instant, in sample times (chosen)."""
-
-NOTED_JITTER = 0.01
-"""Jitter, rms in sample times, from which it is warned of (chosen)."""
+"""Largest deviation of a stamp from its sampling instant [samples] (chosen)."""
 
 
 def sample_numbers(
@@ -30,9 +28,9 @@ def sample_numbers(
         stamp: Stamps [ns], increasing, shape (n,).
         origin: Stamp of sample 0 [ns].
         sample_time: T_s of the plan [s].
-        topic: Name of the topic, for the texts.
-        highest: Highest excited frequency [Hz]; tells aliasing from another rate alone.
-        warnings: Gets a sentence about jitter.
+        topic: Name of the topic, for messages.
+        highest: Highest excited frequency [Hz]; distinguishes aliasing from another rate.
+        warnings: Receives a sentence about jitter.
 
     Returns:
         Sample numbers, increasing, shape (n,).
@@ -47,7 +45,7 @@ def sample_numbers(
     worst = int(np.argmax(abs(deviation)))
     if abs(deviation[worst]) > LARGEST_JITTER:
         raise InputError(
-            f"{topic} is stamped {deviation[worst] * sample_time * 1e3:+.3g} ms beside the sampling instant at "
+            f"{topic} is stamped {deviation[worst] * sample_time * 1e3:+.3g} ms off the sampling instant at "
             f"{(stamp[worst] - origin) * 1e-9:.4f} s, allowed is {LARGEST_JITTER:g} of the sample time of "
             f"{sample_time * 1e3:g} ms; correct the time offset of the topic when importing, or give the start stamp"
         )
@@ -67,7 +65,7 @@ def sample_numbers(
 
 def _check_rate(stamp: IntArray, sample_time: float, topic: str, highest: float) -> None:
     if len(stamp) < 2:
-        raise InputError(f"too short a log: {topic} has {len(stamp)} messages, needed are whole periods; record longer")
+        raise InputError(f"too short a log: {topic} has {len(stamp)} messages, whole periods are needed; record longer")
     step = float(np.median(np.diff(stamp))) * 1e-9
     if abs(step / sample_time - 1.0) <= RATE_TOLERANCE:
         return
@@ -83,7 +81,7 @@ def _check_rate(stamp: IntArray, sample_time: float, topic: str, highest: float)
 
 
 def check_equal_rates(states: IntArray, commands: IntArray) -> None:
-    """Refuse topics of unequal rates.
+    """Reject topics of unequal rates.
 
     Args:
         states: Stamps of joint_states [ns], shape (n,).
@@ -103,10 +101,10 @@ def check_equal_rates(states: IntArray, commands: IntArray) -> None:
 
 
 def check_no_gap(numbers: IntArray, first: int, stop: int, sample_time: float, what: str) -> None:
-    """Refuse missing samples within recorded periods.
+    """Reject missing samples within recorded periods.
 
     Args:
-        numbers: Numbers of the samples that are there, increasing, shape (n,).
+        numbers: Numbers of the recorded samples, increasing, shape (n,).
         first: First sample needed.
         stop: Sample after the last one needed.
         sample_time: T_s [s].
@@ -129,9 +127,9 @@ def check_no_gap(numbers: IntArray, first: int, stop: int, sample_time: float, w
     rows = slice(*np.searchsorted(numbers, (first, stop)))
     missing = (stop - first) - len(numbers[rows])
     if missing:
-        there = numbers[rows]
-        at = int(np.flatnonzero(np.diff(np.concatenate([[first - 1], there, [stop]])) > 1)[0])
-        begin = first if at == 0 else int(there[at - 1]) + 1
+        recorded = numbers[rows]
+        at = int(np.flatnonzero(np.diff(np.concatenate([[first - 1], recorded, [stop]])) > 1)[0])
+        begin = first if at == 0 else int(recorded[at - 1]) + 1
         raise InputError(
             f"gap: {missing} samples of joint_states are missing in {what}, the first at {begin * sample_time:.4f} s; "
             "record without losses, or leave the block out"

@@ -1,4 +1,4 @@
-"""Whether the recorded periods are steady: a transient that has not died out decays from period to period."""
+"""Check that the recorded periods are steady: a transient decays from period to period."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ if TYPE_CHECKING:
     from flexros.identify.frf.experiments import Experiments
 
 MOST_DECAY = 2.0
-"""Fall of what changes between periods, from the first to the last third of a period, that is warned of (chosen)."""
+"""Decay of the change between periods, from the first to the last third of a period, for a warning (chosen)."""
 
 
 def check_settled(experiments: Experiments, drift_degree: int) -> list[str]:
     """Warn of periods that were recorded before the response was periodic.
 
-    The change from the first to the last period is noise of constant size, or a transient, which decays.
+    The change from the first to the last period is noise of constant size, or a decaying transient.
 
     Args:
         experiments: Samples of whole periods.
-        drift_degree: Degree of the drift that is no transient.
+        drift_degree: Degree of the drift that does not count as a transient.
 
     Returns:
-        Warnings; with one period nothing can be told.
+        Warnings; none with a single period.
     """
     if experiments.n_periods < 2:
         return []
@@ -41,8 +41,8 @@ def check_settled(experiments: Experiments, drift_degree: int) -> list[str]:
     if worst <= MOST_DECAY:
         return []
     return [
-        f"{experiments.label}: not settled: what changes in the {where} between periods falls {worst:.1f} times within "
-        "a period, so a transient is in the record and counts as noise; add transient_periods, or set method to "
+        f"{experiments.label}: not settled: the change of the {where} between periods decays {worst:.1f} times within "
+        "a period, so the record contains a transient, which counts as noise; add transient_periods, or set method to "
         "local_polynomial, which models it"
     ]
 

@@ -52,7 +52,7 @@ def test_torque_of_another_unit_is_refused(recorded: Recorded) -> None:
     log = replace(recorded.log, joint_commands=replace(commands, effort=commands.effort * [1.0, 0.01]))
     with pytest.raises(
         InputError,
-        match=r"position 1: motor_2 answers its torque 100 times .*robot e12.*the recorded torque is too small",
+        match=r"position 1: the response of motor_2 is 100 times that of robot e12.*the recorded torque is too small",
     ):
         estimate_responses(log, recorded.plan, robot=recorded.robot)
     assert estimate_responses(log, recorded.plan)
@@ -69,19 +69,22 @@ def test_noise_at_the_mass_like_lines_is_no_unit() -> None:
     assert abs(np.log(levels(mine, nominal)[0])) < np.log(1.1)
 
 
-def test_degrees_and_thousandths_are_named(recorded: Recorded) -> None:
-    for factor, cause in ((57.0, "looks like degrees"), (1e-3, "a unit with milli"), (0.1, "torque is too large")):
-        with pytest.raises(InputError, match=f"position 1: motor_1 answers .*{cause}"):
+def test_causes_of_a_level_are_named(recorded: Recorded) -> None:
+    for factor, cause in (
+        (57.0, "looks like positions in degrees"),
+        (1e-3, "a unit with milli"),
+        (0.1, "torque is too large"),
+    ):
+        with pytest.raises(InputError, match=f"position 1: the response of motor_1 is .*{cause}"):
             check_level(np.array([factor, 1.0]), ("motor_1", "motor_2"), recorded.robot, "position 1")
 
 
-def test_level_off_by_two_is_warned_of(recorded: Recorded) -> None:
+def test_level_off_by_two_is_reported(recorded: Recorded) -> None:
     commands = recorded.log.joint_commands
     assert commands is not None
     assert commands.effort is not None
     log = replace(recorded.log, joint_commands=replace(commands, effort=commands.effort * [0.5, 1.0]))
     first, second = estimate_responses(log, recorded.plan, robot=recorded.robot)
-    told = [warning for warning in first.warnings if "as strongly" in warning]
-    assert len(told) == 1
-    assert told[0].startswith("motor_1 answers its torque 2 times as strongly as robot e12")
-    assert told[0] in second.warnings
+    (warning,) = [text for text in first.warnings if "where motor inertia determines it" in text]
+    assert warning.startswith("the response of motor_1 is 2 times that of robot e12")
+    assert warning in second.warnings

@@ -43,14 +43,14 @@ def test_slow_motion_is_part_of_the_plan(motion: dict[str, object]) -> None:
 def test_swapped_joints_are_named(recorded: Recorded) -> None:
     with pytest.raises(
         InputError,
-        match=r"position 1: motor_1 stands at 0\.3 rad, the plan says .*swapped joints: motor_1 stands where motor_2",
+        match=r"position 1: motor_1 is at 0\.3 rad, the plan says .*: motor_1 is at the position of motor_2",
     ):
         checked(recorded, measured(recorded)[:, ::-1].copy())
 
 
 def test_offset_of_an_encoder_is_named(recorded: Recorded) -> None:
     with pytest.raises(
-        InputError, match=r"position 1: motor_2 stands at -0\.5 rad.*offset: the encoder is off by -0\.8 rad"
+        InputError, match=r"position 1: motor_2 is at -0\.5 rad.*offset: the encoder is off by -0\.8 rad"
     ):
         checked(recorded, measured(recorded) + np.array([0.0, -0.8]))
 
@@ -69,14 +69,14 @@ def test_small_offset_passes(recorded: Recorded) -> None:
     ],
 )
 def test_unit_is_named(recorded: Recorded, factor: float, cause: str) -> None:
-    with pytest.raises(InputError, match=f"motor_2 stands at .*{cause}"):
+    with pytest.raises(InputError, match=f"motor_2 is at .*{cause}"):
         checked(recorded, measured(recorded) * [1.0, factor])
 
 
 def test_encoder_that_is_stuck_is_named(recorded: Recorded) -> None:
     position = measured(recorded)
     position[:, 1] = 0.3
-    with pytest.raises(InputError, match="position 2: motor_2 stands at 0.3 rad, .*its encoder is stuck"):
+    with pytest.raises(InputError, match="position 2: motor_2 is at 0.3 rad, .*its encoder is stuck"):
         checked(recorded, position)
 
 

@@ -39,7 +39,7 @@ def test_repeated_stamps_are_counted() -> None:
 
 
 def test_offset_of_a_topic_is_refused() -> None:
-    with pytest.raises(InputError, match=r"joint_states is stamped \+0\.3 ms beside the sampling instant"):
+    with pytest.raises(InputError, match=r"joint_states is stamped \+0\.3 ms off the sampling instant"):
         numbers_of(stamps_ns(100, T) + 300_000)
 
 

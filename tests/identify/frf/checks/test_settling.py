@@ -27,7 +27,7 @@ def test_noise_on_a_drift_is_settled() -> None:
 
 def test_transient_is_warned_of() -> None:
     text = check_settled(record(0.5), 2)[0]
-    assert text.startswith("position 1: not settled: what changes in the position of motor_1 between periods falls")
+    assert text.startswith("position 1: not settled: the change of the position of motor_1 between periods decays")
     assert text.endswith("add transient_periods, or set method to local_polynomial, which models it")
 
 
