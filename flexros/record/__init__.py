@@ -1,1 +1,1 @@
-"""A log as an even, checked record: one reader for all that takes samples of motors."""
+"""A log as an even, checked record: one reader for diagnosis and identification."""

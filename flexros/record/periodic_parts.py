@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from flexros.trajectory import Trajectory
 
 LEAST_LINES = 10
-"""Lines that a multisine has at least (chosen)."""
+"""Fewest lines of a multisine (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,27 +35,27 @@ class PeriodicPart:
 
     @property
     def end(self) -> int:
-        """Sample behind the last period."""
+        """Sample after the last period."""
         return self.first + self.n_periods * self.period
 
     def within(self, begin: int, end: int) -> PeriodicPart | None:
-        """Keep the whole periods that lie between two samples; None where fewer than two do.
+        """Return the whole periods between two samples; None for fewer than two.
 
         Args:
-            begin: First sample that is kept, from which the samples of the result count.
-            end: Sample behind the last one.
+            begin: First sample, sample 0 of the result.
+            end: Sample after the last one.
         """
         skipped = max(0, -((self.first - begin) // self.period))
-        left = min(self.n_periods, (end - self.first) // self.period) - skipped
+        n_periods = min(self.n_periods, (end - self.first) // self.period) - skipped
         first = self.first + skipped * self.period - begin
-        return PeriodicPart(first, self.period, left, self.lines) if left >= 2 else None
+        return PeriodicPart(first, self.period, n_periods, self.lines) if n_periods >= 2 else None
 
 
 def periodic_parts(trajectory: Trajectory, sample_time: float) -> tuple[PeriodicPart, ...]:
     """Find the multisines of a motion.
 
     Args:
-        trajectory: The motion asked for, as of a diagnosis experiment.
+        trajectory: The reference motion, e.g. of a diagnosis experiment.
         sample_time: Time between two samples [s].
 
     Returns:
@@ -68,7 +68,7 @@ def periodic_parts(trajectory: Trajectory, sample_time: float) -> tuple[Periodic
         if isinstance(path, Vibration) and len(path.frequency) >= LEAST_LINES:
             period = round(1.0 / path.frequency[0] / sample_time)
             lines = np.round(path.frequency * period * sample_time).astype(np.int64)
-            # the steady part begins behind the fade, its last period ends where the fade begins
+            # the steady part begins after the fade-in, and its last period ends before the fade-out
             n_periods = int((path.duration - 2 * path.fade) / (period * sample_time) + 1e-6)
             first = round((begin + path.fade) / sample_time)
             if n_periods >= 2:

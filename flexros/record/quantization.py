@@ -1,7 +1,7 @@
-"""Whether a signal lies on a lattice of equal steps: encoder quantization needs no dynamics to be seen.
+"""Quantisation step of a signal, from its differences alone.
 
-The step comes from first and second differences of the signal: the smallest are one step, or a few, and all others are
-multiples of it. A signal with noise of its own in every sample has no such step.
+The smallest first and second differences of a quantised signal are one step, or a few, and all others are multiples of
+it. A signal with noise of its own in every sample has no such step.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 QUANTILES = (0.0, 0.002, 0.02)
-"""Quantiles of the differences that may be one step, or a few (the largest of them measured by prototype: 8 of 8 found,
-none in 88 false; the smaller ones find steps below the noise of a fast motion)."""
+"""Quantiles of the differences that may be one step, or a few (the largest one by prototype: 8 of 8 detected, none of
+88 false; the smaller ones detect steps below the noise of a fast motion)."""
 
 FEWEST = 50
-"""Fewest differences that tell anything (chosen)."""
+"""Fewest differences that are used (chosen)."""
 
 OFF_LATTICE = 0.08
-"""Largest rms distance of the differences from multiples of a step, in steps; 0.29 where there is none (chosen)."""
+"""Largest rms distance of the differences from multiples of a step, in steps; 0.29 without quantisation (chosen)."""
 
 MATTERS = 0.05
-"""Rms error of rounding over the noise of the encoder from which a lattice is an effect (chosen)."""
+"""Rms rounding error over the noise of the encoder above which quantisation is an effect (chosen)."""
 
-_DIVISORS = range(1, 7)  # the quantile may be so many steps
-_MULTIPLES = (8.0, 64.0, 512.0)  # differences up to so many steps refine it, one after the other
+_DIVISORS = range(1, 7)  # number of steps that the quantile may be
+_MULTIPLES = (8.0, 64.0, 512.0)  # differences up to these numbers of steps refine it in turn
 
 
 @dataclass(frozen=True)
@@ -47,13 +47,13 @@ class Quantization:
 
 
 def lattice_step(values: FloatArray) -> float | None:
-    """Find the step of a lattice.
+    """Find the quantisation step of a signal.
 
     Args:
         values: Signal, shape (n,).
 
     Returns:
-        The step in the unit of the signal; None where there is no lattice.
+        The step in the unit of the signal; None without quantisation.
     """
     signal = values[np.isfinite(values)]
     if len(signal) < FEWEST or len(np.unique(signal)) < 3:
@@ -63,16 +63,16 @@ def lattice_step(values: FloatArray) -> float | None:
     change = change[change > resolution]
     if len(change) < FEWEST:
         return None
-    for first in np.unique(np.quantile(change, QUANTILES)):
+    for smallest in np.unique(np.quantile(change, QUANTILES)):
         for divisor in _DIVISORS:
-            step = _refined(float(first) / divisor, change)
+            step = _refined(float(smallest) / divisor, change)
             if step > 4 * resolution and _distance(change, step, resolution) < OFF_LATTICE:
                 return step
     return None
 
 
 def _refined(step: float, change: FloatArray) -> float:
-    """Fit the step to ever longer differences."""
+    """Fit the step to increasingly long differences."""
     for most in _MULTIPLES:
         near = change[change < (most + 0.5) * step]
         count = np.rint(near / step)
@@ -83,7 +83,7 @@ def _refined(step: float, change: FloatArray) -> float:
 
 
 def _distance(change: FloatArray, step: float, resolution: float) -> float:
-    """Return the rms distance of differences from multiples of a step, in steps, of those that are not too long."""
+    """Return the rms distance of the shorter differences from multiples of a step, in steps."""
     short = change[change < (_MULTIPLES[-1] + 0.5) * step]
     if len(short) < FEWEST:
         return float("inf")
@@ -93,14 +93,14 @@ def _distance(change: FloatArray, step: float, resolution: float) -> float:
 
 
 def encoder_quantization(record: Record, robot: Robot) -> tuple[Quantization, ...]:
-    """Find the encoders whose rounding matters beside their noise.
+    """Find the encoders whose quantisation is significant compared with their noise.
 
     Args:
-        record: The record; positions that were interpolated have no lattice any more.
+        record: The record; interpolated positions are not quantised any more.
         robot: The robot, for the noise of its encoders.
 
     Returns:
-        Quantizations by motor, none where there is none.
+        Quantisations by motor; empty without one.
     """
     found = []
     for motor in range(robot.n_motors):

@@ -1,1 +1,1 @@
-"""Torque that acted against torque that the nominal robot needs."""
+"""Torque balance: torques that acted against inverse-dynamics torques of the nominal robot."""

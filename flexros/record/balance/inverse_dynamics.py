@@ -1,4 +1,4 @@
-"""Torque that the nominal robot needs for a motion of its motors: linearised and elastic, or rigid in any pose."""
+"""Inverse-dynamics torque of the nominal robot for a measured motion: linearised and elastic, or rigid in any pose."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PER_PERIOD = 8  # samples per period of the highest frequency at which the rigi
 
 
 @dataclass(frozen=True, eq=False)
-class ElasticNeed:
+class ElasticInverseDynamics:
     """The robot linearised at some motor positions.
 
     Attributes:
@@ -29,7 +29,7 @@ class ElasticNeed:
     linear: LinearisedPositions
 
     @classmethod
-    def of(cls, robot: Robot, motor_positions: FloatArray) -> ElasticNeed:
+    def of(cls, robot: Robot, motor_positions: FloatArray) -> ElasticInverseDynamics:
         """Linearise a robot.
 
         Args:
@@ -37,7 +37,7 @@ class ElasticNeed:
             motor_positions: Motor positions [rad or m], shape (Q, M).
 
         Raises:
-            InputError: The robot has no rest at one of them.
+            InputError: The robot has no equilibrium at one of them.
         """
         from flexros.robot.linear.positions import linearise_positions  # here, because it loads slowly
 
@@ -79,14 +79,14 @@ class ElasticNeed:
         return np.asarray(need)
 
 
-def rigid_need(robot: Robot, position: FloatArray, sample_time: float, highest: float) -> FloatArray:
+def rigid_inverse_dynamics(robot: Robot, position: FloatArray, sample_time: float, highest: float) -> FloatArray:
     """Evaluate the inverse dynamics of the rigid arm along a motion, below a frequency.
 
     Args:
         robot: The robot.
         position: Motor positions without holes [rad or m], shape (n, M).
         sample_time: Time between two samples [s].
-        highest: Frequency up to which the need is wanted [Hz].
+        highest: Frequency up to which the torque is required [Hz].
 
     Returns:
         Torques [Nm or N], shape (n, M).

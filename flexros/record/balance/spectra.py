@@ -1,4 +1,4 @@
-"""Spectra of given and needed torques: short stretches in their poses, and the whole record where the arm is rigid."""
+"""Spectra of torques and inverse-dynamics torques: short stretches by pose, and the whole record of the rigid arm."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.errors import InputError
-from flexros.record.balance.inverse_dynamics import ElasticNeed, rigid_need
+from flexros.record.balance.inverse_dynamics import ElasticInverseDynamics, rigid_inverse_dynamics
 from flexros.record.balance.torque_balance import TorqueBalance
 from flexros.record.missing_samples import bridged
 from flexros.record.smoothing import noise_power, smooth_motion
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 STRETCH = 4.0
-"""Length of a stretch whose mean pose stands for all of it [s] (chosen)."""
+"""Length of a stretch that is linearised at its mean pose [s] (chosen)."""
 
 BINS = 96
-"""Frequencies that are kept in each half octave, over all stretches: the strongest (chosen)."""
+"""Number of strongest frequencies of each half octave, over all stretches (chosen)."""
 
 LEAST_BINS = 6
-"""Frequencies that are kept of each stretch and half octave at least (chosen)."""
+"""Fewest frequencies of each stretch and half octave (chosen)."""
 
 HIGHEST = 0.2
 """Highest frequency over the sampling rate (chosen)."""
@@ -37,10 +37,10 @@ RIGID_HIGHEST = 20.0
 """Highest frequency at which the rigid arm is used [Hz] (chosen)."""
 
 NOISE_SHARE = 0.1
-"""Largest share of encoder noise in the power of a motion that counts (chosen)."""
+"""Largest share of encoder noise in the power of a clear motion (chosen)."""
 
-_FIRST_BAND = 1e-4  # Hz, where the half octaves begin to be counted
-_PERIODS = 4  # periods that the lowest frequency has in a stretch
+_FIRST_BAND = 1e-4  # lowest frequency of half octave 0 [Hz]
+_PERIODS = 4  # periods of the lowest frequency in a stretch
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,9 @@ class _Signals:
     rigid_below: float
     delay: float
 
-    def spectra(self, first: int, end: int, low: float, high: float, bins: int, need: ElasticNeed | None) -> _Piece:
+    def spectra(
+        self, first: int, end: int, low: float, high: float, bins: int, need: ElasticInverseDynamics | None
+    ) -> _Piece:
         """Transform a stretch between two frequencies; above `rigid_below` the robot is elastic."""
         T, window = self.sample_time, np.hanning(end - first)[:, None]
         part = slice(first, end)
@@ -97,17 +99,17 @@ def torque_balance(record: Record, robot: Robot, sample_time: float | None = Non
     Args:
         record: The record.
         robot: The nominal robot.
-        sample_time: Time between two samples that is taken instead of that of the record [s].
+        sample_time: Time between two samples, instead of that of the record [s].
 
     Returns:
-        The balance; None where the robot has no rest near the motion.
+        The balance; None where the robot has no equilibrium near the motion.
     """
     T = record.sample_time if sample_time is None else sample_time
     position = bridged(record.position, record.valid)
     length = min(len(position) - 2, round(STRETCH / T))
     starts = np.arange(0, len(position) - 2 - length + 1, length)
     try:
-        need = ElasticNeed.of(robot, np.stack([position[1:-1][k : k + length].mean(axis=0) for k in starts]))
+        need = ElasticInverseDynamics.of(robot, np.stack([position[1:-1][k : k + length].mean(axis=0) for k in starts]))
     except InputError:
         return None
     signals = _signals(record, robot, position, T, need.lowest)
@@ -133,7 +135,7 @@ def _signals(record: Record, robot: Robot, position: FloatArray, T: float, lowes
         position=position[1:-1],
         acceleration=np.diff(position, 2, axis=0) / T**2,
         given=record.torque[1:-1],
-        rigid=rigid_need(robot, position, T, rigid_below)[1:-1],
+        rigid=rigid_inverse_dynamics(robot, position, T, rigid_below)[1:-1],
         sign=np.sign(smooth_motion(position, T, min(0.05 / T, 4 * RIGID_HIGHEST))[1])[1:-1],
         noise=noise_power(position),
         rigid_below=rigid_below,
@@ -144,12 +146,12 @@ def _signals(record: Record, robot: Robot, position: FloatArray, T: float, lowes
 def _strongest(
     frequency: FloatArray, inside: slice, given: ComplexArray, acceleration: ComplexArray, bins: int
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """Keep the strongest frequencies of each half octave; returns places, bands, and of how many each is one."""
-    places = np.arange(inside.start, inside.stop)
-    number = np.floor(2 * np.log2(frequency[places] / _FIRST_BAND)).astype(np.int64)
+    """Select the strongest frequencies of each half octave; return indices, bands, and how many each represents."""
+    indices = np.arange(inside.start, inside.stop)
+    number = np.floor(2 * np.log2(frequency[indices] / _FIRST_BAND)).astype(np.int64)
     kept, crowd = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
     for band in np.unique(number):
-        among = places[number == band]
+        among = indices[number == band]
         strength = np.zeros(len(among))
         for part in (given[among], acceleration[among]):
             power = np.abs(part) ** 2
@@ -162,9 +164,9 @@ def _strongest(
 
 
 def _clear(power: FloatArray, band: IntArray, crowd: FloatArray, noise: FloatArray) -> BoolArray:
-    """Mark bands of which the kept frequencies stand out of noise, of which the strongest of a crowd are kept too."""
-    _, place = np.unique(band, return_inverse=True)
-    count = np.bincount(place)
-    mean = np.stack([np.bincount(place, column) / count for column in power.T], axis=1)
-    peaks = 1 + np.log(np.bincount(place, crowd) / count)
-    return np.asarray((mean * NOISE_SHARE > peaks[:, None] * noise)[place])
+    """Mark bands whose selected frequencies are clear of noise, allowing for the selection of its strongest ones."""
+    _, index = np.unique(band, return_inverse=True)
+    count = np.bincount(index)
+    mean = np.stack([np.bincount(index, column) / count for column in power.T], axis=1)
+    peaks = 1 + np.log(np.bincount(index, crowd) / count)
+    return np.asarray((mean * NOISE_SHARE > peaks[:, None] * noise)[index])

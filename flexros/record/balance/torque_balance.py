@@ -1,8 +1,8 @@
-"""Torque that motors were given against torque that the nominal robot needs for their motion, by frequency.
+"""Torques that acted against inverse-dynamics torques of the nominal robot, by frequency.
 
-Below a third of the lowest resonance with locked motors the need is that of the rigid arm, in whatever pose; above,
-that of the linearised elastic robot at the mean pose. No law of control enters, and no effect is fitted but friction:
-what a wrong unit, sign or order of joints does to the balance is larger than any effect (chosen).
+Below a third of the lowest resonance with locked motors the inverse dynamics are those of the rigid arm in any pose;
+above, those of the linearised elastic robot at the mean pose. The control law does not enter, and friction is the only
+effect that is fitted: a wrong unit, sign or order of joints changes the balance more than any effect (chosen).
 """
 
 from __future__ import annotations
@@ -16,38 +16,38 @@ if TYPE_CHECKING:
     from flexros.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 FEWEST_BINS, FEWEST_BANDS = 12, 3
-"""Fewest clear frequencies and half octaves from which anything is told (chosen)."""
+"""Fewest clear frequencies and half octaves of a comparison (chosen)."""
 
 WORTH = 0.02
-"""Gain in mean agreement from which a rough delay is taken (chosen)."""
+"""Gain in mean agreement above which a rough delay is accepted (chosen)."""
 
 AGREED = 0.7
-"""Mean agreement from which a rough delay is taken: torques that fit no time are not late (chosen)."""
+"""Mean agreement above which a rough delay is accepted: torques without agreement at any time are not late (chosen)."""
 
 COHERENT = 0.8
-"""Smallest cosine between torque and need of a band whose phase tells a delay (chosen)."""
+"""Least cosine between torque and inverse-dynamics torque of a band whose phase is used for a delay (chosen)."""
 
 LEAST_PHASE = 0.01
-"""Deviation that every phase has beside its noise, because the model is not exact [rad] (chosen)."""
+"""Standard deviation added to that of every phase, because the model is not exact [rad] (chosen)."""
 
 STEP = 0.02
 """Relative step of the multiples that are tried (chosen)."""
 
 LONGEST_DELAY = 0.03
-"""Longest time between torque and motion that is looked for [s] (chosen)."""
+"""Longest time between torque and motion of the search [s] (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
 class BalanceFit:
-    """How well one torque agrees with a need, beside friction.
+    """Agreement of a torque with an inverse-dynamics torque, apart from friction.
 
-    The agreement of torque u with a multiple s of a need n in one band is 2 Re(u* s n) / (|u|^2 + |s n|^2): 1 where
-    both are equal, 0 where they have nothing to do with each other, -1 where they are opposite.
+    The agreement of torque u with a multiple s of the inverse-dynamics torque n in one band is
+    2 Re(u* s n) / (|u|^2 + |s n|^2): 1 where both are equal, 0 where they are unrelated, -1 where they are opposite.
 
     Attributes:
-        factor: Multiple of the need that agrees best; negative where the directions differ.
+        factor: Multiple of the inverse-dynamics torque that agrees best; negative for opposite directions.
         agreement: Mean agreement over the bands with that multiple, 0 ... 1.
-        as_is: Mean agreement with the need itself, -1 ... 1.
+        as_is: Mean agreement without a factor, -1 ... 1.
     """
 
     factor: float
@@ -63,9 +63,9 @@ class TorqueBalance:
         frequency: Frequencies [Hz], shape (F,).
         band: Number of the half octave of each, shape (F,).
         given: Torques that acted, shape (F, M).
-        needed: Torques that the nominal robot needs for the motion, shape (F, M).
+        needed: Inverse-dynamics torques of the nominal robot, shape (F, M).
         friction: Speed and its sign of each motor, shape (F, M, 2).
-        clear: Where the motion stands out of the noise of the encoder, shape (F, M).
+        clear: Where the motion is clear of the noise of the encoder, shape (F, M).
     """
 
     frequency: FloatArray
@@ -76,12 +76,12 @@ class TorqueBalance:
     clear: BoolArray
 
     def fit(self, torque: int, motion: int, delay: float = 0.0) -> BalanceFit | None:
-        """Compare the torque of one motor with the need of another, or its own.
+        """Compare the torque of one motor with the inverse-dynamics torque of the same or another one.
 
         Args:
             torque: Motor whose torque it is.
             motion: Motor whose motion it is.
-            delay: How much later the torque acts than it is stamped [s].
+            delay: Delay of the torque with respect to its stamp [s].
 
         Returns:
             The comparison; None where too little of the motion is clear of noise.
@@ -102,10 +102,10 @@ class TorqueBalance:
         return _agreement(power, need, _sums(place, (np.conj(need_rest) * rest).real))
 
     def delay(self) -> Delay:
-        """Find the time by which the torques act later than they are stamped, beside the delay of the robot.
+        """Estimate the delay of the torques with respect to their stamps, in addition to the delay of the robot.
 
-        First the time is looked for at which torques and needs agree best, then the phases that are left are fitted by
-        -w tau + c / w: a delay, and the error of a damper.
+        A search finds the time at which torques and inverse-dynamics torques agree best. The remaining phases are
+        fitted by -w tau + c / w: a delay, and the error of a damper.
         """
         motors = range(self.given.shape[1])
         step = 0.1 / self.frequency[np.any(self.clear, axis=1)].max(initial=1.0)
@@ -126,7 +126,7 @@ class TorqueBalance:
         return Delay(rough + tau, deviation, better)
 
     def _phase_slopes(self, motor: int, delay: float) -> list[tuple[float, float, float]]:
-        """Angular frequency [rad/s], time by which the torque leads [s] and its deviation [s] of every clear band."""
+        """Return angular frequency [rad/s], lead of the torque [s] and its deviation [s] of every clear band."""
         use = self.clear[:, motor]
         found = []
         for band in np.unique(self.band[use]):
@@ -152,9 +152,9 @@ class Delay:
     """Time between torque and motion.
 
     Attributes:
-        time: By how much the torque acts later than it is stamped [s]; negative where it acts before.
-        deviation: Its standard deviation [s]; infinite where the phases tell nothing.
-        better: By how much the mean agreement is better with the roughly best delay than without.
+        time: Delay of the torque with respect to its stamp [s]; negative where it acts earlier.
+        deviation: Its standard deviation [s]; infinite without a usable phase.
+        better: Gain in mean agreement by the rough delay.
     """
 
     time: float
@@ -163,7 +163,7 @@ class Delay:
 
 
 def _common_delay(slopes: FloatArray) -> tuple[float, float]:
-    """Fit a delay and c / w^2 to delays of bands, shape (n, 3), robustly; returns the delay and its deviation [s]."""
+    """Fit a delay and c / w^2 robustly to delays of bands, shape (n, 3); return the delay and its deviation [s]."""
     w, tau, deviation = slopes.T
     weight = np.ones(len(w))
     regressors = np.stack([np.ones(len(w)), (w.min() / w) ** 2], axis=1) / deviation[:, None]
@@ -179,12 +179,12 @@ def _common_delay(slopes: FloatArray) -> tuple[float, float]:
 
 
 def _sums(place: IntArray, values: FloatArray) -> FloatArray:
-    """Sum values of equal place."""
+    """Sum values of equal index."""
     return np.asarray(np.bincount(place, values), dtype=np.float64)
 
 
 def _agreement(power: FloatArray, need: FloatArray, product: FloatArray) -> BalanceFit:
-    """Find the multiple of the need with the best mean agreement, from powers of the bands, shape (n_bands,)."""
+    """Find the factor with the best mean agreement, from powers of the bands, shape (n_bands,)."""
 
     def mean(factor: FloatArray) -> FloatArray:
         s = factor[:, None]
@@ -200,7 +200,7 @@ def _agreement(power: FloatArray, need: FloatArray, product: FloatArray) -> Bala
 
 
 def _without(regressors: ComplexArray, values: ComplexArray, weight: FloatArray) -> ComplexArray:
-    """Take the part off that real multiples of regressors explain."""
+    """Remove the part explained by real multiples of regressors."""
     root = np.sqrt(weight)
     scale = np.maximum(np.linalg.norm(root[:, None] * regressors, axis=0), 1e-300)
     matrix, right = root[:, None] * regressors / scale, root * values
