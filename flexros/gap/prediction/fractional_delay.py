@@ -1,4 +1,4 @@
-"""Held torques that act like delayed ones, for delays that are no whole number of samples."""
+"""Delay of held torques by any number of samples."""
 
 from __future__ import annotations
 
@@ -13,37 +13,37 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
 
 POLE = 0.95
-"""Size of the pole at half the sampling rate; 1 is exact and would ring for ever [1] (chosen)."""
+"""Size of the pole at half the sampling rate; 1 is exact, but not damped [1] (chosen)."""
 
 
 def delayed(torque: FloatArray, samples: float, motors: Sequence[int]) -> FloatArray:
     """Delay torques by any number of samples.
 
     A torque that is held from sample to sample and delayed by the fraction f of a sample moves a mass, at the samples,
-    like the held torque that the filter
+    like the held output of the filter
 
         F(z) = ((1 - f)^2 z^2 + (1 + 2 f - 2 f^2) z + f^2) / (z (z + 1))
 
-    makes of it: the ratio of the responses T^2 / 2 (...) / (z - 1)^2 of the position to both, found by integrating the
-    two pieces of a sample. Its pole is moved from -1 to -0.95 and its zeros so that value, slope and curvature at
-    frequency zero, which are those of the delay, stay. Mixing two neighbouring commands, (1 - f) + f / z, would spread
-    the torque over time and so imitate a lag.
+    which is the ratio of the responses T^2 / 2 (...) / (z - 1)^2 of the position to both, from integrating the two
+    pieces of a sample. Its pole is moved from -1 to -0.95, and its zeros such that value, slope and curvature at
+    frequency zero remain those of the delay. Interpolating between neighbouring commands, (1 - f) + f / z, would spread
+    the torque over time like a lag.
 
     Args:
         torque: Torques, each held from its sample to the next [Nm or N], shape (n, M).
         samples: The delay [samples], zero or more.
-        motors: Numbers of the motors whose torques are delayed (0-based).
+        motors: Indices of the motors whose torques are delayed.
 
     Returns:
-        Torques to hold, shape (n, M); before the first sample that torque is taken to act.
+        Torques to hold, shape (n, M); the first torque also acts before the first sample.
     """
     whole = int(np.floor(samples))
     fraction = samples - whole
     rows = np.maximum(np.arange(len(torque)) - whole, 0)
     result = np.array(torque)
     for motor in motors:
-        one = torque[rows, motor]
-        result[:, motor] = one[0] + lfilter(*_filter(fraction), one - one[0]) if fraction > 0.0 else one
+        late = torque[rows, motor]
+        result[:, motor] = late[0] + lfilter(*_filter(fraction), late - late[0]) if fraction > 0.0 else late
     return result
 
 

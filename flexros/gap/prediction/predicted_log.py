@@ -1,4 +1,4 @@
-"""What a predictor with a fixed gain made of a log."""
+"""Predictions of a log by a predictor with a fixed gain."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class PredictedLog:
-    """What a predictor with a fixed gain made of a log, sample by sample.
+    """Predictions of a log by a predictor with a fixed gain, sample by sample.
 
     Attributes:
         innovations: Measured minus predicted motor positions [rad or m], shape (n, M).
-        sd: Standard deviation of the innovations where nothing is missing in the model [rad or m], shape (M,).
+        sd: Standard deviation of the innovations without a gap [rad or m], shape (M,).
         states: Filtered states of the model [SI], arm and motor coordinates, then their rates, shape (n, 2 (N + M));
             None where they were not kept.
-        first: First sample that counts; before it the unknown start decays.
+        first: First sample that is used; before it the error of the initial state decays.
     """
 
     innovations: FloatArray

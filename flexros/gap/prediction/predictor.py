@@ -1,4 +1,4 @@
-"""Predictors of a log: the robot with the effects of a hypothesis inside, tied to the log by a constant gain."""
+"""Predictors of a log: the robot with the effects of a hypothesis, corrected from the log with a constant gain."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from flexros.robot import Robot
 
 FARTHEST = 5.0
-"""Largest deviation that counts as tolerated, in standard deviations of the tolerance [1] (chosen)."""
+"""Largest tolerated deviation, in standard deviations of the tolerance [1] (chosen)."""
 MOST_LOGARITHM = 50.0
-"""Largest logarithm of a factor on a number of the robot, for fits that run away [1] (chosen)."""
+"""Largest logarithm of a factor on a parameter of the robot, for fits that diverge [1] (chosen)."""
 LANES = 8
-"""Parameter sets that are predicted side by side [1]."""
+"""Parameter sets that are predicted in parallel."""
 LONGEST_STEP = 5e-4
 """Longest integration step [s]; logs of lower rates take several steps per sample."""
 
@@ -40,15 +40,16 @@ LONGEST_STEP = 5e-4
 class Predictor:
     """Predicts logs under one hypothesis.
 
-    The numbers that are fitted are those of the candidates, one after the other, then the deviations of the tolerated
-    numbers of the robot in standard deviations: a number is its nominal value times exp(deviation times tolerance).
+    The fitted parameters are those of the candidates, one after the other, then the deviations of the tolerated
+    parameters of the robot in standard deviations: a parameter is its nominal value times exp(deviation times
+    tolerance).
 
     Args:
-        model: The nominal model: robot and laws of effects that are known already.
-        hypothesis: Effects that are there.
-        tolerance: Numbers of the robot that may deviate.
+        model: The nominal model: robot and laws of known effects.
+        hypothesis: Effects in addition to these.
+        tolerance: Parameters of the robot that may deviate.
         sample_time: Time between two samples [s].
-        measured_torque: Whether the torques of the log were measured at the motors, behind the nominal delay.
+        measured_torque: Whether the torques of the log were measured at the motors, after the nominal delay.
     """
 
     def __init__(
@@ -80,17 +81,17 @@ class Predictor:
 
     @property
     def n_effect(self) -> int:
-        """Number of fitted numbers of the candidates."""
+        """Number of fitted parameters of the candidates."""
         return len(self._parameters)
 
     @property
     def n_fitted(self) -> int:
-        """Number of all fitted numbers, tolerated deviations included."""
+        """Number of all fitted parameters, including tolerated deviations."""
         return len(self._parameters) + len(self.tolerance.names)
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Smallest and largest of the numbers that the fit moves, shape (n_fitted,) each."""
+        """Bounds of the fitted parameters, encoded, shape (n_fitted,) each."""
         pairs = [one.bounds for _, one in self._parameters] + [(-FARTHEST, FARTHEST)] * len(self.tolerance.names)
         table = np.array(pairs, dtype=float).reshape(-1, 2)
         return table[:, 0], table[:, 1]
@@ -99,7 +100,7 @@ class Predictor:
         """Return the values of the free parameters of every candidate [their units].
 
         Args:
-            theta: Numbers of the fit, shape (n_fitted,).
+            theta: Encoded parameters, shape (n_fitted,).
         """
         result: list[dict[str, float]] = [{} for _ in self.hypothesis]
         places = {id(candidate): place for place, candidate in enumerate(self.hypothesis)}
@@ -108,10 +109,10 @@ class Predictor:
         return result
 
     def slopes(self, theta: FloatArray) -> FloatArray:
-        """Return the derivatives of the values of all free parameters to the numbers of the fit, shape (n_effect,).
+        """Return the derivatives of the values of all free parameters to the encoded ones, shape (n_effect,).
 
         Args:
-            theta: Numbers of the fit, shape (n_fitted,).
+            theta: Encoded parameters, shape (n_fitted,).
         """
         pairs = zip(theta, self._parameters)
         return np.array([one.high if one.signed else float(np.exp(number)) for number, (_, one) in pairs])
@@ -127,21 +128,21 @@ class Predictor:
         pose_samples: IntArray | None = None,
         record_states: bool = False,
     ) -> LoopPrediction:
-        """Predict a log with up to `LANES` sets of numbers side by side.
+        """Predict a log with up to `LANES` parameter sets in parallel.
 
         Args:
-            thetas: Numbers of the fit, shape (n_fitted, sets); the last set fills lanes that are left.
+            thetas: Encoded parameters, shape (n_fitted, sets); the last set fills unused lanes.
             record: The log.
-            gain: Gain of the predictor for the states of the robot; of effects' own states those that hold a deflection
-                are corrected with it.
+            gain: Gain of the predictor for the states of the robot; it also corrects states of effects that hold a
+                deflection.
             start: State of the robot before the first sample, shape (2 n_coordinates,), or (2 n_coordinates, sets) for
                 one of each set.
-            from_rest: Whether every set of numbers starts from its own rest there, with the motors where they are.
+            from_rest: Whether every parameter set begins in its own equilibrium at these motor positions.
             pose_samples: Samples whose tool pose is recorded, increasing, shape (m,); None for none.
             record_states: Whether to record the states.
 
         Returns:
-            Prediction errors and what else was asked for, with a last axis of lanes.
+            Prediction errors and the requested records, with a last axis of lanes.
         """
         sets = [np.asarray(thetas)[:, min(lane, np.shape(thetas)[1] - 1)] for lane in range(LANES)]
         columns = np.stack([self._column(theta) for theta in sets], axis=-1)
@@ -167,14 +168,14 @@ class Predictor:
     def ahead(
         self, theta: FloatArray, record: Record, states: FloatArray, starts: IntArray, horizon: int
     ) -> FloatArray:
-        """Predict from corrected states on, without correction.
+        """Predict without correction, from corrected states.
 
         Args:
-            theta: Numbers of the fit, shape (n_fitted,).
+            theta: Encoded parameters, shape (n_fitted,).
             record: The log.
             states: Corrected states of all samples, shape (n, n_states).
             starts: Samples from which to predict, each at least the delay from the first, shape (n_starts,).
-            horizon: How far ahead [samples].
+            horizon: Prediction horizon [samples].
 
         Returns:
             Motor positions at the horizon, without noise [rad or m], shape (n_starts, M).
@@ -196,7 +197,7 @@ class Predictor:
         return np.concatenate(found)
 
     def _column(self, theta: FloatArray) -> FloatArray:
-        """Return the parameters of the plant for one set of numbers."""
+        """Return the parameters of the plant for one set of encoded parameters."""
         values = self.values(theta)
         robot = dict.fromkeys(self._robot_names, 1.0)
         for name, sd, deviation in zip(self.tolerance.names, self.tolerance.deviations, theta[self.n_effect :]):
@@ -217,7 +218,7 @@ class Predictor:
         return np.array([*robot.values(), *laws])
 
     def _rest(self, near: FloatArray, column: FloatArray) -> FloatArray:
-        """Find the rest of the plant near a state, which is kept where there is none."""
+        """Find the equilibrium of the plant near a state; return that state where there is none."""
         try:
             return self.model.rest(near, column).state
         except InputError:
@@ -226,8 +227,8 @@ class Predictor:
     def _torque(self, torque: FloatArray, sets: Sequence[FloatArray]) -> FloatArray:
         """Delay the recorded torques where that is part of the hypothesis.
 
-        What saturates is cut off before: it may be done in either order, but the filter of a delay by part of a sample
-        is right only for torques that nothing cuts off behind it.
+        Saturation is applied first: the order does not matter to the robot, but the filter of a fractional delay holds
+        only for torques that are not saturated after it.
         """
         if not any(_delays(candidate) for candidate in self.hypothesis):
             return torque
@@ -247,11 +248,11 @@ class Predictor:
         return np.stack(lanes, axis=-1)
 
     def _delayed_by(self, candidate: Candidate) -> list[int]:
-        """List the motors whose commands a delay delays."""
+        """List the motors whose commands a candidate delays."""
         return [motor for motor, name in enumerate(self.robot.joint_names) if candidate.location in ("all", name)]
 
     def _cut_off_before(self, candidate: Candidate) -> bool:
-        """Tell whether a candidate cuts off torques that another one delays."""
+        """Whether a candidate saturates torques that another one delays."""
         delays = [one for one in self.hypothesis if _delays(one)]
         cuts = issubclass(candidate.effect, AbstractCommandLaw) and candidate.effect.cuts_off
         return cuts and any(one.location in ("all", candidate.location) for one in delays)
@@ -262,14 +263,14 @@ def _is_law(candidate: Candidate) -> bool:
 
 
 def _law(place: int, candidate: Candidate) -> PlacedLaw:
-    """Make the law of a candidate under a name that no law of the nominal model has."""
+    """Build the law of a candidate under a name that no law of the nominal model has."""
     placed = candidate.typical()
     assert isinstance(placed.effect, AbstractLaw)
     return PlacedLaw(f"candidate {place}", placed.effect, placed.location)
 
 
 def _felt(laws: Sequence[PlacedLaw]) -> list[PlacedLaw]:
-    """Leave out rounding, which is part of the noise of a predictor."""
+    """Leave out quantization, which is part of the noise of a predictor."""
     return [law for law in laws if not law.effect.as_noise]
 
 
@@ -278,7 +279,7 @@ def _delays(candidate: Candidate) -> bool:
 
 
 def _changed(robot: Robot, candidate: Candidate) -> tuple[str, ...]:
-    """Name the numbers of the robot that an effect changes."""
+    """Return the names of the parameters of the robot that an effect changes."""
     placed = candidate.typical()
     assert isinstance(placed.effect, AbstractChangedValues)
     return tuple(placed.effect.values(robot, candidate.location))

@@ -1,4 +1,4 @@
-"""What a picture of evidence is, which ones belong to an effect, and the curves that they consist of."""
+"""Pictures of signatures: what one consists of, how it is found, and which ones show an effect."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flexros.gap.signatures.signature_data import SignatureData
 
 MOST_POINTS = 2000
-"""Points that a curve has at most [1]; more are not seen on a page (chosen)."""
+"""Largest number of points of a curve (chosen)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,14 +39,14 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A picture of evidence, as numbers.
+    """A picture of a signature, as data.
 
     Attributes:
-        title: Its title, with the place.
-        x_label: What is on the abscissa, with unit.
-        y_label: What is on the ordinate, with unit.
+        title: Title, with the location.
+        x_label: Quantity on the abscissa, with unit.
+        y_label: Quantity on the ordinate, with unit.
         series: Curves by their names.
-        reading: A sentence that says how to read it.
+        reading: One sentence on how to read it.
         log_x: Whether the abscissa is logarithmic.
         log_y: Whether the ordinate is logarithmic.
     """
@@ -76,7 +76,7 @@ class AbstractSignature(ABC):
 
         Args:
             evidence: Logs, models and their predictions.
-            location: Place of the effect: a joint, spring, body, "tool", "base" or "all".
+            location: Location of the effect: a joint, spring, body, "tool", "base" or "all".
 
         Returns:
             The picture; None where the log does not hold what it needs.

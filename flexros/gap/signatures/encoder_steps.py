@@ -17,12 +17,12 @@ BINS = 400
 
 
 class EncoderSteps(AbstractSignature):
-    """How often which difference lies between two successive encoder values."""
+    """Histogram of the differences between successive encoder values."""
 
     name: ClassVar[str] = "encoder_steps"
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
-        """Count the differences, the largest ones left out."""
+        """Count the differences, without the largest ones."""
         motor = evidence.motor_of(location)
         _, unit = evidence.units(motor)
         step = np.diff(evidence.record.position[:, motor])
@@ -36,6 +36,5 @@ class EncoderSteps(AbstractSignature):
             x_label=f"difference of two successive values [{unit}]",
             y_label="number of samples [1]",
             series={"log": Curve((edges[1:] + edges[:-1]) / 2, count.astype(float), style="bars")},
-            reading="Of a quantized encoder only multiples of its step occur, with nothing between them; noise alone "
-            "gives a smooth hill.",
+            reading="A quantized encoder shows only multiples of its step; noise alone gives a smooth distribution.",
         )

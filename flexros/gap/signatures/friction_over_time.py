@@ -22,7 +22,7 @@ class FrictionOverTime(AbstractSignature):
     name: ClassVar[str] = "friction_over_time"
 
     def picture(self, evidence: SignatureData, location: str) -> Picture | None:
-        """Average the torque against the motion over parts of the time, rests left out."""
+        """Average the torque against the motion over parts of the time, without rests."""
         motor, rows = evidence.motor_of(location), evidence.rows
         torque_unit, _ = evidence.units(motor)
         speed = evidence.motion.speed[rows, motor]
@@ -39,6 +39,6 @@ class FrictionOverTime(AbstractSignature):
             x_label="time [s]",
             y_label=f"torque against the motion that the model lacks [{torque_unit}]",
             series=series,
-            reading="A level that stays is friction; one that falls or rises through the log is friction that drifts, "
-            "as with warming grease.",
+            reading="A constant level is friction; a level that falls or rises through the log is friction drift, as "
+            "with warming grease.",
         )

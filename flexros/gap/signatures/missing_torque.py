@@ -4,12 +4,12 @@ With the predictor's error x = state minus predicted state, a missing torque d a
 
     e_k = C x_k + n_k,   x_k+1 = F (I - K C) x_k + B d_k - F K n_k,
 
-so that E = G D + H N with G = C (zI - F(I - KC))^-1 B and H = I - C (zI - F(I - KC))^-1 F K. Of d it is assumed that
-it wanders, with a power density q / |1 - 1/z|^2. The best estimate from the whole log is then Wiener's (1949)
+so that E = G D + H N with G = C (zI - F(I - KC))^-1 B and H = I - C (zI - F(I - KC))^-1 F K. With d as a random walk of
+the power density q / |1 - 1/z|^2, the best estimate from the whole log is that of Wiener (1949),
 
     D = S G^H (G S G^H + H R H^H)^-1 E,
 
-what a Kalman smoother with a disturbance state would give, computed by Fourier transform.
+which equals that of a Kalman smoother with a disturbance state and is computed by Fourier transform.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ BANDWIDTH = 60.0
 """Frequency [Hz] at which assumed missing torque and noise are equally large in the prediction errors (chosen)."""
 
 SLOWEST = 1.0
-"""Frequency [Hz] below which torques in gears are not assumed to become larger, as they cannot be seen (chosen)."""
+"""Frequency [Hz] below which torques in gears are not assumed to grow, as they are not observable (chosen)."""
 LEAST_NOISE = 0.01
-"""Power of noise that is assumed also where the predictor lets none through, as at zero frequency [1] (chosen)."""
+"""Power of noise that is assumed even where the predictor passes none, as at zero frequency [1] (chosen)."""
 FADE = 0.3
 """Time within which prediction errors are faded in and out at the ends of a log [s] (chosen)."""
 
@@ -92,9 +92,9 @@ def missing_torque(
         robot: The model that made the predictions, linearised at rest.
         observer: The gain that it was made with.
         q_a: Arm coordinates of the pose [rad or m], shape (N,); default: home.
-        bandwidth: Above about this frequency [Hz] nothing is estimated.
-        entry: Where the torques act: on the motors alone, or in the gears, between motor and arm. The latter do not
-            move the robot as a whole, so that of their slow part motor encoders see nothing and the estimate is zero.
+        bandwidth: Frequency [Hz] above which the estimate decays to zero.
+        entry: Whether the torques act on the motors alone, or in the gears, between motor and arm. The latter do not
+            move the robot as a whole, so that their slow part is not observable and its estimate is zero.
 
     Returns:
         Torques that have to be added at the motors [Nm or N], shape (n, M).
@@ -102,7 +102,7 @@ def missing_torque(
     n = len(innovations)
     dynamics = _ErrorDynamics.of(observer)
     frequency: FloatArray = np.asarray(np.fft.rfftfreq(n, record.sample_time), dtype=float)
-    # behind four times the bandwidth the estimate is zero but for a few per cent
+    # above four times the bandwidth the estimate is zero to a few per cent
     within = np.flatnonzero(frequency <= min(4 * bandwidth, 0.45 / record.sample_time))
     z = np.exp(2j * np.pi * frequency[within] * record.sample_time)
     path = _torque_response(robot, dynamics, record.sample_time, z, q_a, entry)
@@ -136,14 +136,14 @@ def _torque_response(
 
 
 def _noise(dynamics: _ErrorDynamics, sd: FloatArray, z: ComplexArray) -> ComplexArray:
-    """Return H R H^H and a little more, shape (F, M, M)."""
+    """Return H R H^H with the least noise added, shape (F, M, M)."""
     H = np.eye(len(sd)) - dynamics.response(z, dynamics.injection)
     variance = np.maximum(sd, 1e-12) ** 2
     return np.asarray(np.einsum("fij,j,fkj->fik", H, variance, H.conj()) + LEAST_NOISE * np.diag(variance))
 
 
 def _faded(n: int, sample_time: float) -> FloatArray:
-    """Return weights that rise from zero at the begin of a log and fall to it at its end, shape (n, 1)."""
+    """Return weights that rise from zero at the beginning of a log and fall to zero at its end, shape (n, 1)."""
     time = (np.arange(n) + 0.5) * sample_time
     ends = np.minimum(time, time[::-1]) / FADE
     return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(ends, 1.0)))[:, None]

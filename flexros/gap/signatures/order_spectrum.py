@@ -1,4 +1,4 @@
-"""Order spectrum of the missing torque: what repeats with the turning of a rotor."""
+"""Order spectrum of the missing torque: harmonics of the rotor angle."""
 
 from __future__ import annotations
 
@@ -43,6 +43,5 @@ class OrderSpectrum(AbstractSignature):
             x_label="order [periods per turn of the rotor]",
             y_label=f"amplitude of the torque that the model lacks [{unit}]",
             series=series,
-            reading="A peak is a wave that repeats with the turning of the rotor at all speeds; of a repaired model it "
-            "is gone.",
+            reading="A peak is a harmonic of the rotor angle at all speeds; a repaired model removes it.",
         )

@@ -1,4 +1,4 @@
-"""All that pictures of evidence are computed from, with what several of them need computed once."""
+"""Data that the pictures of signatures are computed from."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class SignatureData:
-    """A log and what the models make of it.
+    """A log with the predictions of the nominal and the repaired model.
 
     Attributes:
         robot: The nominal robot.
         record: The log.
         observer: Gain of the predictor of the nominal robot.
         before: Prediction of the nominal robot.
-        after: Prediction of the repaired one; None where nothing was repaired.
+        after: Prediction of the repaired robot; None where nothing was repaired.
         repaired: The repaired robot, without the laws of its effects; None where nothing was repaired.
         tool_error: Measured minus predicted tool positions [m], shape (n_t, 3), at the times of the record's tool;
             None where the tool was not measured.
@@ -61,7 +61,7 @@ class SignatureData:
 
     @cached_property
     def missing_in_gears(self) -> dict[str, FloatArray]:
-        """Torques by which the gears give less than their nominal springs and dampers [Nm or N].
+        """Torques that the gears transmit less than their nominal springs and dampers [Nm or N].
 
         "before", and "after" where something was repaired; shape (n, M) each, without their slow part.
         """
@@ -74,7 +74,7 @@ class SignatureData:
 
     @cached_property
     def rows(self) -> IntArray:
-        """Samples that were measured, without the start and the end, where estimates have not settled."""
+        """Measured samples, without the beginning and the end, where estimates have not settled."""
         n = self.record.n_samples
         first = max(self.before.first, min(self.observer.settling, n // 10))
         inside = np.zeros(n, dtype=bool)
@@ -82,21 +82,11 @@ class SignatureData:
         return np.flatnonzero(inside & self.record.valid)
 
     def units(self, motor: int) -> tuple[str, str]:
-        """Return the units of a motor's torque and position.
-
-        Args:
-            motor: Number of the motor (0-based).
-
-        Returns:
-            "Nm" and "rad", or "N" and "m".
-        """
+        """Return the units of a motor's torque and position: "Nm" and "rad", or "N" and "m"."""
         return self.robot.motors[motor].torque_unit, self.robot.motors[motor].position_unit
 
     def lacking(self, motor: int) -> dict[str, FloatArray]:
-        """Return the torque that the models lack at a motor, sample by sample of `rows`.
-
-        Args:
-            motor: Number of the motor (0-based).
+        """Return the torque that the models lack at a motor, at the samples `rows`.
 
         Returns:
             Torques [Nm or N] "before", and "after" where there is a repaired model, shape (k,).
@@ -107,20 +97,18 @@ class SignatureData:
         return found
 
     def motor_of(self, location: str) -> int:
-        """Find the motor that a place belongs to.
+        """Return the index of the motor that a location belongs to.
 
         Args:
-            location: A joint, spring, body, "tool", "base" or "all".
-
-        Returns:
-            Number of the motor (0-based); of a place beside the joints that whose prediction errors are largest.
+            location: A joint, spring, body, "tool", "base" or "all"; a location that belongs to no joint is assigned to
+                the motor with the largest prediction errors.
         """
         names = self.robot.joint_names
         if location in names:
             return names.index(location)
         if location in self.robot.arm_names:
             arm = self.robot.arm_names.index(location)
-            before = [number for number, place in enumerate(self.robot.gear_rows) if place <= arm]
+            before = [motor for motor, row in enumerate(self.robot.gear_rows) if row <= arm]
             return before[-1] if before else 0
         excess = (self.before.innovations / self.before.sd)[self.record.valid]
         return int((excess**2).mean(axis=0).argmax())

@@ -36,6 +36,6 @@ class ToolError(AbstractSignature):
             x_label=f"position of the motor [{unit}]",
             y_label="measured minus predicted position of the tool [mm]",
             series=series,
-            reading="A curve that depends on the position alone is an error of lengths or angles; a cloud is motion "
+            reading="A curve that depends on the position alone is an error of lengths or angles; scatter is motion "
             "that the model lacks.",
         )

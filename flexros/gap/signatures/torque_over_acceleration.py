@@ -34,6 +34,6 @@ class TorqueOverAcceleration(AbstractSignature):
             x_label=f"acceleration of the motor [{unit}/s²]",
             y_label=f"torque that the model lacks [{torque_unit}]",
             series=series,
-            reading="A straight line through zero is an inertia that the model has too small (falling) or too large "
-            "(rising); a wrong gain of the torque looks alike but for springs and gravity.",
+            reading="A straight line through zero is an inertia that is too small (falling) or too large (rising) in "
+            "the model; an error of the torque gain looks the same except for springs and gravity.",
         )

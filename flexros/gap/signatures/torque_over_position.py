@@ -15,7 +15,7 @@ BINS = 80
 
 
 class TorqueOverPosition(AbstractSignature):
-    """Mean missing torque by position, forward and backward apart."""
+    """Mean missing torque by position, forward and backward separately."""
 
     name: ClassVar[str] = "torque_over_position"
 
@@ -36,6 +36,6 @@ class TorqueOverPosition(AbstractSignature):
             x_label=f"position of the motor [{unit}]",
             y_label=f"torque that the model lacks [{torque_unit}]",
             series=series,
-            reading="An error of gravity follows a sine of the position in both directions alike, a bias is constant, "
-            "and friction is the distance between the two directions.",
+            reading="A gravity error is a sine of the position, equal in both directions; a bias is constant; friction "
+            "is the distance between the two directions.",
         )

@@ -17,7 +17,7 @@ BINS = 180
 
 
 class TorqueOverRotorAngle(AbstractSignature):
-    """Mean missing torque over one turn of the rotor, forward and backward apart."""
+    """Mean missing torque over one turn of the rotor, forward and backward separately."""
 
     name: ClassVar[str] = "torque_over_rotor_angle"
 
@@ -39,6 +39,6 @@ class TorqueOverRotorAngle(AbstractSignature):
             x_label="angle of the rotor [rad]",
             y_label=f"torque that the model lacks, without its mean [{torque_unit}]",
             series=series,
-            reading="Waves that stand still from turn to turn are locked to the rotor: equal in both directions for "
-            "cogging, shifted between them where they enter as an angle; their number per turn is the order.",
+            reading="Harmonics of the rotor angle repeat from turn to turn: equal in both directions for cogging, "
+            "shifted between them where they enter as an angle; their number per turn is the order.",
         )
