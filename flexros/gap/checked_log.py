@@ -10,17 +10,19 @@ from flexros.scenario.recorded_experiment import with_recorded_parts
 
 if TYPE_CHECKING:
     from flexros.logs.time_series import Log
+    from flexros.record.read import TorqueSource
     from flexros.record.record import Record
     from flexros.robot import Robot
 
 
-def checked_log(log: Log, robot: Robot, *, name: str) -> Record:
+def checked_log(log: Log, robot: Robot, *, name: str, torque: TorqueSource = "command") -> Record:
     """Read a log, and check its record for wrong units, signs, joint order and clipping.
 
     Args:
         log: The log.
         robot: The nominal robot.
         name: Name of the log, for messages.
+        torque: Torque that is taken where both were recorded; the other one is taken where it alone was.
 
     Returns:
         The record; its warnings state what was repaired or is doubtful.
@@ -28,4 +30,4 @@ def checked_log(log: Log, robot: Robot, *, name: str) -> Record:
     Raises:
         InputError: There is no usable position or torque, or a check rejects the log.
     """
-    return check_record(with_recorded_parts(read_record(log, robot, name=name), log), robot)
+    return check_record(with_recorded_parts(read_record(log, robot, name=name, torque=torque), log), robot)

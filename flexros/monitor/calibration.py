@@ -179,14 +179,16 @@ def read_calibration(path: Path, model: str, names: tuple[str, ...]) -> Calibrat
         raise InputError(
             f"the calibration {path} is no JSON object; calibrate the monitor by an accepted log", "thresholds"
         )
-    found = validate(Calibration, content, str(path))
+    calibration = validate(Calibration, content, str(path))
     wanted = {f"{name}.{signal}" for name in names for signal in ("sudden", "torque")}
-    whole = set(found.tails) == wanted and all(len(one) == len(LENGTHS) for one in found.tails.values())
-    whole &= set(found.growth) == wanted and all(len(one) == 3 * len(names) for one in found.growth.values())
-    if found.model != model or not whole:
+    whole = set(calibration.tails) == wanted and all(len(tails) == len(LENGTHS) for tails in calibration.tails.values())
+    whole &= set(calibration.growth) == wanted and all(
+        len(shares) == 3 * len(names) for shares in calibration.growth.values()
+    )
+    if calibration.model != model or not whole:
         raise InputError(
-            f"the calibration {path} was made for robot {found.robot} with fingerprint {found.model}, but the model "
-            f"has {model}; calibrate the monitor again",
+            f"the calibration {path} was made for robot {calibration.robot} with fingerprint {calibration.model}, but the "
+            f"model has {model}; calibrate the monitor again",
             "thresholds",
         )
-    return found
+    return calibration

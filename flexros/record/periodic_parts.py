@@ -61,7 +61,7 @@ def periodic_parts(trajectory: Trajectory, sample_time: float) -> tuple[Periodic
     Returns:
         Parts between the fades, in samples from the beginning of the motion.
     """
-    found = []
+    parts = []
     begin = 0.0
     for move in trajectory.moves:
         path = move.path
@@ -72,6 +72,6 @@ def periodic_parts(trajectory: Trajectory, sample_time: float) -> tuple[Periodic
             n_periods = int((path.duration - 2 * path.fade) / (period * sample_time) + 1e-6)
             first = round((begin + path.fade) / sample_time)
             if n_periods >= 2:
-                found.append(PeriodicPart(first, period, n_periods, lines))
+                parts.append(PeriodicPart(first, period, n_periods, lines))
         begin += move.law.duration
-    return tuple(found)
+    return tuple(parts)

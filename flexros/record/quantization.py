@@ -102,10 +102,10 @@ def encoder_quantization(record: Record, robot: Robot) -> tuple[Quantization, ..
     Returns:
         Quantisations by motor; empty without one.
     """
-    found = []
+    quantizations = []
     for motor in range(robot.n_motors):
         step = lattice_step(record.position[record.valid, motor])
         if step is None or step / np.sqrt(12) < MATTERS * float(robot.encoder_noise[motor]):
             continue
-        found.append(Quantization(motor, step))
-    return tuple(found)
+        quantizations.append(Quantization(motor, step))
+    return tuple(quantizations)

@@ -84,9 +84,9 @@ def measured_torque(log: Log) -> Log:
 CASES = [as_recorded, foreign_names, lost_samples, jitter, measured_torque]
 
 
-def of_rigid(log: Log) -> Record:
+def of_rigid(log: Log, settings: RigidSettings = SLOW) -> Record:
     regressor = RigidRegressor(E12)
-    return RegressionRows.of_log(log, SLOW, "log", regressor, base_parameters(regressor, 2)).record
+    return RegressionRows.of_log(log, settings, "log", regressor, base_parameters(regressor, 2)).record
 
 
 @pytest.mark.parametrize("change", CASES)
@@ -120,3 +120,11 @@ def test_measured_torque_is_an_argument(log: Log) -> None:
     np.testing.assert_allclose(
         measured.values, 1.01 * commanded.values, rtol=0.02, atol=3 * np.max(commanded.deviation)
     )
+
+
+def test_measured_torque_is_the_same_for_diagnosis_and_identification(log: Log) -> None:
+    changed = measured_torque(log)
+    diagnosed = checked_log(changed, E12, name="log", torque="measured")
+    identified = of_rigid(changed, SLOW.model_copy(update={"torque": "measured"}))
+    assert diagnosed.measured_torque
+    np.testing.assert_array_equal(identified.torque, diagnosed.torque)

@@ -87,19 +87,19 @@ class TorqueBalance:
             The comparison; None where too little of the motion is clear of noise.
         """
         use = self.clear[:, motion]
-        bands, place = np.unique(self.band[use], return_inverse=True)
+        bands, index = np.unique(self.band[use], return_inverse=True)
         if use.sum() < FEWEST_BINS or len(bands) < FEWEST_BANDS:
             return None
         given = self.given[use, torque] * np.exp(-2j * np.pi * self.frequency[use] * delay)
         needed = self.needed[use, motion]
-        power, need = (_sums(place, np.abs(part) ** 2) for part in (given, needed))
+        power, need = (_sums(index, np.abs(part) ** 2) for part in (given, needed))
         if not (power.max() > 0 and need.max() > 0):
             return None
         level = float(np.median(power) / max(float(np.median(need)), 1e-300))
-        weight = (1 / (power + level * need + 1e-12 * power.max()))[place]
+        weight = (1 / (power + level * need + 1e-12 * power.max()))[index]
         rest, need_rest = (_without(self.friction[use, motion], part, weight) for part in (given, needed))
-        power, need = (_sums(place, np.abs(part) ** 2) for part in (rest, need_rest))
-        return _agreement(power, need, _sums(place, (np.conj(need_rest) * rest).real))
+        power, need = (_sums(index, np.abs(part) ** 2) for part in (rest, need_rest))
+        return _agreement(power, need, _sums(index, (np.conj(need_rest) * rest).real))
 
     def delay(self) -> Delay:
         """Estimate the delay of the torques with respect to their stamps, in addition to the delay of the robot.
@@ -128,7 +128,7 @@ class TorqueBalance:
     def _phase_slopes(self, motor: int, delay: float) -> list[tuple[float, float, float]]:
         """Return angular frequency [rad/s], lead of the torque [s] and its deviation [s] of every clear band."""
         use = self.clear[:, motor]
-        found = []
+        slopes = []
         for band in np.unique(self.band[use]):
             rows = use & (self.band == band)
             w = 2 * np.pi * self.frequency[rows]
@@ -143,8 +143,8 @@ class TorqueBalance:
             tau = float(np.sum(w * product.imag)) / size
             middle = float(np.sqrt(size / product.real.sum()))
             noise = np.sqrt(max(1 - share**2, 0.0) / rows.sum()) / share
-            found.append((middle, tau, float(np.hypot(noise, LEAST_PHASE)) / middle))
-        return found
+            slopes.append((middle, tau, float(np.hypot(noise, LEAST_PHASE)) / middle))
+        return slopes
 
 
 @dataclass(frozen=True)
@@ -178,9 +178,9 @@ def _common_delay(slopes: FloatArray) -> tuple[float, float]:
     return float(solution[0]), float(np.sqrt(inverse[0, 0]) * spread)
 
 
-def _sums(place: IntArray, values: FloatArray) -> FloatArray:
+def _sums(index: IntArray, values: FloatArray) -> FloatArray:
     """Sum values of equal index."""
-    return np.asarray(np.bincount(place, values), dtype=np.float64)
+    return np.asarray(np.bincount(index, values), dtype=np.float64)
 
 
 def _agreement(power: FloatArray, need: FloatArray, product: FloatArray) -> BalanceFit:
@@ -194,9 +194,9 @@ def _agreement(power: FloatArray, need: FloatArray, product: FloatArray) -> Bala
     middle = float(np.sqrt(np.median(power[need > 0] / need[need > 0])))
     sizes = middle * np.exp(np.arange(-2.0, 2.0, STEP))
     tried = np.concatenate([sizes, -sizes])
-    found = mean(tried)
-    best = int(np.argmax(found))
-    return BalanceFit(float(tried[best]), float(found[best]), float(mean(np.ones(1))[0]))
+    agreement = mean(tried)
+    best = int(np.argmax(agreement))
+    return BalanceFit(float(tried[best]), float(agreement[best]), float(mean(np.ones(1))[0]))
 
 
 def _without(regressors: ComplexArray, values: ComplexArray, weight: FloatArray) -> ComplexArray:

@@ -36,7 +36,7 @@ class ClippedEncoder(AbstractCheck):
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Find flat tops and jumps over the whole range."""
         record, robot = checked.record, checked.robot
-        found = []
+        problems = []
         for motor, name in enumerate(robot.joint_names):
             values = record.position[record.valid, motor]
             span = float(np.ptp(values))
@@ -47,7 +47,7 @@ class ClippedEncoder(AbstractCheck):
                     f"the position of {name} jumps by {steps.max():.4g} at {at:.4g} s, as an encoder that wraps around "
                     "or is reset; unwrap it, or cut the log there"
                 )
-                found.append(Finding(text, hopeless=True))
+                problems.append(Finding(text, hopeless=True))
                 continue
             if len(np.unique(values)) < CONTINUOUS * len(values):
                 continue
@@ -58,8 +58,8 @@ class ClippedEncoder(AbstractCheck):
                     f"the position of {name} stays at the end of its range in {flat} samples although it varies in "
                     "every sample elsewhere: the encoder or the recorder clips it; these samples do not count"
                 )
-                found.append(Finding(text, flat > MOST * len(values), spoilt))
-        return tuple(found)
+                problems.append(Finding(text, flat > MOST * len(values), spoilt))
+        return tuple(problems)
 
 
 def _flat_tops(values: FloatArray, valid: BoolArray) -> BoolArray:

@@ -42,14 +42,14 @@ class ClippedTorque(AbstractCheck):
         if not np.any(record.torque):
             text = "all torques are zero, so nothing drives the motion; record the commands or the measured torques"
             return (Finding(text, hopeless=True),)
-        found = []
+        problems = []
         for motor, name in enumerate(robot.joint_names):
             values, limit = record.torque[record.valid, motor], float(robot.torque_limits[motor])
-            found += _beyond(values, limit, name)
+            problems += _beyond(values, limit, name)
             levels = _flat_tops(values)
             if levels:
-                found.append(_clipped(name, levels, limit))
-        return tuple(found)
+                problems.append(_clipped(name, levels, limit))
+        return tuple(problems)
 
 
 def _flat_tops(values: FloatArray) -> list[float]:

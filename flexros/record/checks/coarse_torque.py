@@ -28,17 +28,17 @@ class CoarseTorque(AbstractCheck):
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:
         """Find quantisation steps of the torques."""
         record = checked.record
-        found = []
+        problems = []
         for motor, name in enumerate(checked.robot.joint_names):
             values = record.torque[record.valid, motor]
             step = lattice_step(values) if len(np.unique(values)) >= FEWEST_LEVELS else None
             rms = float(np.sqrt(np.mean(values**2)))
             if step is not None and step > COARSE * rms:
-                found.append(
+                problems.append(
                     Finding(
                         f"the torque of {name} was recorded in steps of {step:.3g}, {100 * step / rms:.2g} % of its "
                         "rms; weak effects remain undetected; record it more finely",
                         hopeless=False,
                     )
                 )
-        return tuple(found)
+        return tuple(problems)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 class JointAssignmentCheck(AbstractCheck):
     """Couplings and gravity show errors of direction and order that torque and position of one motor do not."""
 
-    name: ClassVar[str] = "reading"
+    name: ClassVar[str] = "joint_assignment"
     stage: ClassVar[int] = 2
 
     def look(self, checked: CheckedRecord) -> tuple[Finding, ...]:

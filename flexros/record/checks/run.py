@@ -25,15 +25,15 @@ def findings(record: Record, robot: Robot) -> tuple[Finding, ...]:
         Problems, the hopeless ones first.
     """
     checked = CheckedRecord(record, robot)
-    found: list[Finding] = []
+    problems: list[Finding] = []
     members = [member() for member in checks().values()]
     for stage in sorted({member.stage for member in members}):
         for member in members:
             if member.stage == stage:
-                found += member.look(checked)
-        if any(finding.hopeless for finding in found):
+                problems += member.look(checked)
+        if any(finding.hopeless for finding in problems):
             break
-    return tuple(sorted(found, key=lambda finding: not finding.hopeless))
+    return tuple(sorted(problems, key=lambda finding: not finding.hopeless))
 
 
 def check_record(record: Record, robot: Robot, *, parameters_known: bool = True) -> Record:
@@ -51,15 +51,15 @@ def check_record(record: Record, robot: Robot, *, parameters_known: bool = True)
     Raises:
         InputError: The log is hopeless; the message names the log, the problem and what to do.
     """
-    found = findings(record, robot)
+    problems = findings(record, robot)
     hopeless = [
-        finding.text for finding in found if finding.hopeless and (parameters_known or not finding.like_parameters)
+        finding.text for finding in problems if finding.hopeless and (parameters_known or not finding.like_parameters)
     ]
     if hopeless:
         raise InputError(f"{record.name}: {'; moreover '.join(hopeless[:3])}")
     valid = record.valid.copy()
-    for finding in found:
+    for finding in problems:
         if finding.spoilt is not None:
             valid &= ~finding.spoilt
-    texts = (finding.text for finding in found)
+    texts = (finding.text for finding in problems)
     return replace(record, valid=valid, warnings=tuple(dict.fromkeys([*record.warnings, *texts])))

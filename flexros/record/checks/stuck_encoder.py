@@ -36,11 +36,11 @@ class StuckEncoder(AbstractCheck):
         """Find equal samples in a row."""
         record, robot = checked.record, checked.robot
         rows = np.flatnonzero(record.valid)
-        found = []
+        problems = []
         for motor, name in enumerate(robot.joint_names):
             values, torque = record.position[rows, motor], record.torque[rows, motor]
             if np.ptp(values) == 0.0:
-                found += _constant(name, torque)
+                problems += _constant(name, torque)
                 continue
             stuck = _stuck(values)
             if not np.any(stuck):
@@ -52,8 +52,8 @@ class StuckEncoder(AbstractCheck):
                 f"{float(rows[np.argmax(stuck)]) * record.sample_time:.4g} s, although its samples differ elsewhere: "
                 "it was stuck, or the recorder repeated messages; these samples do not count"
             )
-            found.append(Finding(text, float(stuck.mean()) > MOST, spoilt))
-        return tuple(found)
+            problems.append(Finding(text, float(stuck.mean()) > MOST, spoilt))
+        return tuple(problems)
 
 
 def _stuck(values: FloatArray) -> BoolArray:
