@@ -187,8 +187,8 @@ def read_calibration(path: Path, model: str, names: tuple[str, ...]) -> Calibrat
     )
     if calibration.model != model or not whole:
         raise InputError(
-            f"the calibration {path} was made for robot {calibration.robot} with fingerprint {calibration.model}, but the "
-            f"model has {model}; calibrate the monitor again",
+            f"the calibration {path} was made for robot {calibration.robot} with fingerprint {calibration.model}, but "
+            f"the model has {model}; calibrate the monitor again",
             "thresholds",
         )
     return calibration
