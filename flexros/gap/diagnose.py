@@ -77,7 +77,7 @@ def diagnose(
     data = fit_data(fitted, model, settings)
     held_data = fit_data(held, model, settings, measurement_in(held, model.robot, data.measurement, settings))
     null = fit_null(data, model, tolerance_of(model.robot, tolerance or {}), settings.fit)
-    held_data = held_data.tool_seen_by(null.fit.predictor, null.fit.theta)
+    held_data = held_data.with_tool_frame_of(null.fit.predictor, null.fit.theta)
     prediction = prediction_of(null.fit, null.data)
 
     stages.begin("where", 0.1)

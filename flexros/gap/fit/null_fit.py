@@ -49,7 +49,7 @@ def fit_null(data: FitData, model: RobotWithEffects, tolerance: Tolerance, setti
     predictor = _predictor(data, model, (), tolerance)
     null = fit(predictor, data, np.zeros(predictor.n_fitted), settings.null_iterations, settings=settings)
     if data.tool is not None and predictor.n_fitted:
-        data = data.tool_seen_by(predictor, null.theta)
+        data = data.with_tool_frame_of(predictor, null.theta)
         null = fit(predictor, data, null.theta, settings.null_iterations, settings=settings)
     return NullFit(model, data, null)
 

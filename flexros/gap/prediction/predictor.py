@@ -103,9 +103,9 @@ class Predictor:
             theta: Encoded parameters, shape (n_fitted,).
         """
         result: list[dict[str, float]] = [{} for _ in self.hypothesis]
-        places = {id(candidate): place for place, candidate in enumerate(self.hypothesis)}
-        for number, (candidate, one) in zip(theta, self._parameters):
-            result[places[id(candidate)]][one.name] = float(one.decode(np.asarray(number)))
+        index = {id(candidate): row for row, candidate in enumerate(self.hypothesis)}
+        for encoded, (candidate, parameter) in zip(theta, self._parameters):
+            result[index[id(candidate)]][parameter.name] = float(parameter.decode(np.asarray(encoded)))
         return result
 
     def slopes(self, theta: FloatArray) -> FloatArray:

@@ -23,7 +23,7 @@ _POINTS = ("#b8c0c8", "#8fb8d8")
 """Colours of clouds of points, which lie below the lines."""
 _HEIGHT = 260
 _ACROSS = 32
-"""Characters of an ordinate's title that fit beside a picture."""
+"""Characters of an ordinate's title that fit next to a picture."""
 
 
 def signature_pictures(candidate: RankedCandidate, result: DiagnosisResult) -> tuple[Picture, ...]:

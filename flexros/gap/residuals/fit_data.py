@@ -188,7 +188,7 @@ class FitData:
             np.multiply(white, self._weight[:, motor, None], out=result[motor])
         return result.reshape(M * n, sets)
 
-    def tool_seen_by(self, predictor: Predictor, theta: FloatArray) -> FitData:
+    def with_tool_frame_of(self, predictor: Predictor, theta: FloatArray) -> FitData:
         """Transform the tool measurement to the frame of another prediction than that of the nominal model.
 
         Frame and offset of a tracker are exact only for the prediction that they were estimated with: where tolerated

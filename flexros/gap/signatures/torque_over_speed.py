@@ -44,7 +44,7 @@ class TorqueOverSpeed(AbstractSignature):
             x_label=f"speed of the motor [{unit}/s]",
             y_label=f"torque that the model lacks [{torque_unit}]",
             series=series,
-            reading="Friction lies below zero at positive and above zero at negative speed: a step at standstill is "
-            "Coulomb friction, a slope viscous friction, a hump beside standstill Stribeck friction, a shift of "
-            "everything a bias; a repaired model lies on zero.",
+            reading="Friction is below zero at positive and above zero at negative speed: a step at standstill is "
+            "Coulomb friction, a slope viscous friction, a peak near standstill Stribeck friction, a shift of "
+            "everything a bias; a repaired model is at zero.",
         )

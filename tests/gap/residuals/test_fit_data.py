@@ -115,13 +115,13 @@ def test_the_frame_of_a_tracker_is_that_of_the_prediction_it_is_seen_by() -> Non
     data = data_of(tool=True)
     softer = ROBOT.with_values({"body_1.rz.stiffness": 0.9 * ROBOT.parameters["body_1.rz.stiffness"].value})
     other = predictor_of(model=RobotWithEffects(softer, ()))
-    again, same = (data.tool_seen_by(one, np.zeros(0)) for one in (other, predictor_of()))
+    again, same = (data.with_tool_frame_of(one, np.zeros(0)) for one in (other, predictor_of()))
     assert data.tool is not None
     assert again.tool is not None
     assert same.tool is not None
     np.testing.assert_allclose(same.tool.position, data.tool.position)
     assert not np.allclose(again.tool.position, data.tool.position, atol=1e-9)
-    assert data_of().tool_seen_by(other, np.zeros(0)) is data_of()
+    assert data_of().with_tool_frame_of(other, np.zeros(0)) is data_of()
 
 
 def residual_of(data: FitData) -> np.ndarray:

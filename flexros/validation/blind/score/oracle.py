@@ -44,7 +44,7 @@ def oracle_fraction(folder: Path, case: OpenCase, truth: Truth) -> float | None:
     data = fit_data(record, model, settings)
     held = fit_data(holdout, model, settings, measurement_in(holdout, robot, data.measurement, settings))
     null = fit_null(data, model, tolerance_of(robot, {}), settings.fit)
-    held = held.tool_seen_by(null.fit.predictor, null.fit.theta)
+    held = held.with_tool_frame_of(null.fit.predictor, null.fit.theta)
     search = prepare_search(null, settings)
     true = _true((*search.candidates(), *search.harmonics(null.fit)), robot.name, truth)
     if not true:
