@@ -18,7 +18,7 @@ _CHECK = "import sys; from pathlib import Path; from tests.soak.full_disk import
 def full_disk(
     folder: Path, layouts: Sequence[str] = ("composed", "processes"), sizes: Sequence[str] = ("64k", "2m")
 ) -> Result:
-    """Record onto a disk that is too small: the run must end in order, and the log be readable up to there."""
+    """Record onto a disk that is too small: the run must end in order, and the log be valid up to that point."""
     result = Result(["layout", "disk", "exit code", "what the run says", "samples in the log"])
     folder.mkdir(parents=True, exist_ok=True)
     scenario, disk = scenario_file(folder, "circle_dae", 60.0), folder / "disk"
