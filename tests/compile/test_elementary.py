@@ -56,7 +56,7 @@ def test_sine_and_cosine_are_within_one_ulp(elementary: CompiledFunction) -> Non
         assert ulps(c[0], sine(x, 1)) < 1.0
 
 
-def test_sine_and_cosine_keep_all_digits_beside_multiples_of_a_right_angle(elementary: CompiledFunction) -> None:
+def test_sine_and_cosine_keep_all_digits_near_multiples_of_a_right_angle(elementary: CompiledFunction) -> None:
     for k in [*range(1, 60), 11, 344, 51819, 573204, 1_000_000]:
         x = float(PI / 2 * k)
         s, c, _, _ = elementary(np.array([x]))
@@ -111,7 +111,7 @@ def test_infinite_angle_gives_not_a_number(elementary: CompiledFunction) -> None
 @pytest.mark.parametrize("lanes", [2, 4, 8, 16])
 def test_lanes_give_the_same_bits(elementary: CompiledFunction, lanes: int) -> None:
     x = np.random.default_rng(4).uniform(-50, 50, lanes)
-    x[0] = 1e10  # one lane takes the slow way
+    x[0] = 1e10  # one lane takes the slow branch
     side_by_side = compiled(lanes)(x[np.newaxis, :])
     one_by_one = [elementary(x[k : k + 1]) for k in range(lanes)]
     for output in range(4):

@@ -38,8 +38,8 @@ def test_operation_equals_the_virtual_machine(operation: int) -> None:
     a, b = (grid.ravel() for grid in np.meshgrid(POINTS, POINTS))
     expected = np.array([float(function(one, two)) for one, two in zip(a, b, strict=True)])
     compiled = compile_function(function)
-    found = np.array([compiled([one], [two])[0][0] for one, two in zip(a, b, strict=True)])
-    np.testing.assert_allclose(found, expected, rtol=1e-15, atol=0)
+    actual = np.array([compiled([one], [two])[0][0] for one, two in zip(a, b, strict=True)])
+    np.testing.assert_allclose(actual, expected, rtol=1e-15, atol=0)
 
 
 @pytest.mark.parametrize("operation", EXPRESSIONS)
@@ -47,8 +47,8 @@ def test_operation_has_the_same_bits_in_lanes(operation: int) -> None:
     function = ca.Function("f", [x, y], [EXPRESSIONS[operation]])
     single, lanes = compile_function(function), compile_function(function, lanes=8)
     a, b = np.array(POINTS[:8]), np.array(POINTS[2:])
-    found = lanes(a[np.newaxis], b[np.newaxis])[0][0]
-    np.testing.assert_array_equal(found, [single([one], [two])[0][0] for one, two in zip(a, b, strict=True)])
+    actual = lanes(a[np.newaxis], b[np.newaxis])[0][0]
+    np.testing.assert_array_equal(actual, [single([one], [two])[0][0] for one, two in zip(a, b, strict=True)])
 
 
 @pytest.mark.parametrize("expression", [ca.fmin(x, y), ca.fmax(x, y)])

@@ -31,8 +31,8 @@ def test_random_function_equals_the_virtual_machine(seed: int) -> None:
     function = random_function(seed, 150)
     rng = np.random.default_rng(seed + 1000)
     x, y = rng.normal(size=4), rng.normal(size=(2, 2))
-    for found, expected in zip(compile_function(function)(x, y), function(x, y), strict=True):
-        np.testing.assert_allclose(found.reshape(expected.shape), expected.full(), rtol=1e-12, atol=1e-12)
+    for actual, expected in zip(compile_function(function)(x, y), function(x, y), strict=True):
+        np.testing.assert_allclose(actual.reshape(expected.shape), expected.full(), rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("lanes", [2, 4, 8, 16])
@@ -41,11 +41,11 @@ def test_lanes_give_the_same_bits_as_one_evaluation_after_another(lanes: int) ->
     single = compile_function(function)
     rng = np.random.default_rng(lanes)
     x, y = rng.normal(size=(4, lanes)), rng.normal(size=(4, lanes))
-    found = compile_function(function, lanes=lanes)(x, y)
+    actual = compile_function(function, lanes=lanes)(x, y)
     for lane in range(lanes):
         expected = single(x[:, lane], y[:, lane].reshape(2, 2, order="F"))
         for k in range(2):
-            np.testing.assert_array_equal(found[k][:, lane], expected[k].ravel(order="F"))
+            np.testing.assert_array_equal(actual[k][:, lane], expected[k].ravel(order="F"))
 
 
 @pytest.mark.parametrize("lanes", [1, 8])

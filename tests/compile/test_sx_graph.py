@@ -17,7 +17,7 @@ def test_equal_expressions_become_one_node() -> None:
     assert list(graph.operations).count(ca.OP_ADD) == 1
 
 
-def test_constants_are_told_apart_by_every_bit() -> None:
+def test_constants_are_distinguished_by_every_bit() -> None:
     graph = read_graph(ca.Function("f", [x], [x[0] * 0.1, x[0] * 0.10000000000000002, x[1] * 0.1]))
     assert sorted(graph.constants.values()) == [0.1, 0.10000000000000002]
 

@@ -1,4 +1,4 @@
-"""A log cut off at any byte: what a reader must give of it, and what it gives."""
+"""A log truncated at any byte: messages that a reader must return, and those it returns."""
 
 from __future__ import annotations
 
@@ -111,9 +111,9 @@ def recovery(path: Path, cuts: list[int]) -> Recovery:
     for cut in cuts:
         os.truncate(path, cut)
         expected = whole[: sum(end <= cut for end in ends)]
-        found = _messages(path)
-        equal = [a == b for a, b in zip(expected, found, strict=False)]
+        read = _messages(path)
+        equal = [a == b for a, b in zip(expected, read, strict=False)]
         n_expected += sum(len(headers) for headers, _ in expected) // size
         n_read += sum(len(headers) for (headers, _), same in zip(expected, equal, strict=False) if same) // size
-        n_wrong += sum(len(headers) for headers, _ in found[len(expected) :]) // size
+        n_wrong += sum(len(headers) for headers, _ in read[len(expected) :]) // size
     return Recovery(len(cuts), n_expected, n_read, n_wrong)

@@ -1,4 +1,4 @@
-"""A log cut off at any byte gives every message of every complete chunk, and nothing else."""
+"""A log truncated at any byte yields every message of every complete chunk, and nothing else."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_log_goes_up_to_its_last_complete_chunk(log: Path) -> None:
     assert any("is truncated at byte" in warning for warning in before.warnings)
 
 
-def test_log_that_is_cut_off_in_its_first_chunk_is_refused_with_what_to_do(log: Path) -> None:
+def test_log_that_is_truncated_in_its_first_chunk_is_refused_with_what_to_do(log: Path) -> None:
     content = log.read_bytes()
     start = chunk_edges(content)[0][0]
     log.write_bytes(content[: start + 100])

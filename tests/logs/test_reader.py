@@ -232,7 +232,7 @@ def test_diagnostics_of_another_definition_are_left_out(tmp_path):
     assert "(the first: its definition of diagnostic_msgs/msg/DiagnosticArray is not that of ROS 2 Jazzy)" in warning
 
 
-def test_cut_off_log_is_read_up_to_its_last_complete_chunk(tmp_path, make_log):
+def test_truncated_log_is_read_up_to_its_last_complete_chunk(tmp_path, make_log):
     log = make_log(4000)
     write_log(log, tmp_path / "log")
     path = tmp_path / "log" / "log_0.mcap"

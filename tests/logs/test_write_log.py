@@ -30,7 +30,7 @@ def test_absent_topics_stay_absent(tmp_path, make_log, assert_same_log):
     assert_same_log(log, read_log(tmp_path / "log"))
 
 
-def test_messages_lie_in_the_order_of_their_stamps(tmp_path, make_log):
+def test_messages_are_in_the_order_of_their_stamps(tmp_path, make_log):
     log = make_log(1500)
     slow = log.joint_reference
     slow = JointSeries(

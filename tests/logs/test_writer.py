@@ -293,7 +293,7 @@ def test_full_disk_ends_the_run_with_a_readable_log(tmp_path):
     assert n > 1000
     assert f"its {n} messages up to t = {(n - 1) * 5e-4:.3f} s of the run are readable" in first
     np.testing.assert_array_equal(log.joint_states.stamp, [stamp_ns(k, 5e-4) for k in range(n)])
-    assert log.warnings == (), "the summary found room"
+    assert log.warnings == (), "the summary fits"
     assert f"message_count: {n}" in (tmp_path / "log" / "metadata.yaml").read_text()
 
 

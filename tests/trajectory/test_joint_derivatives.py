@@ -85,12 +85,12 @@ def test_one_time_and_none(arm: TwoLinkArm, start: FloatArray) -> None:
     assert joint_derivatives(smooth_circle(start), arm.gamma(), ELBOW, np.zeros(0)).shape == (5, 0, 2)
 
 
-def test_out_of_reach_names_the_place(arm: TwoLinkArm, start: FloatArray) -> None:
+def test_out_of_reach_names_the_point(arm: TwoLinkArm, start: FloatArray) -> None:
     with pytest.raises(InputError, match=r"(out of reach|singular).* at t = .* % of move 1 .* point \(.*\)"):
         joint_derivatives(smooth_circle(start, np.pi / 2), arm.gamma(), ELBOW, np.linspace(0.0, 0.9, 20))
 
 
-def test_singular_start_names_the_place(arm: TwoLinkArm) -> None:
+def test_singular_start_names_the_point(arm: TwoLinkArm) -> None:
     line = Line(np.array([2.2, 0.0]), np.array([2.0, 0.0]))
     trajectory = Trajectory((Move(line, ninth_degree(line.extent, 1.0)),), "tool")
     with pytest.raises(InputError, match=r"singular.* at t = 0.0000 s, 0.0 % of move 1"):
@@ -123,7 +123,7 @@ def test_positions_are_as_exact_as_a_rough_output_function_allows() -> None:
     np.testing.assert_allclose(joints, trajectory.evaluate(t, 0), atol=4e-11)
 
 
-def test_point_that_no_joint_position_gives_is_named() -> None:
+def test_unreachable_point_is_named() -> None:
     trajectory, gamma = with_gap(2e-8)
     with pytest.raises(InputError, match="out of reach or singular at t = 0.5050 s, .*"):
         joint_derivatives(trajectory, gamma, np.zeros(1), np.linspace(0.0, 1.0, 201), 0)

@@ -36,7 +36,7 @@ def test_full_turns_keep_their_precision() -> None:
     np.testing.assert_allclose(path.derivatives(np.array([1.0]))[:, 0, 5], [0.0, 2.0 * np.pi, 0, 0, 0], atol=1e-9)
 
 
-def test_pitch_of_90_degrees_is_refused_with_its_place() -> None:
+def test_pitch_of_90_degrees_is_refused_with_its_parameter() -> None:
     path = RollPitchYaw(Line(np.zeros(6), np.array([1.0, 0, 0, 0, np.pi, 0])), np.array([0.0, 0.0, 0.0, 1.0]))
     with pytest.raises(InputError, match=r"pitch of the tool is 90 degrees at path parameter 0.5 m, .* choose another"):
         path.derivatives(np.array([0.0, 0.5]))

@@ -59,7 +59,7 @@ def test_circle_that_contradicts_itself_is_refused(keys: dict[str, float], messa
         paths(PLANE, type="circle", centre_from_start=[-0.025, 0.0], **keys)
 
 
-def test_circle_in_space_lies_in_its_plane() -> None:
+def test_circle_in_space_is_in_its_plane() -> None:
     (path,) = paths(SPACE, type="circle", centre_from_start=[0.0, 0.1, 0.0], plane="yz", turns=0.25)
     np.testing.assert_allclose(path.end, SPACE + np.array([0.0, 0.1, -0.1]), atol=1e-12)
     with pytest.raises(

@@ -27,15 +27,15 @@ def check(arm: TwoLinkArm, trajectory: Trajectory, **options: object) -> Reachab
 
 
 def test_inward_circle_is_reachable(arm: TwoLinkArm, start: FloatArray) -> None:
-    found = check(arm, circle_test(start, 0.0))
-    np.testing.assert_allclose(found.joints[0], ELBOW, atol=1e-11)
-    np.testing.assert_allclose(found.joints[-1], ELBOW, atol=1e-11)
+    reached = check(arm, circle_test(start, 0.0))
+    np.testing.assert_allclose(reached.joints[0], ELBOW, atol=1e-11)
+    np.testing.assert_allclose(reached.joints[-1], ELBOW, atol=1e-11)
     around = circle(start, 0.025).derivatives(np.linspace(0.0, 2 * np.pi, 2001), 0)[0]
     sizes = np.linalg.svd([arm.jacobian(arm.inverse_kinematics(z, ELBOW)) for z in around], compute_uv=False)
     ratios = sizes[:, 1] / np.maximum.accumulate(sizes[:, 0])
-    assert found.smallest_singular_value == pytest.approx(min(ratios), rel=1e-4)
-    assert found.nearest_singularity.percent == pytest.approx(100.0 * np.argmin(ratios) / 2000, abs=0.5)
-    assert found.joints.shape == (found.time.size, 2)
+    assert reached.smallest_singular_value == pytest.approx(min(ratios), rel=1e-4)
+    assert reached.nearest_singularity.percent == pytest.approx(100.0 * np.argmin(ratios) / 2000, abs=0.5)
+    assert reached.joints.shape == (reached.time.size, 2)
 
 
 def test_circle_with_start_angle_of_90_degrees_meets_the_singularity(arm: TwoLinkArm, start: FloatArray) -> None:

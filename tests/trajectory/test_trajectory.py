@@ -51,7 +51,7 @@ def test_peaks_of_the_circle_test(circle_test: Trajectory) -> None:
     assert np.max(np.linalg.norm(values[2], axis=1)) == pytest.approx(15.23, abs=0.01)
 
 
-def test_every_sample_lies_on_the_circle(circle_test: Trajectory, start: FloatArray) -> None:
+def test_every_sample_is_on_the_circle(circle_test: Trajectory, start: FloatArray) -> None:
     position = circle_test.evaluate(np.linspace(-0.1, 0.5, 1201), 0)[0]
     np.testing.assert_allclose(np.linalg.norm(position - (start - [0.025, 0.0]), axis=1), 0.025, atol=1e-15)
 

@@ -26,8 +26,8 @@ def test_derivatives_are_those_of_differences(order: int) -> None:
     t = np.array([0.13, 0.4, 1.1, 2.2, 2.6, 2.93])
     low, high = (path.derivatives(t + sign * step, order - 1)[order - 1] for sign in (-1.0, 1.0))
     expected = (high - low) / (2 * step)
-    found = path.derivatives(t, order)[order]
-    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-6 * np.abs(found).max())
+    actual = path.derivatives(t, order)[order]
+    np.testing.assert_allclose(actual, expected, rtol=1e-6, atol=1e-6 * np.abs(actual).max())
 
 
 def test_begins_and_ends_at_rest_in_its_centre() -> None:

@@ -105,8 +105,8 @@ def test_threads_share_a_kernel(kernel: LoopKernel) -> None:
     inputs = [rich_inputs(50, seed) for seed in range(8)]
     expected = [kernel.run(kernel.initial_state(STATE), 50, one).encoder for one in inputs]
     with ThreadPoolExecutor(4) as pool:
-        found = list(pool.map(lambda one: kernel.run(kernel.initial_state(STATE), 50, one).encoder, inputs))
-    np.testing.assert_array_equal(found, expected)
+        actual = list(pool.map(lambda one: kernel.run(kernel.initial_state(STATE), 50, one).encoder, inputs))
+    np.testing.assert_array_equal(actual, expected)
 
 
 def test_lanes_are_stepped_together(chain: LoopFunctions) -> None:
@@ -133,12 +133,12 @@ def test_lanes_give_the_same_bits(
     shared = rich_inputs(samples)
     noise = np.random.default_rng(1).normal(size=(samples, 2, lanes)) * 1e-4
     inputs = replace(shared, noise=noise, parameters=np.outer(PARAMETERS, scale), gains=np.outer(GAINS, scale))
-    found = wide.run(wide.initial_state(STATE), samples, inputs, record_states=True)
+    actual = wide.run(wide.initial_state(STATE), samples, inputs, record_states=True)
     for k in range(lanes):
         one = replace(shared, noise=noise[:, :, k], parameters=PARAMETERS * scale[k], gains=GAINS * scale[k])
         expected = single.run(single.initial_state(STATE), samples, one, record_states=True)
         for name in ("encoder", "command", "tool_pose", "states"):
-            np.testing.assert_array_equal(getattr(found, name)[:, :, k], getattr(expected, name))
+            np.testing.assert_array_equal(getattr(actual, name)[:, :, k], getattr(expected, name))
 
 
 @pytest.mark.parametrize(

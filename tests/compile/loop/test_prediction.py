@@ -1,4 +1,4 @@
-"""The predictor of constant gain: what it is without gain, with one, through gaps, and lane by lane."""
+"""The predictor of constant gain: without gain, with gain, through gaps, and in parallel lanes."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ def test_without_gain_it_is_the_open_loop(chain: LoopFunctions, loop: Prediction
     kernel = compile_loop(open_loop, sample_time=SAMPLE_TIME, delay=1.7 * SAMPLE_TIME, substeps=2)
     start = LoopState(STATE, np.zeros(0), np.zeros((loop.line_length, 2)))
     expected = kernel.run(start, N, LoopInputs(reference=torques(), parameters=PARAMETERS), record_states=True)
-    found = one_lane(
+    prediction = one_lane(
         loop, torques(), np.zeros((N, 2)), gain=np.zeros((10, 2)), past=np.zeros((loop.line_length, 2)),
         pose_samples=np.arange(N), record_states=True,
     )  # fmt: skip
-    np.testing.assert_array_equal(found.states[:, :, 0], expected.states)
-    np.testing.assert_array_equal(-found.innovation[:, :, 0], expected.encoder)
-    np.testing.assert_array_equal(found.tool_pose[:, :, 0], expected.tool_pose)
-    np.testing.assert_array_equal(found.final[:, 0], expected.final.plant)
+    np.testing.assert_array_equal(prediction.states[:, :, 0], expected.states)
+    np.testing.assert_array_equal(-prediction.innovation[:, :, 0], expected.encoder)
+    np.testing.assert_array_equal(prediction.tool_pose[:, :, 0], expected.tool_pose)
+    np.testing.assert_array_equal(prediction.final[:, 0], expected.final.plant)
 
 
 def test_with_gain_it_is_the_kalman_filter_of_a_linear_system() -> None:
@@ -67,16 +67,16 @@ def test_with_gain_it_is_the_kalman_filter_of_a_linear_system() -> None:
     loop = PredictionLoop(mass, sample_time=T)
     rng = np.random.default_rng(0)
     torque, position, K = rng.normal(size=(N, 1)), rng.normal(size=(N, 1)), np.array([[0.6], [1.5]])
-    found = loop.run(np.array([0.3, -0.1]), np.array([[m]]), K, torque, position, np.ones(N), record_states=True)
+    prediction = loop.run(np.array([0.3, -0.1]), np.array([[m]]), K, torque, position, np.ones(N), record_states=True)
     F, G = np.array([[1.0, T], [0.0, 1.0]]), np.array([T**2 / 2, T]) / m
     state = np.array([0.3, -0.1])
     for k in range(N):
         error = position[k, 0] - state[0]
-        assert found.innovation[k, 0, 0] == pytest.approx(error, abs=1e-12)
+        assert prediction.innovation[k, 0, 0] == pytest.approx(error, abs=1e-12)
         state = state + K[:, 0] * error
-        np.testing.assert_allclose(found.states[k, :, 0], state, atol=1e-12)
+        np.testing.assert_allclose(prediction.states[k, :, 0], state, atol=1e-12)
         state = F @ state + G * torque[k, 0]
-    np.testing.assert_allclose(found.final[:, 0], state, atol=1e-12)
+    np.testing.assert_allclose(prediction.final[:, 0], state, atol=1e-12)
 
 
 def test_through_a_gap_the_model_runs_on_alone(loop: PredictionLoop) -> None:
@@ -85,16 +85,16 @@ def test_through_a_gap_the_model_runs_on_alone(loop: PredictionLoop) -> None:
     valid[20:35] = 0.0
     spoilt = position.copy()
     spoilt[20:35] = 1e6
-    found = one_lane(loop, torques(), spoilt, valid=valid, record_states=True)
-    assert not np.any(found.innovation[20:35])
+    prediction = one_lane(loop, torques(), spoilt, valid=valid, record_states=True)
+    assert not np.any(prediction.innovation[20:35])
     whole = one_lane(loop, torques(), position, record_states=True)
-    np.testing.assert_array_equal(found.states[:20], whole.states[:20])
+    np.testing.assert_array_equal(prediction.states[:20], whole.states[:20])
     started = one_lane(loop, torques()[:19], position[:19], record_states=True).final[:, 0]
     alone = one_lane(
         loop, torques()[19:35], position[19:35], start=started, past=torques()[18 - np.arange(loop.line_length)],
         valid=np.concatenate([[1.0], np.zeros(15)]), record_states=True,
     )  # fmt: skip
-    np.testing.assert_array_equal(alone.states, found.states[19:35])
+    np.testing.assert_array_equal(alone.states, prediction.states[19:35])
 
 
 def test_run_in_two_parts_with_its_past_equals_one_run(loop: PredictionLoop) -> None:
@@ -119,21 +119,21 @@ def test_lanes_have_parameters_starts_and_torques_of_their_own(loop: PredictionL
     scale = 1 + 0.1 * np.arange(LANES)
     torque = np.stack([torques(seed) for seed in range(LANES)], axis=-1)
     start = np.outer(STATE, scale)
-    found = one_lane(lanes, torque, position, start=start, parameters=np.outer(PARAMETERS, scale))
+    prediction = one_lane(lanes, torque, position, start=start, parameters=np.outer(PARAMETERS, scale))
     for lane in range(LANES):
         expected = one_lane(
             loop, torque[:, :, lane], position, start=start[:, lane], parameters=PARAMETERS[:, None] * scale[lane]
         )
-        np.testing.assert_array_equal(found.innovation[:, :, lane], expected.innovation[:, :, 0])
+        np.testing.assert_array_equal(prediction.innovation[:, :, lane], expected.innovation[:, :, 0])
 
 
 def test_pasts_of_lanes_are_their_own(loop: PredictionLoop, lanes: PredictionLoop) -> None:
     position = np.zeros((N, 2))
     past = np.random.default_rng(4).normal(size=(loop.line_length, 2, LANES)) * 100
-    found = one_lane(lanes, torques(), position, past=past)
+    prediction = one_lane(lanes, torques(), position, past=past)
     for lane in range(LANES):
         expected = one_lane(loop, torques(), position, past=past[:, :, lane])
-        np.testing.assert_array_equal(found.innovation[:, :, lane], expected.innovation[:, :, 0])
+        np.testing.assert_array_equal(prediction.innovation[:, :, lane], expected.innovation[:, :, 0])
 
 
 def test_poses_are_those_of_the_samples_asked_for_before_their_correction(loop: PredictionLoop) -> None:
@@ -157,23 +157,23 @@ def test_each_motor_has_its_own_delay() -> None:
     )
     loop = PredictionLoop(functions, sample_time=1.0, delay=(1.5, 0.25))
     torque = np.repeat(np.arange(1.0, 6.0)[:, None], 2, axis=1)
-    found = loop.run(
+    prediction = loop.run(
         np.zeros(2), np.zeros((0, 1)), np.zeros((2, 2)), torque, np.zeros((5, 2)), np.ones(5),
         past=np.zeros((loop.line_length, 2)),
     )  # fmt: skip
-    np.testing.assert_allclose(-found.innovation[:, 0, 0], [0, 0, 0.5, 2, 4.5], atol=1e-14)
-    np.testing.assert_allclose(-found.innovation[:, 1, 0], [0, 0.75, 2.5, 5.25, 9], atol=1e-14)
+    np.testing.assert_allclose(-prediction.innovation[:, 0, 0], [0, 0, 0.5, 2, 4.5], atol=1e-14)
+    np.testing.assert_allclose(-prediction.innovation[:, 1, 0], [0, 0.75, 2.5, 5.25, 9], atol=1e-14)
 
 
-def test_a_lane_that_diverges_is_told_and_leaves_the_others() -> None:
+def test_a_lane_that_diverges_is_reported_and_does_not_affect_the_others() -> None:
     loop = PredictionLoop(unstable(), sample_time=0.1, lanes=2)
-    found = loop.run(
+    prediction = loop.run(
         np.array([1.0]), np.array([[50.0, 0.0]]), np.zeros((1, 1)), np.zeros((N, 1)), np.zeros((N, 1)), np.ones(N)
     )
-    assert 0 <= found.diverged[0] < N
-    assert found.diverged[1] == -1
-    assert np.all(found.innovation[:, 0, 1] == -1.0)
-    assert not np.all(np.isfinite(found.innovation[:, 0, 0]))
+    assert 0 <= prediction.diverged[0] < N
+    assert prediction.diverged[1] == -1
+    assert np.all(prediction.innovation[:, 0, 1] == -1.0)
+    assert not np.all(np.isfinite(prediction.innovation[:, 0, 0]))
 
 
 def test_what_is_given_is_not_changed(loop: PredictionLoop) -> None:

@@ -38,7 +38,7 @@ def test_stiff_gear_carries_its_load() -> None:
     assert abs(z[1]) > 100.0
 
 
-def test_no_equilibrium_is_told() -> None:
+def test_no_equilibrium_is_reported() -> None:
     elbow = load_robot("elbow")
     with pytest.raises(
         InputError, match=r"robot elbow has no equilibrium with its output at the start of the path, \["

@@ -99,7 +99,7 @@ def test_state_is_left_as_it_was(kind: int, e12: Robot) -> None:
 
 @pytest.mark.parametrize("kind", [0, 1])
 @pytest.mark.parametrize("wrong", [10.0, np.nan])
-def test_failed_step_is_told(kind: int, wrong: float, e12: Robot) -> None:
+def test_failed_step_is_reported(kind: int, wrong: float, e12: Robot) -> None:
     *both, tolerance = steppers(e12, 1)
     stepper: Stepper = both[kind]
     outputs = smooth_circle(np.arange(10) * STEP)

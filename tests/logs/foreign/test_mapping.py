@@ -63,7 +63,7 @@ def test_scale_of_a_unit_without_mechanics(mapping_of) -> None:
         ([POSITION], {"time": {"column": "t", "unit": "h"}}, "unit is 'h', but allowed are s, ms, us, ns"),
     ],
 )
-def test_what_is_wrong_is_said(mapping_of, columns, keys, message: str) -> None:
+def test_what_is_wrong_is_reported(mapping_of, columns, keys, message: str) -> None:
     with pytest.raises(InputError) as caught:
         mapping_of(*columns, **keys)
     assert message in str(caught.value)

@@ -77,7 +77,7 @@ def test_unpacked_size_is_limited(tmp_path: Path) -> None:
         check_elements(tmp_path / "a.mat")
 
 
-def test_cut_off_variable_is_refused(tmp_path: Path) -> None:
+def test_truncated_variable_is_refused(tmp_path: Path) -> None:
     savemat(tmp_path / "a.mat", {"s": nested(3)}, do_compression=False)
     content = (tmp_path / "a.mat").read_bytes()
     (tmp_path / "a.mat").write_bytes(content[:200])

@@ -64,7 +64,7 @@ def test_unknown_compression_is_named():
 
 
 @pytest.mark.parametrize("cut", [0, 10, 35, 40])
-def test_cut_off_head_is_named(cut):
+def test_truncated_head_is_named(cut):
     with pytest.raises(DamagedChunkError, match="has only|truncated"):
         expand_chunk(record("zstd", COMPRESSED["zstd"])[:cut])
 

@@ -127,7 +127,7 @@ def limit(file, n_more):
     file._file = LimitedDisk(file._file, file._end + n_more)
 
 
-def test_chunk_that_does_not_fit_is_cut_off_again(file, tmp_path):
+def test_chunk_that_does_not_fit_is_truncated_again(file, tmp_path):
     file.append(chunk_of([1, 2]))
     size = (tmp_path / "a.mcap").stat().st_size
     limit(file, 60)

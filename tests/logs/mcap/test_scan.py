@@ -57,7 +57,7 @@ def test_file_without_chunks_indexes_and_summary(tmp_path):
     assert scan.warnings == []
 
 
-def test_attachments_and_unknown_records_are_passed_over(tmp_path):
+def test_attachments_and_unknown_records_are_skipped(tmp_path):
     path = write(tmp_path / "a.mcap", chunk_size=100)
     content = path.read_bytes()
     path.write_bytes(content[:8] + struct.pack("<BQ", 0x99, 3) + b"abc" + content[8:])
@@ -72,7 +72,7 @@ def chunk_ends(path):
     return [c.chunk_start_offset + c.chunk_length for c in sorted(chunks, key=lambda c: c.chunk_start_offset)]
 
 
-def test_cut_off_anywhere_gives_every_message_of_complete_chunks(tmp_path):
+def test_truncated_anywhere_gives_every_message_of_complete_chunks(tmp_path):
     path = write(tmp_path / "a.mcap", chunk_size=400)
     content, ends = path.read_bytes(), chunk_ends(path)
     complete: dict[int, int] = {}
@@ -146,7 +146,7 @@ def put_before_the_end(path, addition):
 
 
 @pytest.mark.parametrize(
-    ("foreign", "told"),
+    ("foreign", "described"),
     [
         (struct.pack("<BQ", 0, 0), "opcode 0, 0 bytes"),
         (struct.pack("<BQ", 5, 0), "opcode 5, 0 bytes"),
@@ -155,14 +155,14 @@ def put_before_the_end(path, addition):
     ],
     ids=["empty", "empty message", "chunk", "unknown"],
 )
-def test_what_does_not_belong_into_a_chunk_ends_it(tmp_path, foreign, told):
+def test_what_does_not_belong_into_a_chunk_ends_it(tmp_path, foreign, described):
     path = write(tmp_path / "a.mcap", chunk_size=10**6)
     put_before_the_end(path, chunk(message(b"one") + foreign + message(b"two")))
     scan, messages = read(path)
     assert messages == [*EXPECTED, (1, 1000, b"one")]
     (warning,) = scan.warnings
     assert "chunk 1 at byte" in warning
-    assert f"not allowed in a chunk ({told}" in warning
+    assert f"not allowed in a chunk ({described}" in warning
 
 
 def test_chunks_that_expand_beyond_reason_are_left_out(tmp_path):

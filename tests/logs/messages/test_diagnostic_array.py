@@ -27,7 +27,7 @@ def test_values_that_are_no_finite_numbers_are_no_numbers(store, diagnostics):
     assert status.numbers() == {"a": 1.5}
 
 
-def test_a_message_that_is_cut_off_says_where(store, diagnostics):
+def test_a_message_that_is_truncated_says_where(store, diagnostics):
     payload = bytes(store.serialize_cdr(diagnostics(("plant", "", {"a": "1"})), CODEC.type))
     for size in range(4, len(payload)):
         with pytest.raises(MessageError, match="a message ends at byte|claims"):

@@ -114,7 +114,7 @@ def test_claimed_number_of_points_is_not_allocated():
         read_joint_trajectory(damaged)
 
 
-def test_cut_off_message_is_refused():
+def test_truncated_message_is_refused():
     payload = serialise_joint_trajectory(make_chunk(5, ("a",), ("positions",)))
     for cut in range(len(payload)):
         with pytest.raises(MessageError):

@@ -64,7 +64,7 @@ def test_big_endian_is_read(store):
     assert decoded(payload) == (5, "base", POSITION, ORIENTATION)
 
 
-def test_cut_off_message_is_refused():
+def test_truncated_message_is_refused():
     payload = PoseStampedTemplate("base").fill(1, POSITION, ORIENTATION)
     with pytest.raises(MessageError, match="inside pose, which needs 56 bytes"):
         read_pose_stamped_layout(payload[:-1])

@@ -68,7 +68,7 @@ def test_a_survey_counts_and_measures(tmp_path: Path, write_strings: Write) -> N
     assert survey.warnings == []
 
 
-def test_of_a_file_that_was_cut_off_every_complete_chunk_is_there(tmp_path: Path, write_strings: Write) -> None:
+def test_of_a_file_that_is_truncated_every_complete_chunk_is_there(tmp_path: Path, write_strings: Write) -> None:
     path = write_strings(tmp_path / "a.mcap", [("a", k, "x" * 100) for k in range(N)], chunk_size=1000, finish=False)
     whole = read(path)
     content = path.read_bytes()

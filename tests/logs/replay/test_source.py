@@ -113,7 +113,7 @@ def test_an_empty_log_is_refused(tmp_path: Path, write_strings: Write) -> None:
         ReplaySource(write_strings(tmp_path / "a.mcap", []))
 
 
-def test_a_log_that_was_cut_off_is_played_up_to_there_with_a_warning(log: Path) -> None:
+def test_a_log_that_is_truncated_is_played_up_to_there_with_a_warning(log: Path) -> None:
     whole, content = told(ReplaySource(log)), log.read_bytes()
     log.write_bytes(content[: content.index(b"5") + 40])
     source = ReplaySource(log)

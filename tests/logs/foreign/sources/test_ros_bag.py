@@ -39,7 +39,7 @@ Row = tuple[int, Any]
 
 @pytest.fixture(scope="module")
 def types():
-    """Typestore of ROS 2 Jazzy with the messages of ros2_control beside it."""
+    """Typestore of ROS 2 Jazzy with the messages of ros2_control added."""
     store = get_typestore(Stores.ROS2_JAZZY)
     for name, text in DEFINITIONS.items():
         store.register(get_types_from_msg(text, name))
@@ -138,9 +138,7 @@ def test_dynamic_joint_state_with_joints_in_changing_order(types, tmp_path: Path
 JOINTS = ((1, "shoulder"), (2, "elbow"))
 
 
-def test_joint_trajectory_controller_state_beside_its_commands_without_header(
-    types, tmp_path: Path, mapping_of
-) -> None:
+def test_joint_trajectory_controller_state_and_its_commands_without_header(types, tmp_path: Path, mapping_of) -> None:
     names, states, commands = ["shoulder", "elbow"], [], []
     layout = types.types["std_msgs/msg/MultiArrayLayout"]([], 0)
     for k in range(50):
@@ -177,7 +175,7 @@ def test_joint_trajectory_controller_state_beside_its_commands_without_header(
     )
 
 
-def test_messages_out_of_order_and_repeated_are_put_in_order_and_told(types, tmp_path: Path, mapping_of) -> None:
+def test_messages_out_of_order_and_repeated_are_sorted_and_reported(types, tmp_path: Path, mapping_of) -> None:
     stamps = [0, 2, 1, 3, 3]
     states = [(WALL + k, joint_state(types, WALL + stamp * 10**6, ["a"], [stamp])) for k, stamp in enumerate(stamps)]
     folder = bag(types, tmp_path / "bag", {"/s": (JOINT_STATE, states)})
@@ -208,7 +206,7 @@ def test_table_needs_a_clock_in_the_mapping(table, write_csv, tmp_path: Path, ma
         import_log(mapping_of(time=None), [file])
 
 
-def test_bag_that_was_cut_off_is_read_up_to_there(types, tmp_path: Path, mapping_of) -> None:
+def test_bag_that_is_truncated_is_read_up_to_there(types, tmp_path: Path, mapping_of) -> None:
     n = 16_000
     states = [(WALL + k * 10**6, joint_state(types, WALL + k * 10**6, ["a"], [k])) for k in range(n)]
     whole = bag(types, tmp_path / "bag", {"/s": (JOINT_STATE, states)}) / "bag.mcap"
