@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexros.cli.options import KnownModelOption, NamespaceOption, ToleranceOption, parse_tolerance
+from flexros.cli.options import (
+    KnownModelOption,
+    NamespaceOption,
+    ToleranceOption,
+    TorqueOption,
+    parse_tolerance,
+    torque_source,
+)
 from flexros.cli.output import console, print_json, progress_bar, say
 
 if TYPE_CHECKING:
@@ -27,6 +34,7 @@ def diagnose(
     out: Annotated[Path, typer.Option("--out", help="Folder for diagnosis.json, patch.yaml and report.html.")],
     holdout: Path = typer.Option(None, "--holdout", help="Held-out log; default: the last third of BAG."),
     tolerance: ToleranceOption = "",
+    torque: TorqueOption = "command",
     namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print diagnosis.json."),
 ) -> int:
@@ -38,11 +46,12 @@ def diagnose(
     from flexros.logs.reader import read_log
 
     check_folder(out)
-    tolerances = parse_tolerance(tolerance)
+    tolerances, source = parse_tolerance(tolerance), torque_source(torque)
     known = load_model(model)
     logs = [read_log(path, namespace=namespace or None) for path in (bag, holdout) if path is not None]
     paths = [path for path in (bag, holdout) if path is not None]
-    record, *others = [checked_log(log, known.robot, name=path.name) for log, path in zip(logs, paths)]
+    records = [checked_log(log, known.robot, name=path.name, torque=source) for log, path in zip(logs, paths)]
+    record, *others = records
     with progress_bar() as bar:
         task = bar.add_task("reading", total=1.0)
         result = diagnosed(

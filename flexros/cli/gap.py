@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flexros.cli.diagnose import GAP_FOUND
-from flexros.cli.options import KnownModelOption, NamespaceOption, ToleranceOption, parse_tolerance
+from flexros.cli.options import (
+    KnownModelOption,
+    NamespaceOption,
+    ToleranceOption,
+    TorqueOption,
+    parse_tolerance,
+    torque_source,
+)
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError
 
@@ -22,6 +29,7 @@ def gap(
     model: KnownModelOption,
     patch: Path = typer.Option(None, "--patch", help="Patch of that robot, to measure the gap that it leaves."),
     tolerance: ToleranceOption = "",
+    torque: TorqueOption = "command",
     namespace: NamespaceOption = "",
     as_json: bool = typer.Option(False, "--json", help="Print the numbers as JSON, as in diagnosis.json."),
 ) -> int:
@@ -31,12 +39,13 @@ def gap(
     from flexros.gap.measure_gap import measure_gap
     from flexros.logs.reader import read_log
 
-    tolerances = parse_tolerance(tolerance)
+    tolerances, source = parse_tolerance(tolerance), torque_source(torque)
     nominal = load_model(model)
     repaired = None if patch is None else _repaired(patch, model)
     with progress_bar() as bar:
         bar.add_task("predicting", total=None)
-        record = checked_log(read_log(bag, namespace=namespace or None), nominal.robot, name=bag.name)
+        log = read_log(bag, namespace=namespace or None)
+        record = checked_log(log, nominal.robot, name=bag.name, torque=source)
         measured = measure_gap(record, nominal, repaired=repaired, tolerance=tolerances)
     if as_json:
         print_json(measured.numbers.model_dump(mode="json", exclude_none=patch is None))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,9 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         log = closed_loop(Experiment.prepare(load_scenario("diagnosis").with_values(values, "test")))
         write_log(log, folder / name)
         made[name] = str(folder / name)
+    measured = replace(log.joint_states, effort=0.8 * log.joint_commands.effort)
+    write_log(replace(log, joint_states=measured), folder / "measured")
+    made["measured"] = str(folder / "measured")
     return made
 
 
@@ -78,3 +82,18 @@ def test_a_patch_of_another_robot_is_refused(flexros, bags: dict[str, str], tmp_
     ended = flexros("gap", bags["hidden"], "--model", "four_mass_linear", "--patch", other)
     assert ended.code == 2
     assert f"--patch {other} is on top of two_mass, not of --model four_mass_linear; give that model" in ended.err
+
+
+def test_the_source_of_the_torque_is_chosen(flexros, bags: dict[str, str]) -> None:
+    command, measured = (
+        flexros("gap", bags["measured"], "--model", "four_mass_linear", "--torque", source).code
+        for source in ("command", "measured")
+    )
+    assert (command, measured) == (0, 1)
+
+
+def test_unknown_source_of_the_torque_is_bad_input(flexros, bags: dict[str, str]) -> None:
+    ended = flexros("gap", bags["clean"], "--model", "four_mass_linear", "--torque", "curent")
+    assert ended.code == 2
+    assert "curent" in ended.err
+    assert "measured" in ended.err
