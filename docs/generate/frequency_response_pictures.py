@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from svg_picture import Curve, Panel, picture
 
-from flexros.identify.frf.estimate.response_of import frequency_response_of
+from flexros.identify.frf.estimate.estimate_response import frequency_response_of
 from flexros.identify.frf.experiments import Experiments
 from flexros.identify.frf.settings import FrfSettings
 from flexros.identify.frf.two_mass_example import NOISE, TwoMassAxis, chirp

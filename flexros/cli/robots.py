@@ -9,10 +9,10 @@ import numpy as np
 import typer
 from rich.table import Table
 
+from flexros.atomic_file import write_result
 from flexros.cli.model import ROBOT, linear_robot
 from flexros.cli.output import console, print_json, say
 from flexros.errors import InputError, unknown_name
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from flexros.arrays import ComplexArray

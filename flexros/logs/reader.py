@@ -11,14 +11,14 @@ import numpy as np
 
 from flexros.config.topics import load_topics
 from flexros.errors import InputError
-from flexros.logs.left_out import LeftOut
 from flexros.logs.mcap.bag_files import find_bag_files
-from flexros.logs.mcap.scan import McapScan
+from flexros.logs.mcap.file_reader import McapScan
 from flexros.logs.messages.bulk_decode import TopicDecoder, payloads_of
 from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.messages.codec import codec_of, series_codecs
 from flexros.logs.messages.foreign_definition import is_common, translator
 from flexros.logs.messages.series_assembly import assemble_series
+from flexros.logs.skipped_messages import SkippedMessages
 from flexros.logs.time_series import OWN_SERIES, Log
 from flexros.one_line import one_line
 
@@ -112,7 +112,7 @@ class _BagContent:
         """Decode all messages of a file."""
         translators: dict[int, Callable[[bytes], bytes] | None] = {}
         n_unknown = 0
-        unusable = LeftOut()
+        unusable = SkippedMessages()
         for block in scan.blocks():
             for number in np.unique(block.headers["channel"]).tolist():
                 rows = np.flatnonzero(block.headers["channel"] == number)
@@ -141,7 +141,7 @@ class _BagContent:
                 f"(the first: {unusable.first})"
             )
 
-    def _take_figures(self, payloads: list[bytes], channel: Channel, scan: McapScan, unusable: LeftOut) -> None:
+    def _take_figures(self, payloads: list[bytes], channel: Channel, scan: McapScan, unusable: SkippedMessages) -> None:
         """Store what nodes called plant report; a later message replaces the values of an earlier one."""
         codec = codec_of(load_topics()[_DIAGNOSTICS].type)
         schema = scan.schemas.get(channel.schema_id)

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
+from flexros.atomic_file import write_whole
 from flexros.errors import InputError, RunError, unknown_name
 from flexros.logs.mcap.bag_metadata import BagMetadata, BagTopic, as_yaml, offered_qos
 from flexros.logs.mcap.chunk_thread import ChunkThread
-from flexros.logs.mcap.file import McapFile
+from flexros.logs.mcap.file_writer import McapFile
 from flexros.logs.messages.schemas import message_schema
 from flexros.logs.provenance_file import PROVENANCE_FILE, provenance_text
 from flexros.logs.stamps import NANOSECONDS
-from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

@@ -14,13 +14,13 @@ import numpy as np
 from pydantic import Field
 from scipy.optimize import nnls
 
+from flexros.atomic_file import write_result
 from flexros.config.settings import Settings, validate
 from flexros.config.text_file import read_json
 from flexros.errors import InputError
 from flexros.json_text import json_text
 from flexros.monitor.sample_stream import WINDOW
 from flexros.monitor.thresholds import LENGTHS
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from pathlib import Path

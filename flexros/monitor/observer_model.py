@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexros.compile.loop.prediction import PredictionLoop
-from flexros.simulate.loop import feed_through
+from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 
 if TYPE_CHECKING:

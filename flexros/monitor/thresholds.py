@@ -9,7 +9,7 @@ import numpy as np
 
 from flexros.monitor.design import autocovariances, floor_ratios
 from flexros.monitor.sample_stream import WINDOW
-from flexros.monitor.tail import threshold, weights_of_mean_square
+from flexros.monitor.tail_probability import threshold, weights_of_mean_square
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray

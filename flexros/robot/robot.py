@@ -14,10 +14,10 @@ from flexros.config.settings import validate
 from flexros.config.yaml_file import read_yaml
 from flexros.errors import InputError, unknown_name
 from flexros.robot import equilibrium, inverse_kinematics
+from flexros.robot.equilibrium_search import RestFinder
 from flexros.robot.motors import RobotMotor, list_motors
 from flexros.robot.parameters import Parameter, list_parameters, with_values
 from flexros.robot.physical import check_physical
-from flexros.robot.rest import RestFinder
 from flexros.robot.specification import RobotSpecification, arm_names
 from flexros.robot.symbolic.chain import Chain, Coordinates, build_chain
 from flexros.robot.symbolic.model import SymbolicModel

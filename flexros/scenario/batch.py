@@ -12,7 +12,7 @@ import numpy as np
 from flexros.compile.loop.arrays import LoopInputs
 from flexros.compile.loop.kernel import LoopKernel, compile_loop
 from flexros.errors import InputError, unknown_name
-from flexros.robot.rest import Rest
+from flexros.robot.equilibrium_search import Rest
 from flexros.simulate.plant import delayed_start
 from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.sample_blocks import Zeros

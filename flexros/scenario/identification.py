@@ -10,6 +10,7 @@ import numpy as np
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
+from flexros.atomic_file import write_result
 from flexros.config.settings import validate
 from flexros.errors import InputError, argument_named, unknown_name
 from flexros.identify.design.amplitude import amplitude_room
@@ -22,10 +23,9 @@ from flexros.identify.design.experiment_design import (
     design_experiment,
 )
 from flexros.identify.design.moves import move_factor
-from flexros.identify.design.stand_in import stand_in_values
+from flexros.identify.design.real_robot import stand_in_values
 from flexros.scenario.identification_plan import plan_of_scenario
 from flexros.scenario.scenario import Scenario, load_scenario, scenario_names
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

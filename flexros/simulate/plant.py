@@ -10,7 +10,7 @@ import numpy as np
 from flexros.compile.loop.arrays import LoopState
 from flexros.compile.loop.kernel import compile_loop
 from flexros.errors import RunError
-from flexros.simulate.loop import feed_through
+from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 from flexros.simulate.sample_blocks import Zeros
 from flexros.simulate.signals import plant_signals

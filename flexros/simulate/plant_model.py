@@ -11,8 +11,8 @@ import numpy as np
 from flexros.compile.loop.functions import LoopFunctions
 from flexros.effects.delay import Delay
 from flexros.errors import unknown_name
-from flexros.robot.rest import Rest, RestFinder
-from flexros.simulate.plant_rest import PlantRestFinder, own_at_start, torque_beyond_command
+from flexros.robot.equilibrium_search import Rest, RestFinder
+from flexros.simulate.plant_equilibrium import PlantRestFinder, own_at_start, torque_beyond_command
 from flexros.simulate.plant_symbols import PlantSymbols
 from flexros.simulate.plant_updates import motor_accelerations, own_rates, smooth_torque, step_updates
 

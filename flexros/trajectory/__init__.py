@@ -9,7 +9,7 @@ from flexros.trajectory.orientation import Extended, RollPitchYaw
 from flexros.trajectory.path import AbstractPath
 from flexros.trajectory.polynomial import ninth_degree, quintic
 from flexros.trajectory.reachability import Reachability, check_reachable
-from flexros.trajectory.rest import Rest
+from flexros.trajectory.rest_path import Rest
 from flexros.trajectory.sequence import Sequence
 from flexros.trajectory.specification import TrajectorySpecification, build_trajectory
 from flexros.trajectory.time_law import TimeLaw, concatenated

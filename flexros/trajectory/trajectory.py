@@ -10,7 +10,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.trajectory.path import MAX_DERIVATIVES, text
-from flexros.trajectory.rest import Rest
+from flexros.trajectory.rest_path import Rest
 from flexros.trajectory.time_law import rest
 
 if TYPE_CHECKING:

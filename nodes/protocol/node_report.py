@@ -6,7 +6,7 @@ import json
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
-from flexros.whole_file import write_whole
+from flexros.atomic_file import write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -33,7 +33,7 @@ from flexros.robot import load_robot
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
-from flexros.simulate.loop import feed_through
+from flexros.simulate.open_loop import feed_through
 from tests.bench.bench_simulate import row, seconds
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from flexros.compile.loop.kernel import compile_loop
 from flexros.effects import PlacedEffect, RobotWithEffects, effects, place_effects
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.robot import Robot, load_robot
-from flexros.simulate.loop import feed_through
+from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant import Plant, delayed_start
 from flexros.simulate.plant_model import PlantModel
 

@@ -8,7 +8,7 @@ import pytest
 from flexros.compile.loop.arrays import LoopInputs
 from flexros.compile.loop.kernel import compile_loop
 from flexros.effects import parse_effect, place_effects
-from flexros.simulate.loop import feed_through
+from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 from tests.effects.single_mass import MASS, SLIDE, T, plant, states
 

@@ -16,7 +16,7 @@ from types import FrameType
 
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
-from flexros.whole_file import write_whole
+from flexros.atomic_file import write_whole
 from tests.fuzz.hostile import HOSTILE
 from tests.fuzz.mended import MENDED
 from tests.fuzz.readers import READERS, Reader, outcome

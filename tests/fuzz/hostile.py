@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 import zstandard
 
-from flexros.logs.mcap.file import MAGIC
+from flexros.logs.mcap.file_writer import MAGIC
 from tests.fuzz import samples
 from tests.fuzz.samples import CHANNEL, CHUNK, MESSAGE, SCHEMA, chunk_bytes, record_bytes
 

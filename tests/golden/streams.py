@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from flexros.atomic_file import write_whole
 from flexros.effects.patching.patched_robot import load_model
 from flexros.monitor.gap_monitor import GapMonitor, MonitorReading
 from flexros.monitor.statement import motor_sentence, motor_values, robot_sentence, robot_values
@@ -14,7 +15,6 @@ from flexros.monitor.watch_log import watch_log
 from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
-from flexros.whole_file import write_whole
 from tests.nodes.conftest import identification_settings
 
 FILE = Path(__file__).parent / "streams.json"

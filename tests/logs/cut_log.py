@@ -12,8 +12,8 @@ from mcap.opcode import Opcode
 from mcap.writer import Writer
 
 from flexros.logs.mcap.chunk import MESSAGE_HEADER
-from flexros.logs.mcap.file import MAGIC
-from flexros.logs.mcap.scan import McapScan
+from flexros.logs.mcap.file_reader import McapScan
+from flexros.logs.mcap.file_writer import MAGIC
 from flexros.logs.messages.bulk_decode import payloads_of
 
 _HEAD = struct.Struct("<BQ")

@@ -19,8 +19,8 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
+from flexros.atomic_file import write_whole
 from flexros.provenance import code_version, machine, versions
-from flexros.whole_file import write_whole
 from tests.soak import (
     bad_transport,
     foreign_senders,

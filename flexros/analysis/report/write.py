@@ -13,9 +13,9 @@ from flexros.analysis.report.provenance import ProvenanceSection
 from flexros.analysis.report.summary import SummarySection
 from flexros.analysis.report.timing import TimingSection
 from flexros.analysis.report.torques import TorqueSection
+from flexros.atomic_file import write_result
 from flexros.errors import InputError
 from flexros.report.page import Chapter, page_html
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

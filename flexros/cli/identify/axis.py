@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.table import Table
 
+from flexros.atomic_file import write_result
 from flexros.cli.model import linear_robot
 from flexros.cli.options import NamespaceOption, TorqueOption, torque_source
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.cli.run import key_and_value
 from flexros.errors import InputError, unknown_name
 from flexros.json_text import json_text
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.identify.axis.extremes import Extremes
+    from flexros.identify.axis.resonances import Extremes
     from flexros.logs.time_series import Log
     from flexros.robot import Robot
 
@@ -116,7 +116,7 @@ def _bounds(texts: list[str]) -> dict[str, tuple[float, float]]:
 
 
 def _given(antiresonances: list[float], resonances: list[float]) -> Extremes | None:
-    from flexros.identify.axis.extremes import Extremes
+    from flexros.identify.axis.resonances import Extremes
 
     if not antiresonances and not resonances:
         return None
@@ -126,7 +126,7 @@ def _given(antiresonances: list[float], resonances: list[float]) -> Extremes | N
 def _extremes(log: Log, robot: Robot, joint: str, count: int, started: bool) -> Extremes:
     """Return the frequencies of the response of an identification log, else those of the robot."""
     from flexros.analysis.frequency_responses import log_responses
-    from flexros.identify.axis.extremes import Extremes, extremes_of_response, extremes_of_robot
+    from flexros.identify.axis.resonances import Extremes, extremes_of_response, extremes_of_robot
 
     responses = log_responses(log)
     for response in () if responses is None else responses.positions:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from flexros.atomic_file import write_result
 from flexros.cli.identify.table import fitting_table
 from flexros.cli.model import linear_robot
 from flexros.cli.options import NamespaceOption, TorqueOption, torque_source
 from flexros.cli.output import console, print_json, progress_bar, say
 from flexros.errors import InputError
 from flexros.json_text import json_text
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.atomic_file import write_result
 from flexros.effects.patching.patch import Covariance, Patch, PatchedEffect, PatchedValue, name_from, numbered
 from flexros.effects.patching.patched_robot import load_patched
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -13,7 +13,7 @@ from flexros.effects.kinds.law import AbstractLaw
 from flexros.effects.kinds.model_change import AbstractChangedValues
 from flexros.errors import InputError
 from flexros.gap.prediction.fractional_delay import delayed
-from flexros.simulate.loop import feed_through
+from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant_model import PlantModel
 
 if TYPE_CHECKING:

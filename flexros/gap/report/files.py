@@ -5,11 +5,11 @@ from __future__ import annotations
 import shutil
 from typing import TYPE_CHECKING
 
+from flexros.atomic_file import write_result
 from flexros.errors import InputError
 from flexros.gap.answer.patch import patch_of
 from flexros.gap.report.write import diagnosis_report
 from flexros.json_text import json_text
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.atomic_file import write_result
 from flexros.gap.report.evidence import EvidenceSection
 from flexros.gap.report.how_far import HowFarSection
 from flexros.gap.report.open_questions import OpenQuestionsSection
@@ -14,7 +15,6 @@ from flexros.gap.report.summary import SummarySection
 from flexros.gap.report.where import WhereSection
 from flexros.report.number_text import number
 from flexros.report.page import Chapter, page_html
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -11,7 +11,7 @@ import numpy as np
 
 from flexros.discovery import members
 from flexros.gap.schema import Excess
-from flexros.gap.where.score import concentration
+from flexros.gap.where.significance import concentration
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.where.channel import Channel, ErrorSample
-    from flexros.gap.where.errors import PredictionErrors
+    from flexros.gap.where.prediction_errors import PredictionErrors
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ import numpy as np
 from flexros.gap.noise.autoregression import white_spectrum
 from flexros.gap.settings import WhereSettings
 from flexros.gap.where.base import AbstractSimulatedView, AbstractTestedView, ViewExcess, views
-from flexros.gap.where.errors import PredictionErrors
-from flexros.gap.where.score import p_values
-from flexros.gap.where.selection import mapped, reported, significant
+from flexros.gap.where.prediction_errors import PredictionErrors
+from flexros.gap.where.reported_excess import mapped, reported, significant
+from flexros.gap.where.significance import p_values
 from flexros.gap.where.views.position_bands import PositionBands
 from flexros.random_streams import generator
 

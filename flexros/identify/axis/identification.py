@@ -9,12 +9,12 @@ import numpy as np
 
 from flexros.errors import unknown_name
 from flexros.identify.axis.gear_law import PARAMETERS
+from flexros.identify.axis.neglected_influences import unmodelled
 from flexros.identify.axis.prediction_fit import AxisFit, Quality, fit_axis
 from flexros.identify.axis.predictor import Predictor
 from flexros.identify.axis.record import AxisRecord, axis_record
-from flexros.identify.axis.starting_point import bounds_around, short_steps, starting_values
+from flexros.identify.axis.search_setup import bounds_around, short_steps, starting_values
 from flexros.identify.axis.structure import AxisStructure
-from flexros.identify.axis.unmodelled import unmodelled
 from flexros.prediction.damped_least_squares import StopRule
 from flexros.record.identification_record import identification_record
 

@@ -10,9 +10,9 @@ from flexros.provenance import versions
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flexros.identify.axis.extremes import Extremes
     from flexros.identify.axis.identification import OneAxisIdentification
     from flexros.identify.axis.prediction_fit import AxisFit, Quality
+    from flexros.identify.axis.resonances import Extremes
 
 SCHEMA = 1
 """Version of the record."""

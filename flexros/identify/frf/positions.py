@@ -12,7 +12,7 @@ from flexros.errors import InputError
 from flexros.identify.frf.aligned_log import align
 from flexros.identify.frf.checks.planned_positions import check_positions
 from flexros.identify.frf.checks.record_checks import model_warnings
-from flexros.identify.frf.estimate.response_of import frequency_response_of
+from flexros.identify.frf.estimate.estimate_response import frequency_response_of
 from flexros.identify.frf.experiments import Experiments
 from flexros.identify.frf.settings import FrfSettings
 from flexros.robot.quantity import unit_of

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.atomic_file import write_result
 from flexros.identify.robot_file import IdentifiedValue, identified_data, identified_file
 from flexros.robot.robot import robot_from_data
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from collections.abc import Collection

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.atomic_file import write_result
 from flexros.errors import InputError
 from flexros.identify.graybox.identified_robot import identified_yaml
 from flexros.identify.report.record import identification_record
 from flexros.identify.report.write import identification_report
 from flexros.json_text import json_text
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from pathlib import Path

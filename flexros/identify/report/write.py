@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flexros.atomic_file import write_result
 from flexros.identify.report.distortion import DistortionSection
 from flexros.identify.report.experiment import ExperimentSection
+from flexros.identify.report.multistart import StartSection
 from flexros.identify.report.parameters import ParameterSection
 from flexros.identify.report.provenance import ProvenanceSection
 from flexros.identify.report.residuals import ResidualSection
 from flexros.identify.report.responses import ResponseSection
-from flexros.identify.report.starts import StartSection
 from flexros.identify.report.summary import SummarySection
 from flexros.identify.report.undetermined import UndeterminedSection
 from flexros.report.page import Chapter, page_html
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from ruamel.yaml import YAML
 
+from flexros.atomic_file import write_whole
 from flexros.logs.provenance_file import PROVENANCE_FILE
-from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
     from pathlib import Path

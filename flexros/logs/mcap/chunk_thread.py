@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from flexros.arrays import IntArray
-    from flexros.logs.mcap.file import McapFile
+    from flexros.logs.mcap.file_writer import McapFile
 
 _MAX_WAITING = 4  # chosen: chunks in memory while the disk is busy
 

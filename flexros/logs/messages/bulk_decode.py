@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 import numpy as np
 
 from flexros.input_limits import MOST_LAYOUTS
-from flexros.logs.left_out import LeftOut
 from flexros.logs.mcap.chunk import LENGTH_FIELD_END, MESSAGE_HEADER
 from flexros.logs.messages.cdr_cursor import MessageError
+from flexros.logs.skipped_messages import SkippedMessages
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flexros.arrays import FloatArray, IntArray
-    from flexros.logs.mcap.scan import MessageBlock
+    from flexros.logs.mcap.file_reader import MessageBlock
     from flexros.logs.messages.layout import MessageLayout
 
 _HEADER_SIZE = MESSAGE_HEADER.itemsize - LENGTH_FIELD_END
@@ -92,7 +92,7 @@ class TopicDecoder(Generic[L]):
         self._n_layouts = 0
         self.segments: list[Segment[L]] = []
         self.n_messages = 0
-        self.damaged = LeftOut()
+        self.damaged = SkippedMessages()
 
     def add(self, block: MessageBlock, rows: IntArray, translate: Callable[[bytes], bytes] | None = None) -> None:
         """Decode messages of the topic.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flexros.whole_file import write_result
+from flexros.atomic_file import write_result
 
 if TYPE_CHECKING:
     from pathlib import Path

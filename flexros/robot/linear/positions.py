@@ -10,8 +10,8 @@ import casadi as ca
 import numpy as np
 
 from flexros.errors import InputError
+from flexros.robot.equilibrium_search import RestFinder
 from flexros.robot.linear.parameter_terms import MATRIX, ParameterTerms, parameter_terms
-from flexros.robot.rest import RestFinder
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

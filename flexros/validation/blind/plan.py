@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from flexros.random_streams import Stream, generator
 from flexros.robot import load_robot
-from flexros.validation.blind.draw.places import places_of
+from flexros.validation.blind.draw.locations import places_of
 from flexros.validation.blind.plant.laws import LAWS, LIBRARY_LAWS, OUTSIDE_LAWS
 
 if TYPE_CHECKING:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, TypeVar
 
 from pydantic import Field, ValidationError
 
+from flexros.atomic_file import write_whole
 from flexros.config.settings import Settings
 from flexros.errors import InputError
 from flexros.validation.blind.deviation import Deviation
-from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -6,11 +6,11 @@ import json
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
+from flexros.atomic_file import write_whole
 from flexros.config.text_file import read_json
 from flexros.errors import InputError
 from flexros.provenance import code_version, versions
 from flexros.scheduler import finished
-from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping

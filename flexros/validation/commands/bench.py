@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.table import Table
 
+from flexros.atomic_file import write_result
 from flexros.cli.output import console, print_json
 from flexros.errors import InputError, RunError, unknown_name
 from flexros.provenance import NUMERIC_PACKAGES, machine, versions
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from collections.abc import Callable

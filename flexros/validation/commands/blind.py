@@ -33,7 +33,7 @@ def make(
 ) -> None:
     """Draw cases, write their logs, and seal their truths; existing cases are kept."""
     from flexros.random_streams import Stream
-    from flexros.validation.blind.make import MakeSettings, make_case
+    from flexros.validation.blind.make_case import MakeSettings, make_case
     from flexros.validation.blind.plan import PlanSettings, plan_cases
 
     if out.resolve() == truth.resolve() or out.resolve() in truth.resolve().parents:
@@ -61,7 +61,7 @@ def run(
     scheduler: str = typer.Option("", "--scheduler", help=SCHEDULER),
 ) -> None:
     """Diagnose cases from logs and nominal models alone; those that are diagnosed already are kept."""
-    from flexros.validation.blind.run import case_folders, diagnose_case, failures, waiting
+    from flexros.validation.blind.diagnose_case import case_folders, diagnose_case, failures, waiting
 
     wanted = set(part_of(case_folders(logs), cases))
     folders = [folder for folder in waiting(logs) if folder in wanted]
@@ -129,7 +129,7 @@ def _shares(text: str) -> dict[str, float]:
 def _work(scheduler: str, function: Callable[..., None], jobs: list[tuple[Any, ...]], what: str) -> None:
     """Work through jobs with a progress bar."""
     from flexros.scheduler import connected
-    from flexros.validation.blind.run import on_workers
+    from flexros.validation.blind.diagnose_case import on_workers
 
     if not jobs:
         return

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from flexros.atomic_file import write_result
 from flexros.cli.output import print_json, progress_bar, say
 from flexros.errors import InputError
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from collections.abc import Callable

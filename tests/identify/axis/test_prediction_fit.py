@@ -8,7 +8,7 @@ import pytest
 from flexros.identify.axis import AxisStructure
 from flexros.identify.axis.prediction_fit import AxisFit, fit_axis
 from flexros.identify.axis.predictor import Predictor
-from flexros.identify.axis.starting_point import bounds_around
+from flexros.identify.axis.search_setup import bounds_around
 from tests.identify.axis.recorded_axis import EFFECTS, TRUTH, axis_of, recorded_axis
 
 STRUCTURE = AxisStructure(gear="linear", offset=True)

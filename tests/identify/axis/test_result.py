@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexros.identify.axis import OneAxisIdentification, identify_one_axis
-from flexros.identify.axis.extremes import Extremes
+from flexros.identify.axis.resonances import Extremes
 from flexros.identify.axis.result import result_record
 from flexros.robot import load_robot
 from tests.identify.axis.recorded_axis import recorded_axis

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.identify.frf.estimate.response_of import frequency_response_of
+from flexros.identify.frf.estimate.estimate_response import frequency_response_of
 from flexros.identify.frf.experiments import Experiments
 from flexros.robot import load_robot
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.identify.frf.estimate.response_of import frequency_response_of
+from flexros.identify.frf.estimate.estimate_response import frequency_response_of
 from flexros.identify.frf.experiments import Experiments
 from flexros.identify.frf.frequency_response import FrequencyResponse
 from flexros.identify.frf.settings import FrfSettings

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.logs.mcap.chunk_thread import ChunkThread
-from flexros.logs.mcap.file import McapFile
+from flexros.logs.mcap.file_writer import McapFile
 
 
 class HeldFile:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexros.logs.mcap.chunk import MESSAGE_HEADER
-from flexros.logs.mcap.scan import MessageBlock
+from flexros.logs.mcap.file_reader import MessageBlock
 from flexros.logs.messages import bulk_decode
 from flexros.logs.messages.bulk_decode import TopicDecoder
 from flexros.logs.messages.cdr_cursor import MessageError

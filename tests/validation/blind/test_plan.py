@@ -8,7 +8,7 @@ import numpy as np
 
 from flexros.random_streams import Stream
 from flexros.robot import load_robot
-from flexros.validation.blind.draw.places import places_of
+from flexros.validation.blind.draw.locations import places_of
 from flexros.validation.blind.plan import PlanSettings, plan_cases
 from flexros.validation.blind.plant.laws import LIBRARY_LAWS
 

@@ -10,7 +10,7 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.gap.result import DiagnosisResult
-from flexros.validation.blind import run as blind_run
+from flexros.validation.blind import diagnose_case as blind_run
 from flexros.validation.commands.blind import part_of
 from tests.cli.conftest import Ended
 from tests.validation.blind.cases import diagnosis

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flexros.arrays import BoolArray, FloatArray, IntArray
-    from flexros.gap.where.errors import PredictionErrors
+    from flexros.gap.where.prediction_errors import PredictionErrors
     from flexros.record.periodic_parts import PeriodicPart
 
 POOL = 10

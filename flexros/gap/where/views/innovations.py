@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import BoolArray, FloatArray
     from flexros.gap.where.channel import ErrorSample
-    from flexros.gap.where.errors import PredictionErrors
+    from flexros.gap.where.prediction_errors import PredictionErrors
 
 ORDER = 32
 """Order of the autoregression (chosen)."""

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from flexros.arrays import BoolArray, FloatArray, IntArray
     from flexros.gap.where.channel import ErrorSample
-    from flexros.gap.where.errors import PredictionErrors
+    from flexros.gap.where.prediction_errors import PredictionErrors
 
 BINS_PER_PERIOD = 4
 """Angle bins in the shortest period (chosen)."""

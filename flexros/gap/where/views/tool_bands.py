@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from typing import Self
 
-    from flexros.gap.where.errors import PredictionErrors
+    from flexros.gap.where.prediction_errors import PredictionErrors
 
 REGIMES_OF_TOOL = ("all", "standstill", "reversal", "high speed", "vibration", "first third", "last third")
 """Regimes of the tool: a regime holds where it holds for any motor, standstill where it holds for all of them."""

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flexros.atomic_file import write_result
 from flexros.errors import InputError
 from flexros.identify.frf.files.labelled import dataset_of, response_of
-from flexros.whole_file import write_result
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -12,12 +12,12 @@ from flexros.errors import InputError
 from flexros.input_limits import MOST_SIGNALS
 from flexros.logs.foreign.message_numbers import message_numbers
 from flexros.logs.foreign.signal_source import BAG_SUFFIX, AbstractSignalSource, Signal
-from flexros.logs.left_out import LeftOut
 from flexros.logs.mcap.bag_files import find_bag_files
-from flexros.logs.mcap.scan import McapScan
+from flexros.logs.mcap.file_reader import McapScan
 from flexros.logs.messages.bulk_decode import payloads_of
 from flexros.logs.messages.cdr_cursor import MessageError
 from flexros.logs.messages.foreign_definition import decoder
+from flexros.logs.skipped_messages import SkippedMessages
 from flexros.logs.stamps import NANOSECONDS
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ class _TopicSeries:
         self._values: dict[str, list[float]] = {name: [] for name in names}
         self._log_times: list[int] = []
         self._stamps: list[int] = []
-        self._damaged = LeftOut()
+        self._damaged = SkippedMessages()
 
     def take(self, log_time: int, payload: bytes, decode: Decode) -> None:
         """Decode a message with its time of recording [ns]."""

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.robot import Robot
     from flexros.validation.blind.deviation import Deviation
+    from flexros.validation.blind.draw.case_setting import Setting
     from flexros.validation.blind.draw.draw import Draft
     from flexros.validation.blind.draw.nominal_filter import NominalFilter
-    from flexros.validation.blind.draw.setting import Setting
     from flexros.validation.blind.plant.plant import BlindRun
 
 SETTLE = 1.0

@@ -7,7 +7,8 @@ from typing import TypeAlias
 
 import casadi as ca
 
-from flexros.validation.blind.plant import drive, friction, gear, outside
+from flexros.validation.blind.plant import drive, friction, gear
+from flexros.validation.blind.plant import outside_causes as outside
 from flexros.validation.blind.plant.equations import Equations
 
 Law: TypeAlias = Callable[[Equations, str, Mapping[str, ca.SX]], None]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexros.effects import RobotWithEffects
-from flexros.validation.blind.run import case_settings, read_logs
+from flexros.validation.blind.diagnose_case import case_settings, read_logs
 from flexros.validation.blind.score.answer import VISIBLE
 from flexros.validation.blind.score.nested import same_place
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexros.errors import InputError
 from flexros.gap.schema import Diagnosis
-from flexros.validation.blind.run import FAILURE_FILE, TIME_FILE, case_folders
+from flexros.validation.blind.diagnose_case import FAILURE_FILE, TIME_FILE, case_folders
 from flexros.validation.blind.score.answer import VISIBLE, Answer
 from flexros.validation.blind.score.coverage import fitted_sizes
 from flexros.validation.blind.score.oracle import oracle_fraction

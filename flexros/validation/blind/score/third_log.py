@@ -10,7 +10,7 @@ from flexros.config.settings import Settings
 from flexros.effects import RobotWithEffects
 from flexros.effects.patching.patched_robot import load_model
 from flexros.errors import FlexrosError
-from flexros.validation.blind.run import PATCH_FILE, case_settings
+from flexros.validation.blind.diagnose_case import PATCH_FILE, case_settings
 from flexros.validation.blind.seal import ROBOT_FILE
 
 if TYPE_CHECKING:

@@ -36,7 +36,7 @@ class BlindCheck(AbstractCampaign):
 
     def run(self, request: CampaignRequest) -> CampaignResult:
         """Run the campaign, or what is left of it; see `AbstractCampaign.run`."""
-        from flexros.validation.blind.make import MakeSettings
+        from flexros.validation.blind.make_case import MakeSettings
         from flexros.validation.blind.plan import plan_cases
         from flexros.validation.campaigns.blind.case_part import answer_of, case_part
 

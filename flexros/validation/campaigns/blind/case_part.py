@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from flexros.errors import InputError
 from flexros.gap.schema import Diagnosis
-from flexros.validation.blind.make import MakeSettings, make_case
-from flexros.validation.blind.run import FAILURE_FILE, TIME_FILE, diagnose_case
+from flexros.validation.blind.diagnose_case import FAILURE_FILE, TIME_FILE, diagnose_case
+from flexros.validation.blind.make_case import MakeSettings, make_case
 from flexros.validation.blind.score.answer import Answer
 from flexros.validation.blind.score.oracle import oracle_fraction
 from flexros.validation.blind.score.third_log import ThirdLog, third_log

@@ -6,10 +6,10 @@ import json
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from flexros.atomic_file import write_whole
 from flexros.validation.campaigns.base import AbstractCampaign, CampaignResult
 from flexros.validation.campaigns.coverage.settings import CoverageSettings
 from flexros.validation.campaigns.parts import claim_folder, finished_parts, versions_of
-from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
     from flexros.scenario.scenario import Scenario

@@ -34,7 +34,7 @@ class Sensitivity(AbstractCampaign):
     def run(self, request: CampaignRequest) -> CampaignResult:
         """Run the campaign, or what is left of it; see `AbstractCampaign.run`."""
         from flexros.json_text import json_text
-        from flexros.validation.blind.run import case_settings
+        from flexros.validation.blind.diagnose_case import case_settings
         from flexros.validation.campaigns.sensitivity.case_part import case_part
         from flexros.validation.campaigns.sensitivity.page import Study, sensitivity_page, sensitivity_summary
         from flexros.validation.campaigns.sensitivity.variation import numeric_keys

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from flexros.errors import FlexrosError, InputError
 from flexros.gap.diagnose import diagnose
 from flexros.random_streams import Stream
-from flexros.validation.blind.make import MakeSettings, make_case
-from flexros.validation.blind.run import case_settings, read_logs
+from flexros.validation.blind.diagnose_case import case_settings, read_logs
+from flexros.validation.blind.make_case import MakeSettings, make_case
 from flexros.validation.blind.seal import read_case
 from flexros.validation.campaigns.sensitivity.variation import numeric_keys, varied
 

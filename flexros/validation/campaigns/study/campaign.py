@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from flexros.atomic_file import write_whole
 from flexros.validation.campaigns.base import AbstractCampaign, CampaignResult
 from flexros.validation.campaigns.parts import claim_folder, finished_parts
 from flexros.validation.campaigns.study.settings import StudySettings
-from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
     from flexros.identify.frf.frequency_response import FrequencyResponse

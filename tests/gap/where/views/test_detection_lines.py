@@ -14,8 +14,8 @@ from flexros.gap.settings import WhereSettings
 from flexros.gap.signatures.detection_lines import DetectionLines as DetectionLinePicture
 from flexros.gap.signatures.signature_data import SignatureData
 from flexros.gap.where.base import Location
-from flexros.gap.where.errors import PredictionErrors
 from flexros.gap.where.find import where
+from flexros.gap.where.prediction_errors import PredictionErrors
 from flexros.gap.where.views.detection_lines import DetectionLines, line_levels
 from flexros.record.periodic_parts import PeriodicPart, periodic_parts
 from flexros.robot import load_robot

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexros.identify.frf.distortion import Distortion
 from flexros.identify.frf.estimate.distortion_levels import interpolated
-from flexros.identify.frf.estimate.response_of import frequency_response_of
+from flexros.identify.frf.estimate.estimate_response import frequency_response_of
 from flexros.identify.frf.experiments import Experiments
 from flexros.identify.frf.settings import FrfSettings
 

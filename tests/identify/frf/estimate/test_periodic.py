@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
+from flexros.identify.frf.estimate.estimate_response import frequency_response_of
 from flexros.identify.frf.estimate.periodic import periodic_response
-from flexros.identify.frf.estimate.response_of import frequency_response_of
 from flexros.identify.frf.experiments import Experiments
 from flexros.identify.frf.settings import FrfSettings
 from flexros.identify.frf.two_mass_example import TwoMassAxis

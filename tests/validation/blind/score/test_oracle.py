@@ -8,7 +8,7 @@ import pytest
 
 from flexros.gap.schema import Diagnosis
 from flexros.random_streams import Stream
-from flexros.validation.blind.make import MakeSettings, make_case
+from flexros.validation.blind.make_case import MakeSettings, make_case
 from flexros.validation.blind.plan import Case
 from flexros.validation.blind.score.coverage import fitted_sizes
 from flexros.validation.blind.score.oracle import oracle_fraction

@@ -8,9 +8,9 @@ import pytest
 
 from flexros.gap.schema import CauseParameter
 from flexros.random_streams import Stream
-from flexros.validation.blind.make import MakeSettings, make_case
+from flexros.validation.blind.diagnose_case import PATCH_FILE
+from flexros.validation.blind.make_case import MakeSettings, make_case
 from flexros.validation.blind.plan import Case
-from flexros.validation.blind.run import PATCH_FILE
 from flexros.validation.blind.score.coverage import covers
 from flexros.validation.blind.score.score import score
 from flexros.validation.blind.score.third_log import ThirdLog, third_log

@@ -12,8 +12,8 @@ from flexros.errors import InputError
 from flexros.gap.result import DiagnosisResult
 from flexros.random_streams import Stream
 from flexros.scheduler import connected
-from flexros.validation.blind import run as blind_run
-from flexros.validation.blind.make import MakeSettings
+from flexros.validation.blind import diagnose_case as blind_run
+from flexros.validation.blind.make_case import MakeSettings
 from flexros.validation.blind.plan import Case, PlanSettings
 from flexros.validation.blind.score.answer import Answer
 from flexros.validation.blind.seal import sha256

@@ -7,7 +7,7 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.identify.axis import AxisStructure
-from flexros.identify.axis.linear_start import RigidStart, chain_of_masses, linear_start, rigid_start
+from flexros.identify.axis.linear_initial_values import RigidStart, chain_of_masses, linear_start, rigid_start
 from flexros.identify.axis.record import AxisRecord
 from tests.identify.axis.recorded_axis import EFFECTS, axis_of, recorded_axis
 

@@ -14,10 +14,10 @@ from flexros.gap.result import DiagnosisResult
 from flexros.logs.reader import read_log
 from flexros.random_streams import Stream
 from flexros.robot import load_robot
-from flexros.validation.blind import run as blind_run
-from flexros.validation.blind.make import MakeSettings, make_case
+from flexros.validation.blind import diagnose_case as blind_run
+from flexros.validation.blind.diagnose_case import case_folders, diagnose_case, waiting
+from flexros.validation.blind.make_case import MakeSettings, make_case
 from flexros.validation.blind.plan import Case
-from flexros.validation.blind.run import case_folders, diagnose_case, waiting
 from flexros.validation.blind.score.score import read_answers
 from flexros.validation.blind.seal import DIAGNOSIS_FILE, Truth
 from tests.validation.blind.cases import diagnosis

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexros.errors import InputError
-from flexros.trajectory.rest import Rest
+from flexros.trajectory.rest_path import Rest
 from flexros.trajectory.trajectory import Trajectory
 
 POINT = np.array([0.3, -0.7])

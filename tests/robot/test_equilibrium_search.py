@@ -7,7 +7,7 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.robot import load_robot
-from flexros.robot.rest import RestFinder
+from flexros.robot.equilibrium_search import RestFinder
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.gap.where.score import concentration, p_values
+from flexros.gap.where.significance import concentration, p_values
 
 
 def test_p_value_counts_the_largest_of_all_places() -> None:

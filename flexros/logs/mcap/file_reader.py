@@ -21,7 +21,7 @@ from flexros.errors import InputError
 from flexros.input_limits import EXPANSION, LARGEST_DEFINITIONS, MOST_DEFINITIONS, MOST_WARNINGS, room_of
 from flexros.logs.mcap.chunk import LENGTH_FIELD_END, MESSAGE_HEADER, MESSAGE_OPCODE
 from flexros.logs.mcap.chunk_expansion import DamagedChunkError, ExpansionLimitError, expand_chunk
-from flexros.logs.mcap.file import MAGIC
+from flexros.logs.mcap.file_writer import MAGIC
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from flexros.atomic_file import write_result, write_whole
 from flexros.errors import InputError
-from flexros.whole_file import write_result, write_whole
 
 
 def test_file_is_written_and_nothing_else_left(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from flexros.errors import InputError
-from flexros.identify.design.stand_in import stand_in_values
+from flexros.identify.design.real_robot import stand_in_values
 from flexros.identify.robot_file import IdentifiedValue, identified_file
 from flexros.robot import load_robot
 from flexros.robot.robot import robot_from_data

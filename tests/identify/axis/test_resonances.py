@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexros.identify.axis.extremes import extremes_of_response, extremes_of_robot
+from flexros.identify.axis.resonances import extremes_of_response, extremes_of_robot
 from flexros.identify.frf.frequency_response import FrequencyResponse
 from flexros.identify.graybox.frequency_model import FrequencyModel
 from flexros.robot import Robot, load_robot

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 
-class LeftOut:
+class SkippedMessages:
     """Counter of left-out messages.
 
     Attributes:

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexros.errors import InputError, unknown_name
 from flexros.identify.axis.gear_law import PARAMETERS
-from flexros.identify.axis.linear_start import linear_start, rigid_start
+from flexros.identify.axis.linear_initial_values import linear_start, rigid_start
 from flexros.identify.graybox.parameter_scale import DECADES
 
 if TYPE_CHECKING:

@@ -7,12 +7,12 @@ import time
 import traceback
 from typing import TYPE_CHECKING, Any
 
+from flexros.atomic_file import write_whole
 from flexros.errors import FlexrosError, InputError
 from flexros.gap.answer.patch import write_patch
 from flexros.json_text import json_text
 from flexros.scheduler import finished
 from flexros.validation.blind.seal import CASE_FILE, DIAGNOSIS_FILE, ROBOT_FILE, OpenCase, read_case
-from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

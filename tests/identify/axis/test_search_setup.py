@@ -6,7 +6,7 @@ import pytest
 
 from flexros.errors import InputError
 from flexros.identify.axis import AxisStructure
-from flexros.identify.axis.starting_point import bounds_around, short_steps, starting_values
+from flexros.identify.axis.search_setup import bounds_around, short_steps, starting_values
 from tests.identify.axis.recorded_axis import TRUTH, axis_of, recorded_axis
 
 RECORD = axis_of(recorded_axis(samples=400))

@@ -10,7 +10,7 @@ from mcap.records import ChunkIndex, MessageIndex, Statistics, SummaryOffset
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
 
 from flexros.logs.mcap.chunk import assemble_chunk
-from flexros.logs.mcap.file import McapFile
+from flexros.logs.mcap.file_writer import McapFile
 
 
 def chunk_of(times, channels=None, size=50):

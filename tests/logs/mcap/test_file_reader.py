@@ -9,7 +9,7 @@ from mcap.writer import CompressionType, IndexType, Writer
 
 from flexros.errors import InputError
 from flexros.input_limits import EXPANSION_ALLOWANCE, LARGEST_DEFINITIONS, MOST_DEFINITIONS, MOST_WARNINGS
-from flexros.logs.mcap.scan import McapScan
+from flexros.logs.mcap.file_reader import McapScan
 
 N = 60
 

@@ -5,24 +5,24 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
+from flexros.atomic_file import write_whole
 from flexros.errors import RunError
 from flexros.identify.robot_file import identified_file
 from flexros.logs.write_log import write_log
 from flexros.random_streams import Stream, generator
+from flexros.validation.blind.draw.arm_deviations import OUTSIDE_DRAWERS, STRUCTURE_DRAWERS
+from flexros.validation.blind.draw.case_setting import Setting
 from flexros.validation.blind.draw.conditions import believed_values, draw_conditions, tolerances
 from flexros.validation.blind.draw.draw import Draft, draft, log_uniform
-from flexros.validation.blind.draw.motor import MOTOR_DRAWERS
+from flexros.validation.blind.draw.locations import places_of
+from flexros.validation.blind.draw.motor_deviations import MOTOR_DRAWERS
 from flexros.validation.blind.draw.nominal_filter import NominalFilter
-from flexros.validation.blind.draw.places import places_of
 from flexros.validation.blind.draw.scales import scales_of
-from flexros.validation.blind.draw.setting import Setting
 from flexros.validation.blind.draw.sizing import Rehearsal, Sized, find_size
-from flexros.validation.blind.draw.structure import OUTSIDE_DRAWERS, STRUCTURE_DRAWERS
 from flexros.validation.blind.plan import SIZES
 from flexros.validation.blind.plant.plant import UnstableCaseError
+from flexros.validation.blind.recorded_log import RecordedLog, record_log
 from flexros.validation.blind.seal import CASE_FILE, ROBOT_FILE, OpenCase, Truth, sha256, write_truth
-from flexros.validation.blind.take import Take, take_log
-from flexros.whole_file import write_whole
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -103,13 +103,13 @@ def make_case(case: Case, settings: MakeSettings, logs: Path, truths: Path) -> N
     write_whole(folder / CASE_FILE, opened.model_dump_json(indent=1) + "\n")
 
 
-def _drawn_with_logs(case: Case, settings: MakeSettings) -> tuple[Drawn, list[Take]]:
+def _drawn_with_logs(case: Case, settings: MakeSettings) -> tuple[Drawn, list[RecordedLog]]:
     """Draw until all three logs have a stable loop."""
     for attempt in range(ATTEMPTS):
         try:
             drawn = draw_case(case, settings, attempt)
             return drawn, [
-                take_log(
+                record_log(
                     drawn, case.tool, place, settings.durations[place], _random(case, settings, attempt, 2 + place)
                 )
                 for place in range(len(LOGS))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from flexros.monitor.tail import log_tail, threshold, weights_of_mean_square
+from flexros.monitor.tail_probability import log_tail, threshold, weights_of_mean_square
 
 
 @pytest.mark.parametrize("samples", [20, 200, 20000])

@@ -16,14 +16,14 @@ from flexros.validation.blind.plant.tool_view import seen_pose
 
 if TYPE_CHECKING:
     from flexros.arrays import FloatArray, IntArray
-    from flexros.validation.blind.make import Drawn
+    from flexros.validation.blind.make_case import Drawn
 
 PROVENANCE = {"scenario": {"name": "blind"}}
 """All that the side-car of a log says: that it was simulated."""
 
 
 @dataclass(frozen=True, eq=False)
-class Take:
+class RecordedLog:
     """A recording.
 
     Attributes:
@@ -65,7 +65,7 @@ class Take:
         )
 
 
-def take_log(drawn: Drawn, tool: bool, place: int, duration: float, random: np.random.Generator) -> Take:
+def record_log(drawn: Drawn, tool: bool, place: int, duration: float, random: np.random.Generator) -> RecordedLog:
     """Run a case once with noise.
 
     Args:
@@ -96,7 +96,7 @@ def take_log(drawn: Drawn, tool: bool, place: int, duration: float, random: np.r
         states = _later(run.states, conditions.tool_late / step)[:: round(TOOL_STEP / step)]
         pose = seen_pose(robot, deviations, states, plant.robot)
         seen = Tracker.draw(robot, random).see(pose, random)
-    return Take(
+    return RecordedLog(
         robot.joint_names, step, _stamps(n, step, conditions, random), run.encoder, run.command, reference, seen
     )
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
-from flexros.robot.rest import RestFinder
+from flexros.robot.equilibrium_search import RestFinder
 from flexros.simulate.plant_updates import smooth_torque
 
 if TYPE_CHECKING:
