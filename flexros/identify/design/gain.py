@@ -66,8 +66,8 @@ def design_gain(
     return DesignGain(
         efficiency=float(_efficiency(design, optimum)),
         random_efficiency=np.sort(_efficiency(random, optimum)),
-        deviation=_deviation(total * design),
-        random_deviation=np.median(_deviation(total * random), axis=0),
+        deviation=predicted_deviation(total * design),
+        random_deviation=np.median(predicted_deviation(total * random), axis=0),
     )
 
 
@@ -80,21 +80,17 @@ def predicted_deviation(information: FloatArray) -> FloatArray:
     Returns:
         Standard deviations, infinite where nothing is known, shape (..., P).
     """
-    return _deviation(information)
+    size = np.sqrt(np.diagonal(information, axis1=-2, axis2=-1))
+    safe = np.where(size > 0, size, 1.0)
+    scaled = information / safe[..., :, None] / safe[..., None, :]
+    regular = np.linalg.eigvalsh(scaled)[..., 0] > 1e-14
+    inverse = np.linalg.inv(np.where(regular[..., None, None], scaled, np.eye(information.shape[-1])))
+    deviation = np.sqrt(np.diagonal(inverse, axis1=-2, axis2=-1)) / safe
+    result: FloatArray = np.where(regular[..., None] & (size > 0), deviation, np.inf)
+    return result
 
 
 def _efficiency(matrices: FloatArray, optimum: float) -> FloatArray:
     sign, value = np.linalg.slogdet(matrices)
     result: FloatArray = np.where(sign > 0, np.exp((value - optimum) / matrices.shape[-1]), 0.0)
-    return result
-
-
-def _deviation(matrices: FloatArray) -> FloatArray:
-    size = np.sqrt(np.diagonal(matrices, axis1=-2, axis2=-1))
-    safe = np.where(size > 0, size, 1.0)
-    scaled = matrices / safe[..., :, None] / safe[..., None, :]
-    regular = np.linalg.eigvalsh(scaled)[..., 0] > 1e-14
-    inverse = np.linalg.inv(np.where(regular[..., None, None], scaled, np.eye(matrices.shape[-1])))
-    deviation = np.sqrt(np.diagonal(inverse, axis1=-2, axis2=-1)) / safe
-    result: FloatArray = np.where(regular[..., None] & (size > 0), deviation, np.inf)
     return result

@@ -71,14 +71,6 @@ class ResidualReport:
         """Return the cells with the largest shares of the cost, largest first."""
         return tuple(sorted(self.cells, key=lambda cell: -cell.share)[:count])
 
-    def share_of_position(self, position: int) -> float:
-        """Return the share of the cost of one position."""
-        return sum(cell.share for cell in self.cells if cell.position == position)
-
-    def share_of_element(self, output: str, input_name: str) -> float:
-        """Return the share of the cost of one element over all positions."""
-        return sum(cell.share for cell in self.cells if (cell.output, cell.input) == (output, input_name))
-
 
 def residual_report(problem: GrayBoxProblem, fit: GrayBoxFit, bands: Sequence[float] | int = BANDS) -> ResidualReport:
     """Compare a fitted model with the measured responses.

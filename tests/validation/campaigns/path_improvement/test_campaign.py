@@ -1,4 +1,4 @@
-"""The campaign of path errors writes its page; what it finds is tested in tests/identify/test_path_improvement.py."""
+"""The campaign of path errors writes its page. Its figures are tested in `test_comparison.py`."""
 
 from __future__ import annotations
 
