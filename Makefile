@@ -1,4 +1,4 @@
-# `make demo` and `make test` need python3 (3.10 to 3.13, with venv) and make; all else is installed into .venv.
+# `make demo` and `make test` need python3 (3.10 to 3.13, with venv) and make; everything else is installed into .venv.
 PYTHON ?= python3
 BIN := .venv/bin
 # Set by the ROS 2 wheels of another virtual environment, this would keep those of .venv from finding their libraries.
@@ -11,12 +11,12 @@ help:
 	@echo "make test    all tests"
 	@echo "make test-fast  without ROS, guide and slow tests, below a minute"
 	@echo "make lint    style, format, types, layers"
-	@echo "make bench   speed beside a peer measured in the same run"
+	@echo "make bench   speed, compared with a peer in the same run"
 	@echo "make fuzz    fuzz every parser with damaged and hostile input (15 min)"
-	@echo "make campaign  repeated identifications, hours; goes on where it was broken off"
-	@echo "make soak    endurance and faults, two hours; goes on where it was broken off"
+	@echo "make campaign  repeated identifications, hours; resumes after an abort"
+	@echo "make soak    endurance and faults, two hours; resumes after an abort"
 	@echo "make docs    the guide as pages, in site/"
-	@echo "make clean   remove .venv and all that is made"
+	@echo "make clean   remove .venv and all generated files"
 
 demo: environment
 	@$(BIN)/flexros demo

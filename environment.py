@@ -37,7 +37,7 @@ def ros_source(environment: dict[str, str], rclpy_importable: bool, system: str,
     """Choose where rclpy comes from.
 
     Args:
-        environment: Environment variables; ROS_DISTRO tells which distribution is sourced.
+        environment: Environment variables; ROS_DISTRO names the sourced distribution.
         rclpy_importable: Whether the Python that makes the environment can import rclpy.
         system: Operating system, as in `platform.system()`.
         machine: Processor, as in `platform.machine()`.
@@ -124,18 +124,18 @@ def make(ros: Ros) -> None:
 
 
 def install(goal: dict[str, object], extras: set[str], ros: Ros) -> int:
-    """Install FlexROS with its extras and write the stamp; broken off, it leaves a mark to start anew."""
+    """Install FlexROS with its extras and write the stamp; if aborted, a marker makes the next call start anew."""
     UNFINISHED.touch()
-    # The pip that comes with Python 3.10 needs ten minutes to resolve the extra `test`, a present one 20 seconds.
+    # The pip of Python 3.10 needs ten minutes to resolve the extra `test`, a current one 20 seconds.
     upgrade = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--upgrade", "pip>=24.1"]
     print("Installing FlexROS into .venv (about a minute, only once)", flush=True)
-    # Message packages of a sourced Jazzy are compiled against NumPy 1 and cannot be imported beside NumPy 2.
+    # Message packages of a sourced Jazzy are compiled against NumPy 1 and cannot be imported with NumPy 2.
     constraints = ("numpy<2",) if ros.source == "sourced" else ()
     subprocess.run(upgrade, check=False)
     complete = ros.source == "wheels" and pip_install({*extras, "ros"})
     if not complete and not pip_install(extras, *constraints):
         print(
-            "pip could not install FlexROS: its message stands above; check the network, then try again",
+            "pip could not install FlexROS: see its message above; check the network, then try again",
             file=sys.stderr,
         )
         return 1

@@ -1,4 +1,4 @@
-"""Shared memory of a ROS domain, by which a test tells what was left behind."""
+"""Shared memory of a ROS domain, by which a test finds what was left behind."""
 
 from __future__ import annotations
 

@@ -14,8 +14,8 @@ def test_source_prefixes_the_text_of_an_input_error():
 
 
 def test_other_errors_keep_their_text():
-    with pytest.raises(RunError, match=r"^broke off$"), source_named("file x.yaml"):
-        raise RunError("broke off")
+    with pytest.raises(RunError, match=r"^aborted$"), source_named("file x.yaml"):
+        raise RunError("aborted")
 
 
 def test_an_unknown_name_offers_the_nearest():

@@ -21,7 +21,7 @@ UNITS = {"relative": "", "time": " s", "frequency": " Hz", "order": " per turn",
 HEAD = """# Effects
 
 Every deviation of a real robot from its ideal model is one file in `flexros/effects`. The same effects make a simulated
-robot real and are the hypotheses of a gap diagnosis. Any number combine at any places:
+robot real and are the hypotheses of a gap diagnosis. Any number of them can be combined at any locations:
 
 <!-- run by tests/contracts/test_guide.py with ROS 2 -->
 ```
@@ -35,7 +35,7 @@ from flexros.effects import parse_effect, place_effects
 from flexros.robot import load_robot
 
 placed = place_effects(load_robot("e12"), [parse_effect("backlash@motor_1:gap=1e-4", "my script")])
-print(placed.robot.name, [law.name for law in placed.laws])  # what is another robot, and what are laws beside it
+print(placed.robot.name, [law.name for law in placed.laws])  # the changed robot, and the remaining laws
 ```
 
 All numbers are SI, on the side of the gear on which the robot file states its own. A spring is named by its direction
@@ -44,7 +44,7 @@ looks for the number, as a multiple of the largest size in the log where it says
 
 Laws of one spring act one on what the other has made of it, from the motor to the arm: transmission error, knee of the
 spring, backlash, hysteresis. So a gap counts from the shifted deflection, and hysteresis turns with the shaft and not
-with the gap. Errors of numbers change the robot, and with it what the laws beside it see.
+with the gap. Errors of parameters change the robot, and with it the motion that the laws act on.
 
 This page is written from the classes by `docs/generate/effects_page.py`. The pictures are runs and linearisations of
 built-in robots with the parameters given below each.
@@ -77,15 +77,15 @@ def _contents() -> str:
 
 def _section(kind: type[AbstractEffect]) -> str:
     text = inspect.getdoc(kind) or ""
-    places = (inspect.getdoc(kind.locations) or "").partition("\n")[0]
-    places = re.sub(r"^(List|Return) ", "", places).rstrip(".")
+    locations = (inspect.getdoc(kind.locations) or "").partition("\n")[0]
+    locations = re.sub(r"^(List|Return) ", "", locations).rstrip(".")
     example = DRAWINGS[kind.name][1]
     shown = example if "@" in example else f"{kind.name}@...:{example}"
     return "\n".join(
         [
             f"### {kind.name}\n",
             f"{text}\n",
-            f"Sits at: {places}.\n",
+            f"Locations: {locations}.\n",
             _table(kind),
             f"Seen in data: {kind.fingerprint}.\n",
             f"![{kind.name}](pictures/effects/{kind.name}.svg)\n",

@@ -248,7 +248,7 @@ DRAWINGS: dict[str, tuple[Callable[[str], Panels], str]] = {
     "transmission_error": (transmission, "transmission_error@motor_1:amplitude=2e-4,order=40"),
     "viscous_friction": (over_speed, "viscous_friction@motor_1:coefficient=80,asymmetry=0.4"),
 }
-"""How each effect is drawn, and with which numbers."""
+"""Pictures of each effect, with its parameters."""
 
 
 def pictures() -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Whether the pulses of the measured drive excite a flexibility: the section of emps.md on it."""
+"""Test for a flexibility excited by the pulses of the measured drive, a section of emps.md."""
 
 from __future__ import annotations
 

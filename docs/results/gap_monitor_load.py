@@ -63,7 +63,7 @@ over wall time, of one processor; `late` are cycles that began more than a tenth
 
 @dataclass(frozen=True)
 class Run:
-    """What was measured in a run.
+    """Measurements of a run.
 
     Attributes:
         plant: Figures of the plant.

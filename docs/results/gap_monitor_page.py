@@ -66,12 +66,12 @@ ACCEPTED = {
     "elbow": ("payload_error@tool:relative=0.02", "viscous_friction@motor_1:coefficient=5"),
     "e12": ("payload_error@tool:relative=0.02", "viscous_friction@motor_2:coefficient=5"),
 }
-"""What the robots have that their models have not, and that is accepted."""
+"""Accepted deviations of the robots from their models."""
 GROWN = {
     "elbow": ("coulomb_friction@motor_2:level=", (3.0, 30.0, 100.0)),
     "e12": ("coulomb_friction@motor_1:level=", (10.0, 100.0, 300.0)),
 }
-"""What comes on top of it, with its sizes."""
+"""Additional deviations, with their sizes."""
 CALIBRATION, CHECKS, TRIED = 120, 6, 2
 """Length of the log that is accepted [s], further logs, and logs with something on top for each size."""
 TRIALS, ONSET = 5, 20.0

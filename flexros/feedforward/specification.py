@@ -25,7 +25,7 @@ class FrictionCompensation(Settings):
 
 
 class FeedforwardSpecification(Settings):
-    """How motor references and torques are computed from the desired output."""
+    """Method that computes motor references and torques from the desired output."""
 
     method: Literal["none", "rigid", "flexible_joint", "dae"] = Field(
         "dae", description="none (feedback alone), rigid, flexible_joint (Moberg 2007, eq. 5.5) or dae (Paper B)"

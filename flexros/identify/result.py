@@ -36,7 +36,7 @@ SAME_MINIMUM = 1.01
 
 @dataclass(frozen=True)
 class ExperimentFacts:
-    """What the experiment took.
+    """Effort of the experiment.
 
     Attributes:
         robot_time: Time that the robot was at work [s].
@@ -183,7 +183,7 @@ def identification_result(
         fit: The last fit.
         searched: Fits from all initial values before it.
         design: How the positions were chosen.
-        facts: What the experiment took.
+        facts: Effort of the experiment.
         truth: True values (SI) by name, where they are known.
         warnings: What else limits the result.
         provenance: Origin of the data.

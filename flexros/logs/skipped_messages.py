@@ -1,4 +1,4 @@
-"""Count of messages that were left out, with the first reason; the reasons of millions of messages are not kept."""
+"""Count of skipped messages, with the first reason only, so that memory is bounded."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What all predictors of a log share: observer design and damped least squares."""
+"""Common parts of all predictors of a log: observer design and damped least squares."""

@@ -107,7 +107,7 @@ def template_scenario(robot: Robot, reference: str, given: str = "") -> Scenario
 
 
 def with_real_robot(template: Scenario, nominal: Robot, real: Robot) -> Scenario:
-    """Set the plant of an experiment to another robot that stands in for the real one.
+    """Set the plant of an experiment to another robot that represents the real one.
 
     Args:
         template: The experiment.

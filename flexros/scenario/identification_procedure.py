@@ -42,7 +42,7 @@ DESIGN, ESTIMATE, FIT = "designing the experiment", "estimating frequency respon
 
 @dataclass(frozen=True, eq=False)
 class Identification:
-    """What the procedure made.
+    """Results of the procedure.
 
     Attributes:
         experiment: The designed experiment.

@@ -53,7 +53,7 @@ def run_block(block: str, folder: Path, variables: dict[str, str], output: Path)
 
 @pytest.fixture
 def run_marked(tmp_path: Path) -> Callable[[str, str], int]:
-    """Give what runs the blocks of a text below a marker, all in one folder; it tells how many there are."""
+    """Return the function that runs the marked blocks of a text in one folder and returns their number."""
     programs, folder = tmp_path / "programs", tmp_path / "folder"
     programs.mkdir()
     folder.mkdir()

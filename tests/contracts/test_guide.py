@@ -1,4 +1,4 @@
-"""What the guide tells a user to type."""
+"""Commands of the guide, run as printed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the README tells a user to type."""
+"""Commands of the README, run as printed."""
 
 from __future__ import annotations
 

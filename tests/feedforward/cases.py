@@ -39,7 +39,7 @@ def joint_trajectory(robot: Robot, change: list[float], duration: float) -> Traj
 
 
 def edited_robot(name: str, change: Callable[[dict[str, Any]], None]) -> Robot:
-    """Change the file of a shipped robot."""
+    """Change the file of a built-in robot."""
     data = copy.deepcopy(read_yaml(LIBRARY / f"{name}.yaml"))
     change(data)
     return robot_from_data(data, "test robot")

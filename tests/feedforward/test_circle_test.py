@@ -14,7 +14,7 @@ from tests.feedforward.cases import CENTRE
 
 
 def radial_error(scenario: str, **values: Any) -> float:
-    """Largest radial error [mm] of a shipped scenario."""
+    """Largest radial error [mm] of a built-in scenario."""
     settings = {key.replace("__", "."): value for key, value in values.items()}
     log = closed_loop(Experiment.prepare(load_scenario(scenario).with_values(settings)))
     assert log.tool_pose is not None

@@ -1,4 +1,4 @@
-"""Inputs made to take memory, time or the process: refused or passed over, in a process that may use little memory."""
+"""Inputs made to take memory, time or the process: rejected or skipped, in a process with a small memory limit."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def test_pulses_leave_no_ringing(under_pulses: Pulses) -> None:
 
 @pytest.mark.parametrize("name", ["extra_mode@tool", "delay@all", "actuator_lag@motor_1"])
 def test_pulses_need_no_mode_and_no_delay(under_pulses: Pulses, name: str) -> None:
-    """The authors suspect a flexibility; docs/results/emps.md has the figures."""
+    """The authors assume a flexibility; docs/results/emps.md has the figures."""
     null, friction, among = under_pulses
     predictor = null.predictor((*friction.predictor.hypothesis, among[name]))
     starts = initial_values(null.predictor((among[name],)))

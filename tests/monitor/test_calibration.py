@@ -18,7 +18,7 @@ def of(values: np.ndarray) -> Calibration:
 
 
 def test_a_tail_is_read_off_and_taken_a_little_slower() -> None:
-    """Logarithms that fall off exponentially: the level of a chance is known, and the one that is told lies above."""
+    """Logarithms that fall off exponentially: the level of a probability is known, and the estimate is above it."""
     rng = np.random.default_rng(1)
     known = of(np.exp(rng.exponential(0.3, size=(20_000, 2))))
     tail = known.tails["motor_1.sudden"][0]

@@ -87,7 +87,7 @@ def solve_index_one(
     end = float(problem.time[-1])
     result = solve_ivp(rate, (0.0, end), state, method, t_eval=problem.time, rtol=rtol, atol=atol)
     if not result.success:
-        raise RunError(f"the index-1 form of robot {robot.name} broke off at t = {result.t[-1]:g} s: {result.message}")
+        raise RunError(f"the index-1 form of robot {robot.name} aborted at t = {result.t[-1]:g} s: {result.message}")
     jerk = trajectory.evaluate(problem.time, 3)[3]
     torque = [right_hand_side(x, z)[1] for x, z in zip(result.y.T.copy(), jerk, strict=True)]
     n, nq = robot.n_arm, robot.n_coordinates

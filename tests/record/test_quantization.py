@@ -1,4 +1,4 @@
-"""Whether a signal lies on a lattice of equal steps."""
+"""Quantization step of a signal."""
 
 from __future__ import annotations
 

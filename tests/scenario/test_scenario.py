@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 HEAD = "robot: e12\nduration: 1\n"
 MINIMAL = HEAD + "controller: {kind: pid, kp: 1e5}\n"
-SHIPPED = (
+BUILT_IN = (
     "circle_dae",
     "circle_dae2",
     "circle_fj",
@@ -42,7 +42,7 @@ def write(folder: Path, text: str) -> Path:
 
 
 def test_built_in_scenarios_are_those_promised() -> None:
-    assert set(SHIPPED) <= set(scenario_names())
+    assert set(BUILT_IN) <= set(scenario_names())
 
 
 @pytest.mark.parametrize("name", scenario_names())

@@ -145,7 +145,7 @@ def await_samples(process: Started, folder: Path, size: int = 300_000, timeout: 
 
 
 def scenario_file(folder: Path, scenario: str, duration: float) -> Path:
-    """Write a shipped scenario with another duration [s]."""
+    """Write a built-in scenario with another duration [s]."""
     settings = {**load_scenario(scenario).settings(), "duration": duration, "name": f"{scenario}_{duration:g}s"}
     path = folder / "scenario.yaml"
     path.write_text(json.dumps(settings), encoding="utf-8")

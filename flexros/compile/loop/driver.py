@@ -53,7 +53,7 @@ class LoopSymbols:
 
 @dataclass(frozen=True)
 class LoopDriver:
-    """What the driver text depends on.
+    """Parameters of the driver text.
 
     Attributes:
         symbols: Functions to call.

@@ -1,1 +1,1 @@
-"""Base classes of effects, one per place in the loop where an effect acts."""
+"""Base classes of effects, one per point of the loop at which an effect acts."""

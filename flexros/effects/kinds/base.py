@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 Stage = Literal["actuator", "motor friction", "gear", "structure", "load", "sensor", "timing"]
-"""Where in the loop an effect acts."""
+"""Point of the loop at which an effect acts."""
 
 
 class AbstractEffect(Settings, ABC):

@@ -1,4 +1,4 @@
-"""Identifiability limits of a log: what its signals cannot show, whatever the fit."""
+"""Identifiability limits of a log: effects that its signals cannot show, independent of the fit."""
 
 from __future__ import annotations
 

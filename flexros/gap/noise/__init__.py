@@ -1,1 +1,1 @@
-"""What the sensors contribute to prediction errors, and the weights that follow."""
+"""Sensor noise in the prediction errors, and the resulting weights."""

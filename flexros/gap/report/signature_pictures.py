@@ -1,4 +1,4 @@
-"""Pictures of what an effect leaves in the log."""
+"""Pictures of the signatures of an effect in the log."""
 
 from __future__ import annotations
 

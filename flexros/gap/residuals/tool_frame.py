@@ -1,4 +1,4 @@
-"""Frames, tool offset and time offset between a predicted tool path and that of a tracker, which are no gap.
+"""Frames, tool offset and time offset between a predicted tool path and that of a tracker, which do not count as a gap.
 
 The tracker sees p = R (x(t + tau) + Q(t + tau) c) + b with the predicted tool position x and orientation Q, rotation R
 and origin b of the base in the tracker's frame, an offset c of the target in the tool's frame and a time offset tau of

@@ -215,7 +215,7 @@ def form_error(gap: float, *, plain: bool, distance: float | None = None, settin
     """Return what the model-form errors of two explanations may change in the difference of their sums of squares.
 
     F = eps G, a share of the gap. Where two plain effects do nearly the same, F = min(eps G, k^2 D / 2 + 2 a G): the
-    truth lies on the line between their predictions, whose distance is D, at one end but for errors of k half lengths
+    truth is on the line between their predictions, whose distance is D, at one end but for errors of k half lengths
     along it and of the share a of the gap across it.
 
     Args:

@@ -48,5 +48,5 @@ class TorsionOverTorque(AbstractSignature):
             y_label=f"torsion beyond that of the nominal spring [{unit}]",
             series=series,
             reading="Backlash is a step at zero torque, hysteresis a loop between rising and falling torque, a "
-            "nonlinear spring a curve, a wrong stiffness a slope; the nominal gear lies on zero.",
+            "nonlinear spring a curve, a wrong stiffness a slope; the nominal gear is at zero.",
         )

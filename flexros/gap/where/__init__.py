@@ -1,1 +1,1 @@
-"""Where a gap shows before any effect is assumed: excess of prediction errors over noise, by place, with p-values."""
+"""Locations of a gap, without assuming an effect: excess of prediction errors over noise, with p-values."""

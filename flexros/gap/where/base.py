@@ -1,4 +1,4 @@
-"""What a view of the prediction errors is, how one is found, and the locations that it yields."""
+"""Views of the prediction errors: their contract, their discovery, and the locations that they report."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class AbstractView(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Statistics:
-    """What a view computes from one sample of prediction errors, at its P locations.
+    """Statistics of one sample of prediction errors at the P locations of a view.
 
     Attributes:
         power: Power over the level of the noise, shape (P,).

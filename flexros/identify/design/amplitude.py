@@ -1,4 +1,4 @@
-"""How large an excitation the torque limits leave room for, before its positions are known to be possible."""
+"""Largest excitation within the torque limits, estimated before the positions are checked."""
 
 from __future__ import annotations
 

@@ -113,7 +113,7 @@ def candidate_positions(
 
 
 class _Judge:
-    """Tells whether a robot can be held in a position."""
+    """Check that a robot can be held in a position."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot

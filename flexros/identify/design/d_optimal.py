@@ -1,4 +1,4 @@
-"""How often to experiment in each of many candidate positions: D-optimal design by convex relaxation and its dual."""
+"""D-optimal number of experiments in each of many candidate positions, by convex relaxation and its dual."""
 
 from __future__ import annotations
 

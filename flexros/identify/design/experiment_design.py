@@ -45,7 +45,7 @@ as Paper A starts its fits within a factor of ten). It keeps a parameter that no
 
 @dataclass(frozen=True)
 class DesignSettings:
-    """How positions are chosen.
+    """Settings of the choice of positions.
 
     Attributes:
         positions: Number of positions, or of shares of them where one may be taken more than once.

@@ -1,4 +1,4 @@
-"""How fast the robot may move between positions, before the experiment is known to be possible."""
+"""Speed of the moves between positions, estimated before the experiment is checked."""
 
 from __future__ import annotations
 

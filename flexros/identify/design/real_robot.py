@@ -1,4 +1,4 @@
-"""A robot file that plays the real robot: its differences from the nominal robot, as values of the plant."""
+"""A robot file as the simulated real robot: its differences from the nominal robot, as values of the plant."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far an excitation may grow until a quantity leaves its limits."""
+"""Largest factor on an excitation that keeps a quantity within its limits."""
 
 from __future__ import annotations
 

@@ -70,13 +70,13 @@ class ElasticInverseDynamics:
         k = int(np.argmin(np.sum((linear.motor_positions - motor_position) ** 2, axis=1)))
         s = 1j * w[:, None, None]
         Z = linear.stiffness[k] + s * linear.damping[k] + s**2 * linear.mass[k]
-        places = linear.motor_rows
-        free = np.setdiff1d(np.arange(Z.shape[1]), places)
-        need = Z[:, places][:, :, places]
+        motor_rows = linear.motor_rows
+        free = np.setdiff1d(np.arange(Z.shape[1]), motor_rows)
+        reduced = Z[:, motor_rows][:, :, motor_rows]
         if free.size:
-            inner = np.linalg.solve(Z[:, free][:, :, free], Z[:, free][:, :, places])
-            need = need - np.matmul(Z[:, places][:, :, free], inner)
-        return np.asarray(need)
+            inner = np.linalg.solve(Z[:, free][:, :, free], Z[:, free][:, :, motor_rows])
+            reduced = reduced - np.matmul(Z[:, motor_rows][:, :, free], inner)
+        return np.asarray(reduced)
 
 
 def rigid_inverse_dynamics(robot: Robot, position: FloatArray, sample_time: float, highest: float) -> FloatArray:
@@ -94,6 +94,6 @@ def rigid_inverse_dynamics(robot: Robot, position: FloatArray, sample_time: floa
     motion = smooth_motion(position, sample_time, min(2.5 * highest, 0.2 / sample_time))
     n = len(position)
     factor = max(1, int(1 / (sample_time * _PER_PERIOD * 2.5 * highest)))
-    places = np.unique(np.append(np.arange(0, n, factor), n - 1))
-    torque = RigidArm(robot).inverse_dynamics(motion[:, places]).torque
-    return np.column_stack([np.interp(np.arange(n), places, column) for column in torque.T])
+    samples = np.unique(np.append(np.arange(0, n, factor), n - 1))
+    torque = RigidArm(robot).inverse_dynamics(motion[:, samples]).torque
+    return np.column_stack([np.interp(np.arange(n), samples, column) for column in torque.T])

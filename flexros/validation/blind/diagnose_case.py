@@ -51,7 +51,7 @@ def waiting(logs: Path) -> tuple[Path, ...]:
 
 
 def failures(logs: Path) -> dict[str, str]:
-    """Tell why cases have no diagnosis: the last line of the reason by name of the case."""
+    """Return the reasons of failed diagnoses: the last line of each, by name of the case."""
     files = sorted(logs.glob(f"*/{FAILURE_FILE}"))
     return {file.parent.name: file.read_text(encoding="utf-8").strip().splitlines()[-1] for file in files}
 

@@ -34,16 +34,16 @@ if TYPE_CHECKING:
     from flexros.validation.blind.plan import Case
 
 DRAWERS = {**MOTOR_DRAWERS, **STRUCTURE_DRAWERS, **OUTSIDE_DRAWERS}
-"""How every deviation is drawn."""
+"""Drawing functions of all deviations, by name."""
 LOGS = ("fit", "holdout", "third")
 """Folders of the logs of a case: to fit, to check on, and one that the diagnosis is not given."""
 ATTEMPTS = 20
-"""How often a case is drawn before it is given up (chosen)."""
+"""Largest number of draws of a case (chosen)."""
 
 
 @dataclass(frozen=True)
 class MakeSettings:
-    """How logs are made.
+    """Settings of the logs of a case.
 
     Attributes:
         seed: Seed of the check.

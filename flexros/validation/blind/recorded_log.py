@@ -1,4 +1,4 @@
-"""One log of a case: the run with noise, as recorder and tracker saw it."""
+"""One log of a case: the run with the noise of encoders and tracker."""
 
 from __future__ import annotations
 

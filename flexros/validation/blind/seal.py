@@ -96,7 +96,7 @@ def read_truth(case: OpenCase, folder: Path, robot: bytes) -> Truth:
     Args:
         case: What is open of it.
         folder: Folder of truths.
-        robot: The nominal model that lies beside the logs.
+        robot: The nominal model in the folder of the logs.
 
     Returns:
         The truth.

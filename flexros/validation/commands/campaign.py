@@ -66,12 +66,12 @@ def _run(run: Callable[[Any], CampaignResult], folder: Path, client: Client, rep
     with progress_bar() as bar:
         tasks: dict[str, Any] = {}
 
-        def tell(what: str, done: int, whole: int) -> None:
+        def report(what: str, done: int, whole: int) -> None:
             if what not in tasks:
                 tasks[what] = bar.add_task(what, total=whole)
             bar.update(tasks[what], completed=done, total=whole)
 
-        return run(CampaignRequest(folder, client, repetitions or None, tell))
+        return run(CampaignRequest(folder, client, repetitions or None, report))
 
 
 def _make(folder: Path) -> None:

@@ -171,7 +171,7 @@ def test_bad_input_is_one_sentence_and_code_2(flexros, logs, tmp_path: Path, arg
     reason="FLEXROS_REALDATA is unset or names no folder with emps/, the measured drive",
 )
 def test_csv_of_a_measured_drive_gives_the_published_values(flexros, tmp_path: Path) -> None:
-    """Janot, Gautier and Brunot (2019), through import by the shipped mapping and the regression."""
+    """Janot, Gautier and Brunot (2019), through import by the built-in mapping and the regression."""
     logs = []
     for name in ("DATA_EMPS", "DATA_EMPS_PULSES"):
         content = loadmat(Path(REALDATA) / "emps" / f"{name}.mat", squeeze_me=True)

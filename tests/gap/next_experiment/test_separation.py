@@ -1,4 +1,4 @@
-"""The pairs that are confused most: the diagnosis experiment tells them apart, each fitted at its best."""
+"""The most easily confused pairs: the diagnosis experiment separates them, each at its best fit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Order of the positions: complete, short, from where the robot stands."""
+"""Order of the positions: complete, short, from the initial position of the robot."""
 
 from __future__ import annotations
 

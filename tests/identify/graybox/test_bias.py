@@ -1,4 +1,4 @@
-"""Signs of bias: absent where the robot is linear, told for each effect that the model lacks."""
+"""Signs of bias: absent where the robot is linear, reported for each effect that the model lacks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Base parameters of the shipped robots."""
+"""Base parameters of the built-in robots."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a file tells of a topic, and which cannot be played."""
+"""Recorded topics of a file, and those that cannot be played."""
 
 from __future__ import annotations
 

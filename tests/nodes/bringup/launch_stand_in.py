@@ -1,4 +1,4 @@
-"""Stands for launch and launch_ros, which are on no package index: keeps what a launch file asks for.
+"""Stand-in for launch and launch_ros, which are on no package index: records the requests of a launch file.
 
 Arguments are those that the documentation of ROS 2 Jazzy names; any other one is a TypeError, as it is there.
 """

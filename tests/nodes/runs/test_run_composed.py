@@ -72,7 +72,7 @@ def test_lost_reference_chunks_are_sent_again(tmp_path: Path, log_differences: D
 
 
 def test_lost_reference_chunks_are_sent_again_before_they_are_needed_in_real_time(tmp_path: Path) -> None:
-    # nothing stands still in real time: the plant holds its last command, so what was lost would be passed over
+    # nothing waits in real time: the plant holds its last command, so lost samples would be skipped
     parameters = {
         "controller": {"drop_fraction": 0.2},
         "feedforward": {"chunk_duration": 0.02, "lead": 0.4},

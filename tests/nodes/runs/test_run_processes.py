@@ -73,7 +73,7 @@ def test_child_that_offers_only_some_services_is_started_once_more(
     started: list[int] = []
 
     class Deaf:
-        """A client that discovery has passed over until the process is started again."""
+        """A client that discovery has missed until the process is started again."""
 
         def __init__(self, manager: ProcessManager, client: Client) -> None:
             self._manager, self._client = manager, client

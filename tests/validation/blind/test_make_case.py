@@ -30,7 +30,7 @@ CASES = (
 
 
 class Answered:
-    """What stands for the result of a diagnosis."""
+    """Stand-in for the result of a diagnosis."""
 
     diagnosis = diagnosis("no_gap")
 

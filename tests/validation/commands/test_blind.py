@@ -19,7 +19,7 @@ SMALL = ("--per-size", "0", "--nulls", "2", "--unknowns", "0", "--pairs", "0", "
 
 
 class Answered:
-    """What stands for the result of a diagnosis."""
+    """Stand-in for the result of a diagnosis."""
 
     diagnosis = diagnosis("no_gap")
 

@@ -116,10 +116,10 @@ def nominal_response(response: FrequencyResponse, robot: Robot) -> ComplexArray:
     from flexros.robot.linear.positions import linearise_positions  # here, because it loads slowly
 
     linear = linearise_positions(robot, (), response.motor_position[None])
-    mass, damping, stiffness, places = linear.mass[0], linear.damping[0], linear.stiffness[0], linear.motor_rows
+    mass, damping, stiffness, motor_rows = linear.mass[0], linear.damping[0], linear.stiffness[0], linear.motor_rows
     s = 2j * np.pi * response.frequency[:, None, None]
-    drive = np.broadcast_to(np.eye(len(mass))[:, places], (len(s), len(mass), len(places)))
-    return np.asarray(s**2 * np.linalg.solve(stiffness + s * damping + s**2 * mass, drive)[:, places])
+    drive = np.broadcast_to(np.eye(len(mass))[:, motor_rows], (len(s), len(mass), len(motor_rows)))
+    return np.asarray(s**2 * np.linalg.solve(stiffness + s * damping + s**2 * mass, drive)[:, motor_rows])
 
 
 def _order_cost(measured: ComplexArray, model: ComplexArray) -> FloatArray:

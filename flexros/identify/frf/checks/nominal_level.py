@@ -58,16 +58,16 @@ def nominal_diagonal(response: FrequencyResponse, robot: Robot) -> NominalDiagon
 
     linear = linearise_positions(robot, (), response.motor_position[None])
     hold = sampled_hold(response.frequency, response.sample_time, robot.delay)
-    places = linear.motor_rows
+    motor_rows = linear.motor_rows
     mass, damping, stiffness = linear.mass[0], linear.damping[0], linear.stiffness[0]
     w = hold.omega[:, None, None]
-    drive = np.broadcast_to(np.eye(len(mass))[:, places], (len(hold.omega), len(mass), len(places)))
-    aliases = np.tensordot(hold.aliases, expansion(linear.mass, linear.damping, linear.stiffness, places)[0], 1)
+    drive = np.broadcast_to(np.eye(len(mass))[:, motor_rows], (len(hold.omega), len(mass), len(motor_rows)))
+    aliases = np.tensordot(hold.aliases, expansion(linear.mass, linear.damping, linear.stiffness, motor_rows)[0], 1)
     own = np.einsum("fii->fi", aliases)
-    inertia = np.diag(np.linalg.inv(mass)[np.ix_(places, places)]) * (-hold.gain / hold.omega**2)[:, None]
+    inertia = np.diag(np.linalg.inv(mass)[np.ix_(motor_rows, motor_rows)]) * (-hold.gain / hold.omega**2)[:, None]
     answers, like = [], []
     for scale in SCALES:
-        Z = np.linalg.solve(scale * stiffness - w**2 * mass + 1j * w * scale * damping, drive)[:, places]
+        Z = np.linalg.solve(scale * stiffness - w**2 * mass + 1j * w * scale * damping, drive)[:, motor_rows]
         direct = hold.gain[:, None] * np.einsum("fii->fi", Z)
         answers.append(direct + own)
         like.append(abs(direct - inertia) <= MASS_LIKE * abs(inertia))

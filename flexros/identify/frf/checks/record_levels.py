@@ -83,7 +83,7 @@ def _check_every_experiment(experiments: Experiments, power: FloatArray) -> None
 
 
 def _check_above_noise(experiments: Experiments, U: ComplexArray) -> None:
-    """Reject experiments in which the torque of no motor stands out of what changes from period to period."""
+    """Reject experiments in which no motor torque exceeds its variation from period to period."""
     if experiments.n_periods < 2:
         return
     mean = U.mean(axis=1)
@@ -110,12 +110,12 @@ def _input_noise(experiments: Experiments, spectra: PeriodSpectra) -> FloatArray
     rest = np.union1d(experiments.odd_detection, experiments.even_detection)
     if not len(rest):
         return None
-    beside = spectra.at(rest).input
-    return np.asarray(np.sum(abs(beside) ** 2, axis=(0, 1, 2)) * len(experiments.excited) / len(rest))
+    empty_lines = spectra.at(rest).input
+    return np.asarray(np.sum(abs(empty_lines) ** 2, axis=(0, 1, 2)) * len(experiments.excited) / len(rest))
 
 
 def check_reference(experiments: Experiments) -> list[str]:
-    """Check the reference of records that are not periodic, where noise cannot be told from excitation otherwise.
+    """Check the reference of non-periodic records, in which nothing else separates noise from excitation.
 
     Args:
         experiments: The samples.
@@ -216,7 +216,7 @@ def check_aliasing(experiments: Experiments) -> list[str]:
         if folded[motor] > MOST_FOLDED * excited[motor]:
             warnings.append(
                 f"{experiments.label}: aliasing: the torque of {name} has {folded[motor] / excited[motor]:.1%} of its "
-                "periodic power near the Nyquist frequency; what lies above it has folded back"
+                "periodic power near the Nyquist frequency; content above it has been aliased"
             )
     return warnings
 

@@ -76,7 +76,7 @@ STRUCTURE_DRAWERS: Mapping[str, Drawer] = {
     "gravity_error": _relative(1e-4, 0.4, 0.4),
     "kinematic_error": _kinematic,
 }
-"""How deviations of gears and structure are drawn."""
+"""Drawing functions of deviations at gears and structure, by name."""
 
 
 def _rough_way(at: Site, random: np.random.Generator) -> Drawn:
@@ -132,4 +132,4 @@ OUTSIDE_DRAWERS: Mapping[str, Drawer] = {
     "periodic_disturbance": _hum,
     "lost_commands": _losses,
 }
-"""How causes outside the library are drawn."""
+"""Drawing functions of causes outside the library, by name."""

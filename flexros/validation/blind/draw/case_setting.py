@@ -1,4 +1,4 @@
-"""How a case is run: robot, rate, controller, and what its references look like."""
+"""Setting of a case: robot, sampling rate, controller and kind of references."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ DIAGNOSIS_SHARE = 0.6
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """How a case is run.
+    """Setting of a case.
 
     Attributes:
         robot: The true robot.

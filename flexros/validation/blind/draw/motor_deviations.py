@@ -124,4 +124,4 @@ MOTOR_DRAWERS: Mapping[str, Drawer] = {
     "encoder_quantization": _quantization,
     "encoder_eccentricity": _eccentricity,
 }
-"""How deviations at motors are drawn."""
+"""Drawing functions of deviations at motors, by name."""

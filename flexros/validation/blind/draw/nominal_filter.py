@@ -1,4 +1,4 @@
-"""How large a deviation is: the log-likelihood that a filter of the nominal robot loses by not knowing it.
+"""Size of a deviation: the log-likelihood that a filter of the nominal robot loses without it.
 
 A Kalman filter of constant gain follows the noise-free run of the robot with the deviation. Half the sum of its squared
 innovations over their variance is the expected gain in log-likelihood of the true model. Where the model has a
@@ -120,7 +120,7 @@ class NominalFilter:
         return float(e @ e - score @ np.linalg.solve(J.T @ J + np.eye(J.shape[1]), score)) / 2
 
     def price(self, factors: Mapping[str, float]) -> float:
-        """Tell what it costs at most to take a change of the robot for a deviation within tolerance.
+        """Return the largest cost of explaining a change of the robot as a deviation within tolerance.
 
         Args:
             factors: Factors by which parameters of the robot are off, by name.

@@ -1,4 +1,4 @@
-"""Finding the size of a deviation that has the expected gain in log-likelihood it is drawn for."""
+"""Search for the size of a deviation that has the drawn expected gain in log-likelihood."""
 
 from __future__ import annotations
 

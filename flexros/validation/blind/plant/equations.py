@@ -70,12 +70,12 @@ class Equations:
         time: Time since the start of the log [s], SX scalar.
         step: Time h of an `InnerState.update` [s].
         torque: Torque of each motor after its drive, length M.
-        added: Generalised force beside that of the robot, length n_coordinates.
-        armature: Inertia beside that of the robot, length n_coordinates.
+        added: Generalised force in addition to that of the robot, length n_coordinates.
+        armature: Inertia in addition to that of the robot, length n_coordinates.
         factors: Factors on numbers of the robot by name.
         twists: Changed deflections of gears, by motor.
         states: States of deviations.
-        delays: Delay of each motor's command beside the robot's own [s], length M.
+        delays: Delay of each motor's command in addition to the robot's own [s], length M.
         readings: What each encoder makes of the motor position, one after the other, by motor.
     """
 

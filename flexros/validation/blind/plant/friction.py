@@ -1,4 +1,4 @@
-"""Friction of blind plants: bristles, where the effects library solves for the instants of sticking.
+"""Friction of blind plants: bristles, whereas the effects library solves for the instants of sticking.
 
 Dry friction is an elasto-plastic bristle so stiff that it bends by a tenth of the encoder noise before it slips; its
 deflection is moved exactly under the speed of a half step. Speed dependence follows Hess and Soom (1990),

@@ -1,4 +1,4 @@
-"""All deviations of the blind check by name: those of the effects library in other words, and others."""
+"""All deviations of the blind check by name: those of the effects library in another formulation, and others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Causes that the effects library does not have: a diagnosis should say that it does not know them."""
+"""Causes outside the effects library, for which a diagnosis should report an unknown effect."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def varying_stiffness(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> N
 
 
 def periodic_disturbance(plant: Equations, place: str, p: Mapping[str, ca.SX]) -> None:
-    """Torque of a fixed frequency in time, whatever the motion."""
+    """Torque of a fixed frequency in time, independent of the motion."""
     for motor in plant.motors(place):
         wave = ca.sin(2 * np.pi * p["frequency"] * plant.time + p["phase"])
         plant.add_torque(motor, p["amplitude"] * wave)

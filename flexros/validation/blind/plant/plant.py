@@ -66,7 +66,7 @@ class BlindInputs:
 
 @dataclass(frozen=True, eq=False)
 class BlindRun:
-    """What happened.
+    """Result of a simulated run.
 
     Attributes:
         encoder: Encoder values [rad or m], shape (n, M).
@@ -155,7 +155,7 @@ class BlindPlant:
 
         Args:
             inputs: Signals; the run starts at rest where the reference starts.
-            settle: Time before the first sample during which the reference stands still [s].
+            settle: Time before the first sample during which the reference is at rest [s].
             deviations: The same deviations with other numbers; not for those that add a body.
 
         Returns:
@@ -199,7 +199,7 @@ class BlindPlant:
 
 
 def _robot_with_modes(robot: Robot, deviations: Sequence[Deviation]) -> tuple[Robot, int]:
-    """Return the robot its further bodies, and say whether one lies before the first."""
+    """Return the added bodies, and whether one of them precedes the first body of the robot."""
     first_body = 0
     for one in deviations:
         if one.effect == "extra_mode":

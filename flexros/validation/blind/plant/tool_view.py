@@ -1,4 +1,4 @@
-"""Where the tool of a blind plant truly is, and how much of an error of its kinematics a tracker can see."""
+"""True tool pose of a blind plant, and the share of a kinematic error that a tracker can observe."""
 
 from __future__ import annotations
 

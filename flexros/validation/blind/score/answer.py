@@ -50,7 +50,7 @@ class Answer:
 
     @property
     def visible(self) -> bool:
-        """Whether what is hidden is well above the noise."""
+        """Whether the hidden deviation is well above the noise."""
         return self.truth.gain >= VISIBLE
 
     @property
@@ -60,7 +60,7 @@ class Answer:
 
     @property
     def unknown(self) -> bool:
-        """Whether the answer was that the cause is not known."""
+        """Whether the answer was an unknown effect."""
         return self.diagnosis is not None and self.diagnosis.verdict == "unknown_effect"
 
     def named(self, top: int, nested: bool = False, placed: bool = False) -> bool:

@@ -77,7 +77,7 @@ def fitted_sizes(answers: Sequence[Answer]) -> Iterator[FittedSize]:
 
 
 def covers(effect: str, name: str, fitted: CauseParameter, true: float) -> bool:
-    """Tell whether the 95 % interval of a fitted number covers the truth.
+    """Return whether the 95 % interval of a fitted parameter covers the truth.
 
     A number that cannot be negative is fitted by its logarithm, in which its interval is symmetric.
 

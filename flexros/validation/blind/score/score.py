@@ -37,7 +37,7 @@ def read_answers(logs: Path, truths: Path, oracle: bool = False) -> list[Answer]
     """Read all cases that were diagnosed, and check their seals.
 
     Args:
-        logs: Folder of all logs, with the diagnoses beside them.
+        logs: Folder of all logs, with their diagnoses.
         truths: Folder of all truths.
         oracle: Whether the true structure is fitted, and the patch held against the third log, where the logs are
             still there.
@@ -93,7 +93,7 @@ class Score:
         pairs: Pairs, both visible, whose names both are the first two.
         pairs_nested: The same with nested effects counted.
         refused: Logs that the diagnosis refused.
-        covered: Rightly named single effects whose size lies in its 95 % interval, see `coverage`.
+        covered: Correctly named single effects with their size in its 95 % interval, see `coverage`.
         calibration: Of the first cause, over all logs in which one was claimed, nested effects counted as right.
         detection: A gap was seen, against the expected gain, over all single effects.
         naming: The right name came first (nested ones too), against the expected gain, over all single effects.

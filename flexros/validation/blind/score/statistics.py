@@ -67,7 +67,7 @@ def share(hits: Iterable[bool]) -> Share:
 
 @dataclass(frozen=True)
 class Calibration:
-    """How far stated probabilities can be believed.
+    """Calibration of the reported probabilities.
 
     Attributes:
         stated: Mean probability of each bin.
@@ -111,7 +111,7 @@ class DetectionCurve:
     """Share of detected cases over their size.
 
     Attributes:
-        centre: Gain in log-likelihood at which a half is found [nats]; nan where the cases do not tell.
+        centre: Gain in log-likelihood at which a half is found [nats]; nan where the cases do not determine it.
         slope: Steepness, per factor e of the gain.
         at_90: Gain at which 90 % are found [nats].
         cases: Cases.

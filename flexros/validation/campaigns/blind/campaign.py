@@ -1,4 +1,4 @@
-"""Campaign: does the diagnosis find what is hidden in logs that it has never seen?"""
+"""Campaign of the blind check: does the diagnosis find hidden deviations in unseen logs?"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One case of the campaign: made, diagnosed and thrown away, but for truth and answer."""
+"""One case of the campaign: generated, diagnosed and deleted except for truth and answer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the campaign of the blind check is run."""
+"""Settings of the campaign of the blind check."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ class CoverageSettings:
     """Settings of the check.
 
     Attributes:
-        scenario: Shipped identification scenario; its robot is model and truth alike, encoder noise as in its file.
+        scenario: Built-in identification scenario; its robot is model and truth alike, encoder noise as in its file.
         positions: Number of positions, chosen by the D-optimal design.
         candidates: Number of positions to choose from.
         design_seed: Seed of candidates.

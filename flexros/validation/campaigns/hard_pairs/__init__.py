@@ -1,4 +1,4 @@
-"""Hard pairs: effects that a log cannot tell apart, and the experiment that does."""
+"""Hard pairs: effects that a log cannot separate, and the experiment that does."""
 
 from flexros.validation.campaigns.hard_pairs.campaign import HardPairs
 

@@ -1,4 +1,4 @@
-"""Campaign: does the proposed experiment separate effects that a log could not tell apart?"""
+"""Campaign: does the proposed experiment separate effects that a log could not separate?"""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class HardPairs(AbstractCampaign):
     """
 
     name: ClassVar[str] = "hard_pairs"
-    question: ClassVar[str] = "Does the proposed experiment separate effects that a log could not tell apart?"
+    question: ClassVar[str] = "Does the proposed experiment separate effects that a log could not separate?"
 
     def __init__(self, settings: HardPairsSettings | None = None) -> None:
         self._settings = settings or HardPairsSettings()

@@ -32,7 +32,7 @@ def pairs_page(
         Markdown.
     """
     lines = [
-        "# Effects that a log cannot tell apart, and the experiment that does",
+        "# Effects that a log cannot separate, and the experiment that does",
         "",
         f"Written by `flexros campaign hard_pairs`. The robot is {settings.robot}; one effect is hidden in it, of a "
         "size chosen near that at which the first log shows it, where a pair is hardest. That log is "

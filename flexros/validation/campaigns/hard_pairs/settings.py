@@ -1,4 +1,4 @@
-"""Which pairs are tried, with which sizes, on which short log."""
+"""Settings of the hard pairs: pairs, sizes and the short log."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ def identify_and_compare(
     Args:
         experiment: Identification experiment on the nominal robot.
         real: Parameters of the real robot that differ: name -> value over nominal value.
-        motions: Shipped scenarios of the same robot whose feedforward is to profit.
+        motions: Built-in scenarios of the same robot that are run with both feedforwards.
         file: File of the identified robot; it is written, and the motions read it.
 
     Returns:

@@ -42,7 +42,7 @@ class Study:
 
 @dataclass(frozen=True)
 class Effect:
-    """What the variations of one setting changed.
+    """Changes by the variations of one setting.
 
     Attributes:
         key: Dotted name of the setting.

@@ -13,7 +13,7 @@ class StudyEstimator:
         name: Name in the paper, with 15 for all positions and 1 for one.
         estimator: "LLS", "LLSM" or "NLS".
         weights: "user" or "optimal".
-        all_positions: Whether all positions are used, or the single one that tells most.
+        all_positions: Whether all positions are used, or the single most informative one.
         published_reasonable: Published share of reasonable models: normalised LLS cost with user weights at most 1.5.
         published_springs: Published share of models whose springs lie within a factor of 2 of the best model's.
     """

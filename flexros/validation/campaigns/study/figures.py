@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class EstimatorShare:
-    """How many models of one estimator are good.
+    """Number of good models of one estimator.
 
     Attributes:
         kind: The estimator and what was published of it.
@@ -93,7 +93,7 @@ def springs(study: Study) -> IntArray:
 
 
 def of_gears(study: Study) -> BoolArray:
-    """Tell which parameters belong to gears rather than to the structure of the arm, shape (P,)."""
+    """Mark the parameters that belong to gears rather than to the structure of the arm, shape (P,)."""
     robot = study.problem.robot
     geared = {robot.arm_names[place] for place in robot.gear_rows}
     return np.array([name.rsplit(".", 1)[0] in geared for name in study.problem.names])

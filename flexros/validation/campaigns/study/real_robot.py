@@ -69,9 +69,9 @@ def study_scenario(settings: StudySettings, progress: Callable[[str, int, int], 
     Raises:
         InputError: The scenario is not known, or the experiment is not possible.
     """
-    shipped = load_scenario(settings.scenario)
-    robot = load_robot(shipped.robot)
-    template = template_scenario(robot, shipped.robot, settings.scenario)
+    built_in = load_scenario(settings.scenario)
+    robot = load_robot(built_in.robot)
+    template = template_scenario(robot, built_in.robot, settings.scenario)
     specification = template.identification
     assert specification is not None
     speed = tuple((SLOW * specification.excitation.sizes(robot.n_motors)).tolist())
@@ -110,8 +110,8 @@ def measured_responses(
     """
     experiment = Experiment.prepare(scenario)
 
-    def tell(done: int) -> None:
+    def report(done: int) -> None:
         if progress is not None:
             progress("samples of the experiment", done, experiment.n_samples)
 
-    return estimate_responses(closed_loop(experiment, tell), plan_of_scenario(scenario))
+    return estimate_responses(closed_loop(experiment, report), plan_of_scenario(scenario))

@@ -10,7 +10,7 @@ class StudySettings:
     """Settings of the study.
 
     Attributes:
-        scenario: Shipped identification scenario: robot, excitation and controller.
+        scenario: Built-in identification scenario: robot, excitation and controller.
         positions: Number of positions, chosen by the D-optimal design.
         candidates: Number of positions to choose from.
         blocks: Blocks of experiments in each position.

@@ -1,4 +1,4 @@
-"""Delays between torque and motion, told by the phase of responses against the nominal robot."""
+"""Delays between torque and motion, from the phase of responses relative to the nominal robot."""
 
 from __future__ import annotations
 

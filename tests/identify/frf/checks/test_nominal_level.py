@@ -1,4 +1,4 @@
-"""Units and gear ratios, told by the level of responses against the nominal robot."""
+"""Units and gear ratios, from the level of responses relative to the nominal robot."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ FRICTION, DELAY = "coulomb_friction@motor_1", "delay@motor_2"
 
 
 class Answered:
-    """What stands for the result of a diagnosis."""
+    """Stand-in for the result of a diagnosis."""
 
     diagnosis = diagnosis("no_gap")
     patch = ()
