@@ -27,6 +27,7 @@ def test_threads_are_limited_in_the_block_alone() -> None:
         assert threads() == before
 
 
+@pytest.mark.slow
 def test_fits_of_a_diagnosis_have_one_thread_each(monkeypatch: pytest.MonkeyPatch) -> None:
     class EndError(Exception):
         pass

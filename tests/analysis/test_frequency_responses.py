@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from flexros.analysis import analyse
 from flexros.analysis.figures_table import figure_rows
@@ -14,6 +15,8 @@ from flexros.identify.frf.positions import estimate_responses
 from flexros.logs.time_series import Log
 from flexros.scenario.identification_plan import plan_of_log
 from tests.identify.frf.recorded_experiment import cut
+
+pytestmark = pytest.mark.slow
 
 
 def test_responses_are_those_of_the_estimation(experiment_log: Log) -> None:

@@ -15,6 +15,8 @@ from flexros.gap.schema import Cause, Diagnosis, GapNumbers
 from flexros.logs.reader import read_log
 from flexros.scenario.scenario import load_scenario
 
+pytestmark = pytest.mark.slow
+
 Progress = Callable[[str, float], None]
 
 

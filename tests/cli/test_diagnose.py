@@ -21,6 +21,8 @@ from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
 
+pytestmark = pytest.mark.slow
+
 HIDDEN = "coulomb_friction@motor_1:level=0.05"
 GAP = {"metric": "E", "unit": "1", "before": 1.02, "noise_floor": 1.0}
 

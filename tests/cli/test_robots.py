@@ -11,6 +11,8 @@ import pytest
 
 from flexros.robot.robot import LIBRARY
 
+pytestmark = pytest.mark.slow
+
 Flexros = Callable[..., "object"]
 
 

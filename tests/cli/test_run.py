@@ -12,6 +12,8 @@ from flexros.cli.run import default_folder, print_result
 from flexros.errors import RunError
 from flexros.scenario.transports import RunResult
 
+pytestmark = pytest.mark.slow
+
 Flexros = Callable[..., "object"]
 
 

@@ -46,6 +46,7 @@ def residual(matrix: np.ndarray, solution: np.ndarray, rhs: np.ndarray) -> float
     return float(np.abs(matrix @ solution - rhs).max() / scale / np.finfo(float).eps)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", SIZES)
 @pytest.mark.parametrize("row_major", [False, True])
 def test_solution_is_backward_stable(n: int, row_major: bool) -> None:

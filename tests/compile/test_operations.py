@@ -31,6 +31,7 @@ def test_every_operation_of_the_tables_has_an_expression_here() -> None:
     assert set(EXPRESSIONS) == known
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("operation", EXPRESSIONS)
 def test_operation_equals_the_virtual_machine(operation: int) -> None:
     function = ca.Function("f", [x, y], [EXPRESSIONS[operation]])
@@ -42,6 +43,7 @@ def test_operation_equals_the_virtual_machine(operation: int) -> None:
     np.testing.assert_allclose(actual, expected, rtol=1e-15, atol=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("operation", EXPRESSIONS)
 def test_operation_has_the_same_bits_in_lanes(operation: int) -> None:
     function = ca.Function("f", [x, y], [EXPRESSIONS[operation]])

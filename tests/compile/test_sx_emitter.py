@@ -26,6 +26,7 @@ def random_function(seed: int, length: int) -> ca.Function:
     return ca.Function("random", [x, y], [ca.vertcat(*values[-6:]), ca.reshape(ca.vertcat(*values[-9:-5]), 2, 2)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_random_function_equals_the_virtual_machine(seed: int) -> None:
     function = random_function(seed, 150)
@@ -35,6 +36,7 @@ def test_random_function_equals_the_virtual_machine(seed: int) -> None:
         np.testing.assert_allclose(actual.reshape(expected.shape), expected.full(), rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lanes", [2, 4, 8, 16])
 def test_lanes_give_the_same_bits_as_one_evaluation_after_another(lanes: int) -> None:
     function = random_function(7, 300)
@@ -48,6 +50,7 @@ def test_lanes_give_the_same_bits_as_one_evaluation_after_another(lanes: int) ->
             np.testing.assert_array_equal(actual[k][:, lane], expected[k].ravel(order="F"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lanes", [1, 8])
 def test_cutting_into_parts_changes_no_bit(monkeypatch: pytest.MonkeyPatch, lanes: int) -> None:
     function = random_function(11, 400)

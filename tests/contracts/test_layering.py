@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 CHECKOUT = Path(__file__).parents[2]
 ROS = ("rclpy", "rosidl_runtime_py", "rosidl_parser", "launch", "launch_ros", "rosbag2_py", "ament_index_python")
 
@@ -27,6 +29,7 @@ print(json.dumps(names))
 """
 
 
+@pytest.mark.slow
 def test_flexros_imports_without_ros() -> None:
     program = IMPORT_ALL_WITHOUT_ROS % (ROS,)
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=CHECKOUT, check=False)

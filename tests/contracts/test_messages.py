@@ -7,6 +7,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 CHECKOUT = Path(__file__).resolve().parents[2]
 COMMANDS = (CHECKOUT / "flexros" / "cli", CHECKOUT / "flexros" / "validation" / "commands")
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]+")
@@ -23,6 +25,7 @@ def _texts(file: Path) -> Iterator[tuple[int, str]]:
             yield node.lineno, node.value
 
 
+@pytest.mark.slow
 def test_no_message_of_the_library_names_an_option_of_the_command_line() -> None:
     modules = [
         file

@@ -101,6 +101,7 @@ def _is_safe(call: ast.Call) -> bool:
     return isinstance(kind, ast.Constant) and kind.value in ("safe", "rt")
 
 
+@pytest.mark.slow
 def test_no_module_makes_code_of_data() -> None:
     found = {str(path.relative_to(CHECKOUT)): list(offences(path.read_text(encoding="utf-8"))) for path in MODULES}
     assert len(found) > 500

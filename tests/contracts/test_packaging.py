@@ -12,6 +12,8 @@ from xml.etree import ElementTree
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 CHECKOUT = Path(__file__).parents[2]
 PARTS = ("flexros", "nodes", "msgs_config", "resource", "setup.py", "setup.cfg", "pyproject.toml", "package.xml")
 

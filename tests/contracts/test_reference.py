@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 DOCS = Path(__file__).parents[2] / "docs"
 WRITTEN = "<!-- written by docs/generate/reference_pages.py -->"
 PAGES = [path.name for path in sorted((DOCS / "reference").glob("*.md")) if path.read_text().startswith(WRITTEN)]

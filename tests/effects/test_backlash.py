@@ -11,6 +11,8 @@ from flexros.robot import load_robot
 from flexros.simulate.plant_model import PlantModel
 from tests.effects.effect_runs import GearLaw, halving_errors, laws_of, run, still
 
+pytestmark = pytest.mark.slow
+
 TWO_MASS = load_robot("two_mass")
 FOUR_MASS = load_robot("four_mass")
 ELBOW = load_robot("elbow")

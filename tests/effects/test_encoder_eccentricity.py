@@ -10,6 +10,7 @@ from flexros.robot import load_robot
 from flexros.simulate.plant import Plant
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("robot_name", "turns"), [("six_axis", 180.0), ("two_mass", 1.0), ("four_mass", 1.0)])
 def test_error_is_a_harmonic_of_the_rotor_angle(robot_name: str, turns: float) -> None:
     robot = load_robot(robot_name)

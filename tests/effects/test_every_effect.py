@@ -17,6 +17,8 @@ from flexros.simulate.open_loop import feed_through
 from flexros.simulate.plant import Plant, delayed_start
 from flexros.simulate.plant_model import PlantModel
 
+pytestmark = pytest.mark.slow
+
 NAMES = sorted(effects())
 ROBOT = load_robot("elbow")  # small, with two motors that act on each other, and gravity
 SIZES = {

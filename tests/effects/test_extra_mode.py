@@ -18,6 +18,8 @@ from flexros.robot.robot import robot_from_data
 from flexros.simulate.plant_model import PlantModel
 from tests.effects.effect_runs import halving_errors, jacobian, laws_of, run
 
+pytestmark = pytest.mark.slow
+
 TWO_MASS, E12, ELBOW, FOUR_MASS = (load_robot(name) for name in ("two_mass", "e12", "elbow", "four_mass"))
 W = 2 * np.pi * 8.0
 

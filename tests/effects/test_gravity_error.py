@@ -12,6 +12,8 @@ from flexros.robot import Robot, load_robot
 from flexros.simulate.plant_model import PlantModel
 from tests.effects.effect_runs import halving_errors, laws_of
 
+pytestmark = pytest.mark.slow
+
 ELBOW, SIX_AXIS = load_robot("elbow"), load_robot("six_axis")
 
 

@@ -12,6 +12,8 @@ import pytest
 
 from flexros.effects import effects
 
+pytestmark = pytest.mark.slow
+
 REFERENCE = Path(__file__).parents[2] / "docs" / "reference"
 PAGE = (REFERENCE / "effects.md").read_text(encoding="utf-8")
 

@@ -26,6 +26,7 @@ def back_and_forth(amplitude: float, points: int, turns: int = 3) -> FloatArray:
     return np.concatenate([np.linspace(0.0, -amplitude, points), *([up, down] * turns)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spread", [0.0, 1.0, 2.0])
 def test_loops_are_the_same_at_any_speed_and_close(spread: float) -> None:
     slow, fast = law(spread).along(back_and_forth(5e-3, 201)), law(spread).along(back_and_forth(5e-3, 11))
@@ -35,6 +36,7 @@ def test_loops_are_the_same_at_any_speed_and_close(spread: float) -> None:
     np.testing.assert_allclose(turns_slow[2:4], turns_slow[4:6], atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spread", [0.0, 1.0])
 def test_area_of_a_large_loop(spread: float) -> None:
     amplitude = 0.02
@@ -71,6 +73,7 @@ def test_nodes_cut_the_level_density_of_the_exponential_into_equal_parts() -> No
     np.testing.assert_allclose(NODES, (1 / 6) / stiffness, atol=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_no_path_wins_energy(seed: int) -> None:
     path = np.cumsum(np.random.default_rng(seed).normal(0.0, 0.3 * ANGLE, 400))
@@ -100,6 +103,7 @@ def test_swinging_robot_loses_energy() -> None:
     assert energy(lossy)[-1] < 0.8 * energy(lossy)[0]
 
 
+@pytest.mark.slow
 def test_halving_the_step_converges() -> None:
     def waving(time: float) -> FloatArray:
         return np.array([3.0 * np.sin(20 * time)])

@@ -11,6 +11,8 @@ from flexros.simulate.plant import Plant
 from flexros.simulate.plant_model import PlantModel
 from tests.effects.effect_runs import laws_of
 
+pytestmark = pytest.mark.slow
+
 E12, SIX_AXIS = load_robot("e12"), load_robot("six_axis")
 
 

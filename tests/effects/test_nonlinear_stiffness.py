@@ -35,6 +35,7 @@ def test_law_of_a_linear_spring(relative: float) -> None:
         assert spring_torque(robot, "body_1.rz", -deflection) == pytest.approx(-torque, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("knee", [0.01, 0.032, 0.04, 0.1])
 def test_law_of_a_spring_with_knees_of_its_own(knee: float) -> None:
     before = load_robot("four_mass")
@@ -73,6 +74,7 @@ def test_energy_of_an_undamped_robot_is_conserved() -> None:
     np.testing.assert_allclose(energies, energies[0], rtol=1e-4)  # a step across the knee is of order two
 
 
+@pytest.mark.slow
 def test_rest_under_gravity_includes_the_knees_of_gear_and_arm_springs() -> None:
     robot = load_robot("six_axis")
     texts = (
@@ -147,6 +149,7 @@ def controlled(robot: Robot, laws: tuple[PlacedLaw, ...], gain: float, push: flo
     return np.array(rows)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "effect", "gain", "push"),
     [
@@ -182,6 +185,7 @@ def test_neutral_law_is_omitted() -> None:
     assert PlantModel(robot, as_law(robot, "nonlinear_stiffness@body_1.rz:relative=0,knee=1e-3")).laws == ()
 
 
+@pytest.mark.slow
 def test_a_rounded_corner_is_a_hyperbola_between_both_slopes() -> None:
     robot = load_robot("two_mass")
     bent = robot_with(robot, "nonlinear_stiffness@body_1.rz:relative=0.5,knee=0.002,rounding=0.3")
@@ -192,6 +196,7 @@ def test_a_rounded_corner_is_a_hyperbola_between_both_slopes() -> None:
         assert spring_torque(bent, "body_1.rz", -deflection) == -spring_torque(bent, "body_1.rz", deflection)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "effect", "gain", "push"),
     [

@@ -14,6 +14,8 @@ from flexros.simulate.disturbance import Pulse
 from flexros.simulate.plant import Plant
 from tests.effects.single_mass import MASS, plant, states
 
+pytestmark = pytest.mark.slow
+
 LEVEL, EXTRA, VELOCITY, STIFFNESS, DAMPING = 20.0, 10.0, 0.05, 2e4, 500.0
 NUMBERS = f"level={LEVEL},extra={EXTRA},velocity={VELOCITY},stiffness={STIFFNESS},damping={DAMPING}"
 BRISTLES = f"presliding_friction@motor_1:{NUMBERS}"

@@ -12,6 +12,8 @@ from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
 from tests.feedforward.cases import CENTRE
 
+pytestmark = pytest.mark.slow
+
 
 def radial_error(scenario: str, **values: Any) -> float:
     """Largest radial error [mm] of a built-in scenario."""

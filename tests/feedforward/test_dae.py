@@ -36,6 +36,7 @@ def test_backward_euler_figures_of_the_smooth_case(e12: Robot, smooth: Trajector
     np.testing.assert_allclose(motion.torque[800], [2509.9918, -3742.9591], rtol=5e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2])
 def test_order_of_convergence(order: int, e12: Robot, smooth: Trajectory) -> None:
     exact = np.array([-0.11755577466, 0.52013162855, 0.00959511598])
@@ -56,6 +57,7 @@ def test_torque_converges_to_the_exact_one(order: int, e12: Robot, smooth: Traje
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2])
 def test_output_does_not_drift(order: int, e12: Robot, smooth: Trajectory) -> None:
     problem = problem_of(e12, smooth, 5e-4, 8.0, order=order)
@@ -64,6 +66,7 @@ def test_output_does_not_drift(order: int, e12: Robot, smooth: Trajectory) -> No
     assert output_drift(e12, "tool", motion.arm_position, problem.desired) < 5e-15
 
 
+@pytest.mark.slow
 def test_second_order_agrees_with_the_index_one_form(e12: Robot, smooth: Trajectory) -> None:
     problem = problem_of(e12, smooth, 1e-3, 0.3)
     exact = solve_index_one(problem, "LSODA", 1e-9, 1e-12)
@@ -85,6 +88,7 @@ def test_starts_in_equilibrium_under_gravity() -> None:
     assert abs(motion.arm_position[0, 2]) > 1e-3  # the tool hangs on its spring
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "spring",
     [
@@ -138,6 +142,7 @@ def test_inertial_coupling_is_part_of_the_model() -> None:
     assert np.max(np.abs(without - exact.torque)) < 0.2 * np.abs(exact.torque).max()
 
 
+@pytest.mark.slow
 def test_six_axis_robot_on_its_joints() -> None:
     robot = load_robot("six_axis")
     problem = problem_of(robot, joint_trajectory(robot, [0.3, 0.2, -0.2, 0.4, 0.3, 0.5], 1.0), 5e-4, 1.1)
@@ -147,6 +152,7 @@ def test_six_axis_robot_on_its_joints() -> None:
     np.testing.assert_allclose(motion.torque[0], robot.holding_torque(state), rtol=1e-6, atol=1e-5)
 
 
+@pytest.mark.slow
 def test_large_model_by_the_mass_based_matrix() -> None:
     robot = subdivided_e12(9)
     assert robot.n_arm == 27

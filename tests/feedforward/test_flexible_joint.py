@@ -66,6 +66,7 @@ def test_elbow_moves_stay_on_their_path_in_closed_loop() -> None:
     assert error.max() < 2e-4  # undamped model of a damped gear
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scenario", ["six_axis_moves"])
 def test_six_axis_torque_holds_gravity_at_the_start(scenario: str) -> None:
     experiment = Experiment.prepare(load_scenario(scenario).with_values({"duration": 0.01}))

@@ -10,6 +10,7 @@ from tests.feedforward.cases import edited_robot, joint_trajectory, problem_of, 
 from tests.oracles.index_one import output_drift, solve_index_one
 
 
+@pytest.mark.slow
 def test_exact_inverse_dynamics_of_the_smooth_case(e12: Robot, smooth: Trajectory) -> None:
     solution = solve_index_one(problem_of(e12, smooth, 0.1, 0.4), "LSODA", 1e-11, 1e-13)
     np.testing.assert_allclose(solution.arm_position[-1], [-0.11755577466, 0.52013162855, 0.00959511598], atol=3e-9)
@@ -17,6 +18,7 @@ def test_exact_inverse_dynamics_of_the_smooth_case(e12: Robot, smooth: Trajector
     np.testing.assert_allclose(solution.torque[-1], [2535.627, -3724.009], atol=2e-3)
 
 
+@pytest.mark.slow
 def test_output_drifts(e12: Robot, smooth: Trajectory) -> None:
     problem = problem_of(e12, smooth, 0.01, 0.6)
     drift = [

@@ -11,6 +11,8 @@ from flexros.robot.linear.zeros import zero_dynamics
 from flexros.trajectory import Trajectory
 from tests.feedforward.cases import edited_robot, joint_trajectory, problem_of
 
+pytestmark = pytest.mark.slow
+
 
 def test_circle_test_is_minimum_phase(e12: Robot, circle: Trajectory) -> None:
     assert zero_dynamics(e12).minimum_phase

@@ -16,6 +16,8 @@ from flexros.scenario.scenario import Scenario, load_scenario
 from flexros.trajectory import Trajectory
 from tests.feedforward.cases import CIRCLE, SMOOTH, joint_trajectory, tool_trajectory
 
+pytestmark = pytest.mark.slow
+
 METHODS = ["none", "rigid", "flexible_joint", "dae"]
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from flexros.feedforward.reference import compute_reference
 from flexros.feedforward.specification import FeedforwardSpecification
@@ -32,12 +33,14 @@ def test_torque_of_e12_is_that_of_arm_and_motors_moving_together(e12: Robot, smo
     np.testing.assert_allclose(reference.torque[300], inertia @ a[300] - velocity_force, rtol=2e-3)
 
 
+@pytest.mark.slow
 def test_motor_position_is_that_of_the_rigid_arm(e12: Robot, smooth: Trajectory) -> None:
     reference = compute_reference(e12, smooth, FeedforwardSpecification(method="rigid"), 5e-3, 0.8)
     for position, output in zip(reference.motor_position, reference.output, strict=True):
         np.testing.assert_allclose(e12.forward_kinematics([*position, 0.0]), output, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_without_feedforward_the_torque_is_zero(e12: Robot, smooth: Trajectory) -> None:
     rigid, none = (
         compute_reference(e12, smooth, FeedforwardSpecification(method=method), 5e-3, 0.8)

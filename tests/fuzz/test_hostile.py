@@ -14,6 +14,8 @@ from tests.fuzz.hostile import HOSTILE
 from tests.fuzz.mended import MENDED
 from tests.fuzz.readers import READERS, outcome
 
+pytestmark = pytest.mark.slow
+
 CHECKOUT = Path(__file__).parents[2]
 ROOM = 2**30
 """Memory beyond what the process has when all is imported [byte]; some inputs claim a hundred times that."""

@@ -19,6 +19,7 @@ CHECKS = settings(
 """Few inputs, the same each time; `make fuzz` tries many."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", READERS)
 @CHECKS
 @given(data=st.data())

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from flexros.effects.patching.patched_robot import load_model
 from flexros.gap.answer.patch import write_patch
@@ -27,6 +28,7 @@ def tool(wanted: Scenario) -> Any:
     return log.tool_pose.position
 
 
+@pytest.mark.slow
 def test_the_patch_of_a_diagnosis_brings_the_tool_back_to_the_path_without_effect(tmp_path: Path) -> None:
     experiment = load_scenario("diagnosis").with_values(
         {"robot": ROBOT, "plant.effects": [HIDDEN], "diagnosis.length": 10.0}

@@ -19,6 +19,8 @@ from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
 from tests.gap.diagnosis_logs import FEW_EFFECTS, ROBOT, record_of, settings_of
 
+pytestmark = pytest.mark.slow
+
 SETTINGS, FEW = settings_of(), settings_of(*FEW_EFFECTS)
 LONG = 10.0
 FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"

@@ -14,6 +14,7 @@ from flexros.robot import load_robot
 ROBOTS = ("e12", "elbow", "emps", "four_mass", "four_mass_linear", "six_axis", "two_mass")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ROBOTS)
 def test_no_step_of_it_is_ill_conditioned(name: str) -> None:
     robot = load_robot(name)

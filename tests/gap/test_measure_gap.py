@@ -14,6 +14,8 @@ from flexros.gap.settings import DiagnosisSettings
 from flexros.robot.robot import Robot
 from tests.gap.diagnosis_logs import MODEL, ROBOT, record_of
 
+pytestmark = pytest.mark.slow
+
 FRICTION = "coulomb_friction@motor_1:level=0.05"
 
 

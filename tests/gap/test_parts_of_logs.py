@@ -27,6 +27,7 @@ def test_a_part_of_a_part_counts_its_time_from_the_begin_of_the_log() -> None:
     assert record.part(40, 100).part(10, 20).begin == pytest.approx(0.5)
 
 
+@pytest.mark.slow
 def test_drifting_friction_is_predicted_in_the_last_third_of_a_log() -> None:
     robot = load_robot("four_mass_linear")
     hidden = ["friction_drift@motor_1:coulomb=0.6,time_constant=8"]

@@ -13,6 +13,8 @@ import pytest
 
 from tests.golden.streams import FILE, MESSAGES, identification_reference, monitor_messages, monitor_statuses
 
+pytestmark = pytest.mark.slow
+
 GOLDEN = json.loads(FILE.read_text(encoding="utf-8"))
 
 

@@ -14,6 +14,8 @@ from flexros.identify.report.record import identification_record
 from flexros.identify.report.verdict import kept_text, verdict
 from flexros.identify.result import ExperimentFacts, IdentificationResult
 
+pytestmark = pytest.mark.slow
+
 
 def test_figures_hold_truth_within_their_intervals(clear: IdentificationResult) -> None:
     content = identification_record(clear)

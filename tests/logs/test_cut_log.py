@@ -21,6 +21,7 @@ def log(tmp_path: Path) -> Path:
     return tmp_path / "a.mcap"
 
 
+@pytest.mark.slow
 def test_every_message_of_every_complete_chunk_is_read(log: Path) -> None:
     cuts = cuts_of(log.read_bytes(), n_random=50)
     n_chunks = len(chunk_edges(log.read_bytes()))

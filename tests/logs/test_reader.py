@@ -15,6 +15,8 @@ from flexros.logs.reader import read_log
 from flexros.logs.write_log import write_log
 from flexros.logs.writer import LogWriter
 
+pytestmark = pytest.mark.slow
+
 JOINT_STATE = "sensor_msgs/msg/JointState"
 DIAGNOSTIC_ARRAY = "diagnostic_msgs/msg/DiagnosticArray"
 TEMPLATE = JointStateTemplate(["a"], position=True)

@@ -19,6 +19,8 @@ from flexros.logs.reader import read_log
 from flexros.logs.stamps import stamp_ns
 from flexros.logs.writer import MAX_CHUNK_DURATION, LogWriter
 
+pytestmark = pytest.mark.slow
+
 TOPICS = load_topics()
 ROOT = Path(__file__).parents[2]
 

@@ -10,6 +10,8 @@ from flexros.monitor.design import LinearFilter, autocovariances, driven_by_nois
 from flexros.monitor.design_book import DesignBook
 from flexros.monitor.pose_model import PoseModel
 
+pytestmark = pytest.mark.slow
+
 ROBOTS = ("two_mass", "four_mass_linear", "elbow", "e12", "six_axis", "emps")
 
 

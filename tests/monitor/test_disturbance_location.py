@@ -23,6 +23,7 @@ def told(log: Log, robot: str) -> tuple[str, str]:
     return kinds.most_common(1)[0][0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("robot", "effect", "kind", "joint"),
     [

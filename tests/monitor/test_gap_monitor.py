@@ -17,6 +17,8 @@ from flexros.monitor.statement import motor_sentence, robot_sentence
 from flexros.monitor.watch import WindowResult
 from flexros.monitor.watch_log import watch_log
 
+pytestmark = pytest.mark.slow
+
 MakeLog = Callable[..., Log]
 MakeMonitor = Callable[[str], GapMonitor]
 

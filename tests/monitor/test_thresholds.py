@@ -10,6 +10,8 @@ from flexros.monitor.calibration import calibrate
 from flexros.monitor.design_book import DesignBook
 from flexros.monitor.thresholds import LENGTHS, chances_of, thresholds
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def book() -> DesignBook:

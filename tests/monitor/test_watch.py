@@ -30,6 +30,7 @@ def results_of(log: Log, robot: str, first: int = 0, *, torque: float = 0.0) -> 
     return [one for window in windows if (one := watch.take(window)) is not None], watch, len(windows)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ["four_mass_linear", "elbow", "e12", "two_mass", "emps"])
 def test_noise_alone_is_seen_of_a_robot_that_is_as_its_model(robot: str, make_log: Callable[..., Log]) -> None:
     found, watch, windows = results_of(make_log(robot), robot)

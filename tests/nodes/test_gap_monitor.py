@@ -29,6 +29,8 @@ from flexros.scenario.scenario import load_scenario
 from flexros_nodes.gap_monitor import GapMonitorNode
 from flexros_nodes.protocol.parameters import node_parameters
 
+pytestmark = pytest.mark.slow
+
 Bench = Any  # the class is in conftest
 AT_ONCE = 500
 

@@ -41,6 +41,8 @@ from flexros_nodes.recorder import RecorderNode
 from flexros_nodes.replay import ReplayNode
 from flexros_nodes.shell.topic_interface import qos_profile, topic
 
+pytestmark = pytest.mark.slow
+
 SAMPLE = Path(__file__).parents[2] / "bags" / "sample_circle_dae"
 N_SAMPLE = 762
 Bench = Any  # the class is in conftest

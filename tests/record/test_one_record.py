@@ -22,6 +22,8 @@ from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
 
+pytestmark = pytest.mark.slow
+
 E12 = load_robot("e12")
 SLOW = RigidSettings(cutoff=20.0)
 

@@ -10,6 +10,8 @@ from flexros.errors import InputError
 from flexros.robot import load_robot, robot_from_data, robot_names
 from flexros.robot.robot import LIBRARY
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("name", robot_names())
 def test_nothing_moves_at_rest(name: str) -> None:

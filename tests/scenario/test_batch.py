@@ -20,11 +20,13 @@ def radial_error(record: RunRecord) -> float:
     return float(1e3 * np.max(np.abs(distance - 0.025)))
 
 
+@pytest.mark.slow
 def test_load_sweep_gives_the_figures_of_single_runs() -> None:
     errors = batch(CIRCLE, radial_error, values={"body_3.mass": [190.0, 200.0, 210.0]})
     np.testing.assert_allclose(errors, [1.2486502659747738, 0.3292, 1.4149781413518685], rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_gain_sweep_equals_single_runs_to_the_last_bit() -> None:
     kp = np.linspace(1e5, 2e5, 11)  # two groups of eight lanes, the second one not full
     records = batch(CIRCLE, whole_record, gains={"motor_1.kp": kp, "motor_2.kp": kp})
@@ -35,6 +37,7 @@ def test_gain_sweep_equals_single_runs_to_the_last_bit() -> None:
         assert np.array_equal(records[k].command, single.joint_commands.effort)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n_runs", [1, 2, 5])
 def test_seeds_equal_single_runs_to_the_last_bit(n_runs: int) -> None:
     records = batch(NOISY, whole_record, seeds=range(3, 3 + n_runs))

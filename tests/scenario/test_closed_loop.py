@@ -11,6 +11,8 @@ from flexros.scenario.closed_loop import SLICE, DivergedRunError, closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import Scenario, load_scenario
 
+pytestmark = pytest.mark.slow
+
 CENTRE = np.array([2.146403786951 - 0.025, -0.354624247994])
 RADIUS = 0.025
 

@@ -12,6 +12,8 @@ from flexros.identify.design.default_controller import default_controller
 from flexros.robot import load_robot
 from flexros.scenario.scenario import load_scenario
 
+pytestmark = pytest.mark.slow
+
 
 def test_it_is_made_for_the_robot_of_the_scenario() -> None:
     scenario = load_scenario("diagnosis")

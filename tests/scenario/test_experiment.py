@@ -15,6 +15,8 @@ from flexros.feedforward.time_stepping.compiled import CompiledStepper
 from flexros.scenario.experiment import Experiment, bytes_per_sample
 from flexros.scenario.scenario import Scenario, load_scenario
 
+pytestmark = pytest.mark.slow
+
 
 def scenario(**settings: object) -> Scenario:
     given = {"name": "mine", "robot": "e12", "duration": 0.1, "controller": {"kind": "pid", "kp": 1e5}}

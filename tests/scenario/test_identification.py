@@ -15,6 +15,8 @@ from flexros.scenario.identification import designed_scenario, scenario_yaml, te
 from flexros.scenario.identification_plan import plan_of_scenario
 from flexros.scenario.scenario import load_scenario
 
+pytestmark = pytest.mark.slow
+
 E12 = load_robot("e12")
 
 

@@ -44,6 +44,7 @@ def _ended(code: int) -> Callable[[DesignedExperiment, Path], RunResult]:
     return lambda _, log: RunResult(code, "the plant left its limits at 1.5 s", "direct", log, 0, 0.0, 0.0)
 
 
+@pytest.mark.slow
 def test_procedure_finds_the_values_of_the_real_robot_and_writes_its_files(tmp_path: Path) -> None:
     reported: list[tuple[str, int, int]] = []
     found = _identified(tmp_path / "e12", _directly, progress=lambda *what: reported.append(what))

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from flexros.arrays import FloatArray
     from flexros.control.context import LoopContext
 
+pytestmark = pytest.mark.slow
+
 
 class ObserverFeedback(AbstractControlLaw):
     """State feedback from a Kalman filter, both designed on the linear model at the home pose, without gravity.

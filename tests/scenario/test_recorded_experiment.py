@@ -17,6 +17,8 @@ from flexros.scenario.experiment import Experiment
 from flexros.scenario.recorded_experiment import recorded_experiment, with_recorded_parts
 from flexros.scenario.scenario import load_scenario
 
+pytestmark = pytest.mark.slow
+
 ROBOT = load_robot("four_mass_linear")
 CUT = 1234
 

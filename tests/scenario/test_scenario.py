@@ -19,6 +19,8 @@ from flexros.simulate.disturbance import Step
 if TYPE_CHECKING:
     from pathlib import Path
 
+pytestmark = pytest.mark.slow
+
 HEAD = "robot: e12\nduration: 1\n"
 MINIMAL = HEAD + "controller: {kind: pid, kp: 1e5}\n"
 BUILT_IN = (

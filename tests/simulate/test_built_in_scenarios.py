@@ -12,6 +12,8 @@ from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario, scenario_names
 
+pytestmark = pytest.mark.slow
+
 LARGEST_ERROR = {
     "circle_dae": 3e-3,
     "circle_dae2": 1e-4,

@@ -11,6 +11,8 @@ from flexros.robot import load_robot
 from flexros.simulate.disturbance import Disturbance
 from flexros.simulate.plant import Plant
 
+pytestmark = pytest.mark.slow
+
 E12 = load_robot("e12")
 T = 5e-4
 

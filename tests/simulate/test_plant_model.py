@@ -46,6 +46,7 @@ def experiment(*effects: str, **settings: object) -> Experiment:
     return Experiment.prepare(Scenario.model_validate({**given, **settings}))
 
 
+@pytest.mark.slow
 def test_stepped_plant_equals_the_run_to_the_last_bit() -> None:
     prepared = experiment(*ALL)
     log = closed_loop(prepared)
@@ -58,6 +59,7 @@ def test_stepped_plant_equals_the_run_to_the_last_bit() -> None:
         plant.advance(command)
 
 
+@pytest.mark.slow
 def test_every_law_changes_the_motion() -> None:
     runs = [closed_loop(experiment(*effects)).joint_states.position for effects in ([], *([one] for one in ALL))]
     for changed in runs[1:]:
@@ -75,6 +77,7 @@ def test_neutral_effects_leave_the_run_as_it_is_to_the_last_bit() -> None:
     assert np.array_equal(with_them.joint_states.position, without.joint_states.position)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_batch_over_parameters_of_robot_and_effects_equals_single_runs() -> None:
     prepared = experiment(*ALL)
     values = {
@@ -116,6 +119,7 @@ def test_value_that_the_effect_does_not_allow_is_refused_before_the_batch() -> N
         batch(experiment(ALL[0]), whole_record, values={"coulomb_friction@motor_1.level": [1.0, -1.0]})
 
 
+@pytest.mark.slow
 def test_machine_code_agrees_with_the_virtual_machine() -> None:
     prepared = experiment(*ALL, noise=False)
     functions = prepared.plant_model.functions(prepared.scenario.controller.function(prepared.loop_context))

@@ -43,6 +43,7 @@ def test_pattern_of_the_circle_test() -> None:
     assert cruise[1:] == pytest.approx([20.0, 0.0, 0.0, 0.0], abs=1e-12)
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(sizes, some_limits)
 def test_limits_are_kept_and_the_distance_met(distance: float, limits: Limits) -> None:
@@ -55,6 +56,7 @@ def test_limits_are_kept_and_the_distance_met(distance: float, limits: Limits) -
     assert np.all(np.diff(values[0]) >= -1e-12 * distance)
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(sizes, some_limits)
 def test_three_derivatives_are_continuous_at_every_knot(distance: float, limits: Limits) -> None:
@@ -129,6 +131,7 @@ def brute_force_duration(distance: float, limits: Limits) -> float:
     return best
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 def test_no_symmetric_profile_is_faster(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -12,6 +12,8 @@ from flexros.analysis.report.summary import SummarySection, verdict
 from flexros.logs.time_series import Log
 from flexros.report.base import Paragraph, Picture, TextTable
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module", name="experiment")
 def fixture_experiment(experiment_log: Log) -> Analysis:

@@ -8,6 +8,8 @@ import pytest
 from flexros.analysis import analyse
 from flexros.analysis.report.path import FACTORS, PathSection, magnification, path_picture
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize(("error", "factor"), [(3e-4, 20), (9e-3, 1), (4e-5, 200), (1.0, 1), (0.0, FACTORS[-1])])
 def test_magnification_draws_the_error_as_a_small_part_of_the_path(error, factor):

@@ -16,6 +16,8 @@ from flexros.analysis.report.torques import TorqueSection
 from flexros.analysis.report.write import RUN_SECTIONS
 from flexros.report.base import Paragraph, Picture, TextTable
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def runs(make_run):

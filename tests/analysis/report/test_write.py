@@ -13,6 +13,8 @@ from flexros.analysis.figures_table import figure_rows
 from flexros.analysis.report import write_comparison, write_report
 from flexros.errors import InputError
 
+pytestmark = pytest.mark.slow
+
 
 class Tags(HTMLParser):
     """Collects tags, text outside scripts, and the data of the pictures."""

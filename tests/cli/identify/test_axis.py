@@ -10,6 +10,8 @@ import pytest
 from flexros.logs.write_log import write_log
 from tests.identify.axis.recorded_axis import TRUTH, recorded_axis
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module", name="logs")
 def fixture_logs(tmp_path_factory: pytest.TempPathFactory) -> list[str]:

@@ -15,6 +15,8 @@ from flexros.identify.frf.files.netcdf import load_responses
 from flexros.robot import load_robot
 from tests.cli.conftest import Ended
 
+pytestmark = pytest.mark.slow
+
 Flexros = Callable[..., Ended]
 
 

@@ -17,6 +17,8 @@ from flexros.logs.write_log import write_log
 from flexros.robot import load_robot
 from flexros.robot.robot import LIBRARY
 
+pytestmark = pytest.mark.slow
+
 N, T = 6000, 1e-3
 REALDATA = os.environ.get("FLEXROS_REALDATA", "")
 

@@ -13,6 +13,8 @@ from flexros.compile.loop import kernel as kernel_module
 from flexros.errors import InputError
 from tests.compile.conftest import GAINS, PARAMETERS, SAMPLE_TIME, STATE, integrator, rich_inputs
 
+pytestmark = pytest.mark.slow
+
 
 def open_loop(functions: LoopFunctions) -> LoopFunctions:
     """The command is the reference torque, whatever is measured."""

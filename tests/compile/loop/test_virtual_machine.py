@@ -12,6 +12,8 @@ from flexros.compile.loop.virtual_machine import VirtualMachineLoop
 from flexros.robot import load_robot
 from tests.compile.conftest import GAINS, PARAMETERS, SAMPLE_TIME, STATE, reference, rich_inputs, unstable
 
+pytestmark = pytest.mark.slow
+
 TIMINGS = [
     {"delay": 0.0, "substeps": 1},
     {"delay": 0.3 * SAMPLE_TIME, "substeps": 2},

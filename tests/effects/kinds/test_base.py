@@ -18,6 +18,7 @@ def values_with(robot_name: str, *texts: str) -> dict[str, float]:
     return values | ({} if after.delay == before.delay else {"delay": after.delay})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot_name", robot_names())
 @pytest.mark.parametrize("name", sorted(effects()))
 def test_neutral_value_changes_nothing(name: str, robot_name: str) -> None:
@@ -28,6 +29,7 @@ def test_neutral_value_changes_nothing(name: str, robot_name: str) -> None:
     assert PlantModel(result.robot, result.laws).laws == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(effects()))
 def test_effect_has_a_location_on_some_robot_and_survives_a_round_trip(name: str) -> None:
     places = [(load_robot(robot), effects()[name]().locations(load_robot(robot))) for robot in robot_names()]

@@ -18,6 +18,8 @@ from flexros.robot import Robot
 from flexros.trajectory import Trajectory
 from tests.feedforward.cases import edited_robot
 
+pytestmark = pytest.mark.slow
+
 DAE = FeedforwardSpecification()
 
 

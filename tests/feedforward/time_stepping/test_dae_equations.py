@@ -7,6 +7,8 @@ from flexros.feedforward.time_stepping.dae_equations import LARGE_MODEL, build_e
 from flexros.robot import Robot, load_robot
 from tests.feedforward.cases import subdivided_e12
 
+pytestmark = pytest.mark.slow
+
 GAMMA = 2000.0
 RNG = np.random.default_rng(5)
 

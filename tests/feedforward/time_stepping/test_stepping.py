@@ -15,6 +15,8 @@ from flexros.feedforward.time_stepping.stepping import MAX_ITERATIONS, Stepper, 
 from flexros.robot import Robot
 from tests.feedforward.cases import smooth_circle
 
+pytestmark = pytest.mark.slow
+
 STEP = 1e-3
 START = np.array([0, 0.3, 0, 0, 0.3])
 

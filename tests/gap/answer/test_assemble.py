@@ -22,6 +22,8 @@ from flexros.gap.settings import DiagnosisSettings, RankingSettings
 from flexros.record.quantization import Quantization
 from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, encoded, predictor_of
 
+pytestmark = pytest.mark.slow
+
 TRUTH = "coulomb_friction@motor_1:level=0.05"
 COULOMB, STIFFNESS = "coulomb_friction@motor_1", "stiffness_error@body_2.rz"
 TOLERANCE = {"stiffness": 0.01}

@@ -27,6 +27,8 @@ from flexros.gap.search.model_probability import compare
 from flexros.record.quantization import Quantization
 from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of
 
+pytestmark = pytest.mark.slow
+
 TRUTH = "coulomb_friction@motor_1:level=0.05"
 COULOMB, STIFFNESS, INERTIA = (
     "coulomb_friction@motor_1", "stiffness_error@body_2.rz", "motor_inertia_error@motor_1",

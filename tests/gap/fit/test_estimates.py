@@ -17,6 +17,8 @@ from flexros.random_streams import generator
 from flexros.robot import load_robot
 from tests.gap.diagnosis_logs import candidates_of, data_of, encoded, predictor_of
 
+pytestmark = pytest.mark.slow
+
 LEVEL = 0.03
 
 

@@ -16,6 +16,8 @@ from flexros.gap.prediction.predictor import Predictor
 from flexros.gap.residuals.fit_data import FitData
 from tests.gap.diagnosis_logs import candidates_of, data_of, encoded, predictor_of
 
+pytestmark = pytest.mark.slow
+
 N = 12000
 TRUTHS = {
     "coulomb_friction@motor_1": {"level": 0.05},

@@ -14,6 +14,8 @@ from flexros.gap.search.candidate_fits import Search
 from flexros.gap.search.forward_selection import explain
 from tests.gap.diagnosis_logs import FEW_EFFECTS, candidates_of, search_of
 
+pytestmark = pytest.mark.slow
+
 VISCOUS = "viscous_friction@motor_1:coefficient=3e-3"
 
 

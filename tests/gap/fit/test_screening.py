@@ -12,6 +12,7 @@ from tests.gap.diagnosis_logs import candidates_of, encoded, predictor_of, searc
 TRUTH = ("coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=0.005")
 
 
+@pytest.mark.slow
 def test_the_missing_effect_gains_as_predicted_and_one_that_is_there_nothing() -> None:
     search = search_of(*TRUTH)
     friction, stiffness = (candidates_of(*TRUTH)[one.partition(":")[0]] for one in TRUTH)

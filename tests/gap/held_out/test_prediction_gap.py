@@ -41,12 +41,14 @@ def synthetic(level: float, seed: int = 0, windows: int = 2000) -> AheadErrors:
     return AheadErrors(squares, SPACING * np.arange(windows), np.array([1e-4]))
 
 
+@pytest.mark.slow
 def test_without_gap_it_is_one() -> None:
     means = [ahead(seed=seed).mean for seed in (1, 2, 3)]
     # some 500 windows of 0.1 s in each log that overlap, four to an independent one
     assert np.mean(means) == pytest.approx(1.0, abs=4 * np.sqrt(2 / (3 * 500 / 4)))
 
 
+@pytest.mark.slow
 def test_a_gap_shows_and_the_true_model_closes_it() -> None:
     before, after = ahead((FRICTION,)), ahead((FRICTION,), level=0.05)
     assert before.mean > 20

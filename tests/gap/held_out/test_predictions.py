@@ -21,6 +21,7 @@ def explanation(relative: float | None) -> Explanation:
     return Explanation("test", prediction_of(one, data_of(SOFT)), None, placed_effects(one))
 
 
+@pytest.mark.slow
 def test_innovations_are_the_prediction_errors_and_counted_from_where_the_start_decayed() -> None:
     found, data = explanation(-0.05).fit, data_of(SOFT)
     assert found.innovations.shape == data.record.position.shape
@@ -51,6 +52,7 @@ def test_pictures_see_the_log_before_and_after_the_repair() -> None:
     assert signature_evidence(MODEL, data, nothing, before, None).repaired is None
 
 
+@pytest.mark.slow
 def test_error_of_the_tool_is_what_the_model_lacks_beyond_noise_and_the_frame_of_the_tracker() -> None:
     """A soft spring shows; without it the error is the noise of the tracker."""
     nothing = CandidateFit(predictor_of(), np.zeros(0), 0.0)

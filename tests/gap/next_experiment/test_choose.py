@@ -37,6 +37,7 @@ def gain(survivors: list[list[PlacedEffect]], entry: str) -> float:
     return found.gain
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("truth", "rival", "log"),
     [
@@ -64,6 +65,7 @@ def test_running_the_proposed_experiment_separates_what_the_log_did_not(
     assert separation(true, other, run) > 4.0
 
 
+@pytest.mark.slow
 def test_a_known_load_tells_motor_inertia_from_torque_gain_better_than_rest() -> None:
     survivors = [
         placed("motor_inertia_error@motor_1:relative=0.003"),
@@ -87,6 +89,7 @@ def gains(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
     return seen
 
 
+@pytest.mark.slow
 def test_the_chosen_experiment_is_the_best_except_for_cheaper_ones(gains: dict[str, float]) -> None:
     survivors = [placed("delay@all:time=0.00015"), placed("actuator_lag@motor_1:time_constant=0.00015")]
     entries = [ENTRIES["standard"], ENTRIES["high_band"]]
@@ -97,6 +100,7 @@ def test_the_chosen_experiment_is_the_best_except_for_cheaper_ones(gains: dict[s
     assert [place.effect for place in chosen.separates] == ["delay", "actuator_lag"]
 
 
+@pytest.mark.slow
 def test_what_motors_cannot_see_needs_the_tool(gains: dict[str, float]) -> None:
     survivors = [placed("kinematic_error@body_1:length=0.001"), placed("kinematic_error@body_2:length=0.001")]
     entries = [ENTRIES["standard"], ENTRIES["tool_measurement"]]
@@ -156,6 +160,7 @@ def test_progress_ends_at_one(monkeypatch: pytest.MonkeyPatch) -> None:
     assert shares[-1] == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.name)
 def test_every_command_can_be_run(entry: CatalogueEntry) -> None:
     name = "elbow"

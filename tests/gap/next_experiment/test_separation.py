@@ -16,6 +16,8 @@ from flexros.gap.next_experiment.separation import ROOM, Explained, Trial, predi
 from flexros.gap.prediction.predictor import Predictor
 from flexros.robot import load_robot
 
+pytestmark = pytest.mark.slow
+
 KEYS = {"diagnosis.length": 20}
 SAMPLE_TIME = 5e-4
 

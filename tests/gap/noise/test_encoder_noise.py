@@ -10,6 +10,8 @@ from flexros.gap.settings import DiagnosisSettings
 from flexros.record.record import Record
 from flexros.robot import Robot, load_robot
 
+pytestmark = pytest.mark.slow
+
 N, T, SIGMA = 40_000, 5e-4, 1e-4
 
 SETTINGS = DiagnosisSettings()

@@ -14,6 +14,8 @@ from flexros.gap.settings import DiagnosisSettings
 from flexros.prediction.observer import observer_gain
 from tests.gap.diagnosis_logs import ROBOT, record_of
 
+pytestmark = pytest.mark.slow
+
 NOISE = np.array([1e-4])
 
 SETTINGS = DiagnosisSettings()

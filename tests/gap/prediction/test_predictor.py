@@ -16,6 +16,8 @@ from flexros.robot import load_robot
 from flexros.simulate.plant_model import PlantModel
 from tests.gap.diagnosis_logs import MODEL, ROBOT, candidates_of, data_of, encoded, predictor_of, record_of
 
+pytestmark = pytest.mark.slow
+
 N = 4000
 
 

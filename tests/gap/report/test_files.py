@@ -31,6 +31,7 @@ def test_the_three_files_say_the_same(diagnosed: Diagnosed, tmp_path: Path) -> N
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
+@pytest.mark.slow
 def test_without_a_gap_there_is_no_patch(diagnosed: Diagnosed, tmp_path: Path) -> None:
     folder = tmp_path / "out"
     write_diagnosis(diagnosed("explained"), "four_mass_linear", folder)
@@ -38,6 +39,7 @@ def test_without_a_gap_there_is_no_patch(diagnosed: Diagnosed, tmp_path: Path) -
     assert sorted(path.name for path in folder.iterdir()) == ["diagnosis.json", "report.html"]
 
 
+@pytest.mark.slow
 def test_a_diagnosis_that_breaks_off_leaves_the_old_one(
     diagnosed: Diagnosed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -17,6 +17,8 @@ from plotly.offline import get_plotlyjs
 from flexros.gap.report import diagnosis_report, write_diagnosis_report
 from flexros.gap.result import DiagnosisResult
 
+pytestmark = pytest.mark.slow
+
 Diagnosed = Callable[[str], DiagnosisResult]
 PATCH = "robot: four_mass_linear\neffects:\n  - effect: coulomb_friction <at> motor_1\n"
 ALWAYS = ("Where it shows", "Which effect", "How far apart, before and after", "Limits of this log")

@@ -55,6 +55,7 @@ def test_coloured_noise_becomes_white() -> None:
     np.testing.assert_allclose(coloured.weighted(noise[:, None, None])[:, 0], white, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_errors_of_the_tool_stand_behind_those_of_the_motors() -> None:
     motors, both = data_of(), data_of(tool=True)
     assert both.tool is not None
@@ -68,6 +69,7 @@ def test_errors_of_the_tool_stand_behind_those_of_the_motors() -> None:
     assert residual @ residual / both.n_values == pytest.approx(1.0, abs=4 * np.sqrt(2 / both.n_values))
 
 
+@pytest.mark.slow
 def test_a_tool_that_was_hardly_seen_is_left_out_with_a_warning() -> None:
     record = record_of(tool=True)
     assert record.tool is not None
@@ -87,6 +89,7 @@ def test_sets_have_residuals_of_their_own() -> None:
         np.testing.assert_allclose(together[:, k], data.residuals(predictor, thetas[:, k : k + 1])[:, 0])
 
 
+@pytest.mark.slow
 def test_a_log_that_begins_in_motion_starts_with_its_state() -> None:
     """Errors of a guess of the state would last for seconds."""
     record = record_of(length=10.0)
@@ -111,6 +114,7 @@ def test_a_log_that_begins_with_a_start_from_rest_loses_nothing() -> None:
     assert residual @ residual / data.n_values == pytest.approx(1.0, abs=5 * np.sqrt(2 / data.n_values))
 
 
+@pytest.mark.slow
 def test_the_frame_of_a_tracker_is_that_of_the_prediction_it_is_seen_by() -> None:
     data = data_of(tool=True)
     softer = ROBOT.with_values({"body_1.rz.stiffness": 0.9 * ROBOT.parameters["body_1.rz.stiffness"].value})
@@ -140,6 +144,7 @@ def test_initial_state_errors_are_projected_out(tool: bool) -> None:
     assert np.linalg.norm(residual_of(moved) - residual_of(plain)) < 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(1, 6))
 def test_the_first_samples_of_a_log_from_rest_are_as_noisy_as_all_others(seed: int) -> None:
     data = data_of(seed=seed)
@@ -160,6 +165,7 @@ def test_the_directions_are_orthonormal_and_at_most_as_many_as_states(tool: bool
     assert 2 <= found.number <= len(data.initial_state)
 
 
+@pytest.mark.slow
 def test_a_gap_that_shows_only_while_the_initial_state_decays_is_seen() -> None:
     """Friction shows in the first samples, and explains them."""
     friction = "coulomb_friction@motor_1:level=0.05"

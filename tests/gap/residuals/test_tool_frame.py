@@ -10,6 +10,8 @@ from flexros.errors import InputError
 from flexros.gap.residuals.tool_frame import CorrectedTool, correct_tool
 from flexros.record.record import ToolRecord
 
+pytestmark = pytest.mark.slow
+
 T, N = 1e-3, 8000
 NOISE = 2e-5
 TURN = Rotation.from_rotvec([0.4, -0.7, 1.9]).as_matrix()

@@ -16,6 +16,8 @@ from flexros.gap.fit.null_fit import fit_null
 from flexros.gap.search.forward_selection import unique
 from tests.gap.diagnosis_logs import MODEL, candidates_of, data_of, predictor_of, search_of
 
+pytestmark = pytest.mark.slow
+
 FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"
 SOME = ("coulomb_friction@motor_1", "stiffness_error@body_2.rz", "motor_inertia_error@motor_1", "torque_bias@motor_1")
 

@@ -9,6 +9,8 @@ from flexros.gap.search.forward_selection import Explanations, explain
 from flexros.gap.search.model_probability import RANKING
 from tests.gap.diagnosis_logs import search_of
 
+pytestmark = pytest.mark.slow
+
 FRICTION, SOFT = "coulomb_friction@motor_1:level=0.05", "stiffness_error@body_2.rz:relative=-0.05"
 SOME = ("coulomb_friction", "stiffness_error", "motor_inertia_error", "torque_bias")
 

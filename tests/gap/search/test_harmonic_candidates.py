@@ -14,6 +14,8 @@ from flexros.gap.prediction.predictor import LANES
 from flexros.gap.search.harmonic_candidates import VALLEYS, neighbouring_orders
 from tests.gap.diagnosis_logs import candidates_of, predictor_of, record_of, search_of
 
+pytestmark = pytest.mark.slow
+
 
 def found_in(*effect: str) -> list[Candidate]:
     search = search_of(*effect)

@@ -23,6 +23,7 @@ def resolution() -> float:
     return float(2 * np.pi / np.ptp(record_of().position))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("effect", "entry", "amplitude"),
     [

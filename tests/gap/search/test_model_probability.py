@@ -18,6 +18,8 @@ from flexros.gap.search.model_probability import (
 )
 from tests.gap.diagnosis_logs import candidates_of, predictor_of
 
+pytestmark = pytest.mark.slow
+
 N = 20_000
 COULOMB, STRIBECK, STIFFNESS = (
     "coulomb_friction@motor_1", "stribeck_friction@motor_1", "stiffness_error@body_2.rz",

@@ -27,6 +27,7 @@ def test_the_clearest_picture_comes_first() -> None:
     assert pictures_for("backlash")[0].name == "torsion_over_torque"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(signatures()))
 def test_pictures_are_small_and_described(name: str, friction: SignatureData) -> None:
     picture = signatures()[name]().picture(friction, "motor_1")

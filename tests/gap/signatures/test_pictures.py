@@ -13,6 +13,8 @@ from flexros.gap.signatures.missing_torque import missing_torque
 from flexros.gap.signatures.signature_data import SignatureData
 from flexros.record.record import ToolRecord
 
+pytestmark = pytest.mark.slow
+
 
 def picture(name: str, evidence: SignatureData) -> Picture:
     found = signatures()[name]().picture(evidence, "motor_1")

@@ -14,6 +14,8 @@ from flexros.gap.where.find import where
 from flexros.record.record import ToolRecord
 from tests.oracles.linear_gap import LinearLog
 
+pytestmark = pytest.mark.slow
+
 FEW = WhereSettings(realisations=60)
 
 

@@ -21,6 +21,8 @@ from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
 
+pytestmark = pytest.mark.slow
+
 FEW = WhereSettings(realisations=60)
 
 

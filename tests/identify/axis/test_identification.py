@@ -10,6 +10,8 @@ from flexros.identify.axis import AxisStructure, OneAxisIdentification, identify
 from flexros.robot import load_robot
 from tests.identify.axis.recorded_axis import EFFECTS, TRUTH, recorded_axis, three_mass
 
+pytestmark = pytest.mark.slow
+
 TWO_MASS = load_robot("two_mass")
 FREQUENCIES = {"antiresonances": [15.9], "resonances": [25.2]}
 

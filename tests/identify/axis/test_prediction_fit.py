@@ -11,6 +11,8 @@ from flexros.identify.axis.predictor import Predictor
 from flexros.identify.axis.search_setup import bounds_around
 from tests.identify.axis.recorded_axis import EFFECTS, TRUTH, axis_of, recorded_axis
 
+pytestmark = pytest.mark.slow
+
 STRUCTURE = AxisStructure(gear="linear", offset=True)
 BEGIN = {name: TRUTH.get(name, 0.0) * (1.0 if name == "offset" else 1.3) for name in STRUCTURE.names}
 

@@ -11,6 +11,8 @@ from flexros.identify.axis.record import AxisRecord
 from flexros.simulate.plant import Plant
 from tests.identify.axis.recorded_axis import EFFECTS, TRUTH, axis_of, recorded_axis, three_mass
 
+pytestmark = pytest.mark.slow
+
 LOG = recorded_axis(samples=600)
 RICH = {"stribeck_friction": 6.0, "stribeck_speed": 0.3, "offset": 2.0, "gear_doubling": 0.01}
 THREE = {"arm_1_inertia": 4.0, "arm_2_inertia": 2.0, "arm_stiffness": 5e4, "arm_damping": 20.0}

@@ -14,6 +14,8 @@ from flexros.identify.axis.result import result_record
 from flexros.robot import load_robot
 from tests.identify.axis.recorded_axis import recorded_axis
 
+pytestmark = pytest.mark.slow
+
 EXTREMES = Extremes((15.9,), (25.2,), "command line")
 
 

@@ -12,6 +12,8 @@ from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
 
+pytestmark = pytest.mark.slow
+
 
 def test_room_is_what_the_simulated_torque_leaves() -> None:
     """Limits of a controller at 3000 Nm: room times rms of the simulated torque times the crest is 95 % of them."""

@@ -9,6 +9,8 @@ from flexros.errors import InputError
 from flexros.identify.design.candidates import TORQUE_SHARE, candidate_positions, default_ranges
 from flexros.robot import load_robot
 
+pytestmark = pytest.mark.slow
+
 
 def test_positions_fill_the_ranges_and_repeat_with_the_seed() -> None:
     robot = load_robot("e12")

@@ -42,6 +42,7 @@ def test_equivalence_condition_and_gap_hold() -> None:
     assert design.weights.sum() == pytest.approx(1)
 
 
+@pytest.mark.slow
 def test_agrees_with_the_multiplicative_algorithm() -> None:
     information = random_information(60, 4, seed=3)
     weights = np.full(60, 1 / 60)
@@ -62,6 +63,7 @@ def test_rounds_add_the_candidates_that_are_missing() -> None:
     assert design.sensitivities.max() <= 5 + 1e-5
 
 
+@pytest.mark.slow
 def test_thousands_of_candidates_and_26_parameters_of_very_different_size() -> None:
     scale = np.exp(np.random.default_rng(2).normal(size=26) * 3)
     information = random_information(3000, 26, seed=2, rank=30) * np.outer(scale, scale)

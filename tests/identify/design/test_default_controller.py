@@ -14,6 +14,7 @@ from flexros.robot import load_robot, robot_names
 from flexros.robot.linear.linearise import linear_model
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", robot_names())
 def test_loop_of_every_robot_decays(name: str) -> None:
     robot = load_robot(name)
@@ -21,6 +22,7 @@ def test_loop_of_every_robot_decays(name: str) -> None:
     assert slowest_decay(linear_model(robot), law, LoopContext(robot, robot.sample_time), robot.delay) > 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.0, 7e-4, 1e-3, 2.7e-3])
 def test_decay_is_that_of_a_simulated_loop(delay: float) -> None:
     """two_mass under PD, 20 samples of 1 ms apart: the envelope of the motor position falls as predicted."""

@@ -15,6 +15,8 @@ from flexros.identify.excitation.multisine import Multisine
 from flexros.identify.experiment.specification import IdentificationSpecification
 from flexros.robot import load_robot
 
+pytestmark = pytest.mark.slow
+
 ROBOT = load_robot("e12")
 NAMES = tuple(name for name in ROBOT.parameters if name.endswith((".stiffness", ".damping")))
 RANGES = [[-0.5, 0.5], [-1.5, 1.5]]

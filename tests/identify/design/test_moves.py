@@ -32,6 +32,7 @@ def test_robot_that_stays_or_has_no_limits_moves_as_it_likes() -> None:
     assert move_factor(E12, np.zeros(2), np.ones((1, 2)), MoveSettings(), np.full(2, np.inf)) == 1.0
 
 
+@pytest.mark.slow
 def test_lowered_moves_pass_the_check_that_refuses_the_fast_ones() -> None:
     scenario = load_scenario("identify_six_axis").with_values(
         {"identification.positions": FAR, "identification.blocks": [1, 0], "identification.move.acceleration": 6.0,

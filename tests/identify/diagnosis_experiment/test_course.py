@@ -23,6 +23,7 @@ def course(name: str, run_seed: int = 1, **settings: object) -> Course:
     return diagnosis_course(specification, robot, law, robot.sample_time, run_seed, robot.home)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("length", [20.0, 40.0])
 def test_lasts_about_as_long_as_asked_for(length: float) -> None:
     for name in ("four_mass", "e12"):
@@ -40,6 +41,7 @@ def test_holds_the_parts_that_were_asked_for() -> None:
     assert sorted(part.name for part in parts[1:-1]) == ["creep", "creep", "moves"]
 
 
+@pytest.mark.slow
 def test_is_the_same_for_the_same_seed_and_another_one_for_another() -> None:
     t = np.linspace(0.0, 40.0, 500)
     one, same, other = (course("e12", seed).trajectory.evaluate(t, 0) for seed in (1, 1, 2))
@@ -53,6 +55,7 @@ def test_its_own_seed_goes_before_that_of_the_run() -> None:
     np.testing.assert_array_equal(one, other)
 
 
+@pytest.mark.slow
 def test_stays_within_its_reach_and_speed() -> None:
     for name in ("four_mass_linear", "elbow", "six_axis"):
         made = course(name)
@@ -74,6 +77,7 @@ def test_creep_turns_the_rotor_more_than_twice_both_ways() -> None:
     assert np.ptp(motor_angle) > 4 * np.pi
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "seed", "length"),
     [
@@ -91,6 +95,7 @@ def test_nominal_robot_keeps_its_torque_limits(name: str, seed: int, length: flo
     assert np.all(np.abs(torque) < experiment.nominal.torque_limits)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "effects"),
     [

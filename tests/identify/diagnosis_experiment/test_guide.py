@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from flexros.gap.next_experiment.catalogue import CATALOGUE
 from flexros.identify.diagnosis_experiment.specification import WEIGHTS, DiagnosisSpecification
 
@@ -27,6 +29,7 @@ def test_every_experiment_of_the_catalogue_is_listed() -> None:
     assert all(f"| `{entry.name}` |" in PAGE for entry in CATALOGUE)
 
 
+@pytest.mark.slow
 def test_picture_of_the_page_is_drawn_by_its_script(tmp_path: Path) -> None:
     script = EXPLANATION.parent / "generate" / "diagnosis_experiment_pictures.py"
     here = {**os.environ, "PYTHONPATH": str(EXPLANATION.parents[1])}

@@ -13,6 +13,8 @@ from flexros.errors import InputError
 from flexros.identify.excitation.crest_factor import crest_factor
 from flexros.identify.excitation.multisine import Multisine
 
+pytestmark = pytest.mark.slow
+
 T = 5e-4
 
 

@@ -13,6 +13,8 @@ from flexros.scenario.closed_loop import closed_loop
 from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import Scenario
 
+pytestmark = pytest.mark.slow
+
 Scenarios = Callable[..., Scenario]
 
 

@@ -94,6 +94,7 @@ def test_seed_of_the_scenario_makes_phases_unless_the_identification_has_its_own
     assert same(*(plan_of_scenario(mine.with_values({"seed": seed})) for seed in (1, 2)))
 
 
+@pytest.mark.slow
 def test_plan_is_found_again_in_the_log(scenario_of: Scenarios, tmp_path: Path) -> None:
     experiment = Experiment.prepare(scenario_of(slow_motion={"kind": "constant_speed", "speed": 0.2}))
     log = closed_loop(experiment)
@@ -105,6 +106,7 @@ def test_plan_is_found_again_in_the_log(scenario_of: Scenarios, tmp_path: Path) 
     assert len(again.joint_states.stamp) == experiment.plan.n_samples
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("provenance", "message"),
     [

@@ -30,6 +30,7 @@ def reference_of(plan: ExperimentPlan, method: str = "flexible_joint") -> Refere
     return identification_reference(plan, load_robot("e12"), settings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slow", SLOW, ids=lambda slow: str(slow["kind"]))
 def test_recorded_speed_is_periodic_with_energy_on_the_excited_lines_only(
     plan_of: Plans, slow: dict[str, object]
@@ -45,6 +46,7 @@ def test_recorded_speed_is_periodic_with_energy_on_the_excited_lines_only(
         np.testing.assert_allclose(U[0], U[1], atol=1e-11 * np.max(np.abs(U)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("excitation", [None, BURST], ids=["multisine", "burst"])
 @pytest.mark.parametrize("slow", SLOW, ids=lambda slow: str(slow["kind"]))
 def test_position_is_the_integral_of_the_speed_throughout(
@@ -57,6 +59,7 @@ def test_position_is_the_integral_of_the_speed_throughout(
     np.testing.assert_allclose(x[2:] - x[:-2], moved, atol=2e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slow", SLOW, ids=lambda slow: str(slow["kind"]))
 def test_robot_stays_near_its_positions_and_ends_in_the_last_one_at_rest(
     plan_of: Plans, slow: dict[str, object]
@@ -129,6 +132,7 @@ def test_feedforward_holds_the_torque_of_gravity_during_a_stay() -> None:
         assert np.max(np.abs(torque)) > 10.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["none", "rigid", "flexible_joint", "dae"])
 def test_held_torque_joins_moves_without_a_step(plan_of: Plans, method: str) -> None:
     plan = plan_of()
@@ -144,6 +148,7 @@ def test_moves_take_whole_samples_and_lead_from_position_to_position(plan_of: Pl
     np.testing.assert_allclose(ends, plan.positions)
 
 
+@pytest.mark.slow
 def test_experiment_gives_this_reference(scenario_of: Scenarios) -> None:
     from flexros.scenario.experiment import Experiment
 
@@ -155,6 +160,7 @@ def test_experiment_gives_this_reference(scenario_of: Scenarios) -> None:
     assert not np.any(unaided.reference.torque)
 
 
+@pytest.mark.slow
 def test_torque_held_during_a_stay_has_no_part_of_the_next_move(plan_of: Plans) -> None:
     plan, robot = plan_of(), load_robot("e12")
     effects = ("delay@motor_1:time=0.02", "delay@motor_2:time=0.02", "backlash@motor_1:gap=0.001")

@@ -70,6 +70,7 @@ def test_quantities_differ_by_powers_of_jw_and_come_back() -> None:
     np.testing.assert_allclose(position.as_quantity("acceleration").response, original.response, rtol=1e-14)
 
 
+@pytest.mark.slow
 def test_frd_has_the_response_at_its_frequencies() -> None:
     original = response(2, 3)
     frd = original.frd()

@@ -8,6 +8,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+pytestmark = pytest.mark.slow
+
 EXPLANATION = Path(__file__).parents[3] / "docs" / "explanation"
 PAGE = (EXPLANATION / "frequency_response.md").read_text(encoding="utf-8")
 

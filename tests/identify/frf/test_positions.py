@@ -16,6 +16,8 @@ from flexros.logs.time_series import Log
 from flexros.robot.linear.positions import linearise_positions
 from tests.identify.frf.recorded_experiment import Recorded, cut, run
 
+pytestmark = pytest.mark.slow
+
 
 def model_of(recorded: Recorded, responses: tuple[FrequencyResponse, ...]) -> np.ndarray:
     """The sampled response of the robot at the measured positions, shape (Q, F, M, M)."""

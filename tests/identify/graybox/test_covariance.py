@@ -48,6 +48,7 @@ def drawn(stated: Responses, roots: list[ComplexArray], rng: np.random.Generator
     return tuple(responses)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("estimator", "weights"), [("LLS", "user"), ("LLSM", "user"), ("NLS", "user"), ("LLS", "optimal")]
 )

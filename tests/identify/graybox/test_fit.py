@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
     Responses = tuple[FrequencyResponse, ...]
 
+pytestmark = pytest.mark.slow
+
 # The six estimators of Moberg (2007, Paper A, section 6); LLS1U takes one position.
 SIX = {
     "LLSM15U": ("LLSM", "user", 3),

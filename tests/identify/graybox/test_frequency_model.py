@@ -36,6 +36,7 @@ def test_response_without_sampling_is_that_of_the_state_space_model(name: str) -
     np.testing.assert_allclose(model.hold.gain[0], -(omega**2) * hold, rtol=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "parameters"),
     [
@@ -65,6 +66,7 @@ def test_jacobian_by_scaled_parameters() -> None:
     np.testing.assert_allclose(model.jacobian(theta, scale), expected, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_response_is_symmetric() -> None:
     response = model_of("six_axis", ["body_2.rz.stiffness"]).response(np.array([1e6]))
     np.testing.assert_allclose(response, response.swapaxes(2, 3), rtol=1e-6, atol=1e-12 * np.max(np.abs(response)))

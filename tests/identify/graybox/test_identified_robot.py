@@ -36,6 +36,7 @@ def test_written_robot_loads_with_values_sources_and_tolerances(
         assert parameter.source == "identified by FlexROS, LLS with optimal weights, 3 positions"
 
 
+@pytest.mark.slow
 def test_everything_else_stays(six_axis: Robot, six_axis_responses: Responses) -> None:
     problem = graybox_problem(six_axis, six_axis_responses, ["body_3.ry.stiffness", "motor_2.viscous_friction"])
     result = fit(problem)

@@ -60,6 +60,7 @@ def assert_equal(actual: NormalEquations, expected: NormalEquations, tolerance: 
     assert np.max(np.abs(actual.hessian - expected.hessian) / np.outer(sizes, sizes)) < tolerance
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 @pytest.mark.parametrize("name", CASES)
 def test_machine_code_gives_the_normal_equations_of_numpy(name: str, estimator: str) -> None:

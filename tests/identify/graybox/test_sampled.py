@@ -54,6 +54,7 @@ def test_oracle_is_the_zero_order_hold_of_scipy() -> None:
     np.testing.assert_allclose(discrete_response(positions, 5e-4, 0.0), expected, rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.0, 3e-4, 5e-4, 1.2e-3])
 @pytest.mark.parametrize("name", ["two_mass", "elbow", "e12", "four_mass_linear", "six_axis", "emps"])
 def test_response_is_that_of_the_exact_discretisation(name: str, delay: float) -> None:

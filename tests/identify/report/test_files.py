@@ -13,6 +13,7 @@ from flexros.identify.result import IdentificationResult
 from flexros.robot import load_robot
 
 
+@pytest.mark.slow
 def test_folder_holds_robot_figures_and_page(noisy: IdentificationResult, tmp_path: Path) -> None:
     folder = tmp_path / "new" / "identified"
     write_identification(noisy, folder, "experiment test")

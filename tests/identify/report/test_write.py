@@ -20,6 +20,8 @@ from flexros.identify.report.responses import POINTS
 from flexros.identify.report.write import SECTIONS, write_identification_report
 from flexros.identify.result import IdentificationResult
 
+pytestmark = pytest.mark.slow
+
 
 def page(result: IdentificationResult, folder: Path) -> str:
     file = folder / "report.html"

@@ -39,6 +39,7 @@ def truth(fit) -> np.ndarray:
     return values
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["elbow", "e12", "six_axis"])
 def test_base_parameters_and_torques_are_recovered(name: str, fourier_motion, rigid_log) -> None:
     robot = load_robot(name)
@@ -55,6 +56,7 @@ def test_base_parameters_and_torques_are_recovered(name: str, fourier_motion, ri
     assert cross_test(fit, other).total < 0.1
 
 
+@pytest.mark.slow
 def test_standard_deviations_fit_the_spread(elbow, fourier_motion, rigid_log) -> None:
     motion = fourier_motion(8000, 1e-3, 2)
     scores = []
@@ -64,6 +66,7 @@ def test_standard_deviations_fit_the_spread(elbow, fourier_motion, rigid_log) ->
     assert 0.6 < np.std(scores) < 1.6
 
 
+@pytest.mark.slow
 def test_closed_loop_of_the_rigid_elbow_under_gravity(tmp_path: Path) -> None:
     file = tmp_path / "elbow_rigid.yaml"
     file.write_text(re.sub(r"spring: \S+ damper: \d+", "spring: rigid", (LIBRARY / "elbow.yaml").read_text()))
@@ -123,6 +126,7 @@ def test_log_that_is_too_short(emps, fourier_motion, rigid_log) -> None:
         fit_rigid(log, emps, RigidSettings(cutoff=20.0))
 
 
+@pytest.mark.slow
 def test_long_logs_are_taken_in_parts(emps, fourier_motion, rigid_log) -> None:
     log = rigid_log(emps, fourier_motion(45_000, 1e-3, 1), friction=friction)
     shares: list[float] = []
@@ -134,6 +138,7 @@ def test_long_logs_are_taken_in_parts(emps, fourier_motion, rigid_log) -> None:
     np.testing.assert_allclose(fit.values, truth(fit), rtol=1e-3)
 
 
+@pytest.mark.slow
 @NEEDS_EMPS
 def test_measured_drive_gives_the_published_values(emps) -> None:
     """Janot, Gautier and Brunot (2019): M, Fv, Fc and relative force errors, symmetric and asymmetric."""

@@ -15,6 +15,8 @@ from flexros.identify.rigid.settings import RigidSettings
 from flexros.robot import load_robot
 from flexros.robot.robot import robot_from_data
 
+pytestmark = pytest.mark.slow
+
 SLOW = RigidSettings(cutoff=25.0)
 
 

@@ -18,6 +18,7 @@ def prior_covariance(robot: Robot) -> tuple[np.ndarray, list[str]]:
     return factor @ factor.T, [parameter.name for parameter in base.standard]
 
 
+@pytest.mark.slow
 def test_prior_is_that_of_robots_with_scattered_parameters() -> None:
     robot, rng = load_robot("elbow"), np.random.default_rng(1)
     scattered = ("body_2.mass", "body_2.inertia.yy", "motor_2.inertia")

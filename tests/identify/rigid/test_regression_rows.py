@@ -15,6 +15,8 @@ from flexros.identify.rigid.regressor import RigidRegressor
 from flexros.identify.rigid.settings import RigidSettings
 from flexros.robot import load_robot
 
+pytestmark = pytest.mark.slow
+
 SLOW = RigidSettings(cutoff=25.0)
 
 

@@ -11,6 +11,8 @@ from flexros.identify.rigid.fit import fit_rigid
 from flexros.identify.rigid.settings import RigidSettings
 from flexros.identify.rigid.verdict import judge_fit
 
+pytestmark = pytest.mark.slow
+
 SLOW = RigidSettings(cutoff=25.0)
 
 

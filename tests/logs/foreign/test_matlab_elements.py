@@ -63,6 +63,7 @@ def test_depth_is_limited(tmp_path: Path, compressed: bool) -> None:
         check_elements(tmp_path / "a.mat")
 
 
+@pytest.mark.slow
 def test_number_of_arrays_is_limited(tmp_path: Path) -> None:
     many = np.empty(100_001, object)
     many[:] = 0

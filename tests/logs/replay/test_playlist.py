@@ -14,6 +14,8 @@ from flexros.logs.replay.recorded_topic import RecordedTopic
 from flexros.logs.replay.source import ReplayChoice
 from flexros.logs.write_log import write_log
 
+pytestmark = pytest.mark.slow
+
 Write = Callable[..., Path]
 SECOND = 10**9
 

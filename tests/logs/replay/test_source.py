@@ -154,6 +154,7 @@ def test_bad_new_names_are_one_sentence(text: str, sentence: str) -> None:
         read_remaps(text)
 
 
+@pytest.mark.slow
 def test_a_log_cut_at_any_byte_gives_a_beginning_of_itself(log: Path) -> None:
     whole, content = told(ReplaySource(log)), log.read_bytes()
     lengths = set()
@@ -168,6 +169,7 @@ def test_a_log_cut_at_any_byte_gives_a_beginning_of_itself(log: Path) -> None:
     assert len(lengths) > 4
 
 
+@pytest.mark.slow
 def test_damaged_bytes_are_a_warning_or_one_sentence(log: Path) -> None:
     rng, content = np.random.default_rng(1), log.read_bytes()
     played = refused = 0

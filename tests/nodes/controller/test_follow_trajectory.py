@@ -26,6 +26,8 @@ from flexros_nodes.controller.node import ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
 from tests.nodes.loop_on_bench import Loop
 
+pytestmark = pytest.mark.slow
+
 Bench = Any  # the class is in conftest
 NAMES = ["motor_2", "motor_1"]
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6

@@ -31,6 +31,8 @@ from flexros_nodes.plant.node import PlantNode
 from flexros_nodes.recorder import RecorderNode
 from tests.nodes.loop_on_bench import Loop
 
+pytestmark = pytest.mark.slow
+
 Bench = Any  # the class is in conftest
 Differences = Callable[[Log, Log], list[str]]
 IMPATIENT = {"start_timeout": 0.3, "partner_timeout": 0.3, "recorder_timeout": 0.3}

@@ -54,6 +54,7 @@ def test_any_node_may_change_a_gain(bench: Bench) -> None:
     assert node.controller.gains[node.controller.gain_names.index("motor_2.kp")] == 5.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "value", "sentence"),
     [
@@ -81,6 +82,7 @@ def test_invalid_gain_is_rejected_and_changes_nothing(
     assert node.report is None
 
 
+@pytest.mark.slow
 def test_change_takes_effect_at_the_reported_sample(
     bench: Bench, short_scenario: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

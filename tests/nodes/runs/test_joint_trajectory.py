@@ -22,6 +22,8 @@ from flexros_nodes.controller.node import READ_BUDGET, ControllerNode
 from flexros_nodes.feedforward import FeedforwardNode
 from tests.nodes.loop_on_bench import Loop
 
+pytestmark = pytest.mark.slow
+
 NAMES = ("motor_1", "motor_2")
 LAST = 1_200_000_000
 Bench = Any  # the class is in conftest

@@ -27,6 +27,7 @@ SAMPLES = 200
 Bench = Any  # the class is in conftest
 
 
+@pytest.mark.slow
 def test_every_measurement_of_a_tenth_of_a_second_is_answered(bench: Bench, short_scenario: Path) -> None:
     common = {"scenario": str(short_scenario), "observers": 0}
     controller, _ = nodes = [bench.add(kind, **common) for kind in (ControllerNode, FeedforwardNode)]

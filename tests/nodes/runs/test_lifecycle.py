@@ -28,6 +28,8 @@ from flexros_nodes.recorder import RecorderNode
 from flexros_nodes.shell.node_base import FlexrosNode
 from flexros_nodes.shell.prepared_run import prepared_run
 
+pytestmark = pytest.mark.slow
+
 MCAP_MAGIC = b"\x89MCAP0\r\n"
 SUCCESS, FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 NODES = (RecorderNode, FeedforwardNode, ControllerNode, PlantNode)

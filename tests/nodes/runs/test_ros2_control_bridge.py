@@ -47,6 +47,7 @@ def hardware_interface(context: Any) -> Node:
     return node
 
 
+@pytest.mark.slow
 def test_newest_command_answers_each_measurement(
     bench: Any,
     start_node: StartProcess,

@@ -28,6 +28,8 @@ from flexros_nodes.replay import ReplayNode
 from flexros_nodes.shell.node_base import FlexrosNode
 from tests.nodes.loop_on_bench import Loop
 
+pytestmark = pytest.mark.slow
+
 SAMPLE_LOG = Path(__file__).parents[3] / "bags" / "sample_circle_dae"
 Bench = Any  # the class is in conftest
 Differences = Callable[[Log, Log], list[str]]

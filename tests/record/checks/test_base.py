@@ -8,6 +8,8 @@ import pytest
 
 from flexros.record.checks.base import checks
 
+pytestmark = pytest.mark.slow
+
 EFFECTS = [
     ("four_mass_linear", "torque_gain_error@motor_1:relative=-0.2"),
     ("four_mass_linear", "backlash@motor_1:gap=0.02"),

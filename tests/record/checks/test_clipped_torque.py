@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
+
+pytestmark = pytest.mark.slow
 
 
 def test_torque_clipped_below_the_limit_is_reported(found, healthy) -> None:

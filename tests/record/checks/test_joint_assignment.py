@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 
 def test_inverted_position_of_one_joint_is_named(found, healthy, scaled) -> None:
     findings = found("e12", position=scaled(healthy("e12").position, 1, -1.0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 
 def test_log_without_motion_is_refused(found, healthy) -> None:
@@ -13,6 +14,7 @@ def test_log_without_motion_is_refused(found, healthy) -> None:
     assert "no motor moves beyond the noise of its encoder, so there is no excitation" in finding.text
 
 
+@pytest.mark.slow
 def test_motor_that_stands_still_is_told(found, healthy) -> None:
     record = healthy("e12")
     position = record.position.copy()

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
+
+pytestmark = pytest.mark.slow
 
 
 def test_torque_that_has_nothing_to_do_with_the_motion_is_told(found, healthy) -> None:

@@ -22,6 +22,7 @@ def test_record_that_overlaps_its_commands_for_some_samples_only_is_too_short(he
         check_record(healthy("emps").part(0, 10), robots("emps"))
 
 
+@pytest.mark.slow
 def test_wrong_parameters_are_no_reason_to_refuse_an_identification(healthy, robots) -> None:
     """A mass that is four times the nominal one looks like a wrong unit."""
     record = healthy("emps")
@@ -38,6 +39,7 @@ def test_inverted_sign_is_refused_in_an_identification_too(healthy, robots) -> N
         check_record(replace(record, torque=-record.torque), robots("emps"), parameters_known=False)
 
 
+@pytest.mark.slow
 def test_spoilt_samples_are_not_valid(healthy, robots) -> None:
     record = healthy("emps")
     position = np.array(record.position)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("signal", ["torque", "position"])
 def test_inverted_signal_of_a_single_axis_is_named(found, healthy, signal: str) -> None:

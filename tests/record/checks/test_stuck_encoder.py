@@ -8,6 +8,8 @@ import pytest
 from flexros.record.checks.run import check_record
 from flexros.robot import load_robot
 
+pytestmark = pytest.mark.slow
+
 
 def stuck(position: np.ndarray, first: int, length: int) -> np.ndarray:
     changed = position.copy()

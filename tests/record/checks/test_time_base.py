@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("robot", ["four_mass_linear", "emps"])
 @pytest.mark.parametrize("factor", [0.5, 2.0])

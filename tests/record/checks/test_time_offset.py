@@ -19,6 +19,7 @@ def late(record: Record, samples: int) -> Record:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("robot", "samples"), [("emps", 1), ("e12", 2), ("e12", 20)])
 def test_torques_stamped_too_late_are_refused(found, healthy, robot: str, samples: int) -> None:
     record = healthy(robot)
@@ -38,6 +39,7 @@ def test_half_a_sample_is_told_only(found, healthy) -> None:
     assert "precede them by 0.2" in finding.text
 
 
+@pytest.mark.slow
 def test_delay_of_the_robot_file_may_be_missing(found, healthy) -> None:
     assert found("four_mass_linear", late(healthy("four_mass_linear"), 1)) == ()
 
@@ -52,6 +54,7 @@ def test_very_long_delay_is_told(found, healthy) -> None:
     assert "the torques act 20 ms later than they are stamped" in finding.text
 
 
+@pytest.mark.slow
 def test_delay_is_found_within_a_tenth_of_a_sample(healthy) -> None:
     from flexros.record.checks.checked_record import CheckedRecord
     from flexros.robot import load_robot

@@ -7,6 +7,8 @@ import pytest
 
 from flexros.record.checks.base import Finding
 
+pytestmark = pytest.mark.slow
+
 
 def refusal(findings: tuple[Finding, ...]) -> str:
     assert findings[0].hopeless

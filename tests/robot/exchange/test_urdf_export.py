@@ -14,6 +14,8 @@ from flexros.robot import Robot, load_robot, robot_names
 from flexros.robot.exchange.urdf_export import Flexible, urdf_text
 from flexros.robot.exchange.urdf_import import skeleton_from_urdf
 
+pytestmark = pytest.mark.slow
+
 ROBOTS = robot_names()
 
 

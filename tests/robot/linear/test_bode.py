@@ -13,6 +13,8 @@ from flexros.robot.linear.bode import frequency_response, write_bode
 from flexros.robot.linear.linearise import linear_model
 from flexros.robot.robot import LIBRARY
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("name", ["e12", "four_mass_linear", "six_axis"])
 def test_response_agrees_with_the_state_space_form(name: str) -> None:

@@ -10,6 +10,8 @@ from flexros.robot import Robot, load_robot, robot_from_data
 from flexros.robot.linear.linearise import linear_model
 from flexros.robot.linear.positions import LinearisedPositions, linearise_positions
 
+pytestmark = pytest.mark.slow
+
 SPRINGS = ("body_2.rz.stiffness", "body_2.rz.damping", "body_3.rx.stiffness", "body_5.ry.damping")
 
 

@@ -43,6 +43,7 @@ def test_six_axis_tool_pose_is_non_minimum_phase() -> None:
     assert verdict.unstable.size >= 1
 
 
+@pytest.mark.slow
 def test_six_axis_joints_are_minimum_phase() -> None:
     verdict = zero_dynamics(load_robot("six_axis"), output="joints")
     assert verdict.minimum_phase
@@ -104,6 +105,7 @@ def test_right_half_plane_zero_of_e12_with_a_tool_far_ahead() -> None:
     assert not verdict.minimum_phase
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["e12", "elbow", "six_axis"])
 def test_zero_dynamics_are_among_the_transmission_zeros(name: str) -> None:
     robot = load_robot(name)
@@ -112,6 +114,7 @@ def test_zero_dynamics_are_among_the_transmission_zeros(name: str) -> None:
         assert np.min(np.abs(zeros - value)) < 1e-6 * (1 + abs(value))
 
 
+@pytest.mark.slow
 def test_state_space_is_a_python_control_object() -> None:
     import control
 

@@ -10,6 +10,8 @@ from scipy.integrate import solve_ivp
 from flexros.robot import Robot, load_robot, robot_names
 from tests.oracles.lagrange import arm_torque
 
+pytestmark = pytest.mark.slow
+
 pinocchio_model = pytest.importorskip("tests.oracles.pinocchio_model", reason="Pinocchio is not installed")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 import numpy as np
+import pytest
 
 from flexros.random_streams import Stream
 from flexros.robot import load_robot
@@ -15,6 +16,7 @@ from flexros.validation.blind.plant.laws import LIBRARY_LAWS
 SMALL = PlanSettings(per_size=2, nulls=60, unknowns=8, pairs=10)
 
 
+@pytest.mark.slow
 def test_plan_holds_every_effect_at_every_size() -> None:
     cases = plan_cases(SMALL, 3)
     sizes = Counter((case.effects[0], case.size) for case in cases if case.kind == "single")
@@ -23,6 +25,7 @@ def test_plan_holds_every_effect_at_every_size() -> None:
     assert Counter(case.kind for case in cases)["null"] == 60
 
 
+@pytest.mark.slow
 def test_effects_sit_on_robots_that_can_have_them() -> None:
     for case in plan_cases(SMALL, 3):
         assert all(places_of(effect, load_robot(case.robot)) for effect in case.effects)

@@ -24,6 +24,7 @@ class Answered:
     diagnosis = diagnosis("no_gap")
 
 
+@pytest.mark.slow
 def test_make_run_and_score(flexros: Callable[..., Ended], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def diagnosed(folder: Path, case: object) -> DiagnosisResult:
         return Answered()  # type: ignore[return-value]

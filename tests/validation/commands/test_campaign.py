@@ -50,6 +50,7 @@ def test_figures_are_printed_as_json(flexros: Run, tmp_path: Path) -> None:
     assert (work / "short" / "part.json").exists()
 
 
+@pytest.mark.slow
 def test_unknown_campaign_is_refused(flexros: Run, tmp_path: Path) -> None:
     ended = flexros("campaign", "shirt", "--out", str(tmp_path))
     assert ended.code == 2
@@ -62,6 +63,7 @@ def test_negative_repetitions_are_refused(flexros: Run, tmp_path: Path) -> None:
     assert "--repetitions is -1, but must be 1 or more" in ended.err
 
 
+@pytest.mark.slow
 def test_missing_scheduler_is_told(flexros: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("flexros.scheduler.ANSWER", 0.5)
     ended = flexros("campaign", "--out", str(tmp_path), "--scheduler", "tcp://127.0.0.1:1")

@@ -23,6 +23,8 @@ from flexros.scenario.experiment import Experiment
 from flexros.scenario.scenario import load_scenario
 from tests.oracles.linear_gap import LinearLog, Torque, linear_log, nothing
 
+pytestmark = pytest.mark.slow
+
 PERIOD = 4000
 LINES = np.array([line for line in range(1, 121, 2) if line % 8 != 5])
 PART = PeriodicPart(first=PERIOD, period=PERIOD, n_periods=3, lines=LINES)

@@ -12,6 +12,8 @@ from flexros.identify.frf.checks.joint_signs import check_signs
 from flexros.robot import Robot, load_robot
 from tests.identify.frf.checks.test_joint_pairing import POSES, measured
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def six_axis() -> Robot:

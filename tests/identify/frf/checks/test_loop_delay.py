@@ -34,6 +34,7 @@ def told(log: Log, recorded: Recorded) -> list[str]:
     return [warning for warning in warnings if "time_offset in the mapping file" in warning]
 
 
+@pytest.mark.slow
 def test_recorded_log_has_no_delay(recorded: Recorded) -> None:
     assert told(recorded.log, recorded) == []
 
@@ -63,6 +64,7 @@ def test_long_delay_is_refused(recorded: Recorded) -> None:
         estimate_responses(with_late_commands(recorded.log, -20), recorded.plan, robot=recorded.robot)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [1 / 3, 3.0])
 def test_wrong_springs_are_no_delay(factor: float) -> None:
     robot = load_robot("six_axis")

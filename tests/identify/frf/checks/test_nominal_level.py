@@ -35,6 +35,7 @@ def wrong(robot: Robot, factor: float) -> Robot:
     return robot.with_values({**values, payload: 1.2 * robot.parameters[payload].value})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [1 / 3, 3.0])
 @pytest.mark.parametrize("pose", POSES)
 def test_wrong_springs_and_payload_are_no_wrong_level(pose: list[float], factor: float) -> None:

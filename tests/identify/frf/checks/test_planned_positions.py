@@ -12,6 +12,8 @@ from flexros.identify.frf.aligned_log import align
 from flexros.identify.frf.checks.planned_positions import check_positions
 from tests.identify.frf.recorded_experiment import Recorded, run
 
+pytestmark = pytest.mark.slow
+
 
 def checked(recorded: Recorded, position: np.ndarray) -> None:
     """Check the log with other measured positions."""

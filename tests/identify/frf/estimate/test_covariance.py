@@ -42,6 +42,7 @@ def closed_loop_spectra(rng: np.random.Generator, G: np.ndarray, distortion: flo
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("average", "distortion"), [("joint", 0.0), ("joint", 1.5), ("arithmetic", 0.0)])
 def test_covariance_of_the_estimate_is_right_in_closed_loop(average: str, distortion: float) -> None:
     """Mean of error error^H equals mean of the claimed covariance, as a matrix, within the accuracy of the draws."""
@@ -83,6 +84,7 @@ def test_degrees_of_freedom_are_those_of_spare_experiments_and_neighbours() -> N
     assert abs(error_covariance(spectra, result, 0, 3).degrees_of_freedom - 7 * (9 - 3)) < 1e-6
 
 
+@pytest.mark.slow
 def test_degrees_of_freedom_are_those_of_the_scatter_over_repeated_experiments() -> None:
     """Mean squared over variance of the total covariance of two motors and two blocks, pooled over seven lines."""
     rng, n_lines, totals = np.random.default_rng(2), 30, []

@@ -44,6 +44,7 @@ def noise_record(seed: int) -> Experiments:
     return Experiments.of(u[-N:], y[-N:], T, band=(20.0, 200.0), periodic=False)
 
 
+@pytest.mark.slow
 def test_lines_kept_are_nearly_independent() -> None:
     """Errors of neighbouring lines hardly correlate; those of all lines do."""
 
@@ -66,6 +67,7 @@ def test_spacing_is_the_width_of_the_fit_over_its_gain() -> None:
     assert independent_spacing(5, 0) == 11
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "choice",
     [

@@ -12,6 +12,8 @@ from flexros.identify.frf.experiments import Experiments
 from flexros.identify.frf.settings import FrfSettings
 from flexros.identify.frf.two_mass_example import TwoMassAxis
 
+pytestmark = pytest.mark.slow
+
 PERIOD, LINES, DROPPED, PERIODS, BLOCKS = 1000, np.arange(1, 41, 2), 9, 2, 2
 SLOW_SPEED = 0.05
 """Speed of the motion under the excitation [rad/s]."""

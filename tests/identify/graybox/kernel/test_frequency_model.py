@@ -40,6 +40,7 @@ def shifted(model: FrequencyModel) -> np.ndarray:
     return np.where(model.positions.powers >= 0, theta, model.positions.values * rng.uniform(0.9, 1.1, len(theta)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_response_and_jacobian_are_those_of_numpy(name: str) -> None:
     model = model_of(name)
@@ -55,6 +56,7 @@ def test_response_and_jacobian_are_those_of_numpy(name: str) -> None:
         np.testing.assert_allclose(diagonal, expected, atol=1e-9 * np.max(np.abs(expected)))
 
 
+@pytest.mark.slow
 def test_diagonal_elements_agree_to_nine_digits() -> None:
     model = model_of("six_axis")
     compiled = compiled_model(model)

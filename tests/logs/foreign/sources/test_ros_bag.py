@@ -17,6 +17,8 @@ from flexros.logs.foreign.sources.ros_bag import RosBag
 from flexros.logs.reader import read_log
 from flexros.logs.write_log import write_log
 
+pytestmark = pytest.mark.slow
+
 WALL = 1_790_000_000_123_456_789
 """A time of today [ns]: as a float of seconds it is exact to 0.2 us only."""
 

@@ -18,6 +18,7 @@ def policy() -> int:
     return os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
 
 
+@pytest.mark.slow
 def test_settings_come_back() -> None:
     interval = sys.getswitchinterval()
     assert gc.isenabled()
@@ -29,11 +30,13 @@ def test_settings_come_back() -> None:
     assert policy() == os.SCHED_OTHER
 
 
+@pytest.mark.slow
 def test_priority_is_reported() -> None:
     with precise_timing() as prioritised:
         assert prioritised == (policy() == os.SCHED_RR)
 
 
+@pytest.mark.slow
 def test_threads_begun_with_priority_are_ordinary_ones() -> None:
     policies: list[int] = []
     with precise_timing():

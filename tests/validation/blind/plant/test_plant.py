@@ -18,6 +18,8 @@ from flexros.validation.blind.draw.nominal_filter import NominalFilter
 from flexros.validation.blind.plant.laws import LAWS
 from flexros.validation.blind.plant.plant import BlindInputs, BlindPlant, BlindRun
 
+pytestmark = pytest.mark.slow
+
 STEP = 5e-4
 
 

@@ -19,6 +19,7 @@ SETTINGS = MakeSettings(3, Stream.BLIND_DEVELOPMENT, (6.0, 6.0, 4.0))
 CASE = Case(2, "single", "four_mass_linear", ("torque_bias",), "strong", "exact", False)
 
 
+@pytest.mark.slow
 def test_true_effect_closes_the_gap(tmp_path: Path) -> None:
     make_case(CASE, SETTINGS, tmp_path / "logs", tmp_path / "truth")
     hidden = Truth.model_validate_json((tmp_path / "truth" / "case_0002.json").read_bytes())

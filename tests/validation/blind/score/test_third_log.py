@@ -22,6 +22,7 @@ CASE = Case(2, "single", "four_mass_linear", ("torque_bias",), "strong", "exact"
 PATCH = "robot: robot.yaml\neffects:\n  - effect: torque_bias\n    location: {at}\n    parameters: {{level: {level}}}\n"
 
 
+@pytest.mark.slow
 def test_a_patch_is_tried_on_the_third_log(tmp_path: Path) -> None:
     make_case(CASE, SETTINGS, tmp_path / "logs", tmp_path / "truth")
     hidden = Truth.model_validate_json((tmp_path / "truth" / "case_0002.json").read_bytes())

@@ -23,6 +23,8 @@ from flexros.validation.campaigns.blind.case_part import answer_of, case_part
 from flexros.validation.campaigns.blind.settings import BlindSettings
 from tests.validation.blind.cases import answer, diagnosis, truth
 
+pytestmark = pytest.mark.slow
+
 MADE = MakeSettings(11, Stream.BLIND_DEVELOPMENT, (4.0, 4.0, 4.0))
 NULL = Case(1, "null", "four_mass_linear", (), "none", "exact", False)
 FRICTION, DELAY = "coulomb_friction@motor_1", "delay@motor_2"

@@ -18,6 +18,7 @@ SETTINGS = CoverageSettings(
 )
 
 
+@pytest.mark.slow
 def test_campaign_goes_on_from_its_folder(tmp_path: Path) -> None:
     told: list[tuple[str, int, int]] = []
 

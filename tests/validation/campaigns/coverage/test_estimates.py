@@ -13,6 +13,8 @@ from flexros.scenario.scenario import Scenario
 from flexros.validation.campaigns.coverage.estimates import DEFAULT, WAYS, group_estimates
 from flexros.validation.campaigns.coverage.settings import CoverageSettings, RepetitionGroup
 
+pytestmark = pytest.mark.slow
+
 NAMES = ("body_1.ry.stiffness", "body_2.ry.stiffness", "body_3.ry.stiffness")
 
 

@@ -14,6 +14,8 @@ from flexros.scenario.scenario import Scenario, load_scenario
 from flexros.validation.campaigns.coverage.experiment import group_responses, repeated_scenario
 from flexros.validation.campaigns.coverage.settings import CoverageSettings, RepetitionGroup
 
+pytestmark = pytest.mark.slow
+
 Responses = list[tuple[FrequencyResponse, ...]]
 
 

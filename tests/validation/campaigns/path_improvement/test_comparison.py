@@ -11,6 +11,8 @@ from flexros.robot import load_robot
 from flexros.scenario.scenario import Scenario, load_scenario
 from flexros.validation.campaigns.path_improvement.comparison import Improvement, identify_and_compare
 
+pytestmark = pytest.mark.slow
+
 REAL = {"body_1.ry.stiffness": 0.8, "body_2.ry.stiffness": 1.2, "body_3.ry.stiffness": 0.8}
 
 

@@ -18,6 +18,7 @@ def test_study_is_found_by_its_name() -> None:
     assert isinstance(campaign_named("study"), PaperStudy)
 
 
+@pytest.mark.slow
 def test_study_goes_on_from_its_folder_with_equal_results(tmp_path: Path) -> None:
     told: list[str] = []
     with connected(threads=2) as client:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from flexros.validation.campaigns.study.jobs import Study
 
 
+@pytest.mark.slow
 def test_costs_are_divided_by_the_lowest_of_all_models(small_study: Study) -> None:
     lowest = [normalised_costs(small_study, name)[0] for name in small_study.runs]
     assert min(lowest) == 1.0

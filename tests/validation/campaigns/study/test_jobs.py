@@ -3,6 +3,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pytest
 
 from flexros.identify.graybox.fit import cost_at, fit
 from flexros.identify.graybox.multistart import random_starts
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from flexros.validation.campaigns.study.jobs import Study
 
 
+@pytest.mark.slow
 def test_all_six_estimators_fit_from_the_same_starts(small_study: Study) -> None:
     settings = StudySettings(starts=12, peers=10, seed=3)
     jobs = study_jobs(small_study.problem, settings)

@@ -3,6 +3,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pytest
 
 from flexros.validation.campaigns.study.quasi_newton import judged, quasi_newton
 
@@ -10,6 +11,7 @@ if TYPE_CHECKING:
     from flexros.validation.campaigns.study.jobs import Study
 
 
+@pytest.mark.slow
 def test_nearby_minimum_is_found(small_study: Study) -> None:
     problem = small_study.problem
     found = quasi_newton(problem, small_study.best.values * np.array([1.05, 0.9, 0.95, 1.1, 1.02, 1.1]))
