@@ -22,6 +22,8 @@ from flexros.validation.blind.score.score import read_answers
 from flexros.validation.blind.seal import DIAGNOSIS_FILE, Truth
 from tests.validation.blind.cases import diagnosis
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = MakeSettings(11, Stream.BLIND_DEVELOPMENT, (4.0, 4.0, 4.0), "secret")
 CASES = (
     Case(0, "single", "four_mass_linear", ("torque_bias",), "medium", "exact", False),

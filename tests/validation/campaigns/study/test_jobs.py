@@ -14,8 +14,9 @@ from flexros.validation.campaigns.study.settings import StudySettings
 if TYPE_CHECKING:
     from flexros.validation.campaigns.study.jobs import Study
 
+pytestmark = pytest.mark.slow
 
-@pytest.mark.slow
+
 def test_all_six_estimators_fit_from_the_same_starts(small_study: Study) -> None:
     settings = StudySettings(starts=12, peers=10, seed=3)
     jobs = study_jobs(small_study.problem, settings)

@@ -12,6 +12,8 @@ from flexros.validation.campaigns.study.spread import estimated_spread
 if TYPE_CHECKING:
     from flexros.validation.campaigns.study.jobs import Study
 
+pytestmark = pytest.mark.slow
+
 
 def test_spread_is_that_of_its_seed(small_study: Study) -> None:
     first, again, other = (estimated_spread(small_study.problem, small_study.best, 3, seed) for seed in (1, 1, 2))
