@@ -1,4 +1,4 @@
-"""What every test may use: a ROS 2 domain of its own."""
+"""Fixtures for all tests: a separate ROS 2 domain."""
 
 from __future__ import annotations
 

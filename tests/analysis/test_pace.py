@@ -24,7 +24,7 @@ FIGURES = {
     "late": 35.0,
     "late_percent": 3.5,
 }
-"""What the plant node says of a run in real time."""
+"""Diagnostics of the plant node in a run in real time."""
 
 
 def test_periods_of_receipt():

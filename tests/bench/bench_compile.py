@@ -1,4 +1,4 @@
-"""Speed of the compiler and its code beside CasADi's virtual machine, LAPACK and NumPy, measured in the same run.
+"""Speed of the compiler and its code compared with CasADi's virtual machine, LAPACK and NumPy, in the same run.
 
 Prints one JSON object per line. Evaluations are repeated inside machine code, so that no Python is timed with them.
 """
@@ -113,7 +113,7 @@ def latency_rows(name: str) -> Iterator[dict[str, Any]]:
 
 
 def solver_rows() -> Iterator[dict[str, Any]]:
-    """Time factorisation and solution of dense systems beside LAPACK."""
+    """Time factorisation and solution of dense systems, compared with LAPACK."""
     for n in (5, 24, 60, 122):
         turns = max(1, 200_000 // n**2)
         builder = ModuleBuilder()

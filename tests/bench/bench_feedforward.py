@@ -1,4 +1,4 @@
-"""Speed of the DAE feedforward beside SciPy and the CasADi virtual machine, measured in the same run.
+"""Speed of the DAE feedforward compared with SciPy and the CasADi virtual machine, measured in the same run.
 
 Prints one JSON list. Peers: fsolve with finite differences on equations 8a and 8d, as published; CasADi's
 own Newton solver inside its virtual machine; and the index-1 form (7a to 7d, 7h) by LSODA, whose output drifts.

@@ -1,4 +1,4 @@
-"""Speed of the gray-box model beside NumPy and SciPy's finite differences, measured in the same run.
+"""Speed of the gray-box model compared with NumPy and SciPy's finite differences, measured in the same run.
 
 Prints one JSON list. The case is that of the identification of six_axis: 15 positions, 200 frequencies, 6 x 6 responses
 and 26 parameters. The Jacobian is exact in factored form: one number per parameter and one vector of 6 per spring and

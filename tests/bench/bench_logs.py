@@ -1,4 +1,4 @@
-"""Speed of logs beside the reference implementation of MCAP, rosbags and rclpy, measured in the same run.
+"""Speed of logs compared with the reference implementation of MCAP, rosbags and rclpy, measured in the same run.
 
 Prints a JSON list of rows; a row of a peer follows ours.
 """

@@ -1,4 +1,4 @@
-"""Speed of the loop over ROS 2 topics, and how well real time is kept, beside peers measured in the same run.
+"""Speed of the loop over ROS 2 topics, and how well real time is kept, compared with peers measured in the same run.
 
 Prints one JSON list. The peer of lock-step is the executor that rclpy uses by default; that of real time is a bare
 loop that sleeps and does nothing else, which shows what the machine itself allows at that moment.
@@ -135,7 +135,7 @@ def real_time_rows() -> list[dict[str, object]]:
 
 
 def median_row(rows: Sequence[dict[str, object]]) -> dict[str, object]:
-    """Give the row with the median value, and the best value beside it."""
+    """Give the row with the median value, and the best value."""
     ordered = sorted(rows, key=lambda row: float(str(row["value"])))
     return {**ordered[len(ordered) // 2], "best": ordered[0]["value"]}
 

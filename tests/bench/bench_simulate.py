@@ -1,4 +1,4 @@
-"""Speed of the closed loop beside MuJoCo, SciPy and the CasADi virtual machine, measured in the same run.
+"""Speed of the closed loop compared with MuJoCo, SciPy and the CasADi virtual machine, measured in the same run.
 
 Prints a JSON list of rows. Every engine runs the same loop: robot at rest, PD on the motor positions with
 feedforward torque that moves it, one Runge-Kutta step per sample where the engine has fixed steps.

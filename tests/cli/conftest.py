@@ -18,7 +18,7 @@ importlib.import_module("flexros.cli.output")
 
 @dataclass(frozen=True)
 class Ended:
-    """How a command ended."""
+    """Result of a command."""
 
     code: int
     out: str

@@ -1,4 +1,4 @@
-"""How commands end: one sentence and the code of the contract, whatever goes wrong."""
+"""Errors of commands: one sentence and the exit code of the contract."""
 
 from __future__ import annotations
 

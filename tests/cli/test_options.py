@@ -1,4 +1,4 @@
-"""What is read from options that several commands have."""
+"""Parsing of options that several commands share."""
 
 from __future__ import annotations
 

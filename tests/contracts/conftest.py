@@ -1,4 +1,4 @@
-"""How commands that a page marks are run, as its reader would: in one folder, with `flexros` and `python`."""
+"""Runs the marked commands of a page as a reader would: in one folder, with `flexros` and `python`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where rclpy is taken from, and what a user with a wrong Python reads."""
+"""Source of rclpy, and the message for an unsupported Python."""
 
 from __future__ import annotations
 

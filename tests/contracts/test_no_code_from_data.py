@@ -46,7 +46,7 @@ FORBIDDEN_MODULES = {
 
 
 def names_of(tree: ast.Module) -> dict[str, str]:
-    """What each name of a module stands for, in full."""
+    """Full name behind each imported name of a module."""
     full = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -75,7 +75,7 @@ def keyword(call: ast.Call, name: str) -> ast.expr | None:
 
 
 def offences(text: str) -> Iterator[str]:
-    """What a module does that it must not, with the line."""
+    """Forbidden calls of a module, with their lines."""
     tree = ast.parse(text)
     names = names_of(tree)
     for name in {full.split(".")[0] for full in names.values()} & FORBIDDEN_MODULES:

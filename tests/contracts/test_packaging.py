@@ -1,4 +1,4 @@
-"""What a wheel holds, and that it works without the checkout; colcon's two forms are checked by .ci/run."""
+"""Content of a wheel, which works without the checkout. The two forms of colcon build are checked by .ci/run."""
 
 from __future__ import annotations
 

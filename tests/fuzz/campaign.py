@@ -43,7 +43,7 @@ be refused in one sentence that can be printed. Everything else is a fault: anot
 
 @dataclass
 class Tally:
-    """What came of the inputs of one reader.
+    """Results of the inputs of one reader.
 
     Attributes:
         what: What it reads.

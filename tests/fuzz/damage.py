@@ -206,4 +206,4 @@ lines = st.lists(
     ),
     max_size=12,
 ).map(lambda words: "".join(words).encode(errors="replace"))
-"""What may stand behind an option on the command line."""
+"""Values of an option on the command line."""

@@ -96,7 +96,7 @@ def outcome(reader: Reader, data: bytes) -> str:
 
 
 def check_log(log: Log) -> None:
-    """What holds of every log that was read."""
+    """Invariants of every log that was read."""
     for name in ("joint_states", "joint_commands", "joint_reference", "tool_pose", "tool_reference"):
         series = getattr(log, name)
         if series is not None:
@@ -114,7 +114,7 @@ def _log(data: bytes) -> None:
 
 
 def _beside(name: str) -> Callable[[bytes], None]:
-    """Read a log of which one file beside the messages is the input."""
+    """Read a log in which one file other than the messages is the input."""
 
     def read(data: bytes) -> None:
         with tempfile.TemporaryDirectory(prefix="flexros_fuzz_") as folder:

@@ -1,4 +1,4 @@
-"""What nodes without a log of their own stream is what they streamed when it was committed.
+"""Streams of nodes without a log equal the committed ones.
 
 tests/nodes/test_replay.py and test_gap_monitor.py show that the nodes give what is computed here, in every bit.
 """

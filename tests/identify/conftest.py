@@ -35,11 +35,11 @@ def distortion(frequency: np.ndarray, response: np.ndarray, odd: float = 1e-3) -
     """Levels with odd distortion at the second motor, as a share of its output; noise is 0.1 %."""
     output = np.abs(response).sum(axis=2)
     flat = np.full(output.shape, 1e-3) * output
-    beside = frequency[:-1] + 0.5
-    levels = np.stack([np.interp(beside, frequency, output[:, motor]) for motor in range(2)], axis=1)
+    between = frequency[:-1] + 0.5
+    levels = np.stack([np.interp(between, frequency, output[:, motor]) for motor in range(2)], axis=1)
     return Distortion(
         frequency=frequency, output=output, noise=flat, total=3 * flat, time_variation=np.full(output.shape, np.nan),
-        odd_frequency=beside, odd=levels * [1e-3, odd], odd_noise=1e-3 * levels,
+        odd_frequency=between, odd=levels * [1e-3, odd], odd_noise=1e-3 * levels,
         even_frequency=np.array([]), even=np.zeros((0, 2)), even_noise=np.zeros((0, 2)),
     )  # fmt: skip
 

@@ -21,7 +21,7 @@ _HEAD = struct.Struct("<BQ")
 
 @dataclass(frozen=True)
 class Recovery:
-    """What came back of a log that was cut at many places.
+    """Content read from a log that was cut at many positions.
 
     Attributes:
         n_cuts: Number of cuts.

@@ -131,7 +131,7 @@ def test_log_of_mcap_ros2_writer(tmp_path, log):
 
 
 def test_log_of_rclpy_serialisation(tmp_path, log):
-    """What a recorder in Python leaves: padding and tail of each message are uninitialised."""
+    """Messages of a recorder in Python: padding and tail are uninitialised."""
     serialization = pytest.importorskip("rclpy.serialization", reason="rclpy is not installed")
     from mcap.writer import Writer as McapWriter
     from sensor_msgs.msg import JointState

@@ -1,4 +1,4 @@
-"""Windows from messages: losses, repeats, rates, stamps beside the grid, clocks that jump."""
+"""Windows from messages: losses, repeats, rates, stamps off the grid, clocks that jump."""
 
 from __future__ import annotations
 

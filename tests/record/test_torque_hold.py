@@ -1,4 +1,4 @@
-"""Which command was held when."""
+"""Command held from each sampling instant to the next."""
 
 from __future__ import annotations
 

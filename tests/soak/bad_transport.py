@@ -20,9 +20,9 @@ PAIRS = (
     ("feedforward/joint_reference_ahead", "joint_reference_ahead"),
     ("controller/reference_received", "reference_received"),
 )
-"""What the relay stands in: measurements, commands, reference and its confirmation."""
+"""Topics through the relay: measurements, commands, reference and its confirmation."""
 COUNTED = ("messages", "lost", "repeated", "swapped")
-"""What the relay counts."""
+"""Counters of the relay."""
 SAME_MOTION = 0.01
 """Largest deviation of a motor from the undisturbed motion, over its range [1] (chosen)."""
 

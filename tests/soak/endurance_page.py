@@ -40,7 +40,7 @@ PAGE, FIGURES = "endurance.md", "endurance.json"
 HEAD = """# Endurance and faults
 
 Written by `make soak` (`python -m tests.soak.endurance_page`), part by part; short versions of the parts are among the
-tests. Everything ran on this machine, beside other work: speeds and late cycles are those of a loaded machine. The last
+tests. Everything ran on this machine, with other work: speeds and late cycles are those of a loaded machine. The last
 column of a table says "ok", or what was not as it must be. That nodes look at steady clocks alone is tested
 (`tests/nodes/runs/test_clock_jumps.py`).
 """
@@ -254,7 +254,7 @@ def main() -> int:
                 traceback.print_exc()
                 failed = True
                 continue
-            # read again: another part may have been done beside this one
+            # read again: another part may have finished in parallel
             finished = {**read_results(kept), name: found}
             write_whole(kept, json.dumps(finished, indent=1) + "\n")
         results = {**read_results(file), name: finished[name]}

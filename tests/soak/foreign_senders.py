@@ -35,7 +35,7 @@ FLOODS = {
     "bad_trajectories": "trajectories of NaN, of other joints and with times that do not increase, on joint_trajectory",
     "type": "messages of type std_msgs/String on joint_commands",
 }
-"""What is sent, by the name that flood.py knows."""
+"""Kinds of messages, by their names in flood.py."""
 
 
 def flooded(folder: Path, kinds: Sequence[str] = tuple(FLOODS), duration: float = 20.0, rate: float = RATE) -> Result:
@@ -85,7 +85,7 @@ def flooded_in_real_time(folder: Path, kinds: Sequence[str] = tuple(FLOODS), dur
 def _run(
     work: Path, scenario: Path, kind: str | None, rate: float, *options: str
 ) -> tuple[int, Mapping[str, float], Mapping[str, float]]:
-    """Run with a flood beside; give exit code, figures of the run and of the flood."""
+    """Run during a flood; return exit code, figures of the run and of the flood."""
     work.mkdir(parents=True)
     with own_domain() as environment:
         run = start_run(work, str(scenario), *options, **{DOMAIN_VARIABLE: environment[DOMAIN_VARIABLE]})

@@ -85,7 +85,7 @@ def long_run(folder: Path, layout: str, duration: float, period: float, real_tim
         result.notes.append(
             f"{figures['late_percent']:.1f} % of the cycles late by more than a tenth, longest period "
             f"{figures['period_max_us'] / 1e3:.1f} ms, {figures['missed_commands']:.0f} samples without command in "
-            f"time, {unseen} of which the controller never saw, beside the other work of the machine."
+            f"time, {unseen} of which the controller never saw, in parallel with other work of the machine."
         )
     return result
 

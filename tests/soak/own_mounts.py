@@ -14,7 +14,7 @@ def with_mount(command: list[str], folder: Path, size: str) -> list[str]:
 
 
 def mounts_are_allowed(folder: Path) -> bool:
-    """Tell whether this user may do that."""
+    """Return whether this user may do that."""
     try:
         return subprocess.run(with_mount(["true"], folder, "1m"), capture_output=True, check=False).returncode == 0
     except FileNotFoundError:

@@ -14,7 +14,7 @@ from tests.soak.result import Result, differing
 from tests.soak.starting import await_samples, direct_log, ending, scenario_file, start_run
 
 STEPS = (-20.0, 20.0)
-"""What the clock is set forth by [s]; in between it is right again."""
+"""Steps of the clock [s]; in between it is set back."""
 OFF, RIGHT = 1.5, 0.5
 """For how long the clock is wrong, and right [s]."""
 TIMES = 3
@@ -23,7 +23,7 @@ LONGEST = 0.1
 
 
 def clock_may_be_set() -> bool:
-    """Tell whether this user may set the clock, by setting it to what it shows."""
+    """Return whether this user may set the clock, by setting it to what it shows."""
     try:
         time.clock_settime(time.CLOCK_REALTIME, time.clock_gettime(time.CLOCK_REALTIME))
     except OSError:

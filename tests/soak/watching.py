@@ -26,7 +26,7 @@ which is kept until the log closes, takes 1.1, and the smallest object of Python
 
 @dataclass(frozen=True)
 class Growth:
-    """How a process grew.
+    """Growth of a process.
 
     Attributes:
         first_mb: Resident memory after the warm-up [MB].
@@ -66,7 +66,7 @@ def name_of(process: psutil.Process) -> str:
 
 @dataclass
 class Watched:
-    """What was seen of a process.
+    """Samples of a process.
 
     Attributes:
         samples: Looks at it, the first one first.
@@ -122,7 +122,7 @@ def watch(pid: int, over: Callable[[], bool], period: float) -> dict[str, Watche
 
 
 def growth_counts(at: float, begin: float, end: float) -> bool:
-    """Tell whether a time is neither in the warm-up of a run nor at its close."""
+    """Return whether a time is neither in the warm-up of a run nor at its close."""
     return WARM_UP <= (at - begin) / max(end - begin, 1e-9) <= 1 - CLOSE
 
 

@@ -1,4 +1,4 @@
-"""What the section of frequency responses shows, and what the summary says of an experiment."""
+"""Section of frequency responses, and the summary of an identification experiment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every section of the report must keep, and what single ones say."""
+"""Laws of all sections of the report, and the content of single ones."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ Flexros = Callable[..., Ended]
 
 @dataclass(frozen=True)
 class Done:
-    """What the whole procedure printed and where its files are."""
+    """Output and files of the whole procedure."""
 
     content: dict[str, object]
     folder: Path

@@ -50,9 +50,9 @@ def test_law_and_bent_robot_combine_alike_with_a_gap() -> None:
     def waving(time: float) -> FloatArray:
         return np.array([150.0 * np.sin(30 * time)])
 
-    beside = place_effects(TWO_MASS, [parse_effect(text, "test") for text in (PLAY, BENT)], as_laws=True)
+    as_laws = place_effects(TWO_MASS, [parse_effect(text, "test") for text in (PLAY, BENT)], as_laws=True)
     inside = place_effects(TWO_MASS, [parse_effect(text, "test") for text in (PLAY, BENT)])
-    ours, theirs = (run(placed.robot, placed.laws, 300, waving) for placed in (beside, inside))
+    ours, theirs = (run(placed.robot, placed.laws, 300, waving) for placed in (as_laws, inside))
     np.testing.assert_allclose(ours, theirs, atol=1e-9)
     assert np.max(np.abs(ours - run(TWO_MASS, laws_of(TWO_MASS, PLAY), 300, waving))) > 1e-4
 

@@ -1,4 +1,4 @@
-"""How far model and robot are apart under the same control, in mm and mrad."""
+"""Difference of model and robot under the same control, in mm and mrad."""
 
 from __future__ import annotations
 

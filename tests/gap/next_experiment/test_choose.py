@@ -1,4 +1,4 @@
-"""What to run next: separation by simulation, the choice among experiments, the command."""
+"""Next experiment: separation by simulation, the choice among experiments, the command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What speaks for an effect and against it."""
+"""Evidence for and against an effect."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is printed of a diagnosis."""
+"""Printed answer of a diagnosis."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ def poses() -> np.ndarray:
 
 
 def measured(rate: float = 130.0, error: np.ndarray | float = 0.0, late: float = 0.0) -> ToolRecord:
-    """What a tracker sees in a frame of its own, at instants between the samples."""
+    """Measurement of a tracker in its frame, at instants between the samples."""
     time = np.arange(0.0017, (N - 2) * T, 1 / rate)
     noise = SPREAD * np.random.default_rng(0).normal(size=(len(time), 3))
     return ToolRecord(time, (path(time + late) + error) @ TURN.T + np.array([1.0, 2.0, 3.0]) + noise)

@@ -47,7 +47,7 @@ def nearly_straight(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def measured(path, tau: float = 0.0, offset=OFFSET, rate: float = 250.0, seed: int = 1) -> ToolRecord:
-    """What a tracker in a frame of its own sees of a path."""
+    """Path measured by a tracker in its frame."""
     time = np.arange(0, (N - 1) * T, 1 / rate)
     position, quaternion = path(time + tau)
     seen = (position + Rotation.from_quat(quaternion).apply(offset)) @ TURN.T + ORIGIN

@@ -1,4 +1,4 @@
-"""What effects leave in their pictures."""
+"""Signatures of effects in their pictures."""
 
 from __future__ import annotations
 

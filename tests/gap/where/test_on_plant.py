@@ -1,4 +1,4 @@
-"""Where gaps of the simulated plant show, with the predictor of the diagnosis."""
+"""Locations of gaps of the simulated plant, with the predictor of the diagnosis."""
 
 from __future__ import annotations
 

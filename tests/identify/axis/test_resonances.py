@@ -1,4 +1,4 @@
-"""Where the search starts: extremes of measured responses and of robots."""
+"""Resonances and antiresonances of measured responses and of robots."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Gain of a design: efficiency and predicted deviations beside random sets."""
+"""Gain of a design: efficiency and predicted deviations compared with random sets."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far an excitation may grow."""
+"""Largest factor on an excitation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a user may write under `identification`."""
+"""Valid and invalid settings under the key `identification`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frequency responses beside python-control, and their Jacobian beside differences."""
+"""Frequency responses compared with python-control, and their Jacobian compared with differences."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Normal equations beside differences of the cost, and machine code beside NumPy."""
+"""Normal equations compared with differences of the cost, and machine code compared with NumPy."""
 
 from __future__ import annotations
 

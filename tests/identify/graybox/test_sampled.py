@@ -1,4 +1,4 @@
-"""Hold, delay and aliases beside the exact discretisation."""
+"""Hold, delay and aliases compared with the exact discretisation."""
 
 from __future__ import annotations
 

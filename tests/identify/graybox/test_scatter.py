@@ -1,4 +1,4 @@
-"""What chance explains: distributions of mean squared misfits and of ratios of powers."""
+"""Limits by chance: distributions of mean squared misfits and of ratios of powers."""
 
 from __future__ import annotations
 

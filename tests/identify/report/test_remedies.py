@@ -1,4 +1,4 @@
-"""Which experiment would determine what is open: a real gain, confirmed by adding it."""
+"""Proposed experiments: the predicted gain is confirmed by adding the experiment."""
 
 from __future__ import annotations
 

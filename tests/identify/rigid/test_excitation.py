@@ -1,4 +1,4 @@
-"""Whether a motion is rich enough."""
+"""Base parameters excited by a motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When a message is due."""
+"""Due time of a message."""
 
 from __future__ import annotations
 

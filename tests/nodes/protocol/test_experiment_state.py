@@ -1,4 +1,4 @@
-"""How far an experiment is, in numbers and words."""
+"""Progress of an experiment, in numbers and words."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def test_system_without_proc_is_not_checked(tmp_path: Path) -> None:
 
 @contextmanager
 def started(*arguments: str, **settings: str) -> Iterator[psutil.Process]:
-    """Start a Python process as from a shell without middleware settings, beside those given."""
+    """Start a Python process as from a shell without middleware settings, in addition to those given."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith(("ROS_", "RMW_", "FAST"))}
     environment |= {"PYTHONPATH": str(CHECKOUT), **settings}
     command = [sys.executable, *arguments]

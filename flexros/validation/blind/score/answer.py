@@ -24,7 +24,7 @@ class Answer:
 
     Attributes:
         truth: What was hidden.
-        diagnosis: What was said; None where the log was refused.
+        diagnosis: Reported answer; None where the log was rejected.
         seconds: How long the diagnosis took [s]; None where not known.
         oracle: Closed fraction of the true structure, refitted [1]; None where not computed.
         third: Gap of the third log with the patch; None where not measured, or where there is no patch.
@@ -130,7 +130,7 @@ class Answer:
         return "ambiguous, another one first" if self.in_group else "another one first"
 
     @property
-    def said(self) -> str:
+    def reported(self) -> str:
         """The answer in a word, for the confusion matrix."""
         if self.diagnosis is None:
             return REFUSED

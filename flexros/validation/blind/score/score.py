@@ -205,20 +205,20 @@ def _median(values: Sequence[float | None]) -> float:
 
 
 def confusion(answers: Sequence[Answer]) -> dict[str, Counter[str]]:
-    """Count what was said of each truth: visible single effects, logs without deviation, causes outside the library.
+    """Count the reported answers of visible single effects, logs without deviation and causes outside the library.
 
     Args:
         answers: The cases.
 
     Returns:
-        Numbers by truth and by what was said.
+        Numbers by truth and by reported answer.
     """
     table: dict[str, Counter[str]] = {}
     for one in answers:
         if one.truth.kind == "pair" or (one.truth.kind == "single" and not one.visible):
             continue
         name = one.truth.deviations[0].effect if one.truth.deviations else "nothing"
-        table.setdefault(name, Counter())[one.said] += 1
+        table.setdefault(name, Counter())[one.reported] += 1
     return dict(sorted(table.items()))
 
 

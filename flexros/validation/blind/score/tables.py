@@ -33,7 +33,7 @@ ROWS = (
     ("patch closes 95 % of the gap of a third log", "third_95"),
     ("logs refused", "refused"),
 )
-"""Shares by what they are; visible deviations only where nothing else is said."""
+"""Shares by what they are; visible deviations only where nothing else is reported."""
 
 
 WIDE = 150
@@ -89,7 +89,7 @@ def figure_rows(scores: dict[str, Score]) -> list[list[str]]:
 
 
 def wrong_table(answers: Sequence[Answer]) -> Table:
-    """List what was said instead, of visible single effects, logs without deviation and causes outside the library.
+    """List the reported answers for visible single effects, logs without deviation and causes outside the library.
 
     Args:
         answers: The cases.
@@ -97,10 +97,10 @@ def wrong_table(answers: Sequence[Answer]) -> Table:
     Returns:
         The table: the confusion matrix without its empty entries.
     """
-    table = Table("truth", "logs", "said", title="What was said of each truth")
+    table = Table("truth", "logs", "reported", title="Reported answers for each truth")
     for truth, counts in confusion(answers).items():
-        said = ", ".join(f"{name} {number}" for name, number in counts.most_common())
-        table.add_row(truth, str(sum(counts.values())), said)
+        reported = ", ".join(f"{name} {number}" for name, number in counts.most_common())
+        table.add_row(truth, str(sum(counts.values())), reported)
     return table
 
 

@@ -25,7 +25,7 @@ def missed_cases(answers: Sequence[Answer]) -> list[str]:
     Returns:
         Lines of a table in Markdown, one row per case.
     """
-    headings = ("case", "robot", "nominal model", "motion", "hidden, gain in nats", "said, probability", "")
+    headings = ("case", "robot", "nominal model", "motion", "hidden, gain in nats", "reported, probability", "")
     return _table(headings, [_case(one) for one in answers if one.missed])
 
 
@@ -63,6 +63,6 @@ def _case(one: Answer) -> tuple[str, ...]:
         truth.nuisance,
         f"{truth.motion}, {1e3 * truth.sample_time:g} ms",
         "; ".join(hidden) or "nothing",
-        "; ".join(causes) or one.said,
+        "; ".join(causes) or one.reported,
         one.missed,
     )

@@ -87,9 +87,9 @@ def confusion_picture(answers: Sequence[Answer]) -> str:
         SVG.
     """
     table = confusion(answers)
-    said = sorted({name for counts in table.values() for name in counts} - {NO_GAP, UNKNOWN, REFUSED})
-    columns = [name for name in table if name in said]
-    columns += [name for name in said if name not in columns]
+    reported = sorted({name for counts in table.values() for name in counts} - {NO_GAP, UNKNOWN, REFUSED})
+    columns = [name for name in table if name in reported]
+    columns += [name for name in reported if name not in columns]
     columns += [NO_GAP, UNKNOWN, REFUSED]
     order = [*[name for name in columns if name in table], *[name for name in table if name not in columns]]
     width, height = _LEFT + _CELL * len(columns) + 10, _TOP + _CELL * len(order) + 10

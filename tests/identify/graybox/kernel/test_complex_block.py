@@ -1,4 +1,4 @@
-"""Complex arithmetic of compiled text beside NumPy."""
+"""Complex arithmetic of compiled text compared with NumPy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Complex logarithm of compiled text beside NumPy."""
+"""Complex logarithm of compiled text compared with NumPy."""
 
 from __future__ import annotations
 

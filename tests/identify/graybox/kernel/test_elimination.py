@@ -1,4 +1,4 @@
-"""Order and fill-in beside numerical elimination."""
+"""Order and fill-in compared with numerical elimination."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Machine code beside the frequency model in NumPy."""
+"""Machine code compared with the frequency model in NumPy."""
 
 from __future__ import annotations
 

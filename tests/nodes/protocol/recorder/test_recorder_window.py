@@ -1,4 +1,4 @@
-"""When the loop may begin, and how far it may run ahead of the recorder."""
+"""Start of the loop, and its limit ahead of the recorder."""
 
 from __future__ import annotations
 

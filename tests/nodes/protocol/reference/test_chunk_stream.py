@@ -1,4 +1,4 @@
-"""Which parts of a reference are streamed when."""
+"""Schedule of the chunks of a reference."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which repetitions belong together, and their seeds."""
+"""Groups of repetitions, and their seeds."""
 
 from __future__ import annotations
 
