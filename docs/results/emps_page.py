@@ -70,7 +70,7 @@ class Experiment:
         """Run the experiment again in closed loop.
 
         Args:
-            model: What stands for the drive.
+            model: Model of the drive.
             noise: Standard deviation of noise that is added to the recorded positions [m].
 
         Returns:
@@ -96,7 +96,7 @@ class Experiment:
         """Compare a run with the log.
 
         Args:
-            model: What stands for the drive.
+            model: Model of the drive.
 
         Returns:
             Errors of force [%], position [um] and acceleration [%].
@@ -134,7 +134,7 @@ def experiment(path: Path) -> Experiment:
 
 
 def _told(name: str, result: DiagnosisResult) -> str:
-    """Write down what a diagnosis told."""
+    """Write the answer of a diagnosis."""
     found = result.diagnosis
     closed = found.gap.closed_fraction
     lines = [

@@ -1,4 +1,4 @@
-"""Write gap_monitor_load.md, what the gap monitor costs beside a loop: python docs/results/gap_monitor_load.py.
+"""Write gap_monitor_load.md, the cost of the gap monitor next to a loop: python docs/results/gap_monitor_load.py.
 
 All nodes are processes of their own; their processor time is as the system counts it. It takes a quarter of an hour.
 """
@@ -31,7 +31,7 @@ SHORT, LONG = 1.0, 31.0
 REAL_TIME, ROUNDS = 20.0, 3
 """Duration of a run in real time [s], and how often it is done with and without the monitor in turn."""
 RATE = 2000.0
-"""Rate for which the load is told [Hz]."""
+"""Rate for which the load is reported [Hz]."""
 TICK = os.sysconf("SC_CLK_TCK")
 
 HEAD = """# Load of the gap monitor

@@ -116,7 +116,7 @@ def hostile() -> Tally:
 
 
 def cut() -> tuple[int, Recovery]:
-    """Cut the shipped log, in chunks of 10 kB, at many bytes; gives its number of chunks, and what came back."""
+    """Cut the sample log, in chunks of 10 kB, at many bytes; return the number of chunks, and the content read."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.mcap"
         in_small_chunks(SAMPLE, path, 10_000)

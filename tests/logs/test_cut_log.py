@@ -16,7 +16,7 @@ SAMPLE = Path(__file__).parents[2] / "bags" / "sample_circle_dae" / "sample_circ
 
 @pytest.fixture
 def log(tmp_path: Path) -> Path:
-    """Give the shipped log in chunks of 40 kB."""
+    """Return the sample log in chunks of 40 kB."""
     in_small_chunks(SAMPLE, tmp_path / "a.mcap", 40_000)
     return tmp_path / "a.mcap"
 

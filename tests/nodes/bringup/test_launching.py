@@ -76,9 +76,9 @@ def entry_points() -> tuple[str, ...]:
     return names
 
 
-def short_scenario(folder: Path, name: str, shipped: str) -> str:
+def short_scenario(folder: Path, name: str, built_in: str) -> str:
     file = folder / f"{name}.yaml"
-    file.write_text(json.dumps(load_scenario(shipped).with_values({"duration": 0.05}).settings()))
+    file.write_text(json.dumps(load_scenario(built_in).with_values({"duration": 0.05}).settings()))
     return str(file)
 
 

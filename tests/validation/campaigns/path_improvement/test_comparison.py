@@ -17,11 +17,11 @@ REAL = {"body_1.ry.stiffness": 0.8, "body_2.ry.stiffness": 1.2, "body_3.ry.stiff
 
 
 def experiment() -> Scenario:
-    """A shorter form of the shipped experiment: two positions, one block."""
-    shipped = load_scenario("identify_e12")
-    assert shipped.identification is not None
-    positions = shipped.identification.positions[1:]
-    return shipped.with_values({"identification.positions": positions, "identification.periods": 1})
+    """A shorter form of the built-in experiment: two positions, one block."""
+    built_in = load_scenario("identify_e12")
+    assert built_in.identification is not None
+    positions = built_in.identification.positions[1:]
+    return built_in.with_values({"identification.positions": positions, "identification.periods": 1})
 
 
 @pytest.fixture(scope="module")
