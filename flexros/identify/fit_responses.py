@@ -54,14 +54,14 @@ def fit_responses(
         InputError: Settings, names or responses are not possible.
         RunError: The model cannot be evaluated at any start.
     """
-    found = search(robot, responses, names, settings or SearchSettings(), client, progress)
+    search_result = search(robot, responses, names, settings or SearchSettings(), client, progress)
     return identification_result(
-        found.problem,
-        found.fit,
-        found.searched,
+        search_result.problem,
+        search_result.fit,
+        search_result.searched,
         design=design,
         facts=facts,
         truth=truth,
-        warnings=(*warnings, *found.warnings),
+        warnings=(*warnings, *search_result.warnings),
         provenance=provenance,
     )

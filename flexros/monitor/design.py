@@ -99,11 +99,11 @@ def design(pose: LinearPose, noise: FloatArray, sample_time: float, gain: FloatA
     Returns:
         The design.
     """
-    found = _torque_filter(pose, noise, sample_time, gain)
-    spread = np.sqrt(_variances(driven_by_noise(pose, gain, found), noise))
+    torque_filter = _torque_filter(pose, noise, sample_time, gain)
+    spread = np.sqrt(_variances(driven_by_noise(pose, gain, torque_filter), noise))
     M = len(noise)
-    radius = float(np.abs(np.linalg.eigvals(found.A)).max())
-    return Design(pose, gain, found, spread[:M], spread[M:], -1 / np.log(min(radius, 1 - 1e-6)))
+    radius = float(np.abs(np.linalg.eigvals(torque_filter.A)).max())
+    return Design(pose, gain, torque_filter, spread[:M], spread[M:], -1 / np.log(min(radius, 1 - 1e-6)))
 
 
 def floor_ratios(found: Design, pose: LinearPose, noise: FloatArray) -> FloatArray:

@@ -49,10 +49,14 @@ class JointMessages:
         Returns:
             Stamps [ns], shape (n,), and values of the field in the order of the motors, shape (n, M).
         """
-        found = self._at_once(messages) or [decoded for message in messages for decoded in self._one(message)]
-        if not found:
+        decoded_messages = self._at_once(messages) or [
+            decoded for message in messages for decoded in self._one(message)
+        ]
+        if not decoded_messages:
             return np.zeros(0, dtype=np.int64), np.zeros((0, self._robot.n_motors))
-        return np.concatenate([stamp for stamp, _ in found]), np.concatenate([values for _, values in found])
+        return np.concatenate([stamp for stamp, _ in decoded_messages]), np.concatenate(
+            [values for _, values in decoded_messages]
+        )
 
     def _at_once(self, messages: Sequence[bytes]) -> list[tuple[IntArray, FloatArray]]:
         """Decode messages of the known layout; empty where one has another."""

@@ -82,13 +82,13 @@ def ros_runner() -> tuple[Callable[..., Any] | None, str]:
     Returns:
         The runner, or None and a sentence that says why there is none.
     """
-    found = [entry for entry in metadata.entry_points(group=GROUP) if entry.name == "ros"]
-    if not found:
+    entries = [entry for entry in metadata.entry_points(group=GROUP) if entry.name == "ros"]
+    if not entries:
         return None, "the ROS 2 nodes of FlexROS are not installed"
     if find_spec("rclpy") is None:
         return None, "no rclpy can be imported here (source ROS 2 Jazzy, or install the extra 'ros' on Linux x86_64)"
     try:
-        runner: Callable[..., Any] = found[0].load()
+        runner: Callable[..., Any] = entries[0].load()
     except ImportError as error:
         return None, f"the ROS 2 nodes cannot be loaded ({error})"
     return runner, ""

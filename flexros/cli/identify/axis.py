@@ -71,13 +71,13 @@ def axis(
     extremes = _given(antiresonance, resonance) or _extremes(logs["log"], robot, joint, masses - 1, bool(starts))
     with progress_bar() as bar:
         bar.add_task("prediction errors", total=None)
-        found = identify_one_axis(
+        identification = identify_one_axis(
             logs["log"], robot, structure, joint=joint, antiresonances=extremes.antiresonances,
             resonances=extremes.resonances, start=starts, bounds=bounds, validation=logs.get("validation"),
             torque=chosen,
         )  # fmt: skip
     sources = {name: {"file": str(path), **logs[name].provenance} for name, path in _files(log, validation)}
-    record = result_record(found, joint, extremes, sources)
+    record = result_record(identification, joint, extremes, sources)
     make_folder(out)
     write_result(out / RESULT, json_text(record), "result")
     if as_json:

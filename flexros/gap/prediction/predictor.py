@@ -186,15 +186,15 @@ class Predictor:
         nothing = np.zeros((horizon + 1, self.robot.n_motors))
         gain = np.zeros((self.loop.sizes.state, self.robot.n_motors))
         past = np.arange(1, self.loop.line_length + 1)
-        found = []
+        runs = []
         for first in range(0, len(starts), LANES):
             group = starts[first : first + LANES]
             lanes = np.concatenate([group, np.repeat(group[-1:], LANES - len(group))])
             windows = np.stack([torque[start : start + horizon + 1] for start in lanes], axis=-1)
             before = np.stack([torque[start - past] for start in lanes], axis=-1)
             one = self.loop.run(states[lanes].T, column, gain, windows, nothing, np.ones(horizon + 1), past=before)
-            found.append(-one.innovation[horizon].T[: len(group)])
-        return np.concatenate(found)
+            runs.append(-one.innovation[horizon].T[: len(group)])
+        return np.concatenate(runs)
 
     def _column(self, theta: FloatArray) -> FloatArray:
         """Return the parameters of the plant for one set of encoded parameters."""

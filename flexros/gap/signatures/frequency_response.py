@@ -93,5 +93,5 @@ def _differenced(values: FloatArray) -> FloatArray:
 
 def _spectra(a: FloatArray, b: FloatArray, sample_time: float, length: int) -> tuple[FloatArray, ComplexArray]:
     """Return frequencies and averaged cross spectra conj(A) B, shape (F, signals of a, signals of b)."""
-    frequency, found = csd(a[:, None], b[None], 1 / sample_time, nperseg=length)
-    return frequency, np.moveaxis(found, 2, 0)
+    frequency, spectrum = csd(a[:, None], b[None], 1 / sample_time, nperseg=length)
+    return frequency, np.moveaxis(spectrum, 2, 0)

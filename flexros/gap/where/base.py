@@ -187,5 +187,5 @@ class AbstractTestedView(AbstractView):
 @cache
 def views() -> Sequence[type[AbstractView]]:
     """Find all views, by rank."""
-    found = members("flexros.gap.where.views", AbstractView)
-    return sorted(found.values(), key=lambda view: view.rank)
+    view_classes = members("flexros.gap.where.views", AbstractView)
+    return sorted(view_classes.values(), key=lambda view: view.rank)

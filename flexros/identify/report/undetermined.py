@@ -25,9 +25,9 @@ class UndeterminedSection(AbstractSection["IdentificationResult"]):
 
     def blocks(self, result: IdentificationResult) -> tuple[Block, ...]:
         """Return a sentence per combination and the table of experiments; one sentence where all is determined."""
-        found = remedies(result)
+        proposals = remedies(result)
         directions = _directions(result.identifiability.directions)
-        if not found:
+        if not proposals:
             open_ones = directions or result.identifiability.names("weak")
             text = (
                 "The experiment that would help is not known, because the responses have no covariance."
@@ -36,8 +36,8 @@ class UndeterminedSection(AbstractSection["IdentificationResult"]):
             )
             return (*directions, Paragraph(text))
         if result.much_missed:  # what noise allows is not what limits the result
-            return (*directions, _table(found, result))
-        return (*directions, _table(found, result), *_better_weights(found), *_hopeless(found))
+            return (*directions, _table(proposals, result))
+        return (*directions, _table(proposals, result), *_better_weights(proposals), *_hopeless(proposals))
 
 
 def _all_determined(result: IdentificationResult) -> str:

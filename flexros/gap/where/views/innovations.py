@@ -53,8 +53,8 @@ class InnovationRegimes(AbstractSimulatedView):
     def statistics(self, sample: ErrorSample) -> Statistics:
         """Sum the squared innovations; the innovations of noise with a known spectrum are the noise it is made of."""
         if sample.white is None:
-            found = innovations(sample.values)
-            values, gain = found.values, found.noise_gain(self.channel.spectrum)
+            innovation = innovations(sample.values)
+            values, gain = innovation.values, innovation.noise_gain(self.channel.spectrum)
         else:
             values, gain = sample.white, 1.0
         power = self.channel.masks @ values**2 / (sample.level * gain)

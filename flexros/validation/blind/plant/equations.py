@@ -129,10 +129,10 @@ class Equations:
 
     def deflection(self, joint: int) -> Twist:
         """Return the deflection of a joint's spring and its rate: of a gear from arm to motor, else of the arm."""
-        found = self.robot.joints[joint]
-        if found.motor_coordinate is None:
+        joint_spec = self.robot.joints[joint]
+        if joint_spec.motor_coordinate is None:
             return Twist(self.q[joint], self.v[joint])
-        own = self.robot.n_arm + found.motor_coordinate
+        own = self.robot.n_arm + joint_spec.motor_coordinate
         return Twist(self.q[own] - self.q[joint], self.v[own] - self.v[joint])
 
     def twist(self, motor: int) -> Twist:

@@ -79,8 +79,8 @@ def answer_of(name: str, part: Mapping[str, Any]) -> Answer:
 
 
 def _third(folder: Path) -> dict[str, Any] | None:
-    found = third_log(folder, read_case(folder))
-    return None if found is None else found.model_dump(mode="json")
+    gap = third_log(folder, read_case(folder))
+    return None if gap is None else gap.model_dump(mode="json")
 
 
 def _text(file: Path) -> str | None:

@@ -32,11 +32,11 @@ def pictures(answers: Sequence[Answer]) -> dict[str, str]:
         SVG by name.
     """
     drawn = {"confusion": confusion_picture(answers), "detection": detection_picture(answers)}
-    found = score(answers).calibration
-    if found is not None:
+    calibration = score(answers).calibration
+    if calibration is not None:
         ends = (0.0, 1.0)
         even = Line(np.array(ends), np.array(ends), MUTED, 1.0)
-        line = Line(np.array(found.stated), np.array(found.true), run_colour(0), 2.0)
+        line = Line(np.array(calibration.stated), np.array(calibration.true), run_colour(0), 2.0)
         title = "Share of first causes that were right against the stated probability"
         panel = Panel(title, ends, ends, (even, line), y_log=False)
         drawn["calibration"] = Drawing((panel,), 1, width=420, height=300).svg()

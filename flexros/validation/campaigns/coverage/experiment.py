@@ -41,7 +41,7 @@ def repeated_scenario(
     """
     assert template.identification is not None
     robot = load_robot(template.robot)
-    found = design_experiment(
+    design = design_experiment(
         robot,
         unknown_names(robot),
         template.identification,
@@ -50,7 +50,7 @@ def repeated_scenario(
         DesignSettings(settings.positions, settings.candidates, seed=settings.design_seed),
         progress=progress,
     )
-    return designed_scenario(template, robot, found)[0]
+    return designed_scenario(template, robot, design)[0]
 
 
 def group_responses(scenario: Scenario, group: RepetitionGroup) -> list[tuple[FrequencyResponse, ...]]:

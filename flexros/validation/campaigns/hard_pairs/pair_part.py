@@ -73,8 +73,8 @@ def _second(command: str, truth: str) -> dict[str, Any]:
     known = {name.removeprefix(VALUES): value for name, value in keys.items() if name.startswith(VALUES)}
     robot = load_robot(keys["robot"])
     believed = robot.with_values(known, "the known load") if known else robot
-    found = diagnose(_record(keys, truth), believed, settings=DiagnosisSettings(threads=1, where=None)).diagnosis
-    return _answer(found)
+    diagnosis = diagnose(_record(keys, truth), believed, settings=DiagnosisSettings(threads=1, where=None)).diagnosis
+    return _answer(diagnosis)
 
 
 def _record(keys: Mapping[str, Any], truth: str) -> Record:

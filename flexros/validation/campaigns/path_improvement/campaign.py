@@ -43,14 +43,14 @@ class PathErrors(AbstractCampaign):
             request.work.resolve() / "identified.yaml",
             pure=False,
         )
-        found = future.result()
+        comparison = future.result()
         request.progress("identification and circles", 1, 1)
         used = versions()
-        record = {"experiment": EXPERIMENT, "real": REAL, **asdict(found), "versions": used}
+        record = {"experiment": EXPERIMENT, "real": REAL, **asdict(comparison), "versions": used}
         return CampaignResult(
-            files={PAGE: _page(found, used), FIGURES: json.dumps(record, indent=1) + "\n"},
+            files={PAGE: _page(comparison, used), FIGURES: json.dumps(record, indent=1) + "\n"},
             record=record,
-            summary=_summary(found),
+            summary=_summary(comparison),
         )
 
 

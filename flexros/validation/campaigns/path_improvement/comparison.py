@@ -89,10 +89,10 @@ def identify_and_compare(
     log = closed_loop(Experiment.prepare(on_real))
     responses = estimate_responses(log, plan_of_scenario(on_real), robot=nominal)
     names = unknown_names(nominal)
-    found = search(nominal, responses, names, SearchSettings(starts=4))
-    covariance = parameter_covariance(found.problem, found.fit)
-    write_identified_robot(file, nominal, found.fit, covariance, f"experiment {experiment.name}")
-    rows = zip(names, found.fit.values.tolist(), covariance.relative.tolist(), strict=True)
+    search_result = search(nominal, responses, names, SearchSettings(starts=4))
+    covariance = parameter_covariance(search_result.problem, search_result.fit)
+    write_identified_robot(file, nominal, search_result.fit, covariance, f"experiment {experiment.name}")
+    rows = zip(names, search_result.fit.values.tolist(), covariance.relative.tolist(), strict=True)
     return Improvement(
         parameters={
             name: (nominal.parameters[name].value, true.get(name, nominal.parameters[name].value), value, relative)

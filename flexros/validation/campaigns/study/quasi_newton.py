@@ -56,8 +56,8 @@ def quasi_newton(problem: GrayBoxProblem, start: FloatArray) -> FloatArray:
         return here.cost + wall, np.where(beyond == 0, here.gradient, 2.0 * squares_at_start * beyond)
 
     with np.errstate(all="ignore"):
-        found = minimize(cost, scale.scaled(start), jac=True, method="BFGS", options={"maxiter": STEPS})
-        return scale.values(np.asarray(found.x, dtype=float))
+        result = minimize(cost, scale.scaled(start), jac=True, method="BFGS", options={"maxiter": STEPS})
+        return scale.values(np.asarray(result.x, dtype=float))
 
 
 def judged(problem: GrayBoxProblem, values: FloatArray) -> float:
