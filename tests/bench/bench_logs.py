@@ -18,7 +18,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from flexros.config.topics import load_topics
-from flexros.logs.messages.joint_state import TYPE, JointStateTemplate, JointStateView
+from flexros.logs.messages.joint_state import JointStateCodec, JointStateTemplate, JointStateView
 from flexros.logs.messages.joint_trajectory import (
     JointTrajectoryChunk,
     read_joint_trajectory,
@@ -88,12 +88,16 @@ def message_rows() -> list[dict[str, object]]:
     template, view = JointStateTemplate(NAMES, position=True, velocity=True, effort=True), JointStateView(NAMES)
     values = np.array([0.1, 0.2])
     payload = template.fill(10**9, values, values, values)
-    message = store.deserialize_cdr(payload, TYPE)
+    message = store.deserialize_cdr(payload, JointStateCodec.type)
     k = range(N_PEER)
     fill = per_message(lambda: [template.fill(10**9 + i, values, values, values) for i in k], N_PEER)
     read = per_message(lambda: [view.unpack(payload) for _ in k], N_PEER)
-    fill_peers = {"rosbags": per_message(lambda: [store.serialize_cdr(message, TYPE) for _ in k], N_PEER)}
-    read_peers = {"rosbags": per_message(lambda: [store.deserialize_cdr(payload, TYPE) for _ in k], N_PEER)}
+    fill_peers = {
+        "rosbags": per_message(lambda: [store.serialize_cdr(message, JointStateCodec.type) for _ in k], N_PEER)
+    }
+    read_peers = {
+        "rosbags": per_message(lambda: [store.deserialize_cdr(payload, JointStateCodec.type) for _ in k], N_PEER)
+    }
     if find_spec("rclpy"):
         from rclpy.serialization import deserialize_message, serialize_message
         from sensor_msgs.msg import JointState
@@ -148,7 +152,9 @@ def recorder_rows(folder: Path) -> list[dict[str, object]]:
         with (folder / "theirs.mcap").open("wb") as stream:
             writer = McapWriter(stream)
             writer.start("ros2")
-            schema = writer.register_schema(TYPE, "ros2msg", message_schema(TYPE).text.encode())
+            schema = writer.register_schema(
+                JointStateCodec.type, "ros2msg", message_schema(JointStateCodec.type).text.encode()
+            )
             channels = [writer.register_channel(name, "cdr", schema) for name in TOPICS]
             for stamp, payload in zip(stamps[:N_PEER], payloads[:N_PEER], strict=True):
                 for channel in channels:

@@ -17,6 +17,7 @@ from scipy.integrate import solve_ivp
 from flexros.compile.compiled_function import compile_function
 from flexros.compile.loop.arrays import LoopInputs
 from flexros.compile.loop.kernel import LoopKernel, compile_loop
+from flexros.control.context import LoopContext
 from flexros.control.controller import Controller
 from flexros.control.pid import Pid
 from flexros.robot import Robot, load_robot
@@ -51,26 +52,33 @@ class Case:
         robot = load_robot(name)
         law = load_scenario({"e12": "circle_pd", "six_axis": "six_axis_moves"}[name]).controller
         assert isinstance(law, Pid)
-        pd = law.model_copy(update={"ki": 0.0, "derivative_filter": 0.0, "torque_limit": None})
+        pd = law.model_copy(
+            update={"ki": 0.0, "derivative_filter": 0.0, "torque_limit": 1e9}
+        )  # the peers have no limit
         state = robot.equilibrium()
         return cls(name, robot, pd, state, robot.holding_torque(state))
+
+    @property
+    def context(self) -> LoopContext:
+        """Context of the control law."""
+        return LoopContext(self.robot, T)
 
     def references(self, n: int) -> FloatArray:
         motors = self.robot.n_motors
         position = self.robot.model.encoder(self.state[: self.robot.n_coordinates]).full().ravel()
-        push = 0.02 * self.law.gains(motors)[:motors]
+        push = 0.02 * self.law.gains(self.context)[:motors]
         sine = np.sin(2 * np.pi * 2.0 * T * np.arange(n))[:, None] * push
         return np.hstack([np.tile(position, (n, 1)), np.zeros((n, motors)), self.holding + sine])
 
     def kernel(self, lanes: int, engine: Any = "machine_code") -> LoopKernel:
-        controller = self.law.function(self.robot.n_motors, T)
+        controller = self.law.function(self.context)
         functions = PlantModel(self.robot).functions(controller)
         return compile_loop(functions, sample_time=T, lanes=lanes, engine=engine)
 
     def run(self, kernel: LoopKernel, references: FloatArray) -> FloatArray:
         motors = self.robot.n_motors
-        start = delayed_start(self.state, self.law.initial_state(motors), np.zeros(motors), kernel.line_length)
-        inputs = LoopInputs(reference=references, gains=self.law.gains(motors))
+        start = delayed_start(self.state, self.law.initial_state(self.context), np.zeros(motors), kernel.line_length)
+        inputs = LoopInputs(reference=references, gains=self.law.gains(self.context))
         result = kernel.run(start, len(references), inputs, record_pose=False)
         return result.final.plant
 
@@ -109,7 +117,7 @@ def peer_rows(case: Case) -> Iterator[dict[str, Any]]:
     took = seconds(lambda: case.run(kernel, references), 3)
     yield row(case.name, "closed-loop step, CasADi virtual machine", 1e9 * took / n, "ns")
 
-    gains = case.law.gains(motors)
+    gains = case.law.gains(case.context)
     short = np.hstack([references[:, :motors], references[:, 2 * motors :]])
     kp, kd = gains[:motors], gains[2 * motors : 3 * motors]
     arguments = (case.robot, case.state, np.vstack([short, short[-1:]]), kp, kd, T)
@@ -129,9 +137,9 @@ def peer_rows(case: Case) -> Iterator[dict[str, Any]]:
 
 def dop853(case: Case, references: FloatArray) -> FloatArray:
     """Run the loop with SciPy's eighth-order solver on the compiled derivative, sample by sample."""
-    motors, nq = case.robot.n_motors, case.robot.n_coordinates
+    nq = case.robot.n_coordinates
     derivative = compile_function(case.robot.model.derivative)
-    controller = Controller(case.law, motors, T)
+    controller = Controller(case.law, case.context)
     x, rest = case.state, np.zeros(6)
     for reference in references:
         u = controller.step(case.robot.model.encoder(x[:nq]).full().ravel(), reference)
@@ -145,7 +153,7 @@ def dop853(case: Case, references: FloatArray) -> FloatArray:
 
 def node_rows(case: Case) -> Iterator[dict[str, Any]]:
     """Time what the nodes do per sample."""
-    plant, controller = Plant(case.robot, T, case.state, noise=True), Controller(case.law, case.robot.n_motors, T)
+    plant, controller = Plant(case.robot, T, case.state, noise=True), Controller(case.law, case.context)
     reference = case.references(1)[0]
 
     def step() -> None:
